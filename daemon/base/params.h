@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Parameters are declared once, as members of a plain struct with one line each in its `fields()`:
+//
+//   struct Params {
+//     double min_area_mm2 = 300;
+//     static constexpr auto fields() {
+//       return std::tuple{number("min_area_mm2", &Params::min_area_mm2, 0.0, 1e5, "mm2", "smallest blob taken for a ball")};
+//     }
+//   };
+//
+// Reading, range checks, defaults, the JSON schema and with it the panel's widget follow from that line
+// (params_json.h).
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+/// int, double or std::optional of them; the range is closed. An absent optional is JSON null.
+template <class P, class V, class Limit>
+struct NumberField {
+  std::string_view key;
+  V P::*member;
+  Limit min, max;
+  std::string_view unit;  // "mm", "px", "us"...; "" for a plain number
+  std::string_view help;
+};
+
+template <class P>
+struct FlagField {
+  std::string_view key;
+  bool P::*member;
+  std::string_view help;
+};
+
+template <class P>
+struct TextField {
+  std::string_view key;
+  std::string P::*member;
+  std::string_view help;
+};
+
+template <class E>
+struct Choice {
+  std::string_view name;
+  E value;
+};
+
+template <class P, class E, std::size_t N>
+struct ChoiceField {
+  std::string_view key;
+  E P::*member;
+  std::array<Choice<E>, N> choices;
+  std::string_view help;
+};
+
+/// A nested struct with fields() of its own, or std::optional of one (JSON null when absent).
+template <class P, class S>
+struct GroupField {
+  std::string_view key;
+  S P::*member;
+  std::string_view help;
+};
+
+/// A std::vector of structs with fields() of their own.
+template <class P, class S>
+struct ListField {
+  std::string_view key;
+  std::vector<S> P::*member;
+  std::string_view help;
+};
+
+/// A std::vector<std::string>.
+template <class P>
+struct NamesField {
+  std::string_view key;
+  std::vector<std::string> P::*member;
+  std::string_view help;
+};
+
+/// A closed interval [low, high] of integers, written as a JSON array of two.
+template <class P>
+struct RangeField {
+  std::string_view key;
+  std::array<int, 2> P::*member;
+  int min, max;
+  std::string_view unit;
+  std::string_view help;
+};
+
+/// A JSON object whose keys somebody else declares (a stage's parameters, a capture backend's options).
+template <class P, class J>
+struct ObjectField {
+  std::string_view key;
+  J P::*member;
+  std::string_view help;
+};
+
+template <class P, class V, class Limit>
+constexpr auto number(std::string_view key, V P::*member, Limit min, Limit max, std::string_view unit,
+                      std::string_view help) {
+  return NumberField<P, V, Limit>{key, member, min, max, unit, help};
+}
+template <class P>
+constexpr auto flag(std::string_view key, bool P::*member, std::string_view help) {
+  return FlagField<P>{key, member, help};
+}
+template <class P>
+constexpr auto text(std::string_view key, std::string P::*member, std::string_view help) {
+  return TextField<P>{key, member, help};
+}
+template <class P, class E, std::size_t N>
+constexpr auto choice(std::string_view key, E P::*member, const std::array<Choice<E>, N>& choices,
+                      std::string_view help) {
+  return ChoiceField<P, E, N>{key, member, choices, help};
+}
+template <class P, class S>
+constexpr auto group(std::string_view key, S P::*member, std::string_view help) {
+  return GroupField<P, S>{key, member, help};
+}
+template <class P, class S>
+constexpr auto list(std::string_view key, std::vector<S> P::*member, std::string_view help) {
+  return ListField<P, S>{key, member, help};
+}
+template <class P>
+constexpr auto names(std::string_view key, std::vector<std::string> P::*member, std::string_view help) {
+  return NamesField<P>{key, member, help};
+}
+template <class P>
+constexpr auto range(std::string_view key, std::array<int, 2> P::*member, int min, int max, std::string_view unit,
+                     std::string_view help) {
+  return RangeField<P>{key, member, min, max, unit, help};
+}
+template <class P, class J>
+constexpr auto object(std::string_view key, J P::*member, std::string_view help) {
+  return ObjectField<P, J>{key, member, help};
+}
+
+}  // namespace sslv

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// JSON <-> parameter structs (params.h). Paths are JSON pointers (RFC 6901); every error names path, value and
+// what is allowed. Heavy templates: include it only where settings are read or written.
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/params.h"
+
+namespace sslv {
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {
+  using Value = T;
+};
+
+[[noreturn]] inline void refuse(const std::string& path, const Json& value, const std::string& allowed) {
+  std::string shown = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (shown.size() > 60) shown = shown.substr(0, 57) + "...";
+  throw SettingsError(path + ": " + shown + " is not allowed; expected " + allowed);
+}
+
+inline std::string with_unit(std::string text, std::string_view unit) {
+  return unit.empty() ? text : text + " " + std::string(unit);
+}
+
+// ---- reading: the struct's present values are the defaults for keys that are absent
+
+template <class P>
+void read_params(P& params, const Json& json, const std::string& path);
+
+template <class V, class Limit>
+V read_number(const Json& json, const std::string& path, Limit min, Limit max, std::string_view unit) {
+  constexpr bool kInteger = std::is_integral_v<V>;
+  const std::string allowed = with_unit((kInteger ? "a whole number " : "a number ") + Json(min).dump() + " .. " + Json(max).dump(), unit);
+  const bool whole = json.is_number_integer() || (json.is_number() && json.get<double>() == std::floor(json.get<double>()));
+  if (!json.is_number() || (kInteger && !whole)) refuse(path, json, allowed);
+  const double value = json.get<double>();
+  // Written so that NaN fails too.
+  if (!(value >= static_cast<double>(min) && value <= static_cast<double>(max))) refuse(path, json, allowed);
+  return json.get<V>();
+}
+
+template <class P, class V, class L>
+void read_field(P& params, const NumberField<P, V, L>& field, const Json& json, const std::string& path) {
+  if constexpr (IsOptional<V>::value) {
+    if (json.is_null()) {
+      params.*field.member = std::nullopt;
+    } else {
+      params.*field.member = read_number<typename IsOptional<V>::Value>(json, path, field.min, field.max, field.unit);
+    }
+  } else {
+    params.*field.member = read_number<V>(json, path, field.min, field.max, field.unit);
+  }
+}
+
+template <class P>
+void read_field(P& params, const FlagField<P>& field, const Json& json, const std::string& path) {
+  if (!json.is_boolean()) refuse(path, json, "true or false");
+  params.*field.member = json.get<bool>();
+}
+
+template <class P>
+void read_field(P& params, const TextField<P>& field, const Json& json, const std::string& path) {
+  if (!json.is_string()) refuse(path, json, "a text");
+  params.*field.member = json.get<std::string>();
+}
+
+template <class P, class E, std::size_t N>
+void read_field(P& params, const ChoiceField<P, E, N>& field, const Json& json, const std::string& path) {
+  std::string allowed = "one of";
+  for (const auto& choice : field.choices) {
+    if (json.is_string() && json.get_ref<const std::string&>() == choice.name) {
+      params.*field.member = choice.value;
+      return;
+    }
+    allowed += " \"" + std::string(choice.name) + "\"";
+  }
+  refuse(path, json, allowed);
+}
+
+template <class P, class S>
+void read_field(P& params, const GroupField<P, S>& field, const Json& json, const std::string& path) {
+  if constexpr (IsOptional<S>::value) {
+    if (json.is_null()) {
+      params.*field.member = std::nullopt;
+    } else {
+      typename IsOptional<S>::Value value;
+      read_params(value, json, path);
+      params.*field.member = std::move(value);
+    }
+  } else {
+    read_params(params.*field.member, json, path);
+  }
+}
+
+template <class P, class S>
+void read_field(P& params, const ListField<P, S>& field, const Json& json, const std::string& path) {
+  if (!json.is_array()) refuse(path, json, "a list");
+  std::vector<S> values;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    read_params(values.emplace_back(), json[i], path + "/" + std::to_string(i));
+  }
+  params.*field.member = std::move(values);
+}
+
+template <class P>
+void read_field(P& params, const NamesField<P>& field, const Json& json, const std::string& path) {
+  if (!json.is_array()) refuse(path, json, "a list of names");
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    if (!json[i].is_string()) refuse(path + "/" + std::to_string(i), json[i], "a name");
+    values.push_back(json[i].get<std::string>());
+  }
+  params.*field.member = std::move(values);
+}
+
+template <class P>
+void read_field(P& params, const RangeField<P>& field, const Json& json, const std::string& path) {
+  if (!json.is_array() || json.size() != 2) refuse(path, json, "[low, high]");
+  std::array<int, 2> value{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    value[i] = read_number<int>(json[i], path + "/" + std::to_string(i), field.min, field.max, field.unit);
+  }
+  if (value[0] > value[1]) refuse(path, json, "[low, high] with low <= high");
+  params.*field.member = value;
+}
+
+template <class P, class J>
+void read_field(P& params, const ObjectField<P, J>& field, const Json& json, const std::string& path) {
+  if (!json.is_object()) refuse(path, json, "an object");
+  params.*field.member = json;
+}
+
+/// Reads the keys that are present. Throws SettingsError for an unknown key or a value that is not allowed;
+/// `params` is then unspecified.
+template <class P>
+void read_params(P& params, const Json& json, const std::string& path) {
+  if (!json.is_object()) refuse(path.empty() ? "/" : path, json, "an object");
+  for (const auto& item : json.items()) {
+    const std::string item_path = path + "/" + item.key();
+    if (item.key() == "//") continue;  // a comment: JSON has none, and sample settings want them
+    bool found = false;
+    std::string known;
+    const auto try_field = [&](const auto& field) {
+      if (found) return;
+      if (field.key == item.key()) {
+        read_field(params, field, item.value(), item_path);
+        found = true;
+      }
+      known += (known.empty() ? "" : ", ") + std::string(field.key);
+    };
+    std::apply([&](const auto&... field) { (try_field(field), ...); }, P::fields());
+    if (!found) throw SettingsError(item_path + ": no such parameter; known: " + (known.empty() ? "none" : known));
+  }
+}
+
+/// Defaults of P with the keys of `json` read over them.
+template <class P>
+P params_from_json(const Json& json, const std::string& path) {
+  P params;
+  read_params(params, json, path);
+  return params;
+}
+
+// ---- writing
+
+template <class P>
+Json params_to_json(const P& params);
+
+template <class P, class V, class L>
+Json write_field(const P& params, const NumberField<P, V, L>& field) {
+  if constexpr (IsOptional<V>::value) {
+    const auto& value = params.*field.member;
+    return value ? Json(*value) : Json(nullptr);
+  } else {
+    return Json(params.*field.member);
+  }
+}
+template <class P>
+Json write_field(const P& params, const FlagField<P>& field) {
+  return params.*field.member;
+}
+template <class P>
+Json write_field(const P& params, const TextField<P>& field) {
+  return params.*field.member;
+}
+template <class P, class E, std::size_t N>
+Json write_field(const P& params, const ChoiceField<P, E, N>& field) {
+  for (const auto& choice : field.choices) {
+    if (params.*field.member == choice.value) return std::string(choice.name);
+  }
+  return nullptr;
+}
+template <class P, class S>
+Json write_field(const P& params, const GroupField<P, S>& field) {
+  if constexpr (IsOptional<S>::value) {
+    const auto& value = params.*field.member;
+    return value ? params_to_json(*value) : Json(nullptr);
+  } else {
+    return params_to_json(params.*field.member);
+  }
+}
+template <class P, class S>
+Json write_field(const P& params, const ListField<P, S>& field) {
+  Json out = Json::array();
+  for (const S& value : params.*field.member) out.push_back(params_to_json(value));
+  return out;
+}
+template <class P>
+Json write_field(const P& params, const NamesField<P>& field) {
+  return params.*field.member;
+}
+template <class P>
+Json write_field(const P& params, const RangeField<P>& field) {
+  return params.*field.member;
+}
+template <class P, class J>
+Json write_field(const P& params, const ObjectField<P, J>& field) {
+  return params.*field.member;
+}
+
+template <class P>
+Json params_to_json(const P& params) {
+  Json out = Json::object();
+  std::apply([&](const auto&... field) { ((out[std::string(field.key)] = write_field(params, field)), ...); },
+             P::fields());
+  return out;
+}
+
+// ---- JSON Schema (2020-12)
+
+template <class P>
+Json params_schema();
+
+template <class P, class V, class L>
+Json field_schema(const NumberField<P, V, L>& field) {
+  Json out;
+  if constexpr (IsOptional<V>::value) {
+    out["type"] = {std::is_integral_v<typename IsOptional<V>::Value> ? "integer" : "number", "null"};
+  } else {
+    out["type"] = std::is_integral_v<V> ? "integer" : "number";
+  }
+  out["minimum"] = field.min;
+  out["maximum"] = field.max;
+  if (!field.unit.empty()) out["x-unit"] = field.unit;
+  return out;
+}
+template <class P>
+Json field_schema(const FlagField<P>&) {
+  return {{"type", "boolean"}};
+}
+template <class P>
+Json field_schema(const TextField<P>&) {
+  return {{"type", "string"}};
+}
+template <class P, class E, std::size_t N>
+Json field_schema(const ChoiceField<P, E, N>& field) {
+  Json out{{"type", "string"}, {"enum", Json::array()}};
+  for (const auto& choice : field.choices) out["enum"].push_back(choice.name);
+  return out;
+}
+template <class P, class S>
+Json field_schema(const GroupField<P, S>&) {
+  if constexpr (IsOptional<S>::value) {
+    Json out = params_schema<typename IsOptional<S>::Value>();
+    out["type"] = {"object", "null"};
+    return out;
+  } else {
+    return params_schema<S>();
+  }
+}
+template <class P, class S>
+Json field_schema(const ListField<P, S>&) {
+  return {{"type", "array"}, {"items", params_schema<S>()}};
+}
+template <class P>
+Json field_schema(const NamesField<P>&) {
+  return {{"type", "array"}, {"items", {{"type", "string"}}}};
+}
+template <class P>
+Json field_schema(const RangeField<P>& field) {
+  Json out{{"type", "array"},
+           {"items", {{"type", "integer"}, {"minimum", field.min}, {"maximum", field.max}}},
+           {"minItems", 2},
+           {"maxItems", 2}};
+  if (!field.unit.empty()) out["x-unit"] = field.unit;
+  return out;
+}
+template <class P, class J>
+Json field_schema(const ObjectField<P, J>&) {
+  return {{"type", "object"}};
+}
+
+/// Schema of one parameter struct: properties with type, range, default, unit (x-unit) and help (description).
+template <class P>
+Json params_schema() {
+  const P defaults{};
+  Json properties = Json::object();
+  const auto add = [&](const auto& field) {
+    Json one = field_schema(field);
+    one["description"] = field.help;
+    one["default"] = write_field(defaults, field);
+    properties[std::string(field.key)] = std::move(one);
+  };
+  std::apply([&](const auto&... field) { (add(field), ...); }, P::fields());
+  return {{"type", "object"}, {"additionalProperties", false}, {"properties", properties}};
+}
+
+}  // namespace sslv

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json.h"
+#include "geometry/scene.h"
+#include "image/image.h"
+
+namespace sslv {
+
+/// A picture as the camera gave it.
+struct CapturedImage {
+  Image image;                                 // borrows the driver's buffer
+  double t_capture_s = 0;                      // Unix time of the exposure, as well as the backend knows it
+  std::optional<double> t_capture_camera_s{};  // the camera's own clock
+  std::string name{};                          // file stem of a recorded frame; empty (no allocation) for live ones
+};
+
+/// What became of one attempt to get a picture.
+enum class CaptureStatus {
+  kImage,       // `image` is filled
+  kTimeout,     // nothing came; try again
+  kIncomplete,  // a picture came damaged (lost packets, unreadable file): counted and skipped
+  kEnd,         // a recording has ended
+  kLost,        // the camera is gone: close it and open it anew
+};
+
+/// An open camera. One thread uses it. Opening is the constructor's work and reports failure by throwing
+/// CaptureError; closing is the destructor's and may block on dead hardware, so keep it off critical threads.
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  /// Waits up to `timeout` for the next picture. Never throws; says why in `problem` for kIncomplete and kLost.
+  virtual CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) = 0;
+};
+
+/// A camera that cannot be opened; one line for the admin.
+struct CaptureError : std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// What a backend may need to know of the rest.
+struct SourceContext {
+  std::uint32_t camera_id = 0;
+  Scene scene;  // the simulator draws it; real cameras do not look at it
+};
+
+/// A camera that could be opened.
+struct FoundCamera {
+  std::string name;  // model and serial, for people
+  Json source;       // settings lines to paste
+};
+
+/// A row of the table of capture backends. `options` are the keys beside "backend" in a camera's "source".
+struct Backend {
+  std::string_view name, help;
+  /// Options with defaults filled in; throws SettingsError, beginning with `path`.
+  Json (*complete)(const Json& options, const std::string& path);
+  Json (*schema)();
+  /// Opens the camera; throws CaptureError. `options` have passed `complete`.
+  std::unique_ptr<Source> (*open)(const Json& options, const SourceContext& context);
+  std::vector<FoundCamera> (*list)();  // cameras found now
+};
+
+}  // namespace sslv

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "geometry/camera_model.h"
+#include "geometry/field.h"
+
+namespace sslv {
+
+/// Index into per-team arrays.
+enum class Team : std::uint8_t { kYellow = 0, kBlue = 1 };
+
+/// What one camera's frames mean: the field, the camera and the height of the teams' patterns. Immutable
+/// while a frame is processed.
+struct Scene {
+  FieldSize field;
+  std::optional<CameraModel> camera;  // none before calibration: nothing can be located then
+  std::array<double, 2> robot_height_mm{140, 140};
+
+  double height_of(Team team) const { return robot_height_mm[static_cast<std::size_t>(team)]; }
+};
+
+}  // namespace sslv

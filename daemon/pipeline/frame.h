@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The schema: everything known about one captured frame, and everything that is constant while it is
+// processed. A new kind of data is one member and one line here.
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "geometry/scene.h"
+#include "image/frame_info.h"
+#include "image/image.h"
+#include "vision/detections.h"
+#include "vision/lut.h"
+#include "vision/patterns.h"
+#include "vision/regions.h"
+
+namespace sslv {
+
+/// One per slot of a camera's ring, reused: lists keep their capacity. Parts are told apart by their type.
+struct Frame {
+  FrameInfo info;
+  Image image;
+  LabelImage labels;
+  RunList runs;
+  RegionList regions;
+  RobotList robots;
+  BallList balls;
+  std::vector<std::int64_t> stage_ns;  // time each stage of the stack took, written by the pipeline
+};
+
+/// What the admin has set up for one camera, swapped as a whole between frames.
+struct World {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Lut> lut;
+  std::shared_ptr<const PatternTable> patterns;
+};
+
+/// A part's name in error messages and its place in Frame.
+template <class T>
+struct Part {
+  std::string_view name;
+  T Frame::*member;
+};
+template <class T>
+Part(std::string_view, T Frame::*) -> Part<T>;
+
+inline constexpr std::tuple kParts{
+    Part{"info", &Frame::info}, Part{"image", &Frame::image},     Part{"labels", &Frame::labels},
+    Part{"runs", &Frame::runs}, Part{"regions", &Frame::regions}, Part{"robots", &Frame::robots},
+    Part{"balls", &Frame::balls},
+};
+
+}  // namespace sslv

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/clock.h"
+
+namespace sslv {
+namespace {
+
+std::string part_name(std::size_t index) {
+  static constexpr auto kNames =
+      std::apply([](const auto&... part) { return std::array{part.name...}; }, kParts);
+  return std::string(kNames[index]);
+}
+
+const StageType& find_stage(std::span<const StageType> table, const std::string& name, const std::string& path) {
+  const auto found = std::find_if(table.begin(), table.end(), [&](const StageType& type) { return type.name == name; });
+  if (found != table.end()) return *found;
+  std::string known;
+  for (const StageType& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
+  throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, name, known));
+}
+
+}  // namespace
+
+Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack, const std::string& path)
+    : table_(table), stack_(stack) {
+  // Capture provides these two.
+  PartSet have = PartSet{}.set(part_index<FrameInfo>()).set(part_index<Image>());
+  std::array<std::string, kPartCount> writer;
+  for (std::size_t s = 0; s < stack.size(); ++s) {
+    const std::string here = fmt::format("{}/{}", path, s);
+    const StageType& type = find_stage(table, stack[s], here);
+    if (std::count(stack.begin(), stack.end(), stack[s]) > 1) {
+      throw SettingsError(fmt::format("{}: stage '{}' stands in the stack twice", here, stack[s]));
+    }
+    for (std::size_t i = 0; i < kPartCount; ++i) {
+      if (type.reads[i] && !have[i]) {
+        throw SettingsError(
+            fmt::format("{}: stage '{}' needs '{}', which no earlier stage provides", here, type.name, part_name(i)));
+      }
+      if (type.writes[i] && have[i]) {
+        throw SettingsError(fmt::format("{}: stage '{}' would overwrite '{}', which {} provides", here, type.name,
+                                        part_name(i), writer[i].empty() ? "the camera" : "'" + writer[i] + "'"));
+      }
+      if (type.writes[i]) writer[i] = type.name;
+    }
+    have |= type.writes;
+    steps_.push_back(std::make_unique<Running>(type));
+  }
+}
+
+Pipeline::Parameters Pipeline::make_parameters(const Json& stages, const std::string& path) const {
+  const Json complete = complete_stage_settings(table_, stages, path);
+  Parameters parameters;
+  for (const auto& step : steps_) {
+    const std::string name(step->type->name);
+    parameters.push_back(step->type->make_params(complete.at(name), path + "/" + name));
+  }
+  return parameters;
+}
+
+void Pipeline::run(Frame& frame, const World& world, const DetectionSink& sink, const Parameters& parameters) noexcept {
+  const Inputs inputs{frame, world, sink};
+  frame.stage_ns.resize(steps_.size());
+  std::int64_t before = steady_ns();
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    steps_[i]->step->run(inputs, parameters[i].get());
+    const std::int64_t after = steady_ns();
+    frame.stage_ns[i] = after - before;
+    steps_[i]->durations.add_ns(after - before);
+    before = after;
+  }
+}
+
+Json complete_stage_settings(std::span<const StageType> table, const Json& stages, const std::string& path) {
+  if (!stages.is_object()) refuse(path, stages, "an object of stages");
+  for (const auto& item : stages.items()) find_stage(table, item.key(), path + "/" + item.key());
+  Json complete = Json::object();
+  for (const StageType& type : table) {
+    const std::string name(type.name);
+    complete[name] = type.complete(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
+  }
+  return complete;
+}
+
+}  // namespace sslv

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/recent.h"
+#include "pipeline/stage.h"
+
+namespace sslv {
+
+/// The stages of one camera in their order, checked. Made when the stack changes; parameters may change
+/// without (Parameters below). Used by one thread at a time.
+class Pipeline {
+ public:
+  /// Throws SettingsError, beginning with `path`, for an unknown stage, a stage listed twice, a part that no
+  /// earlier stage provides or that two stages write. `table` must outlive the pipeline.
+  Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack, const std::string& path);
+
+  /// One parameter set for each stage of the stack, taken together, so that a frame sees all of a change or none.
+  using Parameters = std::vector<StageParams>;
+
+  /// `stages` maps stage names to their parameters; absent ones keep their defaults. Throws SettingsError,
+  /// beginning with `path`, for a stage that is not in the table or a parameter that is not allowed.
+  Parameters make_parameters(const Json& stages, const std::string& path) const;
+
+  /// Runs every stage on `frame` in order and notes each one's time in frame.stage_ns. No allocation of its own
+  /// once frame.stage_ns has its capacity.
+  void run(Frame& frame, const World& world, const DetectionSink& sink, const Parameters& parameters) noexcept;
+
+  const std::vector<std::string>& stack() const { return stack_; }
+  /// Recent durations of stage i of the stack; may be read from any thread.
+  const RecentDurations& durations(std::size_t i) const { return steps_[i]->durations; }
+
+ private:
+  struct Running {
+    explicit Running(const StageType& stage_type) : type(&stage_type), step(stage_type.create()) {}
+    const StageType* type;
+    std::unique_ptr<Step> step;
+    RecentDurations durations;
+  };
+  std::span<const StageType> table_;
+  std::vector<std::string> stack_;
+  std::vector<std::unique_ptr<Running>> steps_;
+};
+
+/// Fills in the defaults of every stage of `stages` and checks it; throws as make_parameters does.
+Json complete_stage_settings(std::span<const StageType> table, const Json& stages, const std::string& path);
+
+}  // namespace sslv

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tuple>
+
+#include "pipeline/stage.h"
+
+namespace sslv {
+
+/// Hands the frame's detections to the sink from the camera's own thread: nothing stands between the last
+/// detector and the socket.
+class Publish {
+ public:
+  struct Params {
+    static constexpr auto fields() { return std::tuple{}; }
+  };
+  void process(const Params&, const FrameInfo& info, const RobotList& robots, const BallList& balls,
+               const DetectionSink& sink) noexcept {
+    sink.publish(info, robots, balls);
+  }
+};
+
+}  // namespace sslv

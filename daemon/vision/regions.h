@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "vision/label.h"
+
+namespace sslv {
+
+/// One label per cell. A cell is a pixel, or for Bayer pictures a 2x2 quad of them.
+struct LabelImage {
+  int width = 0, height = 0;  // cells
+  int cell_px = 1;            // side of a cell: 1, or 2 for Bayer
+  std::vector<Label> labels;  // width * height, row by row
+
+  const Label* row(int y) const { return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
+  Label* row(int y) { return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
+};
+
+/// Neighbouring cells of a row with the same label, which is never "clear".
+struct Run {
+  std::uint16_t y, x_begin, x_end;  // cells; x_end is one past the last
+  Label label;
+};
+
+struct RunList {
+  int width = 0, height = 0;  // cells of the label image
+  int cell_px = 1;
+  std::vector<Run> runs;  // in reading order
+  bool capped = false;    // the cap was hit: rows below the last run are missing, the frame is flagged
+};
+
+/// Connected cells of one label.
+struct Region {
+  Label label;
+  std::uint32_t area_px;             // pixels of the picture, also for Bayer
+  std::uint16_t left, top, right, bottom;  // box in pixels, inclusive
+  float x_px, y_px;                  // centroid, in pixels of the picture
+  std::uint32_t first_run;           // index into RunList::runs
+};
+
+struct RegionList {
+  std::vector<Region> regions;  // by label, then by falling area, then in reading order
+  bool capped = false;          // there were more than the cap allows, the frame is flagged
+
+  /// All regions of a label, largest first.
+  std::span<const Region> of(Label label) const {
+    return std::span(regions).subspan(begin[label], begin[label + 1U] - begin[label]);
+  }
+  std::array<std::uint32_t, 257> begin{};  // begin[l] .. begin[l + 1] are the regions of label l
+};
+
+}  // namespace sslv
