@@ -34,4 +34,7 @@ struct PatternTable {
 /// colours, an id twice, or two codes that look alike when the robot turns (both named).
 PatternTable parse_patterns(const std::string& json_text, const std::string& path);
 
+/// The league's table, config/patterns/league.json, built into the program.
+const PatternTable& league_patterns();
+
 }  // namespace sslv

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "base/params.h"
+#include "vision/regions.h"
+
+namespace sslv {
+
+enum class Connectivity { kFour, kEight };
+
+/// Joins runs of one label that touch into regions (union-find over rows, Bruce et al. 2000), with area, centroid
+/// and box, sorted by label and falling area.
+class FindRegions {
+ public:
+  struct Params {
+    int min_cells = 2;
+    int max_regions = 20'000;
+    Connectivity connectivity = Connectivity::kFour;
+    static constexpr auto fields() {
+      return std::tuple{
+          number("min_cells", &Params::min_cells, 1, 1'000, "cells",
+                 "regions of fewer cells are noise and dropped at once; a speed limit, not a size filter (those are in mm)"),
+          number("max_regions", &Params::max_regions, 100, 1'000'000, "",
+                 "cap on regions: beyond it the smallest are dropped, the frame flagged and counted"),
+          choice("connectivity", &Params::connectivity,
+                 std::array{Choice<Connectivity>{"4", Connectivity::kFour}, Choice<Connectivity>{"8", Connectivity::kEight}},
+                 "whether cells that touch only at a corner belong together"),
+      };
+    }
+  };
+  void process(const Params& params, const RunList& runs, RegionList& regions) noexcept;
+
+ private:
+  /// Sums over the runs of a region, kept at its root run. Coordinates in cells.
+  struct Sums {
+    std::uint32_t parent;
+    std::uint32_t cells;
+    std::uint64_t x, y;  // x: twice the sum, so that it stays whole
+    std::uint16_t left, top, right, bottom;
+  };
+  std::uint32_t root_of(std::uint32_t run);
+  void join(std::uint32_t a, std::uint32_t b);
+
+  std::vector<Sums> sums_;
+  std::vector<Region> unsorted_;
+};
+
+}  // namespace sslv
