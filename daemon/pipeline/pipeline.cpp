@@ -64,7 +64,7 @@ Pipeline::Parameters Pipeline::make_parameters(const Json& stages, const std::st
   return parameters;
 }
 
-void Pipeline::run(Frame& frame, const World& world, const DetectionSink& sink, const Parameters& parameters) noexcept {
+void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink, const Parameters& parameters) noexcept {
   const Inputs inputs{frame, world, sink};
   frame.stage_ns.resize(steps_.size());
   std::int64_t before = steady_ns();

@@ -15,7 +15,7 @@ class Publish {
     static constexpr auto fields() { return std::tuple{}; }
   };
   void process(const Params&, const FrameInfo& info, const RobotList& robots, const BallList& balls,
-               const DetectionSink& sink) noexcept {
+               DetectionSink& sink) noexcept {
     sink.publish(info, robots, balls);
   }
 };

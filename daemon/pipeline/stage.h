@@ -8,7 +8,7 @@
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
 // whose signature is the contract: `const T&` reads the part of type T, `T&` writes it afresh, `Update<T>` edits it
-// in place. `const Scene&`, `const Lut&` and `const PatternTable&` are constants of the camera, `const DetectionSink&`
+// in place. `const Scene&`, `const Lut&` and `const PatternTable&` are constants of the camera, `DetectionSink&`
 // is where results leave the process. Any other parameter does not compile.
 
 #include <bitset>
@@ -29,7 +29,7 @@ class DetectionSink {
  public:
   virtual ~DetectionSink() = default;
   /// Called from the camera's thread, once a frame, also when nothing was found. Must not block.
-  virtual void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) const noexcept = 0;
+  virtual void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept = 0;
 };
 
 inline constexpr std::size_t kPartCount = std::tuple_size_v<decltype(kParts)>;
@@ -62,7 +62,7 @@ struct Update {
 struct Inputs {
   Frame& frame;
   const World& world;
-  const DetectionSink& sink;
+  DetectionSink& sink;
 };
 
 template <class T>
@@ -73,7 +73,7 @@ template <class Arg>
 struct Feed {
   static_assert(!sizeof(Arg),
                 "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor a constant of "
-                "the camera (const Scene&, const Lut&, const PatternTable&, const DetectionSink&): see pipeline/frame.h");
+                "the camera (const Scene&, const Lut&, const PatternTable&), nor DetectionSink&: see pipeline/frame.h");
 };
 template <class T>
   requires kIsPart<T>
@@ -109,8 +109,8 @@ struct Feed<const PatternTable&> {
   static void declare(PartSet&, PartSet&) {}
 };
 template <>
-struct Feed<const DetectionSink&> {
-  static const DetectionSink& get(const Inputs& in) { return in.sink; }
+struct Feed<DetectionSink&> {
+  static DetectionSink& get(const Inputs& in) { return in.sink; }
   static void declare(PartSet&, PartSet&) {}
 };
 

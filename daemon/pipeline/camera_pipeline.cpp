@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/camera_pipeline.h"
+
+namespace sslv {
+
+CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup)
+    : camera_id_(camera_id), sink_(sink), setup_(std::move(setup)) {}
+
+const Frame& CameraPipeline::process(Image image, double t_capture_s,
+                                     std::optional<double> t_capture_camera_s) noexcept {
+  const auto setup = setup_.load();
+  current_ = ring_.acquire();
+  Frame& frame = current_ ? *current_ : spare_;
+  frame.info = {camera_id_, next_number_++, t_capture_s, t_capture_camera_s};
+  frame.image = std::move(image);
+  setup->pipeline->run(frame, setup->world, sink_, setup->parameters);
+
+  frames_.fetch_add(1, std::memory_order_relaxed);
+  if (frame.runs.capped || frame.regions.capped) capped_.fetch_add(1, std::memory_order_relaxed);
+  robots_.store(static_cast<std::uint32_t>(frame.robots.robots.size()), std::memory_order_relaxed);
+  balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
+  if (current_) {
+    finished_.put(current_);
+  } else {
+    frame.image = Image();
+    unseen_.fetch_add(1, std::memory_order_relaxed);
+  }
+  return frame;
+}
+
+CameraPipeline::Counters CameraPipeline::counters() const {
+  return {frames_.load(std::memory_order_relaxed), capped_.load(std::memory_order_relaxed),
+          unseen_.load(std::memory_order_relaxed), robots_.load(std::memory_order_relaxed),
+          balls_.load(std::memory_order_relaxed)};
+}
+
+}  // namespace sslv

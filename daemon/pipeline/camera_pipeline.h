@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "base/latest.h"
+#include "base/snapshot.h"
+#include "pipeline/frame_ring.h"
+#include "pipeline/pipeline.h"
+
+namespace sslv {
+
+/// What a camera's frames are processed with, swapped as a whole between two frames.
+struct CameraSetup {
+  std::shared_ptr<Pipeline> pipeline;
+  Pipeline::Parameters parameters;
+  World world;
+};
+
+/// One camera's way from picture to published detections: numbers the frames, runs the stack, offers the finished
+/// frame to viewers. `process` is called by one thread; the rest from anywhere.
+class CameraPipeline {
+ public:
+  struct Counters {
+    std::uint64_t frames = 0;   // processed
+    std::uint64_t capped = 0;   // of them flagged: a list hit its cap
+    std::uint64_t unseen = 0;   // of them not offered to viewers, who held all of the ring
+    std::uint32_t robots = 0, balls = 0;  // in the newest frame
+  };
+
+  /// `sink` must outlive this.
+  CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup);
+
+  /// Takes force with the next frame.
+  void change(CameraSetup setup) { setup_.store(std::move(setup)); }
+  std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
+
+  /// Runs the stack on one picture. The result is valid until the next call.
+  const Frame& process(Image image, double t_capture_s, std::optional<double> t_capture_camera_s) noexcept;
+
+  /// Finished frames, the newest only.
+  const Latest<FrameRef>& finished() const { return finished_; }
+  /// Lets go of the newest frame and wakes all who wait for one; before the camera's driver goes away.
+  void close() { finished_.close(); }
+
+  Counters counters() const;
+
+ private:
+  // The newest frame, the one being processed, and one each for a few viewers' tasks.
+  static constexpr std::size_t kRingSlots = 8;
+
+  const std::uint32_t camera_id_;
+  DetectionSink& sink_;
+  Snapshot<CameraSetup> setup_;
+  FrameRing ring_{kRingSlots};
+  Frame spare_;  // used when viewers hold the whole ring: never offered
+  FrameRef current_;
+  Latest<FrameRef> finished_;
+  std::uint32_t next_number_ = 0;
+  std::atomic<std::uint64_t> frames_{0}, capped_{0}, unseen_{0};
+  std::atomic<std::uint32_t> robots_{0}, balls_{0};
+};
+
+}  // namespace sslv

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "settings/store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "base/log.h"
+
+namespace sslv {
+namespace {
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  ~FileDescriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
+  throw StorageError(fmt::format("cannot {} {}: {}", what, file.string(), std::strerror(errno)));
+}
+
+}  // namespace
+
+Json read_json_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file)) {
+    throw SettingsError(fmt::format("{}: cannot be read: {}", file.string(),
+                                    in ? "is a folder" : std::strerror(errno)));
+  }
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const auto upto = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = 1 + std::count(upto.begin(), upto.end(), '\n');
+    const auto column = upto.size() - (upto.rfind('\n') == std::string::npos ? 0 : upto.rfind('\n') + 1) + 1;
+    std::string what = error.what();  // "[json.exception...] parse error at line 1, column 2: <the reason>"
+    const auto reason = what.find(": ");
+    throw SettingsError(fmt::format("{}: line {}, column {}: no JSON: {}", file.string(), line, column,
+                                    reason == std::string::npos ? what : what.substr(reason + 2)));
+  }
+}
+
+void write_file_durably(const std::filesystem::path& file, const std::string& content) {
+  const std::filesystem::path temporary = file.string() + ".new";
+  {
+    const FileDescriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+    if (out.get() < 0) fail(temporary, "write");
+    std::size_t written = 0;
+    while (written < content.size()) {
+      const ssize_t n = ::write(out.get(), content.data() + written, content.size() - written);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail(temporary, "write");
+      written += static_cast<std::size_t>(n);
+    }
+    if (::fsync(out.get()) != 0) fail(temporary, "write");
+  }
+  if (::rename(temporary.c_str(), file.c_str()) != 0) fail(file, "replace");
+  const FileDescriptor folder(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.get() < 0 || ::fsync(folder.get()) != 0) fail(file.parent_path(), "sync");
+}
+
+SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder, Check check)
+    : admin_file_(std::move(admin_file)), state_folder_(std::move(state_folder)), check_(std::move(check)) {
+  const Json from_file = read_json_file(admin_file_);
+  try {
+    admin_settings_ = check_(from_file);
+  } catch (const SettingsError& error) {
+    throw SettingsError(fmt::format("{}: {}", admin_file_.string(), error.what()));
+  }
+  version_ = {1, admin_settings_};
+  for (const auto& file : {changes_file(), previous_file()}) {
+    if (const auto loaded = load_changes(file)) {
+      version_ = *loaded;
+      break;
+    }
+  }
+}
+
+std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return std::nullopt;
+  try {
+    const Json saved = read_json_file(file);
+    Version version{saved.at("revision").get<std::uint64_t>(), check_(admin_settings_.patch(saved.at("changes")))};
+    return version;
+  } catch (const std::exception& error) {
+    const std::filesystem::path aside = file.string() + ".rejected";
+    std::filesystem::rename(file, aside, ignored);
+    const std::string text = fmt::format("saved changes in {} do not fit {} and were set aside as {}: {}", file.string(),
+                                         admin_file_.string(), aside.string(), error.what());
+    log::error("{}", text);
+    problem_ += (problem_.empty() ? "" : "; ") + text;
+    return std::nullopt;
+  }
+}
+
+SettingsStore::Version SettingsStore::current() const {
+  const std::lock_guard lock(mutex_);
+  return version_;
+}
+
+SettingsStore::Version SettingsStore::patch(const Json& patch, std::optional<std::uint64_t> if_revision,
+                                            const Prepare& prepare) {
+  const std::lock_guard lock(mutex_);
+  if (if_revision && *if_revision != version_.revision) {
+    throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}", version_.revision,
+                                    *if_revision));
+  }
+  Json changed;
+  try {
+    changed = version_.settings.patch(patch);
+  } catch (const Json::exception& error) {
+    throw SettingsError(fmt::format("not a JSON Patch that fits the settings: {}", error.what()));
+  }
+  Version next{version_.revision + 1, check_(changed)};
+  const auto put_into_force = prepare(next.settings);
+
+  const Json saved{{"revision", next.revision}, {"changes", Json::diff(admin_settings_, next.settings)}};
+  std::error_code error;
+  std::filesystem::create_directories(state_folder_, error);
+  if (std::filesystem::exists(changes_file(), error)) {
+    std::filesystem::copy_file(changes_file(), previous_file(), std::filesystem::copy_options::overwrite_existing, error);
+  }
+  write_file_durably(changes_file(), saved.dump(2) + "\n");
+  put_into_force();
+  version_ = next;
+  return next;
+}
+
+}  // namespace sslv
