@@ -24,6 +24,7 @@ class Latest {
   void put(T value) {
     {
       const std::lock_guard lock(mutex_);
+      if (closed_) return;
       std::swap(value_, value);
       ++version_;
     }
@@ -45,7 +46,7 @@ class Latest {
     return Versioned{version_, value_};
   }
 
-  /// Wakes all readers for good and lets go of the value.
+  /// Wakes all readers for good and lets go of the value, and at once of every later one.
   void close() {
     T old{};
     {

@@ -16,6 +16,9 @@
 
 namespace sslv {
 
+/// Ignored in every object: JSON has no comments, and sample settings want them.
+inline constexpr std::string_view kCommentKey = "//";
+
 template <class T>
 struct IsOptional : std::false_type {};
 template <class T>
@@ -24,8 +27,13 @@ struct IsOptional<std::optional<T>> : std::true_type {
 };
 
 [[noreturn]] inline void refuse(const std::string& path, const Json& value, const std::string& allowed) {
+  constexpr std::size_t kLongest = 60;
   std::string shown = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (shown.size() > 60) shown = shown.substr(0, 57) + "...";
+  if (shown.size() > kLongest) {
+    std::size_t cut = kLongest - 3;
+    while ((shown[cut] & 0xC0) == 0x80) --cut;  // never inside a UTF-8 character
+    shown = shown.substr(0, cut) + "...";
+  }
   throw SettingsError(path + ": " + shown + " is not allowed; expected " + allowed);
 }
 
@@ -148,7 +156,7 @@ void read_params(P& params, const Json& json, const std::string& path) {
   if (!json.is_object()) refuse(path.empty() ? "/" : path, json, "an object");
   for (const auto& item : json.items()) {
     const std::string item_path = path + "/" + item.key();
-    if (item.key() == "//") continue;  // a comment: JSON has none, and sample settings want them
+    if (item.key() == kCommentKey) continue;
     bool found = false;
     std::string known;
     const auto try_field = [&](const auto& field) {

@@ -60,8 +60,8 @@ struct FieldArc {
   double x, y, radius, a1, a2;
 };
 
-/// The league's lines for a field of this size, named as SSL_FieldShapeType, without the optional CenterLine
-/// unless asked for.
+/// The league's lines for a field of this size, named as SSL_FieldShapeType. CenterLine is optional there; lines of
+/// a penalty area without size are left out.
 std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line = true);
 std::vector<FieldArc> field_arcs(const FieldSize& field);
 

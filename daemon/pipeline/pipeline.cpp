@@ -79,7 +79,9 @@ void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink, const 
 
 Json complete_stage_settings(std::span<const StageType> table, const Json& stages, const std::string& path) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");
-  for (const auto& item : stages.items()) find_stage(table, item.key(), path + "/" + item.key());
+  for (const auto& item : stages.items()) {
+    if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + item.key());
+  }
   Json complete = Json::object();
   for (const StageType& type : table) {
     const std::string name(type.name);

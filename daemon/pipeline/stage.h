@@ -135,9 +135,10 @@ struct StageType {
   Json (*schema)();
 };
 
-template <class S, class... Args>
+template <class S, bool kNoexcept, class... Args>
 StageType describe_stage(std::string_view name, std::string_view help,
-                         void (S::*)(const typename S::Params&, Args...) noexcept) {
+                         void (S::*)(const typename S::Params&, Args...) noexcept(kNoexcept)) {
+  static_assert(kNoexcept, "process() must be noexcept: nobody catches what a stage throws");
   using Params = typename S::Params;
   struct Bound final : Step {
     S stage;
@@ -164,6 +165,7 @@ StageType describe_stage(std::string_view name, std::string_view help,
 /// The row for stage class S. A process() that can throw does not compile.
 template <class S>
 StageType stage(std::string_view name, std::string_view help) {
+  static_assert(requires { typename S::Params; }, "a stage needs a nested struct Params");
   return describe_stage<S>(name, help, &S::process);
 }
 
