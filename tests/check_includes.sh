@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# check_includes.sh ROOT: fails when an #include "folder/..." under ROOT (daemon/) breaks the rules below, which
+# are docs/architecture.md's. A folder may always include itself; the most specific rule counts.
+set -euo pipefail
+cd "$1"
+
+rules='
+  from              may include
+  base
+  image             base
+  geometry          base
+  vision            base image geometry
+  capture           base image geometry vision/patterns.h vision/label.h
+  pipeline/frame.h  image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/patterns.h vision/regions.h
+  pipeline          base image geometry vision
+  net               base image/frame_info.h geometry vision/detections.h proto
+  settings          base
+  web               base image settings
+  ctl               anything
+  top               anything
+'
+
+# "top" is daemon/ itself: main, the composition root and the tables. Nothing includes top or ctl.
+grep -rnE --include='*.h' --include='*.cpp' --include='*.h.in' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' . |
+  awk -v rules="$rules" '
+    function folder_of(path) {
+      if (path ~ /\.pb\.h$/) return "proto"
+      return path ~ "/" ? substr(path, 1, index(path, "/") - 1) : "top"
+    }
+    BEGIN {
+      lines = split(rules, line, "\n")
+      for (i = 1; i <= lines; ++i) {
+        words = split(line[i], word, " ")
+        if (words == 0 || word[1] == "from") continue
+        known[word[1]] = 1
+        said[word[1]] = "may include only: itself"
+        for (w = 2; w <= words; ++w) {
+          allowed[word[1], word[w]] = 1
+          said[word[1]] = said[word[1]] ", " word[w]
+        }
+      }
+    }
+    {
+      match($0, /^[^:]*:[0-9]*/)
+      place = substr($0, 3, RLENGTH - 2)  # without ./
+      file = place
+      sub(/:[0-9]*$/, "", file)
+      split($0, quoted, "\"")
+      target = quoted[2]
+
+      from = (file in known) ? file : folder_of(file)
+      folder = folder_of(target)
+      if (!(from in known)) {
+        problem = "folder " from "/ has no rule in check_includes.sh"
+      } else if (folder == from || (from, "anything") in allowed || (from, folder) in allowed || (from, target) in allowed) {
+        next
+      } else {
+        problem = from " " said[from]
+      }
+      printf "%s: includes \"%s\", but %s\n", place, target, problem
+      ++problems
+    }
+    END {
+      printf "%d includes checked, %d forbidden\n", NR, problems
+      exit NR == 0 || problems > 0
+    }'

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# What check_includes.sh must catch and must let pass, each on a tree with one include.
+set -euo pipefail
+check=$(dirname "${BASH_SOURCE[0]}")/check_includes.sh
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+failed=0
+
+# expect RESULT FILE INCLUDE: RESULT is "allowed" or the beginning of the message after FILE:LINE.
+expect() {
+  local answer result=allowed
+  rm -rf "$tree"/*
+  mkdir -p "$(dirname "$tree/$2")"
+  printf '// a comment\n#include <vector>\n#include "%s"\n' "$3" > "$tree/$2"
+  answer=$("$check" "$tree") || result=forbidden
+  if [[ $1 == allowed ]]; then
+    [[ $result == allowed ]] && return
+  else
+    [[ $result == forbidden && $answer == "$2:3: includes \"$3\", but $1"* ]] && return
+  fi
+  echo "FAILED: $2 including $3: expected '$1', got '$answer'"
+  failed=1
+}
+
+expect allowed image/jpeg.cpp base/log.h
+expect allowed image/jpeg.cpp image/jpeg.h
+expect allowed capture/simulator.cpp vision/patterns.h
+expect allowed daemon.cpp web/server.h
+expect allowed net/packets.cpp ssl_vision_wrapper.pb.h
+expect allowed ctl/bench.cpp pipeline/pipeline.h
+expect "base may include only: itself" base/log.h image/image.h
+expect "vision may include only: itself, base, image, geometry" vision/find_runs.h pipeline/frame.h
+expect "capture may include only:" capture/simulator.cpp vision/lut.h
+expect "net may include only:" net/packets.cpp image/image.h
+expect "web may include only:" web/api_status.cpp ssl_vision_wrapper.pb.h
+expect "pipeline/frame.h may include only:" pipeline/frame.h base/log.h
+expect "pipeline/frame.h may include only:" pipeline/frame.h pipeline/stage.h
+expect "web may include only:" web/server.h daemon.h
+expect "web may include only:" web/server.h ctl/bench.h
+expect "folder tracker/ has no rule" tracker/filter.cpp base/log.h
+exit $failed
