@@ -6,7 +6,8 @@
 //   struct Params {
 //     double min_area_mm2 = 300;
 //     static constexpr auto fields() {
-//       return std::tuple{number("min_area_mm2", &Params::min_area_mm2, 0.0, 1e5, "mm2", "smallest blob taken for a ball")};
+//       return std::tuple{number("min_area_mm2", &Params::min_area_mm2, 0.0, 1e5, "mm2", "smallest blob taken
+//       for a ball")};
 //     }
 //   };
 //
@@ -133,8 +134,8 @@ constexpr auto names(std::string_view key, std::vector<std::string> P::*member, 
   return NamesField<P>{key, member, help};
 }
 template <class P>
-constexpr auto range(std::string_view key, std::array<int, 2> P::*member, int min, int max, std::string_view unit,
-                     std::string_view help) {
+constexpr auto range(std::string_view key, std::array<int, 2> P::*member, int min, int max,
+                     std::string_view unit, std::string_view help) {
   return RangeField<P>{key, member, min, max, unit, help};
 }
 template <class P, class J>

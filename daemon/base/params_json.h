@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// JSON <-> parameter structs (params.h). Paths are JSON pointers (RFC 6901); every error names path, value and
-// what is allowed. Heavy templates: include it only where settings are read or written.
+// JSON <-> parameter structs (params.h). Paths are JSON pointers (RFC 6901); every error names path, value
+// and what is allowed. Heavy templates: include it only where settings are read or written.
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/params.h"
 
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
-
-#include "base/error.h"
-#include "base/json.h"
-#include "base/params.h"
 
 namespace sslv {
 
@@ -49,8 +49,10 @@ void read_params(P& params, const Json& json, const std::string& path);
 template <class V, class Limit>
 V read_number(const Json& json, const std::string& path, Limit min, Limit max, std::string_view unit) {
   constexpr bool kInteger = std::is_integral_v<V>;
-  const std::string allowed = with_unit((kInteger ? "a whole number " : "a number ") + Json(min).dump() + " .. " + Json(max).dump(), unit);
-  const bool whole = json.is_number_integer() || (json.is_number() && json.get<double>() == std::floor(json.get<double>()));
+  const std::string allowed = with_unit(
+      (kInteger ? "a whole number " : "a number ") + Json(min).dump() + " .. " + Json(max).dump(), unit);
+  const bool whole =
+      json.is_number_integer() || (json.is_number() && json.get<double>() == std::floor(json.get<double>()));
   if (!json.is_number() || (kInteger && !whole)) refuse(path, json, allowed);
   const double value = json.get<double>();
   // Written so that NaN fails too.
@@ -64,7 +66,8 @@ void read_field(P& params, const NumberField<P, V, L>& field, const Json& json, 
     if (json.is_null()) {
       params.*field.member = std::nullopt;
     } else {
-      params.*field.member = read_number<typename IsOptional<V>::Value>(json, path, field.min, field.max, field.unit);
+      params.*field.member =
+          read_number<typename IsOptional<V>::Value>(json, path, field.min, field.max, field.unit);
     }
   } else {
     params.*field.member = read_number<V>(json, path, field.min, field.max, field.unit);
@@ -168,7 +171,8 @@ void read_params(P& params, const Json& json, const std::string& path) {
       known += (known.empty() ? "" : ", ") + std::string(field.key);
     };
     std::apply([&](const auto&... field) { (try_field(field), ...); }, P::fields());
-    if (!found) throw SettingsError(item_path + ": no such parameter; known: " + (known.empty() ? "none" : known));
+    if (!found)
+      throw SettingsError(item_path + ": no such parameter; known: " + (known.empty() ? "none" : known));
   }
 }
 
@@ -309,7 +313,8 @@ Json field_schema(const ObjectField<P, J>&) {
   return {{"type", "object"}};
 }
 
-/// Schema of one parameter struct: properties with type, range, default, unit (x-unit) and help (description).
+/// Schema of one parameter struct: properties with type, range, default, unit (x-unit) and help
+/// (description).
 template <class P>
 Json params_schema() {
   const P defaults{};

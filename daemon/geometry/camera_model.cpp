@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/camera_model.h"
 
-#include <fmt/format.h>
+#include "base/error.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
+#include <Eigen/Geometry>
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -32,26 +32,29 @@ double distort(double undistorted, double d, double rd_max) {
 
 }  // namespace
 
-CameraModel::CameraModel(const CameraCalibration& calibration, const std::string& path) : calibration_(calibration) {
+CameraModel::CameraModel(const CameraCalibration& calibration, const std::string& path)
+    : calibration_(calibration) {
   const auto& c = calibration_;
   const Eigen::Quaterniond q(c.q3, c.q0, c.q1, c.q2);
   if (!(std::abs(q.norm() - 1) < 1e-3)) {
-    throw SettingsError(
-        fmt::format("{}: q0..q3 has length {:.6g}; a rotation needs a quaternion of length 1", path, q.norm()));
+    throw SettingsError(fmt::format("{}: q0..q3 has length {:.6g}; a rotation needs a quaternion of length 1",
+                                    path, q.norm()));
   }
   rotation_ = q.normalized().toRotationMatrix();
   translation_mm_ = {c.tx, c.ty, c.tz};
   position_mm_ = -rotation_.transpose() * translation_mm_;
 
-  max_distorted_radius_ = c.distortion < 0 ? 1 / std::sqrt(-3 * c.distortion) : std::numeric_limits<double>::infinity();
+  max_distorted_radius_ =
+      c.distortion < 0 ? 1 / std::sqrt(-3 * c.distortion) : std::numeric_limits<double>::infinity();
   if (c.pixel_image_width > 0 && c.pixel_image_height > 0) {
     const double dx = std::max(c.principal_point_x + 0.5, c.pixel_image_width - 0.5 - c.principal_point_x);
     const double dy = std::max(c.principal_point_y + 0.5, c.pixel_image_height - 0.5 - c.principal_point_y);
     const double corner = std::hypot(dx, dy) / c.focal_length;
     if (corner >= max_distorted_radius_) {
-      throw SettingsError(fmt::format(
-          "{}/distortion: {} is not allowed; expected more than {:.4g}, below which pixels and rays do not match one to one in the picture's corners",
-          path, c.distortion, -1 / (3 * corner * corner)));
+      throw SettingsError(
+          fmt::format("{}/distortion: {} is not allowed; expected more than {:.4g}, below which pixels and "
+                      "rays do not match one to one in the picture's corners",
+                      path, c.distortion, -1 / (3 * corner * corner)));
     }
   }
 }
@@ -85,7 +88,8 @@ std::optional<Eigen::Vector2d> CameraModel::unproject(const Eigen::Vector2d& pix
   if (!direction) return std::nullopt;
   const double along = (height_mm - position_mm_.z()) / direction->z();
   if (!(along > 0) || !std::isfinite(along)) return std::nullopt;
-  return Eigen::Vector2d(position_mm_.x() + along * direction->x(), position_mm_.y() + along * direction->y());
+  return Eigen::Vector2d(position_mm_.x() + along * direction->x(),
+                         position_mm_.y() + along * direction->y());
 }
 
 double CameraModel::mm2_per_px(const Eigen::Vector2d& pixel, double height_mm) const {

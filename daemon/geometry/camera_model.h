@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include "base/params.h"
+
 #include <optional>
 #include <string>
 #include <tuple>
 
-#include "base/params.h"
+#include <Eigen/Core>
 
 namespace sslv {
 
@@ -24,9 +25,12 @@ struct CameraCalibration {
     using C = CameraCalibration;
     return std::tuple{
         number("focal_length", &C::focal_length, 1.0, 1e6, "px", "focal length"),
-        number("principal_point_x", &C::principal_point_x, -1e5, 1e5, "px", "where the optical axis meets the picture"),
-        number("principal_point_y", &C::principal_point_y, -1e5, 1e5, "px", "where the optical axis meets the picture"),
-        number("distortion", &C::distortion, -10.0, 10.0, "", "radial: undistorted = distorted (1 + d distorted^2)"),
+        number("principal_point_x", &C::principal_point_x, -1e5, 1e5, "px",
+               "where the optical axis meets the picture"),
+        number("principal_point_y", &C::principal_point_y, -1e5, 1e5, "px",
+               "where the optical axis meets the picture"),
+        number("distortion", &C::distortion, -10.0, 10.0, "",
+               "radial: undistorted = distorted (1 + d distorted^2)"),
         number("q0", &C::q0, -1.001, 1.001, "", "rotation field to camera, x of the unit quaternion"),
         number("q1", &C::q1, -1.001, 1.001, "", "rotation field to camera, y"),
         number("q2", &C::q2, -1.001, 1.001, "", "rotation field to camera, z"),
@@ -34,8 +38,10 @@ struct CameraCalibration {
         number("tx", &C::tx, -1e6, 1e6, "mm", "translation in the camera's frame"),
         number("ty", &C::ty, -1e6, 1e6, "mm", "translation in the camera's frame"),
         number("tz", &C::tz, -1e6, 1e6, "mm", "translation in the camera's frame"),
-        number("pixel_image_width", &C::pixel_image_width, 2, 16384, "px", "width of the picture it was made for"),
-        number("pixel_image_height", &C::pixel_image_height, 2, 16384, "px", "height of the picture it was made for"),
+        number("pixel_image_width", &C::pixel_image_width, 2, 16384, "px",
+               "width of the picture it was made for"),
+        number("pixel_image_height", &C::pixel_image_height, 2, 16384, "px",
+               "height of the picture it was made for"),
     };
   }
 };
@@ -44,8 +50,8 @@ struct CameraCalibration {
 /// directions are exact inverses for every accepted distortion, of either sign.
 class CameraModel {
  public:
-  /// Throws SettingsError, beginning with `path`, for a quaternion that is not of unit length (within 1e-3; it is
-  /// then normalised) and for a distortion whose map is not one-to-one inside the picture.
+  /// Throws SettingsError, beginning with `path`, for a quaternion that is not of unit length (within 1e-3;
+  /// it is then normalised) and for a distortion whose map is not one-to-one inside the picture.
   explicit CameraModel(const CameraCalibration& calibration, const std::string& path = "calibration");
 
   /// Picture of a point (mm); nothing when it lies behind the camera or beyond what the lens can show.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/params.h"
+
 #include <numbers>
 #include <string>
 #include <vector>
-
-#include "base/params.h"
 
 namespace sslv {
 
@@ -37,7 +37,8 @@ struct FieldSize {
         number("boundary_width_goal_line", &FieldSize::boundary_width_goal_line, 0, 20'000, "mm",
                "floor behind the goal lines"),
         number("penalty_area_depth", &FieldSize::penalty_area_depth, 0, 50'000, "mm", "defence area along x"),
-        number("penalty_area_width", &FieldSize::penalty_area_width, 0, 100'000, "mm", "defence area along y"),
+        number("penalty_area_width", &FieldSize::penalty_area_width, 0, 100'000, "mm",
+               "defence area along y"),
         number("center_circle_radius", &FieldSize::center_circle_radius, 0, 50'000, "mm", "centre circle"),
         number("line_thickness", &FieldSize::line_thickness, 1, 500, "mm", "width of the painted lines"),
         number("goal_center_to_penalty_mark", &FieldSize::goal_center_to_penalty_mark, 0, 100'000, "mm",
@@ -60,8 +61,8 @@ struct FieldArc {
   double x, y, radius, a1, a2;
 };
 
-/// The league's lines for a field of this size, named as SSL_FieldShapeType. CenterLine is optional there; lines of
-/// a penalty area without size are left out.
+/// The league's lines for a field of this size, named as SSL_FieldShapeType. CenterLine is optional there;
+/// lines of a penalty area without size are left out.
 std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line = true);
 std::vector<FieldArc> field_arcs(const FieldSize& field);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "geometry/camera_model.h"
+#include "geometry/field.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-
-#include "geometry/camera_model.h"
-#include "geometry/field.h"
 
 namespace sslv {
 

@@ -29,7 +29,9 @@ constexpr Yuv to_yuv(Rgb c) {
 /// Inverse of to_yuv up to rounding; colours outside the RGB cube are clamped to it.
 constexpr Rgb to_rgb(Yuv c) {
   const int u = c.u - 128, v = c.v - 128, y = c.y << 16;
-  const auto byte = [](int fixed) { return static_cast<std::uint8_t>(std::clamp((fixed + 32768) >> 16, 0, 255)); };
+  const auto byte = [](int fixed) {
+    return static_cast<std::uint8_t>(std::clamp((fixed + 32768) >> 16, 0, 255));
+  };
   return {byte(y + 91881 * v), byte(y - 22554 * u - 46802 * v), byte(y + 116130 * u)};
 }
 

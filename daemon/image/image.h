@@ -26,8 +26,12 @@ enum class PixelFormat : std::uint8_t {
 std::string_view name_of(PixelFormat format);
 std::optional<PixelFormat> pixel_format_named(std::string_view name);
 
-constexpr bool is_bayer(PixelFormat format) { return format >= PixelFormat::kBayerRg8; }
-constexpr bool is_yuv422(PixelFormat format) { return format <= PixelFormat::kYuyv; }
+constexpr bool is_bayer(PixelFormat format) {
+  return format >= PixelFormat::kBayerRg8;
+}
+constexpr bool is_yuv422(PixelFormat format) {
+  return format <= PixelFormat::kYuyv;
+}
 
 constexpr int bytes_per_pixel(PixelFormat format) {
   return is_yuv422(format) ? 2 : format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24 ? 3 : 1;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
-#include <cstdint>
-#include <memory>
-
 #include "base/latest.h"
 #include "base/snapshot.h"
 #include "pipeline/frame_ring.h"
 #include "pipeline/pipeline.h"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
 
 namespace sslv {
 
@@ -19,14 +19,14 @@ struct CameraSetup {
   World world;
 };
 
-/// One camera's way from picture to published detections: numbers the frames, runs the stack, offers the finished
-/// frame to viewers. `process` is called by one thread; the rest from anywhere.
+/// One camera's way from picture to published detections: numbers the frames, runs the stack, offers the
+/// finished frame to viewers. `process` is called by one thread; the rest from anywhere.
 class CameraPipeline {
  public:
   struct Counters {
-    std::uint64_t frames = 0;   // processed
-    std::uint64_t capped = 0;   // of them flagged: a list hit its cap
-    std::uint64_t unseen = 0;   // of them not offered to viewers, who held all of the ring
+    std::uint64_t frames = 0;             // processed
+    std::uint64_t capped = 0;             // of them flagged: a list hit its cap
+    std::uint64_t unseen = 0;             // of them not offered to viewers, who held all of the ring
     std::uint32_t robots = 0, balls = 0;  // in the newest frame
   };
 

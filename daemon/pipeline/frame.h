@@ -4,12 +4,6 @@
 // The schema: everything known about one captured frame, and everything that is constant while it is
 // processed. A new kind of data is one member and one line here.
 
-#include <cstdint>
-#include <memory>
-#include <string_view>
-#include <tuple>
-#include <vector>
-
 #include "geometry/scene.h"
 #include "image/frame_info.h"
 #include "image/image.h"
@@ -17,6 +11,12 @@
 #include "vision/lut.h"
 #include "vision/patterns.h"
 #include "vision/regions.h"
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <tuple>
+#include <vector>
 
 namespace sslv {
 
@@ -49,8 +49,8 @@ template <class T>
 Part(std::string_view, T Frame::*) -> Part<T>;
 
 inline constexpr std::tuple kParts{
-    Part{"info", &Frame::info}, Part{"image", &Frame::image},     Part{"labels", &Frame::labels},
-    Part{"runs", &Frame::runs}, Part{"regions", &Frame::regions}, Part{"robots", &Frame::robots},
+    Part{"info", &Frame::info},   Part{"image", &Frame::image},     Part{"labels", &Frame::labels},
+    Part{"runs", &Frame::runs},   Part{"regions", &Frame::regions}, Part{"robots", &Frame::robots},
     Part{"balls", &Frame::balls},
 };
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pipeline/frame.h"
+
 #include <atomic>
 #include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include "pipeline/frame.h"
-
 namespace sslv {
 
-/// A shared hold on one frame of a ring. Copying and dropping counts, nothing else; when the last hold goes, the
-/// driver gets its buffer back and the slot is free. The frame is read-only once it has been shared.
+/// A shared hold on one frame of a ring. Copying and dropping counts, nothing else; when the last hold goes,
+/// the driver gets its buffer back and the slot is free. The frame is read-only once it has been shared.
 class FrameRef {
  public:
   FrameRef() = default;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/pipeline.h"
 
-#include <fmt/format.h>
+#include "base/clock.h"
 
 #include <algorithm>
 #include <array>
 
-#include "base/clock.h"
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -17,8 +17,10 @@ std::string part_name(std::size_t index) {
   return std::string(kNames[index]);
 }
 
-const StageType& find_stage(std::span<const StageType> table, const std::string& name, const std::string& path) {
-  const auto found = std::find_if(table.begin(), table.end(), [&](const StageType& type) { return type.name == name; });
+const StageType& find_stage(std::span<const StageType> table, const std::string& name,
+                            const std::string& path) {
+  const auto found =
+      std::find_if(table.begin(), table.end(), [&](const StageType& type) { return type.name == name; });
   if (found != table.end()) return *found;
   std::string known;
   for (const StageType& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
@@ -27,7 +29,8 @@ const StageType& find_stage(std::span<const StageType> table, const std::string&
 
 }  // namespace
 
-Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack, const std::string& path)
+Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
+                   const std::string& path)
     : table_(table), stack_(stack) {
   // Capture provides these two.
   PartSet have = PartSet{}.set(part_index<FrameInfo>()).set(part_index<Image>());
@@ -40,12 +43,13 @@ Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::stri
     }
     for (std::size_t i = 0; i < kPartCount; ++i) {
       if (type.reads[i] && !have[i]) {
-        throw SettingsError(
-            fmt::format("{}: stage '{}' needs '{}', which no earlier stage provides", here, type.name, part_name(i)));
+        throw SettingsError(fmt::format("{}: stage '{}' needs '{}', which no earlier stage provides", here,
+                                        type.name, part_name(i)));
       }
       if (type.writes[i] && have[i]) {
-        throw SettingsError(fmt::format("{}: stage '{}' would overwrite '{}', which {} provides", here, type.name,
-                                        part_name(i), writer[i].empty() ? "the camera" : "'" + writer[i] + "'"));
+        throw SettingsError(fmt::format("{}: stage '{}' would overwrite '{}', which {} provides", here,
+                                        type.name, part_name(i),
+                                        writer[i].empty() ? "the camera" : "'" + writer[i] + "'"));
       }
       if (type.writes[i]) writer[i] = type.name;
     }
@@ -64,7 +68,8 @@ Pipeline::Parameters Pipeline::make_parameters(const Json& stages, const std::st
   return parameters;
 }
 
-void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink, const Parameters& parameters) noexcept {
+void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
+                   const Parameters& parameters) noexcept {
   const Inputs inputs{frame, world, sink};
   frame.stage_ns.resize(steps_.size());
   std::int64_t before = steady_ns();
@@ -85,7 +90,8 @@ Json complete_stage_settings(std::span<const StageType> table, const Json& stage
   Json complete = Json::object();
   for (const StageType& type : table) {
     const std::string name(type.name);
-    complete[name] = type.complete(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
+    complete[name] =
+        type.complete(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
   }
   return complete;
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/recent.h"
+#include "pipeline/stage.h"
+
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
-
-#include "base/recent.h"
-#include "pipeline/stage.h"
 
 namespace sslv {
 
@@ -19,15 +19,16 @@ class Pipeline {
   /// earlier stage provides or that two stages write. `table` must outlive the pipeline.
   Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack, const std::string& path);
 
-  /// One parameter set for each stage of the stack, taken together, so that a frame sees all of a change or none.
+  /// One parameter set for each stage of the stack, taken together, so that a frame sees all of a change or
+  /// none.
   using Parameters = std::vector<StageParams>;
 
   /// `stages` maps stage names to their parameters; absent ones keep their defaults. Throws SettingsError,
   /// beginning with `path`, for a stage that is not in the table or a parameter that is not allowed.
   Parameters make_parameters(const Json& stages, const std::string& path) const;
 
-  /// Runs every stage on `frame` in order and notes each one's time in frame.stage_ns. No allocation of its own
-  /// once frame.stage_ns has its capacity.
+  /// Runs every stage on `frame` in order and notes each one's time in frame.stage_ns. No allocation of its
+  /// own once frame.stage_ns has its capacity.
   void run(Frame& frame, const World& world, DetectionSink& sink, const Parameters& parameters) noexcept;
 
   const std::vector<std::string>& stack() const { return stack_; }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "pipeline/stage.h"
+
+#include <tuple>
 
 namespace sslv {
 

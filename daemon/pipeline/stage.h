@@ -7,9 +7,12 @@
 //
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
-// whose signature is the contract: `const T&` reads the part of type T, `T&` writes it afresh, `Update<T>` edits it
-// in place. `const Scene&`, `const Lut&` and `const PatternTable&` are constants of the camera, `DetectionSink&`
-// is where results leave the process. Any other parameter does not compile.
+// whose signature is the contract: `const T&` reads the part of type T, `T&` writes it afresh, `Update<T>`
+// edits it in place. `const Scene&`, `const Lut&` and `const PatternTable&` are constants of the camera,
+// `DetectionSink&` is where results leave the process. Any other parameter does not compile.
+
+#include "base/params_json.h"
+#include "pipeline/frame.h"
 
 #include <bitset>
 #include <cstddef>
@@ -18,9 +21,6 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
-
-#include "base/params_json.h"
-#include "pipeline/frame.h"
 
 namespace sslv {
 
@@ -39,9 +39,11 @@ using PartSet = std::bitset<kPartCount>;
 template <class T>
 constexpr std::size_t part_index() {
   std::size_t index = kPartCount, i = 0;
-  std::apply([&](const auto&... part) {
-    ((std::is_same_v<std::remove_cvref_t<decltype(part)>, Part<T>> ? void(index = i++) : void(i++)), ...);
-  }, kParts);
+  std::apply(
+      [&](const auto&... part) {
+        ((std::is_same_v<std::remove_cvref_t<decltype(part)>, Part<T>> ? void(index = i++) : void(i++)), ...);
+      },
+      kParts);
   return index;
 }
 
@@ -71,24 +73,25 @@ inline constexpr bool kIsPart = part_index<T>() < kPartCount;
 /// How one parameter of process() is fed, and what it says about the stage's needs.
 template <class Arg>
 struct Feed {
-  static_assert(!sizeof(Arg),
-                "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor a constant of "
-                "the camera (const Scene&, const Lut&, const PatternTable&), nor DetectionSink&: see pipeline/frame.h");
+  static_assert(
+      !sizeof(Arg),
+      "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor a constant "
+      "of the camera (const Scene&, const Lut&, const PatternTable&) nor DetectionSink&: see "
+      "pipeline/frame.h");
 };
 template <class T>
-  requires kIsPart<T>
+requires kIsPart<T>
 struct Feed<const T&> {
   static const T& get(const Inputs& in) { return part_of<T>(in.frame); }
   static void declare(PartSet& reads, PartSet&) { reads.set(part_index<T>()); }
 };
 template <class T>
-  requires(kIsPart<T> && !std::is_const_v<T>)
-struct Feed<T&> {
+requires(kIsPart<T> && !std::is_const_v<T>) struct Feed<T&> {
   static T& get(const Inputs& in) { return part_of<T>(in.frame); }
   static void declare(PartSet&, PartSet& writes) { writes.set(part_index<T>()); }
 };
 template <class T>
-  requires kIsPart<T>
+requires kIsPart<T>
 struct Feed<Update<T>> {
   static Update<T> get(const Inputs& in) { return {part_of<T>(in.frame)}; }
   static void declare(PartSet& reads, PartSet&) { reads.set(part_index<T>()); }
@@ -131,7 +134,7 @@ struct StageType {
   PartSet reads, writes;
   std::unique_ptr<Step> (*create)();
   StageParams (*make_params)(const Json& json, const std::string& path);  // throws SettingsError
-  Json (*complete)(const Json& json, const std::string& path);            // with defaults filled in; throws likewise
+  Json (*complete)(const Json& json, const std::string& path);  // with defaults filled in; throws likewise
   Json (*schema)();
 };
 
@@ -165,7 +168,8 @@ StageType describe_stage(std::string_view name, std::string_view help,
 /// The row for stage class S. A process() that can throw does not compile.
 template <class S>
 StageType stage(std::string_view name, std::string_view help) {
-  static_assert(requires { typename S::Params; }, "a stage needs a nested struct Params");
+  static_assert(
+      requires { typename S::Params; }, "a stage needs a nested struct Params");
   return describe_stage<S>(name, help, &S::process);
 }
 

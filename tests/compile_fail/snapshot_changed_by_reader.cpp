@@ -6,4 +6,6 @@ struct Settings {
   int level = 0;
 };
 
-void change(const sslv::Snapshot<Settings>& settings) { settings.load()->level = 1; }
+void change(const sslv::Snapshot<Settings>& settings) {
+  settings.load()->level = 1;
+}

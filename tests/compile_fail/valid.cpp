@@ -13,8 +13,12 @@ struct Valid {
 };
 const StageType kType = stage<Valid>("x", "");
 
-std::shared_ptr<const int> hold(const Snapshot<int>& value) { return value.load(); }
+std::shared_ptr<const int> hold(const Snapshot<int>& value) {
+  return value.load();
+}
 
-Image pass_on(Image&& image) { return std::move(image); }
+Image pass_on(Image&& image) {
+  return std::move(image);
+}
 
 }  // namespace sslv
