@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+
+const FIRST_MS = 500;
+const LONGEST_MS = 5000;
+
+/** Doubling waits, spread a little so that a row of panels does not knock all at once. */
+export function backoffMs(attempt: number, random: number = Math.random()): number {
+  return Math.min(LONGEST_MS, FIRST_MS * 2 ** attempt) * (0.75 + 0.5 * random);
+}

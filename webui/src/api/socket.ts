@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// One WebSocket to the daemon that comes back by itself.
+import { backoffMs } from './backoff';
+import { parsePreview, parseText, type PreviewMessage, type ServerText } from './messages';
+import type { ClientMessage } from './types';
+
+export interface SocketEvents {
+  open(): void;
+  text(message: ServerText): void;
+  preview(message: PreviewMessage): void;
+  closed(): void;
+}
+
+/** The daemon speaks twice a second; a connection this silent is dead, even if TCP has not noticed. */
+const SILENCE_MS = 6000;
+
+export class PanelSocket {
+  private socket: WebSocket | null = null;
+  private attempt = 0;
+  private lastMessage = 0;
+
+  constructor(private readonly url: string, private readonly events: SocketEvents) {
+    this.connect();
+    setInterval(() => this.checkSilence(), 1000);
+  }
+
+  get isOpen(): boolean {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  send(message: ClientMessage): void {
+    if (this.isOpen) this.socket!.send(JSON.stringify(message));
+  }
+
+  private connect(): void {
+    const socket = new WebSocket(this.url);
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    this.lastMessage = performance.now();
+    socket.onopen = () => {
+      this.attempt = 0;
+      this.events.open();
+    };
+    socket.onmessage = ({ data }) => {
+      this.lastMessage = performance.now();
+      if (typeof data === 'string') {
+        const message = parseText(data);
+        if (message) this.events.text(message);
+      } else {
+        const message = parsePreview(data as ArrayBuffer);
+        if (message) this.events.preview(message);
+      }
+    };
+    socket.onclose = () => this.lost(socket);
+  }
+
+  private lost(socket: WebSocket): void {
+    if (socket !== this.socket) return;
+    this.socket = null;
+    this.events.closed();
+    setTimeout(() => this.connect(), backoffMs(this.attempt++));
+  }
+
+  private checkSilence(): void {
+    const socket = this.socket;
+    if (!socket || performance.now() - this.lastMessage < SILENCE_MS) return;
+    // close() on a dead link waits long for its answer, so the link is given up first.
+    this.lost(socket);
+    socket.close();
+  }
+}

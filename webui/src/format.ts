@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+
+const grouped = new Intl.NumberFormat('en', { maximumFractionDigits: 0, useGrouping: true });
+const THIN_SPACE = '\u2009';
+const MINUS = '−';
+
+/** A whole number with thin spaces between thousands. */
+export function figure(value: number): string {
+  return grouped.format(value).replace(/,/g, THIN_SPACE).replace('-', MINUS);
+}
+
+/** A latency in milliseconds with three figures at most. */
+export function latencyMs(value: number): string {
+  return value < 9.995 ? value.toFixed(2) : value < 99.95 ? value.toFixed(1) : value.toFixed(0);
+}
+
+/** A number with a fixed count of decimals and a true minus. */
+export function decimal(value: number, decimals: number): string {
+  const text = value.toFixed(decimals);
+  return Number(text) === 0 ? text.replace('-', '') : text.replace('-', MINUS);
+}
+
+export function plural(count: number, word: string): string {
+  return `${figure(count)} ${word}${count === 1 ? '' : 's'}`;
+}
+
+/** "8 s", "4 min", "2 h 5 min", "3 d 4 h" */
+export function duration(seconds: number): string {
+  const s = Math.max(0, Math.floor(seconds));
+  if (s < 60) return `${s} s`;
+  const min = Math.floor(s / 60);
+  if (min < 60) return `${min} min`;
+  const h = Math.floor(min / 60);
+  return h < 24 ? `${h} h ${min % 60} min` : `${Math.floor(h / 24)} d ${h % 24} h`;
+}

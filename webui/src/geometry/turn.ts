@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quarter turns that lay a picture as the field lies: +x to the right, +y up.
+import { CameraModel, type Point } from './cameraModel';
+
+/** Quarter turns clockwise. */
+export type Turn = 0 | 1 | 2 | 3;
+
+export interface Size {
+  width: number;
+  height: number;
+}
+
+export function turnedSize(turn: Turn, { width, height }: Size): Size {
+  return turn % 2 ? { width: height, height: width } : { width, height };
+}
+
+/**
+ * A pixel of the camera's picture to a place in the turned picture. Pixel centres are integers,
+ * while drawing counts from the picture's corner, half a pixel before them.
+ */
+export function turnPixel(turn: Turn, { width, height }: Size, pixel: Point): Point {
+  const x = pixel.x + 0.5;
+  const y = pixel.y + 0.5;
+  switch (turn) {
+    case 0: return { x, y };
+    case 1: return { x: height - y, y: x };
+    case 2: return { x: width - x, y: height - y };
+    case 3: return { x: y, y: width - x };
+  }
+}
+
+/** The turn that brings the field's +x closest to the picture's right. */
+export function fieldTurn(camera: CameraModel | null, { width, height }: Size): Turn {
+  const middle = camera?.unproject(width / 2, height / 2, 0);
+  if (!camera || !middle) return 0;
+  const from = camera.project(middle.x - 100, middle.y, 0);
+  const to = camera.project(middle.x + 100, middle.y, 0);
+  if (!from || !to) return 0;
+  const angle = Math.atan2(to.y - from.y, to.x - from.x);
+  return (((Math.round(-angle / (Math.PI / 2)) % 4) + 4) % 4) as Turn;
+}

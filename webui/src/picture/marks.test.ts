@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from 'vitest';
+import { CameraModel } from '../geometry/cameraModel';
+import { camera, robot } from '../testing/samples';
+import { marks, placeTags } from './marks';
+
+const model = new CameraModel(camera().calibration!);
+const radii = { robot: 90, ball: 21.5 };
+
+function seen(x: number, y: number, orientation = 0, id = 0) {
+  const pixel = model.project(x, y, 140)!;
+  return robot({ id, x, y, orientation, pixel_x: pixel.x, pixel_y: pixel.y });
+}
+const header = (robots: ReturnType<typeof seen>[]) =>
+  ({ camera: 0, frame: 1, t_capture: 0, width: 780, height: 580, robots, balls: [] });
+
+describe('marks', () => {
+  it('draws a robot looking along +x to the right in a picture laid as the field lies', () => {
+    const [mark] = marks(header([seen(1250, 0)]), radii, model, 1).robots;
+    expect(mark!.ahead.x).toBeCloseTo(1, 2);
+    expect(mark!.ahead.y).toBeCloseTo(0, 2);
+    expect(mark!.centre.x).toBeCloseTo(580 - 290.5, 3);
+    expect(mark!.radius).toBeCloseTo((90 * 600) / (3500 - 140), 0);
+  });
+
+  it('looks up for +y', () => {
+    expect(marks(header([seen(1250, 0, Math.PI / 2)]), radii, model, 1).robots[0]!.ahead.y).toBeCloseTo(-1, 2);
+  });
+
+  it('tells doubles apart', () => {
+    expect(marks(header([seen(0, 0), seen(500, 0)]), radii, model, 1).robots.map((m) => m.key)).toEqual(['yellow0', 'yellow0/1']);
+  });
+
+  it('puts the tag where the robot does not look', () => {
+    const up = marks(header([seen(1250, 0, Math.PI / 2)]), radii, model, 1);
+    expect(placeTags(up, 1, new Map())[0]!.offset.y).toBeGreaterThan(0);
+    const right = marks(header([seen(1250, 0, 0)]), radii, model, 1);
+    expect(placeTags(right, 1, new Map())[0]!.offset.y).toBeLessThan(0);
+  });
+
+  it('keeps tags apart', () => {
+    const pair = marks(header([seen(1250, 0, 0, 1), seen(1250, 230, 0, 2)]), radii, model, 1);
+    const [low, high] = placeTags(pair, 1, new Map());
+    const y = (tag: NonNullable<typeof low>) => tag.centre.y + tag.offset.y;
+    expect(Math.abs(y(low!) - y(high!))).toBeGreaterThan(15);
+  });
+});

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits a picture into its frame, and knows its scale on the screen.
+import { computed, onMounted, onUnmounted, ref, type Ref } from 'vue';
+import type { Size } from '../geometry/turn';
+
+export interface View {
+  /** 1 shows the whole picture. */
+  zoom: number;
+  /** The picture's middle from the frame's middle, in screen pixels. */
+  x: number;
+  y: number;
+}
+
+export const WHOLE: View = { zoom: 1, x: 0, y: 0 };
+
+export interface Box extends Size {
+  left: number;
+  top: number;
+  /** Screen pixels per picture pixel. */
+  scale: number;
+}
+
+export function useFrameSize(frame: Ref<HTMLElement | null>) {
+  const size = ref<Size>({ width: 0, height: 0 });
+  const observer = new ResizeObserver(([entry]) => {
+    if (entry) size.value = { width: entry.contentRect.width, height: entry.contentRect.height };
+  });
+  onMounted(() => { if (frame.value) observer.observe(frame.value); });
+  onUnmounted(() => observer.disconnect());
+  return size;
+}
+
+export function useBox(frame: Ref<Size>, picture: () => Size, view: () => View) {
+  return computed<Box>(() => {
+    const { width, height } = picture();
+    const { zoom, x, y } = view();
+    const scale = Math.min(frame.value.width / width, frame.value.height / height) * zoom;
+    return {
+      scale, width: width * scale, height: height * scale,
+      left: (frame.value.width - width * scale) / 2 + x,
+      top: (frame.value.height - height * scale) / 2 + y,
+    };
+  });
+}
+
+/** JPEG widths worth asking for: few steps, so that a resized window does not ask anew with every pixel. */
+const WIDTHS = [240, 320, 480, 640, 800, 1024, 1280, 1600, 2048];
+
+/** The width to ask for so that a picture shown at this scale is sharp. */
+export function sharpWidth(cameraWidth: number, scale: number): number {
+  const wanted = cameraWidth * scale * Math.min(devicePixelRatio, 2);
+  return Math.min(cameraWidth, WIDTHS.find((width) => width >= wanted) ?? cameraWidth);
+}

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera's pictures on a canvas, each together with the detections of its own frame.
+import { onUnmounted, shallowRef, watch, type Ref } from 'vue';
+import type { PreviewMessage } from '../api/messages';
+import type { PreviewHeader, PreviewRequest } from '../api/types';
+import { acknowledge, ageOf, startPreview, stopPreview } from '../state/live';
+import type { Turn } from '../geometry/turn';
+
+export interface Shown {
+  header: PreviewHeader;
+  /** Size of the JPEG as it came. */
+  width: number;
+  height: number;
+  bytes: number;
+  /** From capture to the screen. */
+  delayMs: number;
+  /** On the browser's monotonic clock. */
+  at: number;
+}
+
+const same = (a: PreviewRequest | null, b: PreviewRequest | null) => JSON.stringify(a) === JSON.stringify(b);
+
+/** `request` null: no picture is asked for and the last one stays (a frozen or hidden view). */
+export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: () => PreviewRequest | null, turn: () => Turn) {
+  const shown = shallowRef<Shown | null>(null);
+  let bitmap: ImageBitmap | null = null;
+  let alive = true;
+
+  function draw(): void {
+    const target = canvas.value;
+    const context = target?.getContext('2d', { alpha: false });
+    if (!target || !context || !bitmap) return;
+    const turns = turn();
+    const [width, height] = turns % 2 ? [bitmap.height, bitmap.width] : [bitmap.width, bitmap.height];
+    // Setting a canvas' size empties it, so only when it differs.
+    if (target.width !== width) target.width = width;
+    if (target.height !== height) target.height = height;
+    context.setTransform(1, 0, 0, 1, width / 2, height / 2);
+    context.rotate((turns * Math.PI) / 2);
+    context.drawImage(bitmap, -bitmap.width / 2, -bitmap.height / 2);
+  }
+
+  function forgetPicture(): void {
+    bitmap?.close();
+    bitmap = null;
+    shown.value = null;
+    const target = canvas.value;
+    target?.getContext('2d', { alpha: false })?.clearRect(0, 0, target.width, target.height);
+  }
+
+  async function onPreview({ header, jpeg }: PreviewMessage): Promise<void> {
+    let next: ImageBitmap;
+    try {
+      next = await createImageBitmap(new Blob([jpeg], { type: 'image/jpeg' }));
+    } catch {
+      // A damaged picture: ask for the next one all the same.
+      acknowledge(header.camera, header.frame);
+      return;
+    }
+    requestAnimationFrame(() => {
+      // After a freeze or a change of camera a picture may still be on its way.
+      if (!alive || request()?.camera !== header.camera) {
+        next.close();
+        return;
+      }
+      bitmap?.close();
+      bitmap = next;
+      draw();
+      // Vue draws the overlay before this frame is painted, so that picture and vectors change together.
+      shown.value = {
+        header, width: next.width, height: next.height, bytes: jpeg.length, delayMs: ageOf(header.t_capture) * 1000, at: performance.now(),
+      };
+      // A task of its own runs after the paint: only then is the picture on the screen.
+      setTimeout(() => acknowledge(header.camera, header.frame));
+    });
+  }
+
+  watch(request, (next, previous) => {
+    if (same(next, previous ?? null)) return;
+    if (previous && previous.camera !== next?.camera) stopPreview(previous.camera, onPreview);
+    if (next && shown.value && shown.value.header.camera !== next.camera) forgetPicture();
+    if (next) startPreview(next, onPreview);
+  }, { immediate: true });
+  watch(turn, draw);
+  onUnmounted(() => {
+    alive = false;
+    const current = request();
+    if (current) stopPreview(current.camera, onPreview);
+    bitmap?.close();
+  });
+  return { shown };
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pages by the address behind the hash, "#/camera/1", so that any file server can serve the panel.
+import { computed, defineAsyncComponent, ref, type Component } from 'vue';
+import type { IconName } from './components/icons';
+import OverviewPage from './pages/overview/OverviewPage.vue';
+
+export interface Page {
+  name: string;
+  title: string;
+  icon: IconName;
+  component: Component;
+}
+
+/** The pages in the order of the rail; the first is where a visitor lands. Others than the first load when opened. */
+export const pages: readonly [Page, ...Page[]] = [
+  { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
+  { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
+];
+
+const hash = ref(location.hash);
+addEventListener('hashchange', () => { hash.value = location.hash; });
+
+const parts = computed(() => hash.value.replace(/^#\/?/, '').split('/'));
+export const page = computed(() => pages.find(({ name }) => name === parts.value[0]) ?? pages[0]);
+/** What follows the page's name, such as a camera's number. */
+export const pageArgument = computed(() => parts.value[1] ?? '');
+
+export const link = (name: string, argument?: string | number) =>
+  argument === undefined ? `#/${name}` : `#/${name}/${argument}`;

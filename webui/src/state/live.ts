@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the daemon said last, and whether that is still worth showing.
+import { computed, ref, shallowRef } from 'vue';
+import { PanelSocket } from '../api/socket';
+import type { Detections, PreviewRequest, Status } from '../api/types';
+import type { PreviewMessage } from '../api/messages';
+import { mergeBalls, mergeRobots, type SeenBall, type SeenRobot } from '../field/merge';
+import { History } from './history';
+
+/** After this long without news nothing is shown as live any more. */
+export const STALE_MS = 3000;
+/** A camera's objects leave the field map after this long without news of that camera. */
+const OBJECTS_MS = 1000;
+
+const lastStatus = shallowRef<Status | null>(null);
+const lastStatusAt = ref(performance.now());
+export const now = ref(performance.now());
+export const isOpen = ref(false);
+
+export const silentSeconds = computed(() => Math.max(0, (now.value - lastStatusAt.value) / 1000));
+export const isStale = computed(() => now.value - lastStatusAt.value >= STALE_MS);
+
+/** The last status whatever its age: for names and shapes, never for live numbers. */
+export const knownStatus = computed(() => lastStatus.value);
+/** The status while it is fresh, else null. */
+export const liveStatus = computed(() => (isStale.value ? null : lastStatus.value));
+
+export type Connection = 'connecting' | 'live' | 'stale';
+export const connection = computed<Connection>(() =>
+  isStale.value ? 'stale' : lastStatus.value && isOpen.value ? 'live' : 'connecting');
+
+export const history = new History();
+/** Grows with every status, so that computed values built on the history follow it. */
+export const historyVersion = ref(0);
+
+export interface FieldObjects {
+  robots: SeenRobot[];
+  balls: SeenBall[];
+}
+export const fieldObjects = shallowRef<FieldObjects>({ robots: [], balls: [] });
+
+const detections = new Map<number, { data: Detections; at: number }>();
+let redraw = false;
+
+function gatherObjects(): void {
+  redraw = false;
+  const oldest = performance.now() - OBJECTS_MS;
+  for (const [camera, { at }] of detections) if (at < oldest) detections.delete(camera);
+  const all = [...detections.values()].map(({ data }) => data);
+  fieldObjects.value = {
+    robots: mergeRobots(all.flatMap(({ camera, robots }) => robots.map((robot) => ({ ...robot, camera })))),
+    balls: mergeBalls(all.flatMap(({ camera, balls }) => balls.map((ball) => ({ ...ball, camera })))),
+  };
+}
+
+function onDetections(data: Detections): void {
+  detections.set(data.camera, { data, at: performance.now() });
+  if (redraw) return;
+  redraw = true;
+  requestAnimationFrame(gatherObjects);
+}
+
+/**
+ * The daemon's clock minus ours, at least: the fastest status of late tells it best.
+ * What the network takes at its fastest cannot be told apart from a clock that is behind.
+ */
+const clockSamples: number[] = [];
+const CLOCK_SAMPLES = 60;
+
+function onStatus(status: Status): void {
+  const at = performance.now();
+  clockSamples.push(status.time - Date.now() / 1000);
+  if (clockSamples.length > CLOCK_SAMPLES) clockSamples.shift();
+  history.record(status, at);
+  historyVersion.value++;
+  lastStatus.value = status;
+  lastStatusAt.value = at;
+}
+
+/** Seconds since a moment on the daemon's clock. */
+export function ageOf(daemonTime: number): number {
+  if (!clockSamples.length) return 0;
+  return Math.max(0, Date.now() / 1000 + Math.max(...clockSamples) - daemonTime);
+}
+
+export type PreviewListener = (message: PreviewMessage) => void;
+const previews = new Map<number, { request: PreviewRequest; listener: PreviewListener }>();
+let socket: PanelSocket | null = null;
+
+/** Asks for a camera's pictures; asking again changes size and rate. Survives reconnects. */
+export function startPreview(request: PreviewRequest, listener: PreviewListener): void {
+  previews.set(request.camera, { request, listener });
+  socket?.send({ preview: request });
+}
+
+export function stopPreview(camera: number, listener: PreviewListener): void {
+  // Another view may have taken this camera over in the meantime.
+  if (previews.get(camera)?.listener !== listener) return;
+  previews.delete(camera);
+  socket?.send({ stop_preview: camera });
+}
+
+export function acknowledge(camera: number, frame: number): void {
+  socket?.send({ ack: { camera, frame } });
+}
+
+export function connect(): void {
+  const url = new URL('api/ws', document.baseURI);
+  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+  url.hash = '';
+  socket = new PanelSocket(url.href, {
+    open() {
+      isOpen.value = true;
+      socket!.send({ subscribe: ['status', 'detections'] });
+      for (const { request } of previews.values()) socket!.send({ preview: request });
+    },
+    text(message) {
+      if (message.kind === 'status') onStatus(message.data);
+      else if (message.kind === 'detections') onDetections(message.data);
+      else console.warn(`ssl-visiond: ${message.text}`);
+    },
+    preview(message) {
+      previews.get(message.header.camera)?.listener(message);
+    },
+    closed() {
+      isOpen.value = false;
+    },
+  });
+  setInterval(() => {
+    now.value = performance.now();
+    if (detections.size) gatherObjects();
+  }, 250);
+}

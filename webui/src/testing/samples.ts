@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects for tests only.
+import type { CameraStatus, FieldSize, Robot, Status } from '../api/types';
+
+export const divisionB: FieldSize = {
+  field_length: 9000, field_width: 6000, goal_width: 1000, goal_depth: 180, boundary_width: 300,
+  penalty_area_depth: 1000, penalty_area_width: 2000, center_circle_radius: 500, line_thickness: 10,
+  goal_center_to_penalty_mark: 6000, ball_radius: 21.5, max_robot_radius: 90,
+};
+
+export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
+  return {
+    id: 0, name: '+x half', backend: 'simulator', state: 'running', error: '', width: 780, height: 580, pixel_format: 'uyvy',
+    fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, reconnects: 0,
+    latency_ms: { p50: 0.6, p99: 0.9 }, stages: [], robots: 6, balls: 1,
+    calibration: {
+      focal_length: 600, principal_point_x: 390, principal_point_y: 290, distortion: 0.1,
+      q0: 0.7071, q1: -0.7071, q2: 0, q3: 0, tx: 0, ty: 1250, tz: 3500,
+      derived_camera_world_tx: 1250, derived_camera_world_ty: 0, derived_camera_world_tz: 3500,
+    },
+    ...changes,
+  };
+}
+
+export function status(changes: Partial<Status> = {}): Status {
+  return {
+    version: '0.1.0', site: 'Demo field', time: 1790000000, uptime_s: 60, field: divisionB,
+    network: { group: '224.5.23.2', port: 10006, interface: 'lo', error: '', packets_sent: 1234, send_errors: 0, packets_per_s: 121 },
+    viewers: 1, alerts: [], cameras: [camera(), camera({ id: 1, name: '-x half' })],
+    ...changes,
+  };
+}
+
+export function robot(changes: Partial<Robot> = {}): Robot {
+  return { team: 'yellow', id: 0, x: 0, y: 0, orientation: 0, height: 140, confidence: 0.9, pixel_x: 0, pixel_y: 0, ...changes };
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+import vue from '@vitejs/plugin-vue';
+import { defineConfig } from 'vitest/config';
+
+// The daemon that `npm run dev` talks to.
+const daemon = process.env.SSL_VISIOND ?? 'http://127.0.0.1:8090';
+
+export default defineConfig({
+  base: './',
+  plugins: [vue()],
+  build: {
+    target: 'es2022',
+    // A strict content security policy forbids data: fonts and scripts; whole files keep it simple.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+  },
+  server: { proxy: { '/api': { target: daemon, ws: true } } },
+  preview: { proxy: { '/api': { target: daemon, ws: true } } },
+  test: { include: ['src/**/*.test.ts'] },
+});
