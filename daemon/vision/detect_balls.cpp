@@ -7,8 +7,8 @@
 
 namespace sslv {
 
-void DetectBalls::process(const Params& params, const Scene& scene, const RegionList& regions, const RobotList& robots,
-                          BallList& out) noexcept {
+void DetectBalls::process(const Params& params, const Scene& scene, const RegionList& regions,
+                          const RobotList& robots, BallList& out) noexcept {
   out.balls.clear();
   if (!scene.camera) return;
   const CameraModel& camera = *scene.camera;
@@ -39,7 +39,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Region
     const double confidence = std::min(ratio, 1 / ratio) / aspect;
     out.balls.push_back({place->x(), place->y(), pixel.x(), pixel.y(), region.area_px, confidence});
   }
-  std::sort(out.balls.begin(), out.balls.end(), [](const Ball& a, const Ball& b) { return a.confidence > b.confidence; });
+  std::sort(out.balls.begin(), out.balls.end(),
+            [](const Ball& a, const Ball& b) { return a.confidence > b.confidence; });
   if (out.balls.size() > static_cast<std::size_t>(params.max_balls)) {
     out.balls.resize(static_cast<std::size_t>(params.max_balls));
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "base/params.h"
 #include "vision/detections.h"
 #include "vision/regions.h"
+
+#include <tuple>
 
 namespace sslv {
 
@@ -21,8 +21,10 @@ class DetectBalls {
     int max_balls = 20;
     static constexpr auto fields() {
       return std::tuple{
-          number("min_area_ratio", &Params::min_area_ratio, 0.0, 1.0, "", "smallest ball, as a share of its true area"),
-          number("max_area_ratio", &Params::max_area_ratio, 1.0, 20.0, "", "largest ball, as a multiple of its true area"),
+          number("min_area_ratio", &Params::min_area_ratio, 0.0, 1.0, "",
+                 "smallest ball, as a share of its true area"),
+          number("max_area_ratio", &Params::max_area_ratio, 1.0, 20.0, "",
+                 "largest ball, as a multiple of its true area"),
           number("max_aspect", &Params::max_aspect, 1.0, 10.0, "", "longest box, long side over short side"),
           number("max_outside_mm", &Params::max_outside_mm, 0.0, 10'000.0, "mm",
                  "how far outside the touch and goal lines a ball may lie"),

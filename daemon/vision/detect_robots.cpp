@@ -15,7 +15,9 @@ constexpr std::array kCenterLabel{label::kYellow, label::kBlue};  // by Team
 /// Blobs around one centre that are tried as side dots; more would be clutter.
 constexpr std::size_t kMaxNear = 24;
 
-double disc_area_mm2(double diameter_mm) { return std::numbers::pi * diameter_mm * diameter_mm / 4; }
+double disc_area_mm2(double diameter_mm) {
+  return std::numbers::pi * diameter_mm * diameter_mm / 4;
+}
 
 /// The blob's place on the plane z = height if its area there suits a dot of this size.
 std::optional<Eigen::Vector2d> place_of(const Region& region, const CameraModel& camera, double height_mm,
@@ -72,7 +74,8 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
     if (height_mm != dots_height_mm) collect_dots(params, scene, height_mm, patterns, regions);
     dots_height_mm = height_mm;
     for (const Region& region : regions.of(kCenterLabel[static_cast<std::size_t>(team)])) {
-      const auto place = place_of(region, *scene.camera, height_mm, disc_area_mm2(patterns.center_diameter_mm), params);
+      const auto place =
+          place_of(region, *scene.camera, height_mm, disc_area_mm2(patterns.center_diameter_mm), params);
       if (!place) continue;
       const auto index = static_cast<std::size_t>(&region - regions.regions.data());
       fit_around(params, scene, patterns, team, {place->x(), place->y(), region.label, index});
@@ -81,27 +84,30 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   choose(patterns, out);
 }
 
-void DetectRobots::collect_dots(const Params& params, const Scene& scene, double height_mm, const PatternTable& patterns,
-                                const RegionList& regions) {
+void DetectRobots::collect_dots(const Params& params, const Scene& scene, double height_mm,
+                                const PatternTable& patterns, const RegionList& regions) {
   dots_.clear();
   for (const Label label : patterns.side_colors) {
     for (const Region& region : regions.of(label)) {
-      const auto place = place_of(region, *scene.camera, height_mm, disc_area_mm2(patterns.dot_diameter_mm), params);
+      const auto place =
+          place_of(region, *scene.camera, height_mm, disc_area_mm2(patterns.dot_diameter_mm), params);
       if (!place) continue;
-      dots_.push_back({place->x(), place->y(), label, static_cast<std::size_t>(&region - regions.regions.data())});
+      dots_.push_back(
+          {place->x(), place->y(), label, static_cast<std::size_t>(&region - regions.regions.data())});
     }
   }
 }
 
-void DetectRobots::fit_around(const Params& params, const Scene& scene, const PatternTable& patterns, Team team,
-                              const Dot& center) {
+void DetectRobots::fit_around(const Params& params, const Scene& scene, const PatternTable& patterns,
+                              Team team, const Dot& center) {
   double reach_mm = 0;
   for (const PatternDot& dot : patterns.dots) reach_mm = std::max(reach_mm, std::hypot(dot.x_mm, dot.y_mm));
   reach_mm += params.max_dot_error_mm;
   near_.clear();
   for (const Dot& dot : dots_) {
     if (near_.size() == kMaxNear) break;
-    if (dot.region != center.region && std::hypot(dot.x_mm - center.x_mm, dot.y_mm - center.y_mm) < reach_mm) {
+    if (dot.region != center.region &&
+        std::hypot(dot.x_mm - center.x_mm, dot.y_mm - center.y_mm) < reach_mm) {
       near_.push_back(dot);
     }
   }
@@ -133,8 +139,8 @@ void DetectRobots::fit_around(const Params& params, const Scene& scene, const Pa
       double nearest_mm = params.max_dot_error_mm;
       for (const Dot& dot : near_) {
         const double away_mm = std::hypot(dot.x_mm - x, dot.y_mm - y);
-        if (away_mm < nearest_mm && std::find(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(i), dot.region) ==
-                                        used.begin() + static_cast<std::ptrdiff_t>(i)) {
+        if (away_mm < nearest_mm && std::find(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(i),
+                                              dot.region) == used.begin() + static_cast<std::ptrdiff_t>(i)) {
           nearest = &dot;
           nearest_mm = away_mm;
         }
@@ -147,9 +153,10 @@ void DetectRobots::fit_around(const Params& params, const Scene& scene, const Pa
       seen[i + 1] = {nearest->x_mm, nearest->y_mm};
     }
     if (!complete) continue;
-    const auto code = std::find_if(patterns.codes.begin(), patterns.codes.end(), [&](const PatternTable::Code& candidate) {
-      return std::equal(candidate.colors.begin(), candidate.colors.end(), colors.begin());
-    });
+    const auto code =
+        std::find_if(patterns.codes.begin(), patterns.codes.end(), [&](const PatternTable::Code& candidate) {
+          return std::equal(candidate.colors.begin(), candidate.colors.end(), colors.begin());
+        });
     if (code == patterns.codes.end()) continue;
     const Pose pose = fit_pose(std::span(model).first(dot_count + 1), std::span(seen).first(dot_count + 1));
     if (pose.rms_mm >= best.rms_mm) continue;
@@ -159,8 +166,11 @@ void DetectRobots::fit_around(const Params& params, const Scene& scene, const Pa
     if (!pixel) continue;
     // A first measure only: 1 for a perfect fit, 0 at the rms limit.
     const double confidence = 1 - pose.rms_mm / params.max_rms_mm;
-    best = {{team, code->id, pose.x_mm, pose.y_mm, pose.angle_rad, height_mm, pixel->x(), pixel->y(), confidence},
-            pose.rms_mm, used, center.region};
+    best = {
+        {team, code->id, pose.x_mm, pose.y_mm, pose.angle_rad, height_mm, pixel->x(), pixel->y(), confidence},
+        pose.rms_mm,
+        used,
+        center.region};
     found = true;
   }
   if (found) candidates_.push_back(best);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "geometry/scene.h"
+
 #include <cstdint>
 #include <vector>
 
-#include "geometry/scene.h"
-
 namespace sslv {
 
-/// A robot on the field. Position on the plane z = height, orientation counter-clockwise from +x in (-pi, pi].
+/// A robot on the field. Position on the plane z = height, orientation counter-clockwise from +x in (-pi,
+/// pi].
 struct Robot {
   Team team;
   int id;

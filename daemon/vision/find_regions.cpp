@@ -57,7 +57,8 @@ void FindRegions::process(const Params& params, const RunList& in, RegionList& o
                          (runs[above].y + 1 == run.y && runs[above].x_end + reach <= run.x_begin))) {
       ++above;
     }
-    for (std::uint32_t j = above; j < i && runs[j].y + 1 == run.y && runs[j].x_begin < run.x_end + reach; ++j) {
+    for (std::uint32_t j = above; j < i && runs[j].y + 1 == run.y && runs[j].x_begin < run.x_end + reach;
+         ++j) {
       if (runs[j].label == run.label) join(i, j);
     }
   }
@@ -69,7 +70,9 @@ void FindRegions::process(const Params& params, const RunList& in, RegionList& o
   for (std::uint32_t i = 0; i < count; ++i) {
     const Sums& sum = sums_[i];
     if (sum.parent != i || sum.cells < static_cast<std::uint32_t>(params.min_cells)) continue;
-    const auto px = [cell](std::uint16_t c, int extra) { return static_cast<std::uint16_t>(c * cell + extra); };
+    const auto px = [cell](std::uint16_t c, int extra) {
+      return static_cast<std::uint16_t>(c * cell + extra);
+    };
     unsorted_.push_back({runs[i].label, sum.cells * static_cast<std::uint32_t>(cell * cell), px(sum.left, 0),
                          px(sum.top, 0), px(sum.right, cell - 1), px(sum.bottom, cell - 1),
                          static_cast<float>(0.5 * static_cast<double>(sum.x) / sum.cells * cell + offset),

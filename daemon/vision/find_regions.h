@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/params.h"
+#include "vision/regions.h"
+
 #include <array>
 #include <cstdint>
 #include <tuple>
 #include <vector>
 
-#include "base/params.h"
-#include "vision/regions.h"
-
 namespace sslv {
 
 enum class Connectivity { kFour, kEight };
 
-/// Joins runs of one label that touch into regions (union-find over rows, Bruce et al. 2000), with area, centroid
-/// and box, sorted by label and falling area.
+/// Joins runs of one label that touch into regions (union-find over rows, Bruce et al. 2000), with area,
+/// centroid and box, sorted by label and falling area.
 class FindRegions {
  public:
   struct Params {
@@ -24,11 +24,13 @@ class FindRegions {
     static constexpr auto fields() {
       return std::tuple{
           number("min_cells", &Params::min_cells, 1, 1'000, "cells",
-                 "regions of fewer cells are noise and dropped at once; a speed limit, not a size filter (those are in mm)"),
+                 "regions of fewer cells are noise and dropped at once; a speed limit, not a size filter "
+                 "(those are in mm)"),
           number("max_regions", &Params::max_regions, 100, 1'000'000, "",
                  "cap on regions: beyond it the smallest are dropped, the frame flagged and counted"),
           choice("connectivity", &Params::connectivity,
-                 std::array{Choice<Connectivity>{"4", Connectivity::kFour}, Choice<Connectivity>{"8", Connectivity::kEight}},
+                 std::array{Choice<Connectivity>{"4", Connectivity::kFour},
+                            Choice<Connectivity>{"8", Connectivity::kEight}},
                  "whether cells that touch only at a corner belong together"),
       };
     }

@@ -13,8 +13,8 @@ namespace sslv {
 using Label = std::uint8_t;
 
 namespace label {
-inline constexpr Label kClear = 0, kField = 1, kOrange = 2, kYellow = 3, kBlue = 4, kPink = 5, kCyan = 6, kGreen = 7,
-                       kWhite = 8, kBlack = 9;
+inline constexpr Label kClear = 0, kField = 1, kOrange = 2, kYellow = 3, kBlue = 4, kPink = 5, kCyan = 6,
+                       kGreen = 7, kWhite = 8, kBlack = 9;
 inline constexpr std::size_t kCount = 10;
 inline constexpr std::array<std::string_view, kCount> kNames{"clear", "field", "orange", "yellow", "blue",
                                                              "pink",  "cyan",  "green",  "white",  "black"};

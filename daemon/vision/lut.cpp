@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/lut.h"
 
-#include <fmt/format.h>
+#include "base/error.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,7 +11,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "base/error.h"
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -19,7 +19,9 @@ namespace {
 constexpr std::string_view kMagic = "SSLVLUT1";
 
 /// The middle of a table cell's 8-bit range, rounded up.
-constexpr std::uint8_t middle(std::size_t cell) { return static_cast<std::uint8_t>(cell * 2 + 1); }
+constexpr std::uint8_t middle(std::size_t cell) {
+  return static_cast<std::uint8_t>(cell * 2 + 1);
+}
 
 bool in_class(const ColorClass& color, Yuv c) {
   if (c.y < color.luma[0] || c.y > color.luma[1]) return false;
@@ -56,8 +58,8 @@ std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::stri
     if (!label_named(colors.classes[i].label)) {
       std::string known;
       for (const auto name : label::kNames) known += (known.empty() ? "" : ", ") + std::string(name);
-      throw SettingsError(fmt::format("{}/classes/{}/label: \"{}\" is not allowed; expected one of {}", path, i,
-                                      colors.classes[i].label, known));
+      throw SettingsError(fmt::format("{}/classes/{}/label: \"{}\" is not allowed; expected one of {}", path,
+                                      i, colors.classes[i].label, known));
     }
   }
   if (!colors.lut_file.empty()) return read_lut(colors.lut_file, path + "/lut_file");
@@ -85,13 +87,20 @@ std::shared_ptr<const Lut> read_lut(const std::string& file, const std::string& 
   const std::size_t expected = kMagic.size() + Lut::kEntries;
   if (bytes.size() != expected) {
     throw SettingsError(
-        fmt::format("{}: \"{}\" has {} bytes; a .lut file has {} (8 of \"{}\", then one label for each of 128 x 128 x 128 colours)",
+        fmt::format("{}: \"{}\" has {} bytes; a .lut file has {} (8 of \"{}\", then one label for each of "
+                    "128 x 128 x 128 colours)",
                     path, file, bytes.size(), expected, kMagic));
   }
   if (!std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
-    throw SettingsError(fmt::format("{}: \"{}\" does not begin with \"{}\", so it is no .lut file", path, file, kMagic));
+    throw SettingsError(
+        fmt::format("{}: \"{}\" does not begin with \"{}\", so it is no .lut file", path, file, kMagic));
   }
   bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kMagic.size()));
+  const Label highest = *std::max_element(bytes.begin(), bytes.end());
+  if (highest >= label::kCount) {
+    throw SettingsError(
+        fmt::format("{}: \"{}\" holds label {}; labels are 0 .. {}", path, file, highest, label::kCount - 1));
+  }
   return std::make_shared<const Lut>(std::move(bytes));
 }
 

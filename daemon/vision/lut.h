@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/params.h"
+#include "image/color.h"
+#include "vision/label.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "base/params.h"
-#include "image/color.h"
-#include "vision/label.h"
 
 namespace sslv {
 
@@ -28,11 +28,13 @@ class Lut {
 
   /// Luma innermost: the cells of one chroma lie in one cache line.
   static constexpr std::size_t index_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) {
-    return static_cast<std::size_t>(u >> 1) << 14 | static_cast<std::size_t>(v >> 1) << 7 | static_cast<std::size_t>(y >> 1);
+    return static_cast<std::size_t>(u >> 1) << 14 | static_cast<std::size_t>(v >> 1) << 7 |
+           static_cast<std::size_t>(y >> 1);
   }
   /// Green innermost.
   static constexpr std::size_t index_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
-    return static_cast<std::size_t>(r >> 1) << 14 | static_cast<std::size_t>(b >> 1) << 7 | static_cast<std::size_t>(g >> 1);
+    return static_cast<std::size_t>(r >> 1) << 14 | static_cast<std::size_t>(b >> 1) << 7 |
+           static_cast<std::size_t>(g >> 1);
   }
 
   Label of_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) const { return yuv_[index_yuv(y, u, v)]; }
@@ -44,20 +46,23 @@ class Lut {
   std::vector<Label> yuv_, rgb_;
 };
 
-/// A class of colour by hue and saturation instead of single table cells, so that it holds over a range of light:
-/// hue is the angle of (U-128, V-128), counter-clockwise from +U; saturation its length over the luma.
+/// A class of colour by hue and saturation instead of single table cells, so that it holds over a range of
+/// light: hue is the angle of (U-128, V-128), counter-clockwise from +U; saturation its length over the luma.
 struct ColorClass {
-  std::string label;                         // one of label::kNames
-  std::array<int, 2> luma{0, 255};           // Y
-  std::array<int, 2> hue_deg{0, 360};        // wraps when written as e.g. [340, 380]
+  std::string label;                           // one of label::kNames
+  std::array<int, 2> luma{0, 255};             // Y
+  std::array<int, 2> hue_deg{0, 360};          // wraps when written as e.g. [340, 380]
   std::array<int, 2> saturation_pct{0, 1000};  // 100 * |(U-128, V-128)| / Y
 
   static constexpr auto fields() {
     return std::tuple{
-        text("label", &ColorClass::label, "clear, field, orange, yellow, blue, pink, cyan, green, white or black"),
+        text("label", &ColorClass::label,
+             "clear, field, orange, yellow, blue, pink, cyan, green, white or black"),
         range("luma", &ColorClass::luma, 0, 255, "", "brightness Y"),
-        range("hue_deg", &ColorClass::hue_deg, 0, 720, "deg", "angle of (U-128, V-128) from +U towards +V; may pass 360"),
-        range("saturation_pct", &ColorClass::saturation_pct, 0, 10000, "%", "length of (U-128, V-128) over Y"),
+        range("hue_deg", &ColorClass::hue_deg, 0, 720, "deg",
+              "angle of (U-128, V-128) from +U towards +V; may pass 360"),
+        range("saturation_pct", &ColorClass::saturation_pct, 0, 10000, "%",
+              "length of (U-128, V-128) over Y"),
     };
   }
 };
@@ -75,7 +80,8 @@ struct ColorSettings {
   }
 };
 
-/// Throws SettingsError, beginning with `path`: unknown label, unreadable file, file of the wrong size or format.
+/// Throws SettingsError, beginning with `path`: unknown label, unreadable file, file of the wrong size or
+/// format.
 std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::string& path);
 
 /// The `.lut` file: 8 bytes "SSLVLUT1", then kEntries labels ordered as Lut::index_yuv.

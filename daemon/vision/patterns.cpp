@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/patterns.h"
 
-#include <fmt/format.h>
+#include "base/params_json.h"
+#include "vision/league_patterns_json.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/params_json.h"
-#include "vision/league_patterns_json.h"
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -19,11 +19,13 @@ double positive(const Json& json, const std::string& path, double max) {
   return read_number<double>(json, path, 1.0, max, "mm");
 }
 
-/// The codes seen from every turn that puts all dots onto dots: `same[i]` is the dot that dot i comes to lie on.
+/// The codes seen from every turn that puts all dots onto dots: `same[i]` is the dot that dot i comes to lie
+/// on.
 std::vector<std::vector<std::size_t>> symmetries(const std::vector<PatternDot>& dots) {
   std::vector<std::vector<std::size_t>> found;
   for (std::size_t target = 0; target < dots.size(); ++target) {
-    const double turn = std::atan2(dots[target].y_mm, dots[target].x_mm) - std::atan2(dots[0].y_mm, dots[0].x_mm);
+    const double turn =
+        std::atan2(dots[target].y_mm, dots[target].x_mm) - std::atan2(dots[0].y_mm, dots[0].x_mm);
     std::vector<std::size_t> same;
     for (const PatternDot& dot : dots) {
       const double x = std::cos(turn) * dot.x_mm - std::sin(turn) * dot.y_mm;
@@ -73,7 +75,8 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
     if (item.key() != "//" && item.key() != "name" && item.key() != "center_diameter_mm" &&
         item.key() != "dot_diameter_mm" && item.key() != "dots" && item.key() != "codes") {
       throw SettingsError(fmt::format(
-          "{}/{}: no such parameter; known: name, center_diameter_mm, dot_diameter_mm, dots, codes", path, item.key()));
+          "{}/{}: no such parameter; known: name, center_diameter_mm, dot_diameter_mm, dots, codes", path,
+          item.key()));
     }
   }
   PatternTable table;
@@ -83,7 +86,8 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
   table.dot_diameter_mm = positive(json["dot_diameter_mm"], path + "/dot_diameter_mm", 500);
 
   const Json& dots = json["dots"];
-  if (!dots.is_array() || dots.size() < 2 || dots.size() > 16) refuse(path + "/dots", dots, "2 .. 16 places [x, y]");
+  if (!dots.is_array() || dots.size() < 2 || dots.size() > 16)
+    refuse(path + "/dots", dots, "2 .. 16 places [x, y]");
   for (std::size_t i = 0; i < dots.size(); ++i) {
     const std::string here = fmt::format("{}/dots/{}", path, i);
     if (!dots[i].is_array() || dots[i].size() != 2) refuse(here, dots[i], "[x, y] in mm");
@@ -95,7 +99,8 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
   if (!codes.is_array() || codes.empty()) refuse(path + "/codes", codes, "a list of {id, colors}");
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const std::string here = fmt::format("{}/codes/{}", path, i);
-    if (!codes[i].is_object() || !codes[i].contains("id") || !codes[i].contains("colors") || codes[i].size() != 2) {
+    if (!codes[i].is_object() || !codes[i].contains("id") || !codes[i].contains("colors") ||
+        codes[i].size() != 2) {
       refuse(here, codes[i], "{\"id\": ..., \"colors\": [...]}");
     }
     PatternTable::Code code{read_number<int>(codes[i]["id"], here + "/id", 0, 255, ""), {}};
@@ -105,16 +110,19 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
     }
     for (std::size_t dot = 0; dot < colors.size(); ++dot) {
       const auto label = colors[dot].is_string() ? label_named(colors[dot].get<std::string>()) : std::nullopt;
-      if (!label || *label == label::kClear) refuse(fmt::format("{}/colors/{}", here, dot), colors[dot], "a colour's name");
+      if (!label || *label == label::kClear)
+        refuse(fmt::format("{}/colors/{}", here, dot), colors[dot], "a colour's name");
       code.colors.push_back(*label);
       if (std::find(table.side_colors.begin(), table.side_colors.end(), *label) == table.side_colors.end()) {
         table.side_colors.push_back(*label);
       }
     }
     for (const auto& other : table.codes) {
-      if (other.id == code.id) throw SettingsError(fmt::format("{}/id: id {} stands there twice", here, code.id));
+      if (other.id == code.id)
+        throw SettingsError(fmt::format("{}/id: id {} stands there twice", here, code.id));
       if (other.colors == code.colors) {
-        throw SettingsError(fmt::format("{}/colors: ids {} and {} have the same colours", here, other.id, code.id));
+        throw SettingsError(
+            fmt::format("{}/colors: ids {} and {} have the same colours", here, other.id, code.id));
       }
     }
     table.codes.push_back(std::move(code));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vision/label.h"
+
 #include <string>
 #include <vector>
-
-#include "vision/label.h"
 
 namespace sslv {
 

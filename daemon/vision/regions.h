@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "vision/label.h"
+
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "vision/label.h"
 
 namespace sslv {
 
@@ -16,7 +16,9 @@ struct LabelImage {
   int cell_px = 1;            // side of a cell: 1, or 2 for Bayer
   std::vector<Label> labels;  // width * height, row by row
 
-  const Label* row(int y) const { return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
+  const Label* row(int y) const {
+    return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+  }
   Label* row(int y) { return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
 };
 
@@ -36,10 +38,10 @@ struct RunList {
 /// Connected cells of one label.
 struct Region {
   Label label;
-  std::uint32_t area_px;             // pixels of the picture, also for Bayer
+  std::uint32_t area_px;                   // pixels of the picture, also for Bayer
   std::uint16_t left, top, right, bottom;  // box in pixels, inclusive
-  float x_px, y_px;                  // centroid, in pixels of the picture
-  std::uint32_t first_run;           // index into RunList::runs
+  float x_px, y_px;                        // centroid, in pixels of the picture
+  std::uint32_t first_run;                 // index into RunList::runs
 };
 
 struct RegionList {

@@ -25,7 +25,8 @@ void label_mono(const Lut& lut, const std::uint8_t* in, Label* out, int width) {
 
 /// kRed: where red sits in the quad (0 1 / 2 3); blue sits opposite.
 template <int kRed>
-void label_bayer(const Lut& lut, const std::uint8_t* upper, const std::uint8_t* lower, Label* out, int quads) {
+void label_bayer(const Lut& lut, const std::uint8_t* upper, const std::uint8_t* lower, Label* out,
+                 int quads) {
   for (int x = 0; x < quads; ++x, upper += 2, lower += 2) {
     const std::uint8_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
     constexpr int kGreen1 = kRed == 0 || kRed == 3 ? 1 : 0, kGreen2 = 3 - kGreen1;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
-
 #include "image/image.h"
 #include "vision/lut.h"
 #include "vision/regions.h"
 
+#include <tuple>
+
 namespace sslv {
 
 /// Labels every pixel by the colour lookup table: the plain reference (Bruce, Balch, Veloso: Fast and
-/// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer pictures are read as 2x2 quads of one
-/// red, two green (averaged, rounded up) and one blue sample, one label each; mono pixels count as grey.
+/// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer pictures are read as 2x2
+/// quads of one red, two green (averaged, rounded up) and one blue sample, one label each; mono pixels count
+/// as grey.
 class Threshold {
  public:
   struct Params {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/lut.h"
+
+#include "base/error.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+template <class Act>
+std::string error_of(Act act) {
+  try {
+    act();
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+class LutFile : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string write(const std::vector<std::uint8_t>& bytes) {
+    const auto file = folder_ / "table.lut";
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return file.string();
+  }
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("lut_test." + std::to_string(::getpid()));
+};
+
+TEST(Lut, ClassesAreHueAndSaturationALaterOneWins) {
+  ColorSettings colors;
+  colors.classes = {{"green", {0, 255}, {180, 270}, {10, 1000}}, {"field", {0, 100}, {180, 270}, {10, 1000}}};
+  const auto lut = make_lut(colors, "/colors");
+  const Yuv bright = to_yuv({60, 220, 90}), dark = to_yuv({20, 90, 40}), red = to_yuv({200, 30, 30});
+  EXPECT_EQ(lut->of_yuv(bright.y, bright.u, bright.v), label::kGreen);
+  EXPECT_EQ(lut->of_yuv(dark.y, dark.u, dark.v), label::kField);
+  EXPECT_EQ(lut->of_yuv(red.y, red.u, red.v), label::kClear);
+}
+
+TEST(Lut, HueMayPassZero) {
+  ColorSettings colors;
+  colors.classes = {{"pink", {0, 255}, {350, 370}, {10, 1000}}};
+  const auto lut = make_lut(colors, "/colors");
+  EXPECT_EQ(lut->of_yuv(128, 168, 127), label::kPink);
+  EXPECT_EQ(lut->of_yuv(128, 168, 131), label::kPink);
+  EXPECT_EQ(lut->of_yuv(128, 168, 168), label::kClear);
+}
+
+TEST(Lut, RgbTwinAgreesWithYuv) {
+  ColorSettings colors;
+  colors.classes = {{"orange", {0, 255}, {90, 160}, {30, 1000}}};
+  const auto lut = make_lut(colors, "/colors");
+  for (const Rgb c : {Rgb{240, 120, 20}, Rgb{20, 60, 220}, Rgb{128, 128, 128}, Rgb{120, 60, 10}}) {
+    const Yuv yuv = to_yuv(c);
+    EXPECT_EQ(lut->of_rgb(c.r, c.g, c.b), lut->of_yuv(yuv.y, yuv.u, yuv.v));
+  }
+}
+
+TEST(Lut, NamesAnUnknownLabel) {
+  ColorSettings colors;
+  colors.classes = {{"orange", {}, {}, {}}, {"purple", {}, {}, {}}};
+  EXPECT_THAT(error_of([&] { make_lut(colors, "/cameras/0/colors"); }),
+              AllOf(HasSubstr("/cameras/0/colors/classes/1/label: \"purple\""), HasSubstr("pink")));
+}
+
+TEST_F(LutFile, ComesBackAsWritten) {
+  ColorSettings colors;
+  colors.classes = {{"orange", {0, 255}, {90, 160}, {30, 1000}}};
+  const auto lut = make_lut(colors, "");
+  const auto again = read_lut(write(lut_file_bytes(*lut)), "");
+  EXPECT_EQ(again->yuv(), lut->yuv());
+}
+
+TEST_F(LutFile, RefusesAFileOfTheWrongSize) {
+  const std::string file = write({'S', 'S', 'L', 'V', 'L', 'U', 'T', '1', 0, 0});
+  EXPECT_THAT(error_of([&] { read_lut(file, "/cameras/0/colors/lut_file"); }),
+              AllOf(HasSubstr("/cameras/0/colors/lut_file"), HasSubstr(file), HasSubstr("10 bytes"),
+                    HasSubstr("2097160")));
+}
+
+TEST_F(LutFile, RefusesAnotherFormat) {
+  const std::string file = write(std::vector<std::uint8_t>(8 + Lut::kEntries));
+  EXPECT_THAT(error_of([&] { read_lut(file, "/x"); }), HasSubstr("does not begin with \"SSLVLUT1\""));
+  EXPECT_THAT(error_of([&] { read_lut("/does/not/exist", "/x"); }), HasSubstr("No such file"));
+}
+
+TEST_F(LutFile, RefusesALabelThatDoesNotExist) {
+  auto bytes = lut_file_bytes(Lut());
+  bytes[8 + 5] = 200;
+  const std::string file = write(bytes);
+  EXPECT_THAT(error_of([&] { read_lut(file, "/x"); }), HasSubstr("label 200"));
+}
+
+}  // namespace
+}  // namespace sslv
