@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { niceTop, seriesPaths } from './series';
+import { axisFor, seriesPaths } from './series';
 
 const sample = (at: number, p50: number) => ({ at, p50, p99: p50, fps: 60, dropped: 0 });
 const plane = { width: 60, height: 10, top: 2 };
@@ -22,6 +22,10 @@ describe('a minute as a line', () => {
   });
 
   it('ends axes at round numbers', () => {
-    expect([0, 0.87, 1.2, 7, 23].map(niceTop)).toEqual([1, 1, 1.5, 8, 30]);
+    expect(axisFor(0.87).ticks).toEqual([0, 0.25, 0.5, 0.75, 1]);
+    expect(axisFor(1.4).ticks).toEqual([0, 0.5, 1, 1.5]);
+    expect(axisFor(23).ticks).toEqual([0, 10, 20, 30]);
+    expect(axisFor(8).ticks).toEqual([0, 2, 4, 6, 8]);
+    expect(axisFor(0).top).toBeGreaterThan(0);
   });
 });

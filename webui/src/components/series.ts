@@ -41,10 +41,20 @@ export function seriesPaths(samples: readonly Sample[], value: (sample: Sample) 
   return { line, area };
 }
 
-/** The next of 1, 2, 3, 4, 6, 8, 10, 15, 20 … times a power of ten, for an axis' end. */
-export function niceTop(value: number): number {
-  if (!(value > 0)) return 1;
-  const power = 10 ** Math.floor(Math.log10(value));
-  const step = [1, 1.5, 2, 3, 4, 6, 8, 10].find((s) => s * power >= value) ?? 10;
-  return step * power;
+export interface Axis {
+  top: number;
+  ticks: number[];
+}
+
+const MOST_STEPS = 4;
+
+/** An axis from zero past a value, with few ticks at round numbers. */
+export function axisFor(value: number): Axis {
+  const least = Math.max(value, 1e-6) / MOST_STEPS;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const digits = Math.max(0, 1 - Math.floor(Math.log10(least)));
+  const step = ([1, 2, 2.5, 5].find((s) => s * power >= least) ?? 10) * power;
+  const steps = Math.ceil(value / step - 1e-9) || 1;
+  const ticks = Array.from({ length: steps + 1 }, (_, i) => Number((i * step).toFixed(digits)));
+  return { top: steps * step, ticks };
 }

@@ -68,7 +68,7 @@ function frameRate({ status, history }: FactsInput): Verdict {
   if (slowed) return verdict('warn', `${names([slowed])} did ${history.bestFps(slowed.id).toFixed(1)}`);
   const dropped = running.reduce((sum, camera) => sum + history.dropped(camera.id), 0);
   if (dropped) return verdict('warn', `${figure(dropped)} dropped in 60 s`);
-  return verdict('ok', running.length > 1 ? 'slowest camera, no drops' : 'no drops');
+  return verdict('ok', 'no drops');
 }
 
 function robots(input: FactsInput): Verdict {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Quarter turns that lay a picture as the field lies: +x to the right, +y up.
+import type { CameraStatus } from '../api/types';
 import { CameraModel, type Point } from './cameraModel';
 
 /** Quarter turns clockwise. */
@@ -38,4 +39,8 @@ export function fieldTurn(camera: CameraModel | null, { width, height }: Size): 
   if (!from || !to) return 0;
   const angle = Math.atan2(to.y - from.y, to.x - from.x);
   return (((Math.round(-angle / (Math.PI / 2)) % 4) + 4) % 4) as Turn;
+}
+
+export function cameraTurn(camera: CameraStatus): Turn {
+  return fieldTurn(camera.calibration ? new CameraModel(camera.calibration) : null, camera);
 }

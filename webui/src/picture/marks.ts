@@ -58,7 +58,7 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
     x: centre.x + reach * (Math.cos(angle) * ux.x + Math.sin(angle) * uy.x),
     y: centre.y + reach * (Math.cos(angle) * ux.y + Math.sin(angle) * uy.y),
   });
-  const corners = 20;
+  const corners = 36;
   const ring = Array.from({ length: corners }, (_, i) => at(point((i / corners) * 2 * Math.PI, 1)));
   const front = point(robot.orientation, 1);
   const tip = point(robot.orientation, 2);

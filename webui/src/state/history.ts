@@ -19,13 +19,15 @@ export class History {
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
+      // A camera that does not run has no latency; its figures are those of before.
+      if (camera.state !== 'running') continue;
       let samples = this.cameras.get(camera.id);
       if (!samples) this.cameras.set(camera.id, (samples = []));
       const last = samples[samples.length - 1];
       // The daemon was restarted: its counters began again, so the old ones compare to nothing.
       if (last && last.dropped > camera.frames_dropped) samples.length = 0;
       samples.push({
-        at, fps: camera.state === 'running' ? camera.fps : 0, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99,
+        at, fps: camera.fps, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99,
         dropped: camera.frames_dropped,
       });
       forget(samples, at);

@@ -38,6 +38,8 @@ export interface FieldObjects {
   balls: SeenBall[];
 }
 export const fieldObjects = shallowRef<FieldObjects>({ robots: [], balls: [] });
+/** The field's objects at the last status: for numbers, which nobody reads thirty times a second. */
+export const steadyObjects = shallowRef<FieldObjects>(fieldObjects.value);
 
 const detections = new Map<number, { data: Detections; at: number }>();
 let redraw = false;
@@ -73,6 +75,7 @@ function onStatus(status: Status): void {
   if (clockSamples.length > CLOCK_SAMPLES) clockSamples.shift();
   history.record(status, at);
   historyVersion.value++;
+  steadyObjects.value = fieldObjects.value;
   lastStatus.value = status;
   lastStatusAt.value = at;
 }
