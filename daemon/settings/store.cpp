@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/store.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
+#include "base/log.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,7 +9,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/log.h"
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -39,8 +39,8 @@ class FileDescriptor {
 Json read_json_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) {
-    throw SettingsError(fmt::format("{}: cannot be read: {}", file.string(),
-                                    in ? "is a folder" : std::strerror(errno)));
+    throw SettingsError(
+        fmt::format("{}: cannot be read: {}", file.string(), in ? "is a folder" : std::strerror(errno)));
   }
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
@@ -75,7 +75,8 @@ void write_file_durably(const std::filesystem::path& file, const std::string& co
   if (folder.get() < 0 || ::fsync(folder.get()) != 0) fail(file.parent_path(), "sync");
 }
 
-SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder, Check check)
+SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder,
+                             Check check)
     : admin_file_(std::move(admin_file)), state_folder_(std::move(state_folder)), check_(std::move(check)) {
   const Json from_file = read_json_file(admin_file_);
   try {
@@ -97,13 +98,14 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
   if (!std::filesystem::exists(file, ignored)) return std::nullopt;
   try {
     const Json saved = read_json_file(file);
-    Version version{saved.at("revision").get<std::uint64_t>(), check_(admin_settings_.patch(saved.at("changes")))};
+    Version version{saved.at("revision").get<std::uint64_t>(),
+                    check_(admin_settings_.patch(saved.at("changes")))};
     return version;
   } catch (const std::exception& error) {
     const std::filesystem::path aside = file.string() + ".rejected";
     std::filesystem::rename(file, aside, ignored);
-    const std::string text = fmt::format("saved changes in {} do not fit {} and were set aside as {}: {}", file.string(),
-                                         admin_file_.string(), aside.string(), error.what());
+    const std::string text = fmt::format("saved changes in {} do not fit {} and were set aside as {}: {}",
+                                         file.string(), admin_file_.string(), aside.string(), error.what());
     log::error("{}", text);
     problem_ += (problem_.empty() ? "" : "; ") + text;
     return std::nullopt;
@@ -119,8 +121,8 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, std::optional<std
                                             const Prepare& prepare) {
   const std::lock_guard lock(mutex_);
   if (if_revision && *if_revision != version_.revision) {
-    throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}", version_.revision,
-                                    *if_revision));
+    throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}",
+                                    version_.revision, *if_revision));
   }
   Json changed;
   try {
@@ -135,7 +137,8 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, std::optional<std
   std::error_code error;
   std::filesystem::create_directories(state_folder_, error);
   if (std::filesystem::exists(changes_file(), error)) {
-    std::filesystem::copy_file(changes_file(), previous_file(), std::filesystem::copy_options::overwrite_existing, error);
+    std::filesystem::copy_file(changes_file(), previous_file(),
+                               std::filesystem::copy_options::overwrite_existing, error);
   }
   write_file_durably(changes_file(), saved.dump(2) + "\n");
   put_into_force();

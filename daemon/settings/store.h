@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/error.h"
+#include "base/json.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -8,9 +11,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-
-#include "base/error.h"
-#include "base/json.h"
 
 namespace sslv {
 
@@ -27,12 +27,13 @@ struct StorageError : std::runtime_error {
 /// Reads a JSON file. Throws SettingsError naming the file and, for a syntax error, line and column.
 Json read_json_file(const std::filesystem::path& file);
 
-/// Replaces a file's content so that after a power cut it holds either all of the old or all of the new bytes:
-/// temporary file, fsync, rename, fsync of the folder. Throws StorageError.
+/// Replaces a file's content so that after a power cut it holds either all of the old or all of the new
+/// bytes: temporary file, fsync, rename, fsync of the folder. Throws StorageError.
 void write_file_durably(const std::filesystem::path& file, const std::string& content);
 
 /// The one owner of the settings tree. The admin's file is never written; what the panel changes is kept
-/// beside it, in the state folder, as a JSON Patch (RFC 6902) on that file's tree, so that a later edit of either is kept.
+/// beside it, in the state folder, as a JSON Patch (RFC 6902) on that file's tree, so that a later edit of
+/// either is kept.
 class SettingsStore {
  public:
   struct Version {
@@ -41,19 +42,20 @@ class SettingsStore {
   };
   /// Checks a tree and fills in its defaults; throws SettingsError.
   using Check = std::function<Json(const Json&)>;
-  /// Makes ready what a new tree needs, throwing SettingsError when that fails, and returns what puts it into force,
-  /// which must not fail.
+  /// Makes ready what a new tree needs, throwing SettingsError when that fails, and returns what puts it into
+  /// force, which must not fail.
   using Prepare = std::function<std::function<void()>(const Json&)>;
 
-  /// Throws SettingsError, beginning with the file's name, when the admin's file is not usable. Saved changes that
-  /// cannot be used are set aside (renamed *.rejected) and the last good ones, then none, are taken: `problem()` says so.
+  /// Throws SettingsError, beginning with the file's name, when the admin's file is not usable. Saved changes
+  /// that cannot be used are set aside (renamed *.rejected) and the last good ones, then none, are taken:
+  /// `problem()` says so.
   SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder, Check check);
 
   Version current() const;
 
-  /// Applies a JSON Patch: checked, prepared, saved, then put into force. Throws StaleRevision when `if_revision` is
-  /// given and is not the newest, SettingsError when the result is not allowed, StorageError when it cannot be saved;
-  /// in each case nothing has changed.
+  /// Applies a JSON Patch: checked, prepared, saved, then put into force. Throws StaleRevision when
+  /// `if_revision` is given and is not the newest, SettingsError when the result is not allowed, StorageError
+  /// when it cannot be saved; in each case nothing has changed.
   Version patch(const Json& patch, std::optional<std::uint64_t> if_revision, const Prepare& prepare);
 
   /// What went wrong with the saved changes at start; empty when nothing did.

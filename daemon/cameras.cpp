@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// TABLE capture backends. To add one: a file pair in capture/, a row here (docs/extending.md).
+#include "cameras.h"
+
+#include "capture/aravis.h"
+#include "capture/file.h"
+#include "capture/simulator.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+namespace sslv {
+
+std::span<const Backend> backend_table() {
+  static const std::array kBackends{
+      aravis_backend(),
+      file_backend(),
+      simulator_backend(),
+  };
+  return kBackends;
+}
+
+const Backend& find_backend(const std::string& name, const std::string& path) {
+  std::string known;
+  for (const Backend& backend : backend_table()) {
+    if (backend.name == name) return backend;
+    known += (known.empty() ? "" : ", ") + std::string(backend.name);
+  }
+  throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, name, known));
+}
+
+}  // namespace sslv

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capture/source.h"
+
+#include <span>
+#include <string>
+
+namespace sslv {
+
+/// Every capture backend a camera's "source" may name.
+std::span<const Backend> backend_table();
+
+/// The named backend; throws SettingsError, beginning with `path`, that lists the known ones.
+const Backend& find_backend(const std::string& name, const std::string& path);
+
+}  // namespace sslv

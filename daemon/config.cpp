@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config.h"
+
+#include "base/params_json.h"
+#include "cameras.h"
+#include "pipeline/pipeline.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+std::string camera_path(std::size_t i) {
+  return fmt::format("/cameras/{}", i);
+}
+
+/// A source with its backend's defaults written out.
+Json complete_source(const Json& source, const std::string& path) {
+  if (!source.contains("backend") || !source["backend"].is_string()) {
+    throw SettingsError(path + "/backend: is missing; expected a capture backend's name");
+  }
+  const std::string name = source["backend"].get<std::string>();
+  Json options = source;
+  options.erase("backend");
+  const Json complete = find_backend(name, path + "/backend").complete(options, path);
+  Json out{{"backend", name}};
+  out.update(complete);
+  return out;
+}
+
+}  // namespace
+
+Config read_config(const Json& settings) {
+  auto config = params_from_json<Config>(settings, "");
+  check_multicast(config.network.vision, "/network/vision");
+  std::map<int, std::size_t> camera_with_id;
+  for (std::size_t i = 0; i < config.cameras.size(); ++i) {
+    CameraSettings& camera = config.cameras[i];
+    const std::string path = camera_path(i);
+    const auto [first, is_new] = camera_with_id.emplace(camera.id, i);
+    if (!is_new) {
+      throw SettingsError(fmt::format("{}/id: {} is the id of {} already; every camera needs its own", path,
+                                      camera.id, camera_path(first->second)));
+    }
+    camera.source = complete_source(camera.source, path + "/source");
+    if (camera.calibration) CameraModel(*camera.calibration, path + "/calibration");
+    const Pipeline checked(stage_table(), camera.stack, path + "/stack");
+    camera.stages = complete_stage_settings(stage_table(), camera.stages, path + "/stages");
+  }
+  return config;
+}
+
+Json complete_settings(const Json& settings) {
+  return params_to_json(read_config(settings));
+}
+
+Json settings_schema() {
+  Json schema = params_schema<Config>();
+  schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+  schema["title"] = "ssl-visiond settings";
+  Json& camera = schema["properties"]["cameras"]["items"]["properties"];
+  camera["stages"]["additionalProperties"] = false;
+  for (const StageType& type : stage_table()) {
+    Json one = type.schema();
+    one["description"] = type.help;
+    camera["stages"]["properties"][std::string(type.name)] = std::move(one);
+    camera["stack"]["items"]["enum"].push_back(type.name);
+  }
+  camera["source"].erase("additionalProperties");
+  for (const Backend& backend : backend_table()) {
+    Json one = backend.schema();
+    one["title"] = backend.name;
+    one["description"] = backend.help;
+    one["properties"]["backend"] = {{"const", backend.name}};
+    camera["source"]["oneOf"].push_back(std::move(one));
+  }
+  return schema;
+}
+
+World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut) {
+  const CameraSettings& camera = config.cameras[i];
+  auto scene = std::make_shared<Scene>();
+  scene->field = config.field;
+  if (camera.calibration) scene->camera.emplace(*camera.calibration, camera_path(i) + "/calibration");
+  scene->robot_height_mm = {config.teams.yellow.robot_height, config.teams.blue.robot_height};
+
+  std::shared_ptr<const PatternTable> patterns;
+  if (config.patterns_file.empty()) {
+    patterns = std::shared_ptr<const PatternTable>(&league_patterns(), [](const PatternTable*) {});
+  } else {
+    std::ifstream in(config.patterns_file, std::ios::binary);
+    if (!in) {
+      throw SettingsError(
+          fmt::format("/patterns_file: cannot read \"{}\": {}", config.patterns_file, std::strerror(errno)));
+    }
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    patterns = std::make_shared<const PatternTable>(parse_patterns(text, config.patterns_file));
+  }
+  if (!lut) lut = make_lut(camera.colors, camera_path(i) + "/colors");
+  return {std::move(scene), std::move(lut), std::move(patterns)};
+}
+
+}  // namespace sslv

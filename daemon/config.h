@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The settings tree: what every key is. Each part declares its own fields; this file puts them together.
+
+#include "base/json.h"
+#include "base/params.h"
+#include "capture/camera_thread.h"
+#include "geometry/camera_model.h"
+#include "geometry/field.h"
+#include "net/multicast.h"
+#include "pipeline/frame.h"
+#include "stages.h"
+#include "vision/lut.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+struct TeamSettings {
+  std::string name;
+  double robot_height = 140;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("name", &TeamSettings::name, "as the game controller spells it"),
+        number("robot_height", &TeamSettings::robot_height, 20.0, 1000.0, "mm",
+               "height of the pattern above the floor"),
+    };
+  }
+};
+
+struct TeamsSettings {
+  TeamSettings yellow, blue;
+  static constexpr auto fields() {
+    return std::tuple{group("yellow", &TeamsSettings::yellow, "the yellow team"),
+                      group("blue", &TeamsSettings::blue, "the blue team")};
+  }
+};
+
+struct NetworkSettings {
+  MulticastSettings vision;
+  static constexpr auto fields() {
+    return std::tuple{group("vision", &NetworkSettings::vision, "where detections and geometry are sent")};
+  }
+};
+
+struct PanelSettings {
+  std::string address = "127.0.0.1";
+  int port = 8090;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("address", &PanelSettings::address,
+             "address the panel listens on; 0.0.0.0: all. Takes force at the next start"),
+        number("port", &PanelSettings::port, 0, 65535, "",
+               "port of the panel; 0: any free one. Takes force at the next start"),
+    };
+  }
+};
+
+struct CameraSettings {
+  int id = 0;
+  std::string name;
+  Json source = Json{{"backend", "simulator"}};
+  std::optional<CameraCalibration> calibration;
+  ColorSettings colors;
+  std::vector<std::string> stack = default_stack();
+  Json stages = Json::object();
+  ThreadSettings thread;
+  static constexpr auto fields() {
+    using C = CameraSettings;
+    return std::tuple{
+        number("id", &C::id, 0, 255, "", "camera_id in the packets"),
+        text("name", &C::name, "for people, such as the part of the field it sees"),
+        object("source", &C::source, "where pictures come from: \"backend\" and that backend's options"),
+        group("calibration", &C::calibration,
+              "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
+        group("colors", &C::colors, "the colour lookup table"),
+        names("stack", &C::stack, "the stages a picture passes, in order"),
+        object("stages", &C::stages, "parameters of the stages"),
+        group("thread", &C::thread, "priority and processor of the camera's thread"),
+    };
+  }
+};
+
+struct Config {
+  std::string site = "Field";
+  FieldSize field;
+  TeamsSettings teams;
+  std::string patterns_file;
+  NetworkSettings network;
+  PanelSettings panel;
+  std::vector<CameraSettings> cameras;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("site", &Config::site, "name of the field, shown in the panel"),
+        group("field", &Config::field, "sizes of the playing field"),
+        group("teams", &Config::teams, "names and heights of the teams"),
+        text("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
+        group("network", &Config::network, "what is sent where"),
+        group("panel", &Config::panel, "where the web panel listens"),
+        list("cameras", &Config::cameras, "the cameras of this daemon"),
+    };
+  }
+};
+
+/// Reads a tree that may be incomplete. Throws SettingsError for whatever is not allowed: unknown keys,
+/// values out of range, two cameras with one id, an impossible stack, a calibration that is no camera.
+Config read_config(const Json& settings);
+
+/// The whole tree with every default written out. Throws as read_config does.
+Json complete_settings(const Json& settings);
+
+/// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
+Json settings_schema();
+
+/// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table unless
+/// `lut` is given; throws SettingsError when their files cannot be used.
+World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr);
+
+}  // namespace sslv

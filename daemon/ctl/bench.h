@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config.h"
+
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// Time one stage took over many frames of one kind.
+struct StageTiming {
+  std::string stage;
+  double min_us, median_us, p99_us;
+};
+struct BenchResult {
+  std::string pixel_format;
+  int width, height;
+  std::size_t robots,
+      balls;  // found in the last frame: a pipeline that finds nothing is fast for a bad reason
+  std::vector<StageTiming> stages;  // and "total" last
+};
+
+/// Runs the camera's stack over simulated frames of several formats and sizes, in one thread. The calibration
+/// is scaled with the picture. `frames` frames are drawn for each kind, and run `rounds` times.
+std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camera_index, int frames,
+                                         int rounds);
+
+/// The same over recorded frames (pictures or raw ones as `process` takes them), read into memory first.
+BenchResult bench_recorded(const Config& config, std::size_t camera_index, const std::string& input,
+                           const std::string& pixel_format, int width, int height, int rounds);
+
+}  // namespace sslv

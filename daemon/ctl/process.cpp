@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/process.h"
+
+#include "cameras.h"
+#include "detections_json.h"
+#include "pipeline/camera_pipeline.h"
+
+#include <chrono>
+#include <ostream>
+
+namespace sslv {
+namespace {
+
+/// The line is written from the frame itself, so what the publish stage hands out is not needed.
+struct NoSink : DetectionSink {
+  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {}
+};
+
+}  // namespace
+
+int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
+                      std::ostream& out, std::ostream& problems) {
+  const CameraSettings& camera = config.cameras.at(camera_index);
+  const std::string path = "/cameras/" + std::to_string(camera_index);
+  CameraSetup setup;
+  setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.stack, path + "/stack");
+  setup.parameters = setup.pipeline->make_parameters(camera.stages, path + "/stages");
+  setup.world = make_world(config, camera_index);
+
+  const Backend& files = find_backend("files", "--input");
+  Json source{{"path", options.input}, {"frame_rate_hz", 0}, {"loop", false}};
+  if (!options.pixel_format.empty()) {
+    source.update(
+        Json{{"pixel_format", options.pixel_format}, {"width", options.width}, {"height", options.height}});
+  }
+  const auto id = static_cast<std::uint32_t>(camera.id);
+  const auto input = files.open(files.complete(source, "--input"), {id, *setup.world.scene});
+
+  NoSink sink;
+  CameraPipeline pipeline(id, sink, setup);
+  int unreadable = 0;
+  for (;;) {
+    CapturedImage captured;
+    std::string problem;
+    switch (input->next(captured, problem, std::chrono::seconds(10))) {
+      case CaptureStatus::kImage: {
+        const std::string name = captured.name;
+        const Frame& frame =
+            pipeline.process(std::move(captured.image), captured.t_capture_s, captured.t_capture_camera_s);
+        Json line{{"frame", name}};
+        line.update(detections_json(frame.robots, frame.balls));
+        line["timing_us"] = Json::object();
+        for (std::size_t i = 0; i < frame.stage_ns.size(); ++i) {
+          line["timing_us"][camera.stack[i]] = static_cast<double>(frame.stage_ns[i]) * 1e-3;
+        }
+        out << line.dump() << '\n';
+        break;
+      }
+      case CaptureStatus::kIncomplete:
+        problems << problem << '\n';
+        ++unreadable;
+        break;
+      case CaptureStatus::kTimeout: break;
+      case CaptureStatus::kEnd: return unreadable;
+      case CaptureStatus::kLost: throw CaptureError(problem);
+    }
+  }
+}
+
+}  // namespace sslv

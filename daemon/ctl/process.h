@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config.h"
+
+#include <iosfwd>
+#include <string>
+
+namespace sslv {
+
+struct ProcessOptions {
+  std::string input;          // picture, raw frame, video, or a folder of pictures or raw frames
+  std::string pixel_format;   // of raw frames; empty: not raw
+  int width = 0, height = 0;  // of raw frames
+};
+
+/// Runs the camera's stack over recorded input in one thread, without a daemon: the same frames give the same
+/// detections. Writes one JSON object a line for each frame. Frames that cannot be read are named on
+/// `problems` and skipped. Returns how many were. Throws SettingsError and CaptureError.
+int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
+                      std::ostream& out, std::ostream& problems);
+
+}  // namespace sslv

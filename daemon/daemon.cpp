@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/params_json.h"
+#include "detections_json.h"
+#include "routes.h"
+#include "status.h"
+
+namespace sslv {
+namespace {
+
+Geometry make_geometry(const Config& config) {
+  Geometry geometry{config.field, {}, BallModels{}};
+  for (std::size_t i = 0; i < config.cameras.size(); ++i) {
+    const CameraSettings& camera = config.cameras[i];
+    if (camera.calibration) {
+      geometry.cameras.push_back({static_cast<std::uint32_t>(camera.id), CameraModel(*camera.calibration)});
+    }
+  }
+  return geometry;
+}
+
+std::chrono::duration<double> geometry_interval(const Config& config) {
+  return std::chrono::duration<double>(config.network.vision.geometry_interval_s);
+}
+
+}  // namespace
+
+Daemon::Daemon(const Options& options)
+    : started_s_(unix_time_s()),
+      store_(options.settings_file, options.state_folder, complete_settings),
+      config_(read_config(store_.current().settings)),
+      multicast_(config_.load()->network.vision, "/network/vision"),
+      geometry_(make_geometry(*config_.load())),
+      geometry_sender_(multicast_, geometry_, geometry_interval(*config_.load())),
+      cameras_(Cameras{}) {
+  prepare(store_.current().settings)();
+  const auto config = config_.load();
+  web_ = std::make_unique<WebServer>(
+      WebServer::Options{config->panel.address, static_cast<std::uint16_t>(config->panel.port), options.panel_folder},
+      make_web_host(), routes());
+}
+
+Daemon::~Daemon() { web_.reset(); }
+
+int Daemon::panel_port() const { return web_->port(); }
+
+std::function<void()> Daemon::prepare(const Json& settings) {
+  auto config = std::make_shared<const Config>(read_config(settings));
+  const auto old_cameras = cameras_.load();
+  auto setups = std::make_shared<std::vector<CameraSetup>>();
+  for (std::size_t i = 0; i < config->cameras.size(); ++i) {
+    const auto running = old_cameras->find(config->cameras[i].id);
+    if (running == old_cameras->end()) {
+      setups->push_back(make_setup(*config, i, nullptr, nullptr));
+    } else {
+      setups->push_back(make_setup(*config, i, running->second->settings().get(),
+                                   running->second->pipeline().setup().get()));
+    }
+  }
+  return [this, config, setups, old_cameras] {
+    config_.store(*config);
+    multicast_.configure(config->network.vision, "/network/vision");
+    geometry_.store(make_geometry(*config));
+    geometry_sender_.restart(geometry_interval(*config));
+    Cameras cameras;
+    for (std::size_t i = 0; i < config->cameras.size(); ++i) {
+      const CameraSettings& camera = config->cameras[i];
+      const auto running = old_cameras->find(camera.id);
+      if (running != old_cameras->end()) {
+        running->second->change(camera, std::move((*setups)[i]));
+        cameras[camera.id] = running->second;
+      } else {
+        cameras[camera.id] = std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_);
+      }
+    }
+    cameras_.store(std::move(cameras));
+  };
+}
+
+std::shared_ptr<RunningCamera> Daemon::camera(std::uint32_t id) const {
+  const auto cameras = cameras_.load();
+  const auto found = cameras->find(static_cast<int>(id));
+  return found == cameras->end() ? nullptr : found->second;
+}
+
+Json Daemon::status() const {
+  const auto config = config_.load();
+  return status_json(status_input(*config));
+}
+
+std::string Daemon::summary() const {
+  const auto config = config_.load();
+  return status_line(status_input(*config));
+}
+
+StatusInput Daemon::status_input(const Config& config) const {
+  StatusInput input{unix_time_s(), started_s_, config, multicast_.status(), web_ ? web_->viewers() : 0,
+                    store_.problem(), {}};
+  const auto cameras = cameras_.load();
+  for (const auto& [id, camera] : *cameras) input.cameras.push_back(camera);
+  return input;
+}
+
+std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
+                                      std::chrono::milliseconds timeout) {
+  // What a viewer holds on to: the camera, because the frame lies in its ring.
+  struct Hold {
+    std::shared_ptr<RunningCamera> camera;
+    FrameRef frame;
+  };
+  auto running = camera(camera_id);
+  if (!running) return std::nullopt;
+  auto newest = running->pipeline().finished().wait_newer(newer_than, timeout);
+  if (!newest) return std::nullopt;
+  auto hold = std::make_shared<const Hold>(Hold{std::move(running), std::move(newest->value)});
+  const Frame& frame = *hold->frame;
+  return View{newest->version,
+              hold,
+              frame.image.view(),
+              camera_id,
+              frame.info.number,
+              frame.info.t_capture_s,
+              detections_json(frame.robots, frame.balls)};
+}
+
+WebHost Daemon::make_web_host() {
+  const auto answer = [](const SettingsStore::Version& version) {
+    return Json{{"revision", version.revision}, {"settings", version.settings}};
+  };
+  WebHost host;
+  host.status = [this] { return status(); };
+  host.settings = [this, answer] { return answer(store_.current()); };
+  host.schema = [] { return settings_schema(); };
+  host.patch_settings = [this, answer](const Json& patch, std::optional<std::uint64_t> if_revision,
+                                       const std::string& who) {
+    const auto version = store_.patch(patch, if_revision, [this](const Json& next) { return prepare(next); });
+    log::info("settings revision {} saved, changed by {}: {}", version.revision, who, patch.dump());
+    Json out = answer(version);
+    out["saved"] = true;
+    return out;
+  };
+  host.camera_ids = [this] {
+    std::vector<std::uint32_t> ids;
+    const auto cameras = cameras_.load();
+    for (const auto& [id, camera] : *cameras) ids.push_back(static_cast<std::uint32_t>(id));
+    return ids;
+  };
+  host.wait_view = [this](std::uint32_t id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
+    return wait_view(id, newer_than, timeout);
+  };
+  host.lut_file = [this](std::uint32_t id) {
+    const auto running = camera(id);
+    return running ? lut_file_bytes(*running->pipeline().setup()->world.lut) : std::vector<std::uint8_t>{};
+  };
+  return host;
+}
+
+}  // namespace sslv

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Arguments, signals, exit code; nothing else.
+#include <sysexits.h>
+#include <systemd/sd-daemon.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+
+#include "base/log.h"
+#include "cameras.h"
+#include "daemon.h"
+#include "settings/store.h"
+#include "version.h"
+
+namespace {
+
+using namespace sslv;
+
+/// Where the panel's changes are kept: as the service manager says, else by the XDG base directory specification.
+std::filesystem::path state_folder() {
+  const auto variable = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    return value ? value : "";
+  };
+  if (const auto folder = variable("STATE_DIRECTORY"); !folder.empty()) return folder;
+  if (const auto folder = variable("XDG_STATE_HOME"); !folder.empty()) return folder / "ssl-visiond";
+  return variable("HOME") / ".local/state/ssl-visiond";
+}
+
+/// The panel built beside this program, else the installed one.
+std::filesystem::path panel_folder() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto built = program.parent_path() / "../../../webui/dist";
+  return std::filesystem::exists(built / "index.html", error) ? std::filesystem::canonical(built, error)
+                                                              : std::filesystem::path(kInstalledPanel);
+}
+
+/// The file with the saved changes laid over it is what the daemon would run with.
+Json checked_settings(const std::filesystem::path& file) {
+  try {
+    return complete_settings(read_json_file(file));
+  } catch (const SettingsError& error) {
+    const std::string what = error.what();
+    if (what.starts_with(file.string())) throw;
+    throw SettingsError(file.string() + ": " + what);
+  }
+}
+
+void list_cameras() {
+  bool any = false;
+  for (const Backend& backend : backend_table()) {
+    for (const FoundCamera& found : backend.list()) {
+      std::cout << found.name << "\n  \"source\": " << found.source.dump() << "\n";
+      any = true;
+    }
+  }
+  if (!any) std::cout << "No camera found. Check power, cable and network; GigE cameras must have an address of your network.\n";
+}
+
+int run(const Daemon::Options& options) {
+  // Blocked before any thread starts, so that all of them inherit it and this one takes the signals.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  Daemon daemon(options);
+  log::info("panel on port {}", daemon.panel_port());
+  sd_notify(0, "READY=1");
+  for (;;) {
+    const timespec second{1, 0};
+    const int signal = sigtimedwait(&signals, nullptr, &second);
+    if (signal == SIGINT || signal == SIGTERM) break;
+    sd_notifyf(0, "WATCHDOG=1\nSTATUS=%s", daemon.summary().c_str());
+  }
+  sd_notify(0, "STOPPING=1");
+  log::info("stopping: {}", daemon.summary());
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
+  app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);
+  std::filesystem::path settings_file, check_file, panel = panel_folder();
+  bool print = false, list = false;
+  app.add_option("--config", settings_file, "the settings file to run with");
+  app.add_option("--check-config", check_file, "check a settings file and say what is wrong with it: exit 0 or 78");
+  app.add_option("--panel", panel, "folder of the built panel")->capture_default_str();
+  app.add_flag("--print-config", print, "print the whole settings tree, defaults filled in (with --config: of that file)");
+  app.add_flag("--list-cameras", list, "list the cameras that could be opened, with the settings lines for each");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
+  }
+  try {
+    if (list) {
+      list_cameras();
+      return EXIT_SUCCESS;
+    }
+    if (!check_file.empty()) {
+      checked_settings(check_file);
+      std::cout << check_file.string() << ": good\n";
+      return EXIT_SUCCESS;
+    }
+    if (print) {
+      std::cout << (settings_file.empty() ? complete_settings(Json::object()) : checked_settings(settings_file)).dump(2)
+                << "\n";
+      return EXIT_SUCCESS;
+    }
+    if (settings_file.empty()) {
+      std::cerr << "ssl-visiond: --config FILE is needed; see --help\n";
+      return EX_USAGE;
+    }
+    return run({settings_file, state_folder(), panel});
+  } catch (const SettingsError& error) {
+    std::cerr << "ssl-visiond: " << error.what() << "\n";
+    return EX_CONFIG;
+  } catch (const std::exception& error) {
+    std::cerr << "ssl-visiond: " << error.what() << "\n";
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "running_camera.h"
+
+#include <utility>
+
+#include "base/params_json.h"
+#include "cameras.h"
+
+namespace sslv {
+namespace {
+
+template <class P>
+bool same(const P& a, const P& b) {
+  return params_to_json(a) == params_to_json(b);
+}
+
+}  // namespace
+
+RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast)
+    : settings_(settings),
+      sink_(multicast),
+      pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)) {
+  start_thread();
+}
+
+RunningCamera::~RunningCamera() {
+  thread_.reset();
+  pipeline_.close();
+}
+
+void RunningCamera::start_thread() {
+  const auto settings = settings_.load();
+  const Scene scene = *pipeline_.setup()->world.scene;
+  auto open = [settings, scene]() -> std::unique_ptr<Source> {
+    Json options = settings->source;
+    options.erase("backend");
+    const Backend& backend = find_backend(settings->source.at("backend").get<std::string>(), "/source");
+    return backend.open(options, {static_cast<std::uint32_t>(settings->id), scene});
+  };
+  auto on_image = [this](CapturedImage&& captured) {
+    pipeline_.process(std::move(captured.image), captured.t_capture_s, captured.t_capture_camera_s);
+  };
+  auto thread = std::make_unique<CameraThread>("camera " + std::to_string(settings->id), settings->thread,
+                                               std::move(open), std::move(on_image));
+  const std::lock_guard lock(thread_mutex_);
+  thread_ = std::move(thread);
+}
+
+void RunningCamera::change(const CameraSettings& settings, CameraSetup setup) {
+  const auto old = settings_.load();
+  settings_.store(settings);
+  pipeline_.change(std::move(setup));
+  if (old->source == settings.source && same(old->thread, settings.thread)) return;
+  std::unique_ptr<CameraThread> ended;
+  {
+    const std::lock_guard lock(thread_mutex_);
+    ended = std::move(thread_);
+  }
+  ended.reset();  // one thread at a time feeds the pipeline
+  start_thread();
+}
+
+CameraHealth RunningCamera::health() const {
+  const std::lock_guard lock(thread_mutex_);
+  return thread_ ? thread_->health() : CameraHealth{};
+}
+
+void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept {
+  const double t_sent_s = sender.send(info, robots, balls);
+  latency.add_ns(static_cast<std::int64_t>((t_sent_s - info.t_capture_s) * 1e9));
+}
+
+CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings* previous_settings,
+                       const CameraSetup* previous) {
+  const CameraSettings& camera = config.cameras[i];
+  const std::string path = "/cameras/" + std::to_string(i);
+  CameraSetup setup;
+  if (previous && previous->pipeline->stack() == camera.stack) {
+    setup.pipeline = previous->pipeline;
+  } else {
+    setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.stack, path + "/stack");
+  }
+  setup.parameters = setup.pipeline->make_parameters(camera.stages, path + "/stages");
+  const bool same_colors = previous && same(previous_settings->colors, camera.colors);
+  setup.world = make_world(config, i, same_colors ? previous->world.lut : nullptr);
+  return setup;
+}
+
+}  // namespace sslv

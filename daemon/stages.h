@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pipeline/stage.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// Every stage a stack may name.
+std::span<const StageType> stage_table();
+
+/// The stack of a camera that does not say otherwise.
+std::vector<std::string> default_stack();
+
+}  // namespace sslv

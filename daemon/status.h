@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "config.h"
+#include "net/multicast.h"
+#include "running_camera.h"
+
+namespace sslv {
+
+/// What the status is made of, at one moment.
+struct StatusInput {
+  double time_s = 0, started_s = 0;
+  const Config& config;
+  MulticastStatus network;
+  std::size_t viewers = 0;
+  std::string settings_problem;
+  std::vector<std::shared_ptr<RunningCamera>> cameras;
+};
+
+/// The status object of docs/api.md.
+Json status_json(const StatusInput& input);
+
+/// One line: "2/2 cameras 60.0 fps p99 0.9 ms -> 224.5.23.2:10006".
+std::string status_line(const StatusInput& input);
+
+}  // namespace sslv

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "settings/store.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace sslv {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// "a" must be a number up to 9; "b" has a default.
+Json check(const Json& settings) {
+  if (!settings.contains("a") || !settings["a"].is_number() || settings["a"] > 9) {
+    throw SettingsError("/a: " + (settings.contains("a") ? settings["a"].dump() : "nothing") + " is not allowed");
+  }
+  Json complete{{"a", settings["a"]}, {"b", settings.value("b", 2)}};
+  return complete;
+}
+
+class Store : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_);
+    write(admin_file_, R"({"a": 1})");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+  SettingsStore open() const { return SettingsStore(admin_file_, state_, check); }
+
+  static SettingsStore::Version set(SettingsStore& store, const char* key, const Json& value,
+                                    std::optional<std::uint64_t> if_revision = {}) {
+    return store.patch(Json::array({{{"op", "replace"}, {"path", std::string("/") + key}, {"value", value}}}),
+                       if_revision, [](const Json&) { return [] {}; });
+  }
+  template <class Error, class Act>
+  static std::string error_of(Act act) {
+    try {
+      act();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("store_test." + std::to_string(::getpid()));
+  const std::filesystem::path admin_file_ = folder_ / "settings.json", state_ = folder_ / "state";
+  const std::filesystem::path saved_ = state_ / "settings.json";
+};
+
+TEST_F(Store, FillsInDefaultsAndStartsAtRevisionOne) {
+  const auto version = open().current();
+  EXPECT_EQ(version.revision, 1u);
+  EXPECT_EQ(version.settings, (Json{{"a", 1}, {"b", 2}}));
+}
+
+TEST_F(Store, AChangeOutlivesTheDaemon) {
+  {
+    auto store = open();
+    EXPECT_EQ(set(store, "a", 5).revision, 2u);
+  }
+  const auto version = open().current();
+  EXPECT_EQ(version.revision, 2u);
+  EXPECT_EQ(version.settings["a"], 5);
+}
+
+TEST_F(Store, LaterEditsOfTheAdminsFileAreKeptBesideTheChanges) {
+  {
+    auto store = open();
+    set(store, "a", 5);
+  }
+  write(admin_file_, R"({"a": 1, "b": 7})");
+  EXPECT_EQ(open().current().settings, (Json{{"a", 5}, {"b", 7}}));
+}
+
+TEST_F(Store, ARefusedChangeLeavesEverythingAsItWas) {
+  auto store = open();
+  set(store, "a", 5);
+  EXPECT_THAT(error_of<SettingsError>([&] { set(store, "a", 10); }), HasSubstr("/a: 10"));
+  EXPECT_THAT(error_of<SettingsError>([&] { set(store, "no_such_key", 10); }), HasSubstr("no_such_key"));
+  EXPECT_THAT(error_of<SettingsError>([&] { store.patch(Json{{"a", 3}}, {}, [](const Json&) { return [] {}; }); }),
+              HasSubstr("JSON Patch"));
+  EXPECT_EQ(store.current().settings["a"], 5);
+  EXPECT_EQ(open().current().revision, 2u);
+}
+
+TEST_F(Store, AStaleEditIsRefused) {
+  auto store = open();
+  set(store, "a", 5, 1);
+  EXPECT_THAT(error_of<StaleRevision>([&] { set(store, "a", 6, 1); }), AllOf(HasSubstr("revision 2"), HasSubstr("on 1")));
+  EXPECT_EQ(store.current().settings["a"], 5);
+}
+
+TEST_F(Store, ChangesComeIntoForceOnlyAfterTheyAreSaved) {
+  auto store = open();
+  std::vector<std::string> order;
+  const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
+  store.patch(patch, {}, [&](const Json& next) {
+    order.push_back("prepared " + next["a"].dump() + (std::filesystem::exists(saved_) ? " after saving" : ""));
+    return [&] { order.push_back(std::filesystem::exists(saved_) ? "in force after saving" : "in force unsaved"); };
+  });
+  EXPECT_EQ(order, (std::vector<std::string>{"prepared 3", "in force after saving"}));
+}
+
+TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
+  auto store = open();
+  const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
+  EXPECT_EQ(error_of<SettingsError>([&] {
+              store.patch(patch, {}, [](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
+            }),
+            "no such file");
+  write(state_, "a file where the folder should be");
+  bool in_force = false;
+  EXPECT_THAT(error_of<StorageError>([&] {
+                store.patch(patch, {}, [&](const Json&) { return [&] { in_force = true; }; });
+              }),
+              HasSubstr("cannot write"));
+  EXPECT_FALSE(in_force);
+  EXPECT_EQ(store.current().settings["a"], 1);
+}
+
+TEST_F(Store, DamagedChangesFallBackToTheLastGoodOnes) {
+  {
+    auto store = open();
+    set(store, "a", 5);
+    set(store, "a", 6);
+  }
+  write(saved_, "{\"revision\": 3, \"chan");
+  auto store = open();
+  EXPECT_EQ(store.current().settings["a"], 5);
+  EXPECT_THAT(store.problem(), AllOf(HasSubstr(saved_.string()), HasSubstr("set aside")));
+  EXPECT_TRUE(std::filesystem::exists(saved_.string() + ".rejected"));
+}
+
+TEST_F(Store, ChangesThatNoLongerFitAreSetAsideLoudly) {
+  {
+    auto store = open();
+    set(store, "a", 5);
+  }
+  write(saved_, R"({"revision": 2, "changes": [{"op": "replace", "path": "/a", "value": 99}]})");
+  auto store = open();
+  EXPECT_EQ(store.current().settings["a"], 1);
+  EXPECT_THAT(store.problem(), HasSubstr("/a: 99"));
+}
+
+TEST_F(Store, NamesTheAdminsFileInErrors) {
+  write(admin_file_, "{\"a\": 1,\n  \"b\" 2}");
+  EXPECT_THAT(error_of<SettingsError>([&] { open(); }), AllOf(HasSubstr(admin_file_.string()), HasSubstr("line 2, column 7")));
+  write(admin_file_, R"({"a": 50})");
+  EXPECT_THAT(error_of<SettingsError>([&] { open(); }), AllOf(HasSubstr(admin_file_.string()), HasSubstr("/a: 50")));
+  std::filesystem::remove(admin_file_);
+  EXPECT_THAT(error_of<SettingsError>([&] { open(); }), HasSubstr("No such file"));
+}
+
+TEST_F(Store, NoProblemWithoutSavedChanges) { EXPECT_THAT(open().problem(), IsEmpty()); }
+
+}  // namespace
+}  // namespace sslv
