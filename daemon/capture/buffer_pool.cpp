@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/buffer_pool.h"
+
+#include <atomic>
+#include <utility>
+
+namespace sslv {
+
+struct BufferPool::Buffer {
+  std::vector<std::uint8_t> bytes;
+  std::atomic<bool> free{true};
+  std::shared_ptr<Buffers> keeps;  // while lent: the pool's memory stays
+};
+
+struct BufferPool::Buffers {
+  std::vector<std::unique_ptr<Buffer>> all;
+};
+
+BufferPool::BufferPool(std::size_t buffers, std::size_t bytes_each) : buffers_(std::make_shared<Buffers>()) {
+  for (std::size_t i = 0; i < buffers; ++i) {
+    buffers_->all.push_back(std::make_unique<Buffer>());
+    buffers_->all.back()->bytes.resize(bytes_each);
+  }
+}
+
+Image BufferPool::take(const ImageView& layout, std::uint8_t*& bytes) noexcept {
+  for (const auto& buffer : buffers_->all) {
+    if (!buffer->free.load(std::memory_order_acquire)) continue;
+    buffer->free.store(false, std::memory_order_relaxed);
+    buffer->keeps = buffers_;
+    bytes = buffer->bytes.data();
+    ImageView view = layout;
+    view.data = bytes;
+    return {view, nullptr, buffer.get(), &give_back};
+  }
+  return {};
+}
+
+void BufferPool::give_back(void* /*owner*/, void* buffer) noexcept {
+  auto* returned = static_cast<Buffer*>(buffer);
+  // Held until after the last touch of the buffer, which may go with it.
+  const std::shared_ptr<Buffers> keeps = std::move(returned->keeps);
+  returned->free.store(true, std::memory_order_release);
+}
+
+}  // namespace sslv
