@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "image/jpeg.h"
+#include "web/api.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace sslv {
+namespace {
+
+/// The camera named in the path. Throws HttpError 404.
+std::uint32_t camera_id(const WebHost& host, const Request& request) {
+  const int id = read_whole_number("camera", request.captures.at(0), 0, std::numeric_limits<int>::max());
+  const std::vector<std::uint32_t> known = host.camera_ids();
+  if (std::find(known.begin(), known.end(), static_cast<std::uint32_t>(id)) == known.end()) {
+    throw HttpError(404, "no camera " + std::to_string(id));
+  }
+  return static_cast<std::uint32_t>(id);
+}
+
+int query_number(const Request& request, const std::string& name, int fallback, int min, int max) {
+  const auto found = request.query.find(name);
+  return found == request.query.end() ? fallback : read_whole_number(name, found->second, min, max);
+}
+
+}  // namespace
+
+Response get_snapshot(const WebHost& host, const Request& request) {
+  constexpr int kMaxWidth = 16384;
+  const std::uint32_t id = camera_id(host, request);
+  const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
+  const int quality = query_number(request, "quality", 85, 1, 100);
+  const std::optional<View> view = host.wait_view(id, 0, std::chrono::milliseconds(0));
+  if (!view) throw HttpError(503, "camera " + std::to_string(id) + " has no picture yet");
+  JpegEncoder encoder;
+  const std::span<const std::uint8_t> jpeg = encoder.encode(view->image, width, quality);
+  return {200, "image/jpeg", std::string(jpeg.begin(), jpeg.end()), {{"Cache-Control", "no-store"}}};
+}
+
+Response get_lut(const WebHost& host, const Request& request) {
+  const std::uint32_t id = camera_id(host, request);
+  const std::vector<std::uint8_t> file = host.lut_file(id);
+  return {200,
+          "application/octet-stream",
+          std::string(file.begin(), file.end()),
+          {{"Cache-Control", "no-store"},
+           {"Content-Disposition", "attachment; filename=\"camera-" + std::to_string(id) + ".lut\""}}};
+}
+
+}  // namespace sslv

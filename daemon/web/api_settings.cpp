@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/api.h"
+
+#include <charconv>
+
+namespace sslv {
+namespace {
+
+/// `7`, or `"7"` as HTTP writes entity tags.
+std::uint64_t read_revision(std::string_view text) {
+  std::string_view digits = text;
+  if (digits.size() > 2 && digits.starts_with('"') && digits.ends_with('"'))
+    digits = digits.substr(1, digits.size() - 2);
+  std::uint64_t revision = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), revision);
+  if (error != std::errc() || end != digits.end()) {
+    throw HttpError(400, "If-Match: " + std::string(text.substr(0, 40)) +
+                             " is not allowed; expected the revision the change was made for");
+  }
+  return revision;
+}
+
+}  // namespace
+
+Response get_settings(const WebHost& host, const Request&) {
+  return json_response(host.settings());
+}
+
+Response patch_settings(const WebHost& host, const Request& request) {
+  std::optional<std::uint64_t> if_revision;
+  if (const auto if_match = header(request, "if-match")) if_revision = read_revision(*if_match);
+  return json_response(host.patch_settings(parse_json(request.body), if_revision, request.remote_address));
+}
+
+Response get_schema(const WebHost& host, const Request&) {
+  return json_response(host.schema());
+}
+
+}  // namespace sslv

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/background.h"
+
+#include <pthread.h>
+#include <sys/resource.h>
+
+namespace sslv {
+
+void become_background_thread(const char* name) {
+  pthread_setname_np(pthread_self(), name);
+  // On Linux 0 means the calling thread, not the process. Lowering it needs no privilege, so it cannot fail.
+  constexpr int kNice = 10;
+  setpriority(PRIO_PROCESS, 0, kNice);
+}
+
+}  // namespace sslv

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/camera_feed.h"
+
+#include "base/log.h"
+#include "image/jpeg.h"
+#include "web/background.h"
+#include "web/http.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+constexpr double kDetectionsPerSecond = 30;
+// How long a view is waited for before looking again who watches.
+constexpr std::chrono::milliseconds kPatience{250};
+// Before a picture is tried again after one that cannot be encoded.
+constexpr std::chrono::seconds kFailurePause{1};
+
+std::chrono::steady_clock::duration interval_of(double per_second) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(1.0 / per_second));
+}
+
+/// The messages of one view, each made when it is first asked for and then shared.
+class Messages {
+ public:
+  Messages(const View& view, JpegEncoder& encoder, std::atomic<std::uint64_t>& jpegs_encoded)
+      : view_(view), encoder_(encoder), jpegs_encoded_(jpegs_encoded) {}
+
+  CameraFeed::Message detections() {
+    if (!detections_) {
+      Json data = header();
+      data.update(view_.detections);
+      detections_ =
+          std::make_shared<const std::string>(to_text({{"topic", "detections"}, {"data", std::move(data)}}));
+    }
+    return detections_;
+  }
+
+  CameraFeed::Message preview(const PreviewWish& wish) {
+    const int width = std::min(wish.width, view_.image.width);
+    for (const Preview& made : previews_) {
+      if (made.width == width && made.quality == wish.quality) return made.message;
+    }
+    const std::span<const std::uint8_t> jpeg = encoder_.encode(view_.image, width, wish.quality);
+    ++jpegs_encoded_;
+    Json data = header();
+    data["width"] = view_.image.width;
+    data["height"] = view_.image.height;
+    data.update(view_.detections);
+    previews_.push_back({width, wish.quality, preview_message(to_text(data), jpeg)});
+    return previews_.back().message;
+  }
+
+ private:
+  struct Preview {
+    int width, quality;
+    CameraFeed::Message message;
+  };
+
+  Json header() const {
+    return {{"camera", view_.camera_id}, {"frame", view_.frame_number}, {"t_capture", view_.t_capture_s}};
+  }
+
+  static CameraFeed::Message preview_message(const std::string& header, std::span<const std::uint8_t> jpeg) {
+    const auto length = static_cast<std::uint32_t>(header.size());
+    std::string message;
+    message.reserve(sizeof(length) + header.size() + jpeg.size());
+    for (int shift = 0; shift < 32; shift += 8) message += static_cast<char>((length >> shift) & 0xff);
+    message += header;
+    message.append(jpeg.begin(), jpeg.end());
+    return std::make_shared<const std::string>(std::move(message));
+  }
+
+  const View& view_;
+  JpegEncoder& encoder_;
+  std::atomic<std::uint64_t>& jpegs_encoded_;
+  CameraFeed::Message detections_;
+  std::vector<Preview> previews_;
+};
+
+}  // namespace
+
+CameraFeed::CameraFeed(const WebHost& host, std::uint32_t camera_id,
+                       std::atomic<std::uint64_t>& jpegs_encoded)
+    : host_(host),
+      camera_id_(camera_id),
+      jpegs_encoded_(jpegs_encoded),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void CameraFeed::start_preview(ViewerId viewer, const PreviewWish& wish, Sink sink) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (Watcher* watcher = find(viewer, true)) {
+      watcher->wish = wish;
+      watcher->interval = interval_of(wish.fps);
+      watcher->due = Clock::now();
+      watcher->seen_version = 0;  // a camera that stands still is shown again, as wished now
+    } else {
+      watchers_.push_back({viewer, wish, std::move(sink), interval_of(wish.fps), Clock::now()});
+    }
+  }
+  changed_.notify_all();
+}
+
+void CameraFeed::acknowledge(ViewerId viewer, std::uint32_t frame_number) {
+  {
+    const std::lock_guard lock(mutex_);
+    Watcher* watcher = find(viewer, true);
+    if (watcher == nullptr || watcher->in_flight != frame_number) return;
+    watcher->in_flight.reset();
+  }
+  changed_.notify_all();
+}
+
+void CameraFeed::start_detections(ViewerId viewer, Sink sink) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (find(viewer, false) != nullptr) return;
+    watchers_.push_back(
+        {viewer, std::nullopt, std::move(sink), interval_of(kDetectionsPerSecond), Clock::now()});
+  }
+  changed_.notify_all();
+}
+
+void CameraFeed::stop_preview(ViewerId viewer) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(watchers_, [&](const Watcher& watcher) { return watcher.viewer == viewer && watcher.wish; });
+}
+
+void CameraFeed::stop_detections(ViewerId viewer) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(watchers_, [&](const Watcher& watcher) { return watcher.viewer == viewer && !watcher.wish; });
+}
+
+CameraFeed::Watcher* CameraFeed::find(ViewerId viewer, bool preview) {
+  for (Watcher& watcher : watchers_) {
+    if (watcher.viewer == viewer && watcher.wish.has_value() == preview) return &watcher;
+  }
+  return nullptr;
+}
+
+std::optional<CameraFeed::Clock::time_point> CameraFeed::next_due() const {
+  std::optional<Clock::time_point> next;
+  for (const Watcher& watcher : watchers_) {
+    if (!watcher.in_flight && (!next || watcher.due < *next)) next = watcher.due;
+  }
+  return next;
+}
+
+std::uint64_t CameraFeed::oldest_version_seen() const {
+  const Clock::time_point now = Clock::now();
+  std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
+  for (const Watcher& watcher : watchers_) {
+    if (watcher.is_due(now)) oldest = std::min(oldest, watcher.seen_version);
+  }
+  return oldest;
+}
+
+std::vector<CameraFeed::Delivery> CameraFeed::take_due(const View& view) {
+  const Clock::time_point now = Clock::now();
+  std::vector<Delivery> deliveries;
+  for (Watcher& watcher : watchers_) {
+    if (!watcher.is_due(now) || watcher.seen_version >= view.version) continue;
+    watcher.seen_version = view.version;
+    // From when it was due and not from now, so that a view that comes a little late does not lower the rate.
+    watcher.due = std::max(watcher.due + watcher.interval, now + watcher.interval / 2);
+    if (watcher.wish) watcher.in_flight = view.frame_number;
+    deliveries.push_back({watcher.wish, watcher.sink});
+  }
+  return deliveries;
+}
+
+void CameraFeed::put_off(std::uint32_t frame_number) {
+  const std::lock_guard lock(mutex_);
+  for (Watcher& watcher : watchers_) {
+    if (watcher.in_flight != frame_number) continue;
+    watcher.in_flight.reset();
+    watcher.due = Clock::now() + kFailurePause;
+  }
+}
+
+void CameraFeed::deliver(const View& view, const std::vector<Delivery>& deliveries, JpegEncoder& encoder) {
+  Messages messages(view, encoder, jpegs_encoded_);
+  for (const Delivery& to : deliveries) to.sink(to.wish ? messages.preview(*to.wish) : messages.detections());
+}
+
+void CameraFeed::run(const std::stop_token& stop) {
+  become_background_thread(("view" + std::to_string(camera_id_)).c_str());
+  JpegEncoder encoder;
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    const std::optional<Clock::time_point> due = next_due();
+    if (!due) {
+      changed_.wait(lock, stop, [&] { return next_due().has_value(); });
+      continue;
+    }
+    const Clock::time_point now = Clock::now();
+    if (*due > now) {
+      changed_.wait_until(lock, stop, *due, [&] { return next_due() < due; });
+      continue;
+    }
+
+    const std::uint64_t seen = oldest_version_seen();
+    lock.unlock();
+    std::optional<View> view = host_.wait_view(camera_id_, seen, kPatience);
+    lock.lock();
+    if (!view) {
+      // The host answers at once when the camera is not there.
+      changed_.wait_until(lock, stop, now + kPatience, [] { return false; });
+      continue;
+    }
+    const std::vector<Delivery> deliveries = take_due(*view);
+    lock.unlock();
+    try {
+      deliver(*view, deliveries, encoder);
+    } catch (const std::exception& error) {
+      log::warning("web: no picture of camera {} for viewers: {}", camera_id_, error.what());
+      put_off(view->frame_number);
+    }
+    view.reset();  // before anything is waited for
+    lock.lock();
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "web/host.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sslv {
+
+class JpegEncoder;
+
+/// What a viewer wants to see of a camera.
+struct PreviewWish {
+  int width = 640;   // px, at most
+  int quality = 70;  // of the JPEG, 1..100
+  double fps = 30;   // at most
+};
+
+/// One camera's pictures and detections on their way to the viewers. A thread of its own takes a view when a
+/// viewer is due for one, encodes it once for every size and quality wanted, and hands it to the viewers. It
+/// sleeps while nobody is due, so that without viewers nothing is encoded or even looked at. All members may
+/// be called from any thread.
+class CameraFeed {
+ public:
+  using ViewerId = std::uint64_t;
+  using Message = std::shared_ptr<const std::string>;
+  /// Called from the feed's thread; must not block. One call may still be under way after the viewer was
+  /// removed.
+  using Sink = std::function<void(const Message&)>;
+
+  /// `host` and `jpegs_encoded`, which counts, must outlive the feed.
+  CameraFeed(const WebHost& host, std::uint32_t camera_id, std::atomic<std::uint64_t>& jpegs_encoded);
+
+  /// Asks the thread to end; the destructor waits for it.
+  void request_stop() { thread_.request_stop(); }
+
+  /// Binary preview messages as docs/api.md has them: the next one only after acknowledge() of the one
+  /// before. Again: changes the wish.
+  void start_preview(ViewerId viewer, const PreviewWish& wish, Sink sink);
+  void acknowledge(ViewerId viewer, std::uint32_t frame_number);
+  void stop_preview(ViewerId viewer);
+
+  /// Detection messages, at most 30 a second. Again: nothing happens.
+  void start_detections(ViewerId viewer, Sink sink);
+  void stop_detections(ViewerId viewer);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Watcher {
+    ViewerId viewer;
+    std::optional<PreviewWish> wish;  // none: wants detections
+    Sink sink;
+    Clock::duration interval;
+    Clock::time_point due;                     // no message before that
+    std::uint64_t seen_version = 0;            // of the view it got last
+    std::optional<std::uint32_t> in_flight{};  // number of a frame not acknowledged yet
+
+    bool is_due(Clock::time_point now) const { return !in_flight && due <= now; }
+  };
+  struct Delivery {
+    std::optional<PreviewWish> wish;
+    Sink sink;
+  };
+
+  void run(const std::stop_token& stop);
+  void put_off(std::uint32_t frame_number);
+  void deliver(const View& view, const std::vector<Delivery>& deliveries, JpegEncoder& encoder);
+
+  // With mutex_ held:
+  Watcher* find(ViewerId viewer, bool preview);
+  std::optional<Clock::time_point> next_due() const;  // none: nobody may get anything
+  std::uint64_t oldest_version_seen() const;          // by those who are due
+  std::vector<Delivery> take_due(const View& view);
+
+  const WebHost& host_;
+  const std::uint32_t camera_id_;
+  std::atomic<std::uint64_t>& jpegs_encoded_;
+
+  std::mutex mutex_;  // guards watchers_
+  std::condition_variable_any changed_;
+  std::vector<Watcher> watchers_;
+
+  std::jthread thread_;  // last, so that it ends before what it uses
+};
+
+}  // namespace sslv

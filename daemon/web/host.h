@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "image/image.h"
+#include "settings/store.h"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// A processed frame as viewers see it. It holds a slot of the camera's ring: let go soon.
+struct View {
+  std::uint64_t version = 0;         // see WebHost::wait_view
+  std::shared_ptr<const void> hold;  // keeps the picture's bytes where they are
+  ImageView image;
+  std::uint32_t camera_id = 0;
+  std::uint32_t frame_number = 0;
+  double t_capture_s = 0;
+  Json detections;  // {"robots": [...], "balls": [...]} as docs/api.md has them
+};
+
+/// All that the web server needs of the daemon. Every member must be set, and is called from several threads
+/// at once. JSON values are those of docs/api.md.
+struct WebHost {
+  std::function<Json()> status;
+  std::function<Json()> settings;  // with its revision
+  std::function<Json()> schema;
+
+  /// Applies a JSON Patch and returns once it is on disk. `if_revision`: the revision the patch was made for;
+  /// `who`: the client's address, for the history. Throws SettingsError when the patch is refused,
+  /// StaleRevision when the revision is not the newest.
+  std::function<Json(const Json& patch, std::optional<std::uint64_t> if_revision, const std::string& who)>
+      patch_settings;
+
+  /// Must not block: it is called from the thread that serves all sockets.
+  std::function<std::vector<std::uint32_t>()> camera_ids;
+
+  /// The newest view of a camera once its version is newer than the given one (0: any); nothing after the
+  /// timeout, without a picture yet, or for a camera that is not there. Versions of a camera id start at 1
+  /// and only grow, also across a reconnection.
+  std::function<std::optional<View>(std::uint32_t camera_id, std::uint64_t newer_than_version,
+                                    std::chrono::milliseconds timeout)>
+      wait_view;
+
+  /// The colour lookup table of a camera that is there, as the bytes of a .lut file.
+  std::function<std::vector<std::uint8_t>(std::uint32_t camera_id)> lut_file;
+};
+
+}  // namespace sslv

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "web/connection_slot.h"
+#include "web/router.h"
+#include "web/websocket.h"
+
+#include <utility>  // Boost 1.74's asio uses std::exchange without it
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+namespace sslv {
+
+/// What every connection needs of its server, which outlives it.
+struct HttpContext {
+  const Router& router;
+  WebSocketHub& websockets;
+  boost::asio::io_context& workers;  // handlers run here
+};
+
+/// Serves one connection until it ends: requests one after the other, or a WebSocket once it asks for that.
+/// Reading and writing take place on the socket's own thread and wait for nobody; a worker sees complete
+/// requests only, so slow, idle and half-open clients cost memory but never a thread.
+void serve_http(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const HttpContext& context);
+
+}  // namespace sslv

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/server.h"
+
+#include "base/error.h"
+#include "base/log.h"
+#include "web/background.h"
+#include "web/http_session.h"
+#include "web/websocket.h"
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>  // Boost 1.74's asio uses std::exchange without it
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+
+namespace sslv {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+[[noreturn]] void refuse_endpoint(const WebOptions& options, const error_code& error) {
+  const std::string port = "/panel/port: " + std::to_string(options.port);
+  if (error == asio::error::address_in_use) {
+    throw SettingsError(port + " is taken by another program; stop that one or choose another port");
+  }
+  if (error == asio::error::access_denied) {
+    throw SettingsError(port +
+                        " is not allowed without privileges; expected 1024 .. 65535, or 0 for any free one");
+  }
+  throw SettingsError("/panel/address: \"" + options.address + "\" cannot be listened on (" +
+                      error.message() + "); expected an address of this computer, or 0.0.0.0 for all");
+}
+
+tcp::acceptor listen(asio::io_context& io, const WebOptions& options) {
+  error_code error;
+  const auto address = asio::ip::make_address(options.address, error);
+  if (error) {
+    throw SettingsError("/panel/address: \"" + options.address +
+                        "\" is not allowed; expected an IP address such as 127.0.0.1, or 0.0.0.0 for all");
+  }
+  if (options.port < 0 || options.port > 65535) {
+    throw SettingsError("/panel/port: " + std::to_string(options.port) +
+                        " is not allowed; expected 0 .. 65535");
+  }
+  const tcp::endpoint endpoint(address, static_cast<std::uint16_t>(options.port));
+  tcp::acceptor acceptor(io);
+  acceptor.open(endpoint.protocol(), error);
+  // A restart need not wait for the connections of the run before to time out.
+  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) refuse_endpoint(options, error);
+  return acceptor;
+}
+
+/// Serves a context until it is stopped, whatever its handlers throw.
+void run_background(asio::io_context& context, const char* name) {
+  become_background_thread(name);
+  while (!context.stopped()) {
+    try {
+      context.run();
+    } catch (const std::exception& error) {
+      log::error("web: {}", error.what());
+    }
+  }
+}
+
+}  // namespace
+
+struct WebServer::Impl {
+  Impl(WebHost web_host, std::span<const Route> routes, const WebOptions& options)
+      : max_connections(options.max_connections),
+        host(std::move(web_host)),
+        router(host, routes, options.panel_directory),
+        acceptor(listen(io, options)),
+        pause(io) {
+    accept();
+    port = acceptor.local_endpoint().port();
+    io_thread = std::thread([this] { run_background(io, "web"); });
+    for (std::thread& worker : worker_threads)
+      worker = std::thread([this] { run_background(workers, "web-worker"); });
+  }
+
+  void accept() {
+    acceptor.async_accept([this](error_code error, tcp::socket socket) {
+      if (error) {
+        // Out of file descriptors, most likely: some will be free again.
+        log::warning("web: a connection could not be accepted: {}", error.message());
+        pause.expires_after(kAcceptPause);
+        pause.async_wait([this](error_code) { accept(); });
+        return;
+      }
+      serve(std::move(socket));
+      accept();
+    });
+  }
+
+  void serve(tcp::socket socket) {
+    error_code ignored;
+    if (open_connections >= max_connections) {
+      constexpr std::string_view kAnswer =
+          "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
+      asio::write(socket, asio::buffer(kAnswer), ignored);  // fits into the empty send buffer
+      return;
+    }
+    socket.set_option(tcp::no_delay(true), ignored);
+    serve_http(std::move(socket), ConnectionSlot(open_connections), http);
+  }
+
+  void stop() {
+    if (!io_thread.joinable()) return;
+    workers.stop();
+    for (std::thread& worker : worker_threads) worker.join();
+    io.stop();
+    io_thread.join();
+    websockets.stop();
+  }
+
+  const int max_connections;
+  const WebHost host;
+  const Router router;
+  std::atomic<int> open_connections = 0;
+
+  // What waits in the contexts refers to all that stands above, and to nothing below.
+  asio::io_context io{1};
+  asio::io_context workers;
+  asio::executor_work_guard<asio::io_context::executor_type> keep_workers{workers.get_executor()};
+  WebSocketHub websockets{io, workers, host};
+  const HttpContext http{router, websockets, workers};
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+  std::uint16_t port = 0;
+  std::thread io_thread;
+  std::array<std::thread, 4> worker_threads;
+};
+
+WebServer::WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(host), routes, options)) {}
+
+WebServer::~WebServer() {
+  stop();
+}
+
+void WebServer::stop() {
+  impl_->stop();
+}
+
+std::uint16_t WebServer::port() const {
+  return impl_->port;
+}
+
+WebStats WebServer::stats() const {
+  return {impl_->open_connections, impl_->websockets.viewers(), impl_->websockets.jpegs_encoded()};
+}
+
+}  // namespace sslv

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "web/host.h"
+#include "web/router.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace sslv {
+
+struct WebOptions {
+  std::string address = "127.0.0.1";  // IPv4 or IPv6; "0.0.0.0" or "::" for all
+  int port = 8090;                    // 0: any free one
+  std::filesystem::path panel_directory;
+  int max_connections = 512;
+};
+
+struct WebStats {
+  int connections = 0;              // open now, viewers included
+  int viewers = 0;                  // WebSockets open now
+  std::uint64_t jpegs_encoded = 0;  // for previews, since start
+};
+
+/// The panel's HTTP and WebSocket server (docs/api.md), on one port and on threads of its own.
+class WebServer {
+ public:
+  /// Listens when it returns. `routes` must outlive the server. Throws SettingsError naming /panel/address or
+  /// /panel/port when it cannot listen there.
+  WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options);
+  ~WebServer();  // stop()
+
+  /// Finishes the requests that are being handled, then closes all connections. Must not be called by a
+  /// function of the host.
+  void stop();
+
+  /// The port it listens on.
+  std::uint16_t port() const;
+  WebStats stats() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sslv

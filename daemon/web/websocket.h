@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "web/camera_feed.h"
+#include "web/connection_slot.h"
+#include "web/host.h"
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string_view>
+#include <utility>  // Boost 1.74's asio uses std::exchange without it
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+
+namespace sslv {
+
+class WebSocketSession;
+
+/// All WebSocket viewers and what they are sent. Except for the counters and stop(), everything runs on the
+/// one thread of `io`.
+class WebSocketHub {
+ public:
+  using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_body>;
+  static constexpr std::string_view kPath = "/api/ws";
+
+  /// All three must outlive the hub. The status is asked for on `workers`.
+  WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, const WebHost& host);
+  ~WebSocketHub();
+
+  /// Answers the request to upgrade and serves the viewer until it goes.
+  void accept(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const UpgradeRequest& request);
+
+  /// Ends the threads of the feeds. Call it once `io` is not run any more.
+  void stop();
+
+  int viewers() const { return viewers_; }
+  std::uint64_t jpegs_encoded() const { return jpegs_encoded_; }
+
+ private:
+  friend class WebSocketSession;
+
+  void joined(WebSocketSession& session);
+  void left(WebSocketSession& session);
+  /// Throws HttpError when there is no such camera.
+  CameraFeed& feed(std::uint32_t camera_id);
+  void follow_detections(WebSocketSession& session);
+  void unfollow_detections(WebSocketSession& session);
+
+  void tick();  // every half second while there are viewers
+  void send_status(const CameraFeed::Message& status);
+  void send_status_soon(WebSocketSession& session);
+
+  boost::asio::io_context& io_;
+  boost::asio::io_context& workers_;
+  const WebHost& host_;
+  boost::asio::steady_timer timer_;
+  bool ticking_ = false;
+  CameraFeed::Message last_status_;  // at most one period old, or null
+  CameraFeed::ViewerId last_viewer_ = 0;
+  std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
+  std::map<std::uint32_t, std::unique_ptr<CameraFeed>> feeds_;
+  std::atomic<int> viewers_ = 0;
+  std::atomic<std::uint64_t> jpegs_encoded_ = 0;
+};
+
+}  // namespace sslv
