@@ -258,7 +258,8 @@ template <class P, class V, class L>
 Json field_schema(const NumberField<P, V, L>& field) {
   Json out;
   if constexpr (IsOptional<V>::value) {
-    out["type"] = {std::is_integral_v<typename IsOptional<V>::Value> ? "integer" : "number", "null"};
+    out["type"] =
+        Json::array({std::is_integral_v<typename IsOptional<V>::Value> ? "integer" : "number", "null"});
   } else {
     out["type"] = std::is_integral_v<V> ? "integer" : "number";
   }
@@ -285,7 +286,8 @@ template <class P, class S>
 Json field_schema(const GroupField<P, S>&) {
   if constexpr (IsOptional<S>::value) {
     Json out = params_schema<typename IsOptional<S>::Value>();
-    out["type"] = {"object", "null"};
+    // Named, not braced: clang 14 forgets to destroy a braced argument in a template.
+    out["type"] = Json::array({"object", "null"});
     return out;
   } else {
     return params_schema<S>();

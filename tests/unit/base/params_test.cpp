@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/params_json.h"
+
+#include <functional>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+enum class Mode { kFast, kExact };
+
+struct Point {
+  int x = 1;
+  std::optional<double> weight;
+  static constexpr auto fields() {
+    return std::tuple{number("x", &Point::x, -10, 10, "mm", "place"),
+                      number("weight", &Point::weight, 0.0, 1.0, "", "null: equal")};
+  }
+};
+
+struct Sample {
+  int count = 3;
+  double gain = 1.5;
+  bool on = true;
+  std::string title = "none";
+  Mode mode = Mode::kFast;
+  std::optional<int> limit;
+  Point origin;
+  std::optional<Point> extra;
+  std::vector<Point> points;
+  std::vector<std::string> stack{"a", "b"};
+  std::array<int, 2> luma{10, 20};
+  Json options = Json::object();
+
+  static constexpr auto fields() {
+    constexpr std::array kModes{Choice<Mode>{"fast", Mode::kFast}, Choice<Mode>{"exact", Mode::kExact}};
+    return std::tuple{number("count", &Sample::count, 0, 100, "px", "how many"),
+                      number("gain", &Sample::gain, 0.0, 16.0, "", "how bright"),
+                      flag("on", &Sample::on, "whether"),
+                      text("title", &Sample::title, "what"),
+                      choice("mode", &Sample::mode, kModes, "how"),
+                      number("limit", &Sample::limit, 1, 9, "", "null: none"),
+                      group("origin", &Sample::origin, "where"),
+                      group("extra", &Sample::extra, "where else"),
+                      list("points", &Sample::points, "where all"),
+                      names("stack", &Sample::stack, "in order"),
+                      range("luma", &Sample::luma, 0, 255, "", "between"),
+                      object("options", &Sample::options, "the backend's")};
+  }
+};
+
+Sample read(const std::string& json) {
+  return params_from_json<Sample>(Json::parse(json), "/camera");
+}
+
+std::string error_of(const std::string& json) {
+  try {
+    read(json);
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Params, AbsentKeysKeepTheirDefaults) {
+  EXPECT_EQ(params_to_json(read("{}")), params_to_json(Sample{}));
+  const Sample one = read(R"({"gain": 2})");
+  EXPECT_EQ(one.gain, 2);
+  EXPECT_EQ(one.count, 3);
+  EXPECT_THAT(one.stack, testing::ElementsAre("a", "b"));
+}
+
+TEST(Params, EveryKindOfFieldSurvivesARoundTrip) {
+  const Json full = Json::parse(R"({
+    "count": 7, "gain": 0.25, "on": false, "title": "Größe", "mode": "exact", "limit": 9,
+    "origin": {"x": -10, "weight": 0.5}, "extra": {"x": 2, "weight": null},
+    "points": [{"x": 3, "weight": null}, {"x": 4, "weight": 1.0}],
+    "stack": ["c"], "luma": [0, 255], "options": {"serial": "A1", "depth": {"x": 1}}})");
+  EXPECT_EQ(params_to_json(params_from_json<Sample>(full, "")), full);
+}
+
+TEST(Params, WritesKeysInTheOrderOfTheirDeclaration) {
+  const std::string text = params_to_json(Point{}).dump();
+  EXPECT_EQ(text, R"({"x":1,"weight":null})");
+}
+
+TEST(Params, NullMakesAnOptionalAbsent) {
+  Sample sample;
+  sample.limit = 5;
+  sample.extra = Point{};
+  read_params(sample, Json::parse(R"({"limit": null, "extra": null})"), "");
+  EXPECT_EQ(sample.limit, std::nullopt);
+  EXPECT_FALSE(sample.extra.has_value());
+}
+
+TEST(Params, CommentsAreIgnoredInEveryObject) {
+  const Sample sample = read(R"({"//": "why", "count": 5, "origin": {"//": ["any", "type"], "x": 2}})");
+  EXPECT_EQ(sample.count, 5);
+  EXPECT_EQ(sample.origin.x, 2);
+}
+
+TEST(Params, UnknownKeysAreErrorsThatNameTheKnownOnes) {
+  EXPECT_EQ(error_of(R"({"origin": {"y": 1}})"), "/camera/origin/y: no such parameter; known: x, weight");
+  EXPECT_THAT(error_of(R"({"cuont": 1})"),
+              testing::StartsWith("/camera/cuont: no such parameter; known: count, gain, on, title"));
+}
+
+struct Bad {
+  const char* json;
+  const char* error;
+};
+
+class RefusedValue : public testing::TestWithParam<Bad> {};
+
+TEST_P(RefusedValue, NamesPathValueAndWhatIsAllowed) {
+  EXPECT_EQ(error_of(GetParam().json), GetParam().error);
+}
+
+const Bad kBad[] = {
+    {R"({"count": 101})", "/camera/count: 101 is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": -1})", "/camera/count: -1 is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": 3.5})", "/camera/count: 3.5 is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": 1e300})", "/camera/count: 1e+300 is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": 18446744073709551615})",
+     "/camera/count: 18446744073709551615 is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": "3"})", "/camera/count: \"3\" is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": null})", "/camera/count: null is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"count": true})", "/camera/count: true is not allowed; expected a whole number 0 .. 100 px"},
+    {R"({"gain": 16.001})", "/camera/gain: 16.001 is not allowed; expected a number 0.0 .. 16.0"},
+    {R"({"gain": [1]})", "/camera/gain: [1] is not allowed; expected a number 0.0 .. 16.0"},
+    {R"({"on": 1})", "/camera/on: 1 is not allowed; expected true or false"},
+    {R"({"title": 1})", "/camera/title: 1 is not allowed; expected a text"},
+    {R"({"mode": "slow"})", "/camera/mode: \"slow\" is not allowed; expected one of \"fast\" \"exact\""},
+    {R"({"mode": 0})", "/camera/mode: 0 is not allowed; expected one of \"fast\" \"exact\""},
+    {R"({"limit": 0})", "/camera/limit: 0 is not allowed; expected a whole number 1 .. 9"},
+    {R"({"origin": 1})", "/camera/origin: 1 is not allowed; expected an object"},
+    {R"({"origin": null})", "/camera/origin: null is not allowed; expected an object"},
+    {R"({"extra": {"x": 11}})", "/camera/extra/x: 11 is not allowed; expected a whole number -10 .. 10 mm"},
+    {R"({"points": {}})", "/camera/points: {} is not allowed; expected a list"},
+    {R"({"points": [{"x": 1}, {"x": 11}]})",
+     "/camera/points/1/x: 11 is not allowed; expected a whole number -10 .. 10 mm"},
+    {R"({"stack": "a"})", "/camera/stack: \"a\" is not allowed; expected a list of names"},
+    {R"({"stack": ["a", 2]})", "/camera/stack/1: 2 is not allowed; expected a name"},
+    {R"({"luma": [1]})", "/camera/luma: [1] is not allowed; expected [low, high]"},
+    {R"({"luma": [1, 256]})", "/camera/luma/1: 256 is not allowed; expected a whole number 0 .. 255"},
+    {R"({"luma": [2, 1]})", "/camera/luma: [2,1] is not allowed; expected [low, high] with low <= high"},
+    {R"({"options": []})", "/camera/options: [] is not allowed; expected an object"},
+    {"[]", "/camera: [] is not allowed; expected an object"},
+};
+INSTANTIATE_TEST_SUITE_P(Params, RefusedValue, testing::ValuesIn(kBad));
+
+TEST(Params, WholeNumbersMayBeWrittenWithAPoint) {
+  EXPECT_EQ(read(R"({"count": 3.0})").count, 3);
+}
+
+TEST(Params, TheRangeIsClosed) {
+  EXPECT_EQ(read(R"({"count": 0})").count, 0);
+  EXPECT_EQ(read(R"({"count": 100})").count, 100);
+  EXPECT_EQ(read(R"({"gain": 16})").gain, 16);
+}
+
+// JSON text has neither; values made in memory could have them.
+TEST(Params, NotANumberAndInfinityAreRefused) {
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Json json;
+    json["gain"] = value;
+    EXPECT_THROW(params_from_json<Sample>(json, ""), SettingsError);
+    json = Json::object();
+    json["count"] = value;
+    EXPECT_THROW(params_from_json<Sample>(json, ""), SettingsError);
+  }
+}
+
+TEST(Params, LongValuesAreCutBetweenCharacters) {
+  for (std::size_t shift = 0; shift < 2; ++shift) {
+    std::string umlauts(shift, 'x');
+    for (int i = 0; i < 60; ++i) umlauts += "ö";
+    Json json;
+    json["on"] = umlauts;
+    try {
+      params_from_json<Sample>(json, "");
+      FAIL() << "no error";
+    } catch (const SettingsError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("ö... is not allowed"));
+      EXPECT_NO_THROW(Json(error.what()).dump()) << "not UTF-8";
+    }
+  }
+}
+
+TEST(Params, SchemaSaysTypeRangeUnitDefaultAndHelp) {
+  const Json schema = params_schema<Sample>();
+  EXPECT_EQ(schema["type"], "object");
+  EXPECT_EQ(schema["additionalProperties"], false);
+  const Json& properties = schema["properties"];
+  EXPECT_EQ(properties["count"],
+            Json::parse(R"({"type": "integer", "minimum": 0, "maximum": 100, "x-unit": "px",
+                                                 "description": "how many", "default": 3})"));
+  EXPECT_EQ(properties["gain"], Json::parse(R"({"type": "number", "minimum": 0.0, "maximum": 16.0,
+                                                "description": "how bright", "default": 1.5})"));
+  EXPECT_EQ(properties["on"],
+            Json::parse(R"({"type": "boolean", "description": "whether", "default": true})"));
+  EXPECT_EQ(properties["title"],
+            Json::parse(R"({"type": "string", "description": "what", "default": "none"})"));
+  EXPECT_EQ(properties["mode"], Json::parse(R"({"type": "string", "enum": ["fast", "exact"],
+                                                "description": "how", "default": "fast"})"));
+  EXPECT_EQ(properties["limit"], Json::parse(R"({"type": ["integer", "null"], "minimum": 1, "maximum": 9,
+                                                 "description": "null: none", "default": null})"));
+  EXPECT_EQ(properties["origin"]["properties"]["x"]["default"], 1);
+  EXPECT_EQ(properties["origin"]["default"], Json::parse(R"({"x": 1, "weight": null})"));
+  EXPECT_EQ(properties["extra"]["type"], Json::parse(R"(["object", "null"])"));
+  EXPECT_EQ(properties["points"]["items"], params_schema<Point>());
+  EXPECT_EQ(properties["stack"]["items"], Json::parse(R"({"type": "string"})"));
+  EXPECT_EQ(properties["luma"]["items"], Json::parse(R"({"type": "integer", "minimum": 0, "maximum": 255})"));
+  EXPECT_EQ(properties["luma"]["minItems"], 2);
+  EXPECT_EQ(properties["options"]["type"], "object");
+}
+
+}  // namespace
+}  // namespace sslv
