@@ -48,10 +48,11 @@ std::vector<NetworkCard> network_cards() {
 
 /// What to do about the wrong card or none, for the admin.
 std::string advice() {
-  std::string text = "set network/interface to the card on the field's network; there are";
+  std::string cards;
   for (const NetworkCard& card : network_cards())
-    text += " " + card.name + " (" + card.address.to_string() + ")";
-  return text;
+    cards += " " + card.name + " (" + card.address.to_string() + ")";
+  return "set network/interface to the card on the field's network; " +
+         (cards.empty() ? "no card has an IPv4 address at present" : "there are" + cards);
 }
 
 address_v4 find_card(const std::string& name_or_address) {

@@ -15,11 +15,14 @@
 
 namespace sslv {
 
+/// The largest UDP payload of IPv4.
+inline constexpr std::size_t kMaxDatagramBytes = 65'507;
+
 /// Publishes the detections of one camera from the camera's own thread. Keeps its message and buffer, so a
 /// frame allocates nothing in steady state.
 class DetectionSender {
  public:
-  explicit DetectionSender(MulticastSender& out) : out_(out) {}
+  explicit DetectionSender(MulticastSender& out) : out_(out) { buffer_.reserve(kMaxDatagramBytes); }
 
   /// Sends one packet, also when nothing was found, and returns its t_sent (Unix s). Never waits; a packet
   /// that does not leave is counted by the MulticastSender.

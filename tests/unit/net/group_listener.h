@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace sslv {
+
+/// Receives what is sent to a test group through the loopback interface.
+class GroupListener {
+ public:
+  static constexpr const char* kGroup = "239.255.77.77";
+
+  /// Takes a port that nobody uses when `port` is 0. Throws when it cannot listen.
+  explicit GroupListener(std::uint16_t port = 0) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    // A port that is given is shared. A free one is taken alone and shared afterwards.
+    if (port != 0) set(SOL_SOCKET, SO_REUSEADDR, 1);
+    sockaddr_in local{};
+    local.sin_family = AF_INET;
+    local.sin_port = htons(port);
+    inet_pton(AF_INET, kGroup, &local.sin_addr);
+    check(bind(fd_, reinterpret_cast<const sockaddr*>(&local), sizeof local), "bind");
+    if (port == 0) set(SOL_SOCKET, SO_REUSEADDR, 1);
+    ip_mreq membership{local.sin_addr, {htonl(INADDR_LOOPBACK)}};
+    set(IPPROTO_IP, IP_ADD_MEMBERSHIP, membership);
+    set(IPPROTO_IP, IP_RECVTTL, 1);
+    socklen_t length = sizeof local;
+    check(getsockname(fd_, reinterpret_cast<sockaddr*>(&local), &length), "getsockname");
+    port_ = ntohs(local.sin_port);
+  }
+  ~GroupListener() { close(fd_); }
+  GroupListener(const GroupListener&) = delete;
+  GroupListener& operator=(const GroupListener&) = delete;
+
+  std::uint16_t port() const { return port_; }
+
+  /// The next datagram; nothing when none comes in that time.
+  std::optional<std::string> receive(int timeout_ms = 10'000) {
+    const timeval timeout{timeout_ms / 1000, timeout_ms % 1000 * 1000};
+    set(SOL_SOCKET, SO_RCVTIMEO, timeout);
+    std::array<char, 65536> data;
+    alignas(cmsghdr) std::array<char, 256> control;
+    iovec part{data.data(), data.size()};
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t size = recvmsg(fd_, &message, 0);
+    if (size < 0) return std::nullopt;
+    for (const cmsghdr* item = CMSG_FIRSTHDR(&message); item;
+         item = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(item))) {
+      if (item->cmsg_level == IPPROTO_IP && item->cmsg_type == IP_TTL) {
+        last_ttl_ = *reinterpret_cast<const int*>(CMSG_DATA(item));
+      }
+    }
+    return std::string(data.data(), static_cast<std::size_t>(size));
+  }
+
+  int last_ttl() const { return last_ttl_; }
+
+ private:
+  template <class T>
+  void set(int level, int option, T value) {
+    check(setsockopt(fd_, level, option, &value, sizeof value), "setsockopt");
+  }
+  static void check(int result, const char* what) {
+    if (result != 0) throw std::runtime_error(what);
+  }
+
+  int fd_;
+  std::uint16_t port_ = 0;
+  int last_ttl_ = 0;
+};
+
+}  // namespace sslv

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/multicast.h"
+
+#include "base/error.h"
+#include "group_listener.h"
+
+#include <chrono>
+#include <functional>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <net/if.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+
+namespace sslv {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::Optional;
+using testing::StartsWith;
+
+MulticastSettings settings_for(const GroupListener& listener) {
+  MulticastSettings settings;
+  settings.group = GroupListener::kGroup;
+  settings.port = listener.port();
+  settings.interface = "127.0.0.1";
+  return settings;
+}
+
+bool send(MulticastSender& sender, const std::string& text) {
+  return sender.send(std::as_bytes(std::span(text)));
+}
+
+/// Runs `act` in a process of its own; its result is the exit status.
+int in_child(const std::function<int()>& act) {
+  const pid_t child = fork();
+  if (child == 0) _exit(act());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+TEST(Multicast, ReachesAListenerThroughAnInterfaceGivenByAddressOrName) {
+  GroupListener listener;
+  MulticastSettings settings = settings_for(listener);
+  for (const char* interface : {"127.0.0.1", "lo"}) {
+    settings.interface = interface;
+    MulticastSender sender(settings);
+    EXPECT_TRUE(send(sender, interface));
+    EXPECT_THAT(listener.receive(), Optional(std::string(interface)));
+    EXPECT_EQ(sender.status().packets_sent, 1U);
+    EXPECT_EQ(sender.status().send_errors, 0U);
+    EXPECT_EQ(sender.status().error, "");
+  }
+}
+
+TEST(Multicast, SetsTheTtl) {
+  GroupListener listener;
+  MulticastSettings settings = settings_for(listener);
+  settings.ttl = 7;
+  MulticastSender sender(settings);
+  EXPECT_TRUE(send(sender, "x"));
+  EXPECT_TRUE(listener.receive());
+  EXPECT_EQ(listener.last_ttl(), 7);
+}
+
+TEST(Multicast, TwoProcessesSendAndTwoProgramsListenOnOnePort) {
+  GroupListener first;
+  GroupListener second(first.port());
+  MulticastSender here(settings_for(first));
+  EXPECT_TRUE(send(here, "here"));
+  const int status = in_child([&] {
+    MulticastSender there(settings_for(first));
+    return send(there, "there") ? 0 : 1;
+  });
+  EXPECT_EQ(status, 0);
+  for (GroupListener* listener : {&first, &second}) {
+    EXPECT_THAT(listener->receive(), Optional(std::string("here")));
+    EXPECT_THAT(listener->receive(), Optional(std::string("there")));
+  }
+}
+
+TEST(Multicast, NewSettingsApplyToTheNextPacket) {
+  GroupListener before, after;
+  MulticastSender sender(settings_for(before));
+  EXPECT_TRUE(send(sender, "1"));
+  sender.configure(settings_for(after));
+  EXPECT_TRUE(send(sender, "2"));
+  EXPECT_THAT(before.receive(), Optional(std::string("1")));
+  EXPECT_THAT(after.receive(), Optional(std::string("2")));
+}
+
+TEST(Multicast, RefusesWhatIsNoMulticastGroupAndGoesOn) {
+  GroupListener listener;
+  MulticastSender sender(settings_for(listener));
+  for (const char* group : {"192.168.1.20", "240.0.0.1", "field.local", "", "ff02::1", "224.5.23.2 "}) {
+    MulticastSettings wrong = settings_for(listener);
+    wrong.group = group;
+    try {
+      sender.configure(wrong, "/network");
+      ADD_FAILURE() << "'" << group << "' was accepted";
+    } catch (const SettingsError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                "/network/group: \"" + std::string(group) +
+                    "\" is not allowed; expected an IPv4 multicast address, 224.0.0.0 .. "
+                    "239.255.255.255");
+    }
+  }
+  EXPECT_TRUE(send(sender, "still"));
+  EXPECT_THAT(listener.receive(), Optional(std::string("still")));
+}
+
+TEST(Multicast, AnAbsentInterfaceIsSaidAndCountedUntilItIsSetRight) {
+  GroupListener listener;
+  for (const char* interface : {"nocard0", "203.0.113.7"}) {
+    MulticastSettings settings = settings_for(listener);
+    settings.interface = interface;
+    MulticastSender sender(settings);
+    EXPECT_FALSE(send(sender, "lost"));
+    EXPECT_FALSE(send(sender, "lost"));
+    EXPECT_EQ(sender.status().packets_sent, 0U);
+    EXPECT_EQ(sender.status().send_errors, 2U);
+    EXPECT_THAT(sender.status().error, StartsWith("no network card has the name or IPv4 address '" +
+                                                  std::string(interface) + "': set network/interface"));
+    EXPECT_THAT(sender.status().error, HasSubstr("lo (127.0.0.1)"));
+
+    sender.configure(settings_for(listener));
+    EXPECT_EQ(sender.status().error, "");
+    EXPECT_TRUE(send(sender, "found"));
+    EXPECT_THAT(listener.receive(), Optional(std::string("found")));
+  }
+}
+
+TEST(Multicast, AFailedPacketIsCountedAndTheNextClearsTheError) {
+  GroupListener listener;
+  MulticastSender sender(settings_for(listener));
+  EXPECT_FALSE(send(sender, std::string(70'000, 'x')));
+  EXPECT_EQ(sender.status().send_errors, 1U);
+  EXPECT_THAT(sender.status().error, AllOf(HasSubstr(listener.kGroup), HasSubstr("Message too long")));
+  EXPECT_TRUE(send(sender, "fits"));
+  EXPECT_EQ(sender.status().error, "");
+}
+
+// Values that the child processes below exit with.
+constexpr int kPassed = 0, kNoNamespaces = 77;
+
+/// In a fresh network namespace, where the loopback interface is down at first.
+template <class Act>
+int without_network(Act act) {
+  return in_child([&] { return unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 ? act() : kNoNamespaces; });
+}
+
+bool bring_loopback_up() {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  ifreq request{};
+  request.ifr_name[0] = 'l';
+  request.ifr_name[1] = 'o';
+  request.ifr_flags = IFF_UP;
+  const bool up = ioctl(fd, SIOCSIFFLAGS, &request) == 0;
+  close(fd);
+  return up;
+}
+
+TEST(Multicast, WithoutARouteTheErrorSaysToSetTheInterface) {
+  const int status = without_network([] {
+    MulticastSender sender(MulticastSettings{});
+    if (send(sender, "x")) return 1;
+    const std::string error = sender.status().error;
+    if (error.find("cannot send to 224.5.23.2:10006: Network is unreachable") != 0) return 2;
+    return error.find("set network/interface") == std::string::npos ? 3 : kPassed;
+  });
+  if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
+  EXPECT_EQ(status, kPassed);
+}
+
+TEST(Multicast, ComesBackByItselfWhenTheInterfaceAppears) {
+  const int status = without_network([] {
+    MulticastSettings settings;
+    settings.group = GroupListener::kGroup;
+    settings.interface = "127.0.0.1";
+    MulticastSender sender(settings);
+    if (send(sender, "x") || sender.status().error.empty()) return 1;
+    if (!bring_loopback_up()) return kNoNamespaces;
+    GroupListener listener(static_cast<std::uint16_t>(settings.port));
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (std::chrono::steady_clock::now() < deadline) {
+      send(sender, "back");
+      if (listener.receive(20) == "back") return sender.status().error.empty() ? kPassed : 2;
+    }
+    return 3;
+  });
+  if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
+  EXPECT_EQ(status, kPassed);
+}
+
+TEST(Multicast, TellsTheRateOfPackets) {
+  GroupListener listener;
+  MulticastSender sender(settings_for(listener));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (sender.status().packets_per_s == 0 && std::chrono::steady_clock::now() < deadline) {
+    send(sender, "x");
+    listener.receive();
+    listener.receive(10);  // nothing: paces the loop
+  }
+  EXPECT_GT(sender.status().packets_per_s, 0);
+}
+
+TEST(Multicast, ThreadsSendWhileSettingsChange) {
+  GroupListener listener;
+  constexpr int kThreads = 4, kPackets = 500;
+  MulticastSender sender(settings_for(listener));
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&] {
+        for (int packet = 0; packet < kPackets; ++packet) send(sender, "x");
+      });
+    }
+    for (int i = 0; i < 50; ++i) {
+      sender.configure(settings_for(listener));
+      EXPECT_EQ(sender.status().error.substr(0, 11), sender.status().error.empty() ? "" : "cannot send");
+    }
+  }
+  EXPECT_EQ(sender.status().packets_sent + sender.status().send_errors, kThreads * kPackets);
+  EXPECT_GT(sender.status().packets_sent, 0U);
+}
+
+}  // namespace
+}  // namespace sslv
