@@ -2,6 +2,7 @@
 //
 // The league's messages against packets that real programs sent in a real match.
 #include "ssl_vision_wrapper.pb.h"
+#include "support/test_data.h"
 
 #include <cstdint>
 #include <fstream>
@@ -9,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+namespace sslv {
 namespace {
 
 template <class Integer>
