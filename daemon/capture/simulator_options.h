@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+#include "image/image.h"
+
+#include <array>
+#include <tuple>
+
+namespace sslv {
+
+/// The simulator's lines in a camera's "source".
+struct SimulatorOptions {
+  int width = 780, height = 580;
+  PixelFormat pixel_format = PixelFormat::kUyvy;
+  double frame_rate_hz = 60;
+  int robots_yellow = 6, robots_blue = 6;
+  int first_yellow_id = 0, first_blue_id = 0;
+  int balls = 1;
+  double speed = 1;
+  int seed = 1;
+  double noise_sigma = 2;
+  double light = 1;
+  double gradient = 0;
+  double vignette = 0.1;
+  double blur_sigma_px = 0.5;
+  double exposure_ms = 0;
+  double red_gain = 1, blue_gain = 1;
+
+  static constexpr std::array<Choice<PixelFormat>, 9> kPixelFormats{{
+      {"uyvy", PixelFormat::kUyvy},
+      {"yuyv", PixelFormat::kYuyv},
+      {"rgb24", PixelFormat::kRgb24},
+      {"bgr24", PixelFormat::kBgr24},
+      {"mono8", PixelFormat::kMono8},
+      {"bayer_rg8", PixelFormat::kBayerRg8},
+      {"bayer_gr8", PixelFormat::kBayerGr8},
+      {"bayer_gb8", PixelFormat::kBayerGb8},
+      {"bayer_bg8", PixelFormat::kBayerBg8},
+  }};
+
+  static constexpr auto fields() {
+    using O = SimulatorOptions;
+    return std::tuple{
+        number("width", &O::width, 2, 16384, "px", "width of the picture"),
+        number("height", &O::height, 2, 16384, "px", "height of the picture"),
+        choice("pixel_format", &O::pixel_format, kPixelFormats, "how the camera's bytes lie"),
+        number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
+               "pictures a second; 0: as fast as possible"),
+        number("robots_yellow", &O::robots_yellow, 0, 16, "", "yellow robots on the field"),
+        number("robots_blue", &O::robots_blue, 0, 16, "", "blue robots on the field"),
+        number("first_yellow_id", &O::first_yellow_id, 0, 15, "",
+               "the yellow robots' ids count up from here"),
+        number("first_blue_id", &O::first_blue_id, 0, 15, "", "the blue robots' ids count up from here"),
+        number("balls", &O::balls, 0, 10, "", "balls on the field"),
+        number("speed", &O::speed, 0.0, 10.0, "", "factor on all motion; 0: nothing moves"),
+        number("seed", &O::seed, 0, 1'000'000, "",
+               "another seed, other paths; cameras of one field share it"),
+        number("noise_sigma", &O::noise_sigma, 0.0, 30.0, "", "noise of each sample, in 8-bit grey levels"),
+        number("light", &O::light, 0.05, 3.0, "", "brightness; 1: well exposed"),
+        number("gradient", &O::gradient, 0.0, 1.0, "", "fraction by which the right side is darker"),
+        number("vignette", &O::vignette, 0.0, 1.0, "", "fraction by which the corners are darker"),
+        number("blur_sigma_px", &O::blur_sigma_px, 0.0, 5.0, "px", "sharpness of the lens"),
+        number("exposure_ms", &O::exposure_ms, 0.0, 100.0, "ms", "smears what moves; 0: nothing is smeared"),
+        number("red_gain", &O::red_gain, 0.2, 4.0, "", "cast of the light"),
+        number("blue_gain", &O::blue_gain, 0.2, 4.0, "", "cast of the light"),
+    };
+  }
+};
+
+}  // namespace sslv
