@@ -54,7 +54,8 @@ TEST_F(ImageLease, MovesWithTheImage) {
 
 TEST_F(ImageLease, AssignmentGivesTheOldBufferBackAtOnce) {
   Image image = driver_.lend(first_);
-  image = driver_.lend(second_);
+  Image other = driver_.lend(second_);
+  image = std::move(other);
   EXPECT_THAT(driver_.returned, testing::ElementsAre(1));
   image = Image();
   EXPECT_THAT(driver_.returned, testing::ElementsAre(1, 2));
