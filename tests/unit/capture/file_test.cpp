@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/file.h"
+
+#include "base/error.h"
+#include "image/jpeg.h"
+#include "support/allocation_count.h"
+#include "support/media_writer.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A folder of its own for each test.
+class Files : public testing::Test {
+ protected:
+  Files() {
+    std::string name = (fs::temp_directory_path() / "sslv_files_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~Files() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path(name), std::ios::binary) << bytes;
+  }
+  std::string read(const std::string& name) const {
+    std::ifstream file(path(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  /// Opens as fast as possible, unless the options say otherwise.
+  std::unique_ptr<Source> open(const std::string& what, Json options = Json::object()) const {
+    options["path"] = what;
+    if (!options.contains("frame_rate_hz")) options["frame_rate_hz"] = 0;
+    return file_backend().open(file_backend().complete(options, ""), {});
+  }
+  std::string refusal(const std::string& what, const Json& options = Json::object()) const {
+    try {
+      open(what, options);
+    } catch (const CaptureError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+/// A picture of smooth colours, different for each seed.
+RgbPicture picture(int seed, int width = 48, int height = 32) {
+  RgbPicture out{width, height};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (const int value : {40 + 3 * x, 250 - 4 * y, 20 + 25 * (seed % 8)}) {
+        out.rgb.push_back(static_cast<std::uint8_t>(value));
+      }
+    }
+  }
+  return out;
+}
+
+RgbPicture copy_of(const Image& image) {
+  const ImageView& view = image.view();
+  RgbPicture out{view.width, view.height};
+  for (int y = 0; y < view.height; ++y) {
+    out.rgb.insert(out.rgb.end(), view.row(y), view.row(y) + view.width * bytes_per_pixel(view.format));
+  }
+  return out;
+}
+
+int largest_difference(const RgbPicture& a, const RgbPicture& b) {
+  EXPECT_EQ(a.rgb.size(), b.rgb.size());
+  int most = 0;
+  for (std::size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i) {
+    most = std::max(most, std::abs(a.rgb[i] - b.rgb[i]));
+  }
+  return most;
+}
+
+struct Taken {
+  CaptureStatus status;
+  CapturedImage image;
+  std::string problem;
+};
+Taken next(Source& source) {
+  Taken out;
+  out.status = source.next(out.image, out.problem, std::chrono::milliseconds(0));
+  return out;
+}
+
+/// What a source gives until its end: "name" of pictures, "!problem" of damaged ones.
+std::vector<std::string> all_of(Source& source) {
+  std::vector<std::string> out;
+  for (;;) {
+    const Taken taken = next(source);
+    if (taken.status == CaptureStatus::kImage) {
+      out.push_back(taken.image.name);
+    } else if (taken.status == CaptureStatus::kIncomplete) {
+      out.push_back("!" + taken.problem);
+    } else {
+      EXPECT_EQ(taken.status, CaptureStatus::kEnd) << taken.problem;
+      return out;
+    }
+  }
+}
+
+TEST_F(Files, ReadsLosslessPicturesExactly) {
+  for (const char* name : {"a.png", "a.bmp", "a.ppm"}) {
+    write_media(path(name), {picture(1, 50, 30)});
+    const auto source = open(path(name));
+    const Taken taken = next(*source);
+    ASSERT_EQ(taken.status, CaptureStatus::kImage) << name << ": " << taken.problem;
+    EXPECT_EQ(taken.image.image.view().format, PixelFormat::kRgb24);
+    EXPECT_EQ(copy_of(taken.image.image), picture(1, 50, 30)) << name;
+    EXPECT_EQ(taken.image.name, "a");
+    EXPECT_EQ(next(*source).status, CaptureStatus::kEnd);
+  }
+}
+
+TEST_F(Files, ReadsJpegInFullRange) {
+  for (const std::array<std::uint8_t, 3> rgb :
+       {std::array<std::uint8_t, 3>{255, 255, 255}, {0, 0, 0}, {250, 120, 0}}) {
+    RgbPicture plain{32, 32};
+    for (int i = 0; i < 32 * 32; ++i) plain.rgb.insert(plain.rgb.end(), rgb.begin(), rgb.end());
+    JpegEncoder encoder;
+    const auto jpeg = encoder.encode({plain.rgb.data(), 32, 32, 96, PixelFormat::kRgb24}, 32, 95);
+    write("a.JPG", std::string(jpeg.begin(), jpeg.end()));
+    const auto source = open(path("a.JPG"));
+    const Taken taken = next(*source);
+    ASSERT_EQ(taken.status, CaptureStatus::kImage) << taken.problem;
+    EXPECT_LE(largest_difference(copy_of(taken.image.image), plain), 3);
+  }
+}
+
+TEST_F(Files, ReadsAFolderInTheOrderOfNames) {
+  for (const char* name : {"b.png", "a10.bmp", "c.ppm", "a02.png"}) write_media(path(name), {picture(0)});
+  write("notes.txt", "not a picture");
+  EXPECT_THAT(all_of(*open(folder_.string())), ElementsAre("a02", "a10", "b", "c"));
+}
+
+TEST_F(Files, BeginsAgainWhenAskedTo) {
+  write_media(path("a.png"), {picture(0)});
+  write_media(path("b.png"), {picture(1)});
+  const auto source = open(folder_.string(), {{"loop", true}});
+  for (const char* name : {"a", "b", "a", "b", "a"}) EXPECT_EQ(next(*source).image.name, name);
+}
+
+TEST_F(Files, NamesDamagedPicturesAndGoesOn) {
+  write_media(path("good.png"), {picture(0)});
+  write_media(path("good.bmp"), {picture(0)});
+  write_media(path("good.ppm"), {picture(0)});
+  const std::string png = read("good.png"), bmp = read("good.bmp"), ppm = read("good.ppm");
+  JpegEncoder encoder;
+  const RgbPicture source_picture = picture(0, 480, 320);
+  const auto jpeg =
+      encoder.encode({source_picture.rgb.data(), 480, 320, 480 * 3, PixelFormat::kRgb24}, 480, 95);
+  write("cut.bmp", bmp.substr(0, bmp.size() / 2));
+  write("cut.jpg", std::string(jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size()) / 2));
+  write("cut.png", png.substr(0, png.size() / 2));
+  write("cut.ppm", ppm.substr(0, ppm.size() / 2));
+  write("empty.png", "");
+  write("text.png", "this is not a picture at all");
+  const std::vector<std::string> given = all_of(*open(folder_.string()));
+  EXPECT_THAT(given, ElementsAre(HasSubstr("/cut.bmp: "), HasSubstr("/cut.jpg: "), HasSubstr("/cut.png: "),
+                                 HasSubstr("/cut.ppm: "), HasSubstr("/empty.png: "), "good", "good", "good",
+                                 HasSubstr("/text.png: ")));
+  for (const std::string& one : given) EXPECT_EQ(one.find('\n'), std::string::npos);
+}
+
+TEST_F(Files, GivesUpLoopingOverNothingReadable) {
+  write("bad.png", "not a picture");
+  const auto source = open(folder_.string(), {{"loop", true}});
+  EXPECT_EQ(next(*source).status, CaptureStatus::kIncomplete);
+  const Taken second = next(*source);
+  EXPECT_EQ(second.status, CaptureStatus::kLost);
+  EXPECT_THAT(second.problem, HasSubstr("nothing in it can be read"));
+}
+
+const Json kRawOptions{{"pixel_format", "uyvy"}, {"width", 8}, {"height", 4}};
+
+TEST_F(Files, ReadsRawFramesAsTheyAre) {
+  std::string bytes;
+  for (int i = 0; i < 64; ++i) bytes.push_back(static_cast<char>(i * 5));
+  write("frame.raw", bytes);
+  const auto source = open(folder_.string(), kRawOptions);
+  const Taken taken = next(*source);
+  ASSERT_EQ(taken.status, CaptureStatus::kImage) << taken.problem;
+  const ImageView& view = taken.image.image.view();
+  EXPECT_EQ(view.format, PixelFormat::kUyvy);
+  EXPECT_THAT((std::array{view.width, view.height}), ElementsAre(8, 4));
+  EXPECT_EQ(std::string(view.data, view.data + 64), bytes);
+}
+
+TEST_F(Files, NamesARawFrameOfTheWrongSize) {
+  write("frame.raw", std::string(63, 'x'));
+  EXPECT_THAT(all_of(*open(folder_.string(), kRawOptions)),
+              ElementsAre("!" + path("frame.raw") + ": 63 bytes; expected 64 (8x4 uyvy)"));
+}
+
+TEST_F(Files, RawFramesNeedTheirSize) {
+  write("frame.raw", std::string(64, 'x'));
+  EXPECT_THAT(refusal(folder_.string()),
+              HasSubstr("raw frames need pixel_format (not auto), width and height"));
+  EXPECT_THAT(refusal(folder_.string(), {{"pixel_format", "bayer_rg8"}, {"width", 9}, {"height", 4}}),
+              HasSubstr("they are bayer_rg8, 9 and 4"));
+}
+
+TEST_F(Files, RawFramesAllocateNothingOnceWarm) {
+  write("a.raw", std::string(64, 'x'));
+  write("b.raw", std::string(64, 'y'));
+  Json options = kRawOptions;
+  options["loop"] = true;
+  const auto source = open(folder_.string(), options);
+  CapturedImage image;
+  std::string problem;
+  for (int i = 0; i < 4; ++i) source->next(image, problem, std::chrono::milliseconds(0));
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 100; ++i) source->next(image, problem, std::chrono::milliseconds(0));
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST_F(Files, PicturesOutliveTheSource) {
+  write_media(path("a.png"), {picture(3)});
+  Taken taken;
+  {
+    const auto source = open(path("a.png"));
+    taken = next(*source);
+  }
+  EXPECT_EQ(copy_of(taken.image.image), picture(3));
+}
+
+TEST_F(Files, AHeldPictureIsNotOverwritten) {
+  write_media(path("a.png"), {picture(0)});
+  write_media(path("b.png"), {picture(1, 96, 64)});
+  const auto source = open(folder_.string(), {{"loop", true}});
+  const Taken held = next(*source);
+  for (int i = 0; i < 50; ++i) next(*source);
+  EXPECT_EQ(copy_of(held.image.image), picture(0));
+}
+
+TEST_F(Files, ReadsAVideoFrameByFrame) {
+  write_media(path("game.mkv"), {picture(0), picture(1), picture(2)});
+  const auto source = open(path("game.mkv"));
+  for (const int i : {0, 1, 2}) {
+    const Taken taken = next(*source);
+    ASSERT_EQ(taken.status, CaptureStatus::kImage) << taken.problem;
+    EXPECT_EQ(copy_of(taken.image.image), picture(i));
+    EXPECT_EQ(taken.image.name, "game00000" + std::to_string(i));
+  }
+  EXPECT_EQ(next(*source).status, CaptureStatus::kEnd);
+  EXPECT_EQ(next(*source).status, CaptureStatus::kEnd);
+}
+
+TEST_F(Files, ALimitedRangeVideoComesOutInFullRange) {
+  RgbPicture white{64, 64, std::vector<std::uint8_t>(64 * 64 * 3, 255)};
+  RgbPicture black{64, 64, std::vector<std::uint8_t>(64 * 64 * 3, 0)};
+  write_media(path("a.mp4"), {white, black});
+  const auto source = open(path("a.mp4"));
+  EXPECT_LE(largest_difference(copy_of(next(*source).image.image), white), 3);
+  EXPECT_LE(largest_difference(copy_of(next(*source).image.image), black), 6);
+}
+
+TEST_F(Files, AVideoBeginsAgainWhenAskedTo) {
+  write_media(path("a.mkv"), {picture(0), picture(1)});
+  const auto source = open(path("a.mkv"), {{"loop", true}});
+  for (const char* name : {"a000000", "a000001", "a000000", "a000001"})
+    EXPECT_EQ(next(*source).image.name, name);
+}
+
+TEST_F(Files, ACutVideoEnds) {
+  write_media(path("a.mkv"), std::vector<RgbPicture>(20, picture(0)));
+  const std::string whole = read("a.mkv");
+  write("cut.mkv", whole.substr(0, whole.size() / 2));
+  const std::vector<std::string> given = all_of(*open(path("cut.mkv")));
+  EXPECT_GE(given.size(), 5U);
+  EXPECT_LT(given.size(), 20U);
+}
+
+TEST_F(Files, KeepsItsPace) {
+  write_media(path("a.png"), {picture(0)});
+  write_media(path("b.png"), {picture(0)});
+  const auto source = open(folder_.string(), {{"frame_rate_hz", 0.001}});
+  EXPECT_EQ(next(*source).status, CaptureStatus::kImage);
+  EXPECT_EQ(next(*source).status, CaptureStatus::kTimeout) << "the next one is due in 1000 s";
+}
+
+TEST_F(Files, WhatCannotBeOpenedIsNamed) {
+  EXPECT_EQ(
+      refusal(path("nowhere")),
+      "path \"" + path("nowhere") +
+          "\": No such file or directory; expected a folder of pictures, a picture, a raw frame or a video");
+  EXPECT_THAT(refusal(""), HasSubstr("path \"\": "));
+  EXPECT_THAT(refusal(folder_.string()),
+              HasSubstr("no pictures in this folder; expected files ending in .png"));
+  write("noise.avi", std::string(5000, '\x5a'));
+  EXPECT_THAT(refusal(path("noise.avi")), HasSubstr("noise.avi\": "));
+}
+
+TEST_F(Files, UnknownOptionsAreRefused) {
+  EXPECT_THROW(file_backend().complete({{"paht", "x"}}, "/cameras/0/source"), SettingsError);
+  EXPECT_THROW(file_backend().complete({{"pixel_format", "rgb"}}, "/cameras/0/source"), SettingsError);
+  EXPECT_EQ(
+      file_backend().complete(Json::object(), ""),
+      Json::parse(R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
+                            "loop": false})"));
+}
+
+/// Whatever bytes lie on the disk: pictures, problems and an end, nothing else.
+TEST_F(Files, NoDamageBringsItDown) {
+  write_media(path("good.png"), {picture(0)});
+  write_media(path("good.bmp"), {picture(0)});
+  write_media(path("good.mkv"), std::vector<RgbPicture>(3, picture(0)));
+  JpegEncoder encoder;
+  const RgbPicture source_picture = picture(0);
+  const auto jpeg = encoder.encode({source_picture.rgb.data(), 48, 32, 48 * 3, PixelFormat::kRgb24}, 48, 80);
+  write("good.jpg", std::string(jpeg.begin(), jpeg.end()));
+  std::mt19937 random(7);
+  for (const std::string ending : {".png", ".bmp", ".jpg", ".mkv"}) {
+    const std::string good = read("good" + ending);
+    for (int i = 0; i < 60; ++i) {
+      std::string bad = good;
+      for (int k = 0; k < 4; ++k) bad[random() % bad.size()] = static_cast<char>(random());
+      write("bad" + ending, bad);
+      try {
+        const auto source = open(path("bad" + ending));
+        all_of(*source);
+      } catch (const CaptureError&) {  // a video may be beyond opening
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sslv
