@@ -79,7 +79,8 @@ export interface Alert {
   severity: Severity;
   title: string;
   fix: string;
-  camera?: number;
+  /** Null when it is not about one camera. */
+  camera?: number | null;
 }
 
 export interface Status {

@@ -15,6 +15,12 @@ function judge(now: Status, changes: Partial<FactsInput> = {}) {
   return Object.fromEntries(list.map((fact) => [fact.key, fact]));
 }
 
+function dropped(counts: number[]): number {
+  const history = new History();
+  counts.forEach((frames_dropped, i) => history.record(status({ cameras: [camera({ frames_dropped })] }), i * 500));
+  return history.dropped(0);
+}
+
 describe('facts', () => {
   it('is content with a field in order', () => {
     const list = judge(status());
@@ -48,17 +54,19 @@ describe('facts', () => {
     history.record(at(60, 100), 0);
     history.record(at(50, 100), 1000);
     expect(judge(at(50, 100), { history }).fps).toMatchObject({ level: 'warn', note: 'camera 0 did 60.0' });
-    history.record(at(60, 103), 2000);
+    for (const time of [2000, 2500, 3000]) history.record(at(60, 103), time);
     expect(judge(at(60, 103), { history }).fps).toMatchObject({ level: 'warn', note: '3 dropped in 60 s' });
-    history.record(at(60, 103), 70_000);
+    for (const time of [70_000, 70_500, 71_000]) history.record(at(60, 103), time);
     expect(judge(at(60, 103), { history }).fps).toMatchObject({ level: 'ok' });
   });
 
   it('starts to count again after the daemon restarted', () => {
-    const history = new History();
-    history.record(status({ cameras: [camera({ frames_dropped: 500 })] }), 0);
-    history.record(status({ cameras: [camera({ frames_dropped: 0 })] }), 1000);
-    expect(history.dropped(0)).toBe(0);
+    expect(dropped([500, 500, 500, 0, 0, 0])).toBe(0);
+    expect(dropped([500, 500, 500, 0, 0, 0, 2, 2, 2])).toBe(2);
+  });
+
+  it('does not take a frame in work for a dropped one', () => {
+    expect(dropped([0, 0, 0, 1, 0, 0, 0, 1, 1, 0])).toBe(0);
   });
 
   it('counts robots once and sees one in two places', () => {
@@ -77,9 +85,8 @@ describe('facts', () => {
     expect(judge(status({ network: { ...network, error: 'no such interface' } })).network).toMatchObject({ level: 'bad', note: 'no such interface' });
     expect(judge(status({ network: { ...network, packets_per_s: 0 } })).network).toMatchObject({ level: 'bad', note: 'nothing is sent' });
     const history = new History();
-    history.record(status(), 0);
     const failing = status({ network: { ...network, send_errors: 1 } });
-    history.record(failing, 500);
+    [status(), status(), status(), failing, failing, failing].forEach((now, i) => history.record(now, i * 500));
     expect(judge(failing, { history }).network).toMatchObject({ level: 'bad', note: '1 send error in 60 s' });
   });
 });

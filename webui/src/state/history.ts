@@ -15,7 +15,7 @@ export interface Sample {
 
 export class History {
   private readonly cameras = new Map<number, Sample[]>();
-  private sendErrors: { at: number; count: number }[] = [];
+  private readonly sendErrors: { at: number; count: number }[] = [];
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
@@ -23,17 +23,12 @@ export class History {
       if (camera.state !== 'running') continue;
       let samples = this.cameras.get(camera.id);
       if (!samples) this.cameras.set(camera.id, (samples = []));
-      const last = samples[samples.length - 1];
-      // The daemon was restarted: its counters began again, so the old ones compare to nothing.
-      if (last && last.dropped > camera.frames_dropped) samples.length = 0;
       samples.push({
         at, fps: camera.fps, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99,
         dropped: camera.frames_dropped,
       });
       forget(samples, at);
     }
-    const lastErrors = this.sendErrors[this.sendErrors.length - 1];
-    if (lastErrors && lastErrors.count > status.network.send_errors) this.sendErrors = [];
     this.sendErrors.push({ at, count: status.network.send_errors });
     forget(this.sendErrors, at);
   }
@@ -44,8 +39,7 @@ export class History {
 
   /** Pictures dropped within the last minute. */
   dropped(camera: number): number {
-    const samples = this.samples(camera);
-    return samples.length ? samples[samples.length - 1]!.dropped - samples[0]!.dropped : 0;
+    return growth(this.samples(camera).map((sample) => sample.dropped));
   }
 
   bestFps(camera: number): number {
@@ -53,9 +47,23 @@ export class History {
   }
 
   newSendErrors(): number {
-    const errors = this.sendErrors;
-    return errors.length ? errors[errors.length - 1]!.count - errors[0]!.count : 0;
+    return growth(this.sendErrors.map(({ count }) => count));
   }
+}
+
+/** A count that stands this many samples long is believed: a frame still in work may pass for a dropped one. */
+const SETTLED = 3;
+
+/** How much a counter grew over its samples. A counter that fell began anew and is counted from there. */
+function growth(counts: number[]): number {
+  let sum = 0;
+  let last: number | null = null;
+  for (let i = 0; i + SETTLED <= counts.length; i++) {
+    const settled = Math.min(...counts.slice(i, i + SETTLED));
+    if (last !== null && settled > last) sum += settled - last;
+    last = settled;
+  }
+  return sum;
 }
 
 function forget(samples: { at: number }[], now: number): void {
