@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+#include "capture/source.h"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+
+namespace sslv {
+
+struct ThreadSettings {
+  int realtime_priority = 0;
+  int cpu = -1;
+  static constexpr auto fields() {
+    return std::tuple{
+        number("realtime_priority", &ThreadSettings::realtime_priority, 0, 99, "",
+               "SCHED_FIFO priority of the camera's threads; 0: not real-time"),
+        number("cpu", &ThreadSettings::cpu, -1, 1023, "", "the one processor they run on; -1: any"),
+    };
+  }
+};
+
+enum class CameraState {
+  kOpening,  // has not been open yet
+  kRunning,
+  kLost,   // closed, or cannot be opened; tried again with back-off
+  kEnded,  // a recording has come to its end
+};
+
+/// "opening", "running", "lost", "ended".
+std::string_view name_of(CameraState state);
+
+struct CameraHealth {
+  CameraState state = CameraState::kOpening;
+  std::string error{};           // why it is lost, one line; empty otherwise
+  std::uint64_t frames = 0;      // handed over
+  std::uint64_t incomplete = 0;  // came damaged
+  std::uint64_t reconnects = 0;  // times it was opened again after a loss
+  double fps = 0;                // pictures handed over a second, over the last second
+  int width = 0, height = 0;     // of the last picture; 0 before the first
+  PixelFormat format = PixelFormat::kMono8;
+  std::int64_t progress_ns = 0;  // steady_ns() of the thread's last turn; stands still when it hangs
+};
+
+/// Waiting times between attempts to open a camera, doubling from the first to the longest.
+struct RetryDelays {
+  std::chrono::milliseconds first{250}, longest{2000};
+};
+
+/// Keeps one camera open on a thread of its own and hands over its pictures. A camera that fails, dies or
+/// throws is closed and opened anew; closing may block on dead hardware, so each dead source is closed on a
+/// thread of its own and delays nothing. Repeated problems are logged once a second, counted.
+class CameraThread {
+ public:
+  using Open = std::function<std::unique_ptr<Source>()>;
+  using OnImage = std::function<void(CapturedImage&&)>;
+
+  /// Starts at once. `name` begins log messages ("camera 0"). `open` makes a source or throws CaptureError;
+  /// it must own all it uses, because a call that blocks is left behind by stop(). `on_image` must not throw;
+  /// it is not called after stop().
+  CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
+               RetryDelays delays = {});
+  /// Stops.
+  ~CameraThread();
+  CameraThread(const CameraThread&) = delete;
+  CameraThread& operator=(const CameraThread&) = delete;
+
+  /// Closes the camera and ends the thread: within a frame's time for a camera that answers. One that does
+  /// not (opening or closing dead hardware takes seconds) is waited for 1.5 s and then left to finish by
+  /// itself. Waits for a running on_image however long it takes.
+  void stop();
+
+  /// From any thread.
+  CameraHealth health() const;
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+  std::thread thread_;
+};
+
+}  // namespace sslv

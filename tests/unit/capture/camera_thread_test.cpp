@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/camera_thread.h"
+
+#include "support/allocation_count.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <latch>
+#include <mutex>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr RetryDelays kAtOnce{milliseconds(0), milliseconds(0)};
+
+/// A camera whose behaviour a test writes down step by step. Outlives the threads that use it.
+class FakeCamera {
+ public:
+  struct Step {
+    CaptureStatus status;
+    std::string problem{};
+    bool throws = false;
+  };
+
+  void play(const std::vector<Step>& steps) {
+    const std::lock_guard lock(mutex_);
+    steps_.insert(steps_.end(), steps.begin(), steps.end());
+    changed_.notify_all();
+  }
+  /// The next `count` attempts to open it fail.
+  void refuse(int count) {
+    const std::lock_guard lock(mutex_);
+    refusals_ = count;
+  }
+  /// Closing blocks until release().
+  void block_closing() { block(blocks_closing_, true); }
+  /// Opening blocks until release().
+  void block_opening() { block(blocks_opening_, true); }
+  void release() {
+    block(blocks_closing_, false);
+    block(blocks_opening_, false);
+  }
+
+  int wait_for_opened(int at_least) { return wait_for(opened_, at_least); }
+  int wait_for_closed(int at_least) { return wait_for(closed_, at_least); }
+  int wait_for_attempts(int at_least) { return wait_for(attempts_, at_least); }
+  int closed() const {
+    const std::lock_guard lock(mutex_);
+    return closed_;
+  }
+
+  std::unique_ptr<Source> open() {
+    std::unique_lock lock(mutex_);
+    ++attempts_;
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return !blocks_opening_; });
+    if (refusals_ > 0) {
+      --refusals_;
+      throw CaptureError("camera \"left\": not found");
+    }
+    ++opened_;
+    changed_.notify_all();
+    return std::make_unique<Opened>(*this);
+  }
+
+ private:
+  class Opened final : public Source {
+   public:
+    explicit Opened(FakeCamera& camera) : camera_(camera) {}
+    ~Opened() override {
+      std::unique_lock lock(camera_.mutex_);
+      camera_.changed_.wait(lock, [&] { return !camera_.blocks_closing_; });
+      ++camera_.closed_;
+      camera_.changed_.notify_all();
+    }
+    CaptureStatus next(CapturedImage& image, std::string& problem, milliseconds timeout) override {
+      std::unique_lock lock(camera_.mutex_);
+      if (!camera_.changed_.wait_for(lock, timeout, [&] { return !camera_.steps_.empty(); })) {
+        return CaptureStatus::kTimeout;
+      }
+      const Step step = camera_.steps_.front();
+      camera_.steps_.pop_front();
+      if (step.throws) throw std::logic_error(step.problem);
+      problem = step.problem;
+      if (step.status == CaptureStatus::kImage) {
+        image.image = Image({kPixels, 4, 2, 8, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
+      }
+      return step.status;
+    }
+
+   private:
+    static constexpr std::uint8_t kPixels[16]{};
+    FakeCamera& camera_;
+  };
+
+  void block(bool& what, bool value) {
+    const std::lock_guard lock(mutex_);
+    what = value;
+    changed_.notify_all();
+  }
+  int wait_for(const int& counter, int at_least) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(30), [&] { return counter >= at_least; });
+    return counter;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Step> steps_;
+  int refusals_ = 0, attempts_ = 0, opened_ = 0, closed_ = 0;
+  bool blocks_closing_ = false, blocks_opening_ = false;
+};
+
+const FakeCamera::Step kImage{CaptureStatus::kImage};
+const FakeCamera::Step kEnd{CaptureStatus::kEnd};
+FakeCamera::Step lost(const std::string& why) {
+  return {CaptureStatus::kLost, why};
+}
+FakeCamera::Step damaged(const std::string& why) {
+  return {CaptureStatus::kIncomplete, why};
+}
+FakeCamera::Step throwing(const std::string& why) {
+  return {CaptureStatus::kImage, why, true};
+}
+
+/// Until the camera thread's health is as wanted; the last one seen after 30 s.
+CameraHealth wait_for(const CameraThread& thread, const std::function<bool(const CameraHealth&)>& wanted) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  CameraHealth health = thread.health();
+  while (!wanted(health) && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::yield();
+    health = thread.health();
+  }
+  return health;
+}
+auto frames(std::uint64_t count) {
+  return [count](const CameraHealth& health) { return health.frames == count; };
+}
+auto state(CameraState wanted) {
+  return [wanted](const CameraHealth& health) { return health.state == wanted; };
+}
+
+class CameraThreadTest : public testing::Test {
+ protected:
+  std::unique_ptr<CameraThread> start(RetryDelays delays = kAtOnce, ThreadSettings settings = {}) {
+    return std::make_unique<CameraThread>(
+        "camera 0", settings, [camera = camera_] { return camera->open(); },
+        [this](CapturedImage&& image) {
+          ++taken_;
+          if (hook_) hook_(image);
+        },
+        delays);
+  }
+
+  std::shared_ptr<FakeCamera> camera_ = std::make_shared<FakeCamera>();
+  std::atomic<int> taken_{0};
+  std::function<void(const CapturedImage&)> hook_;
+};
+
+TEST_F(CameraThreadTest, HandsPicturesOver) {
+  const auto thread = start();
+  camera_->play({kImage, kImage, kImage});
+  const CameraHealth health = wait_for(*thread, frames(3));
+  EXPECT_EQ(health.frames, 3U);
+  EXPECT_EQ(taken_, 3);
+  EXPECT_EQ(health.state, CameraState::kRunning);
+  EXPECT_EQ(health.error, "");
+  EXPECT_EQ(health.width, 4);
+  EXPECT_EQ(health.height, 2);
+  EXPECT_EQ(health.format, PixelFormat::kUyvy);
+  EXPECT_GT(health.progress_ns, 0);
+}
+
+TEST_F(CameraThreadTest, CountsDamagedPicturesAndGoesOn) {
+  const auto thread = start();
+  camera_->play({damaged("3 packets are missing"), damaged("3 packets are missing"), kImage});
+  const CameraHealth health = wait_for(*thread, frames(1));
+  EXPECT_EQ(health.incomplete, 2U);
+  EXPECT_EQ(health.reconnects, 0U);
+  EXPECT_EQ(taken_, 1);
+}
+
+TEST_F(CameraThreadTest, OpensALostCameraAnew) {
+  const auto thread = start();
+  camera_->play({kImage, lost("no heartbeat"), kImage});
+  const CameraHealth health = wait_for(*thread, frames(2));
+  EXPECT_EQ(health.frames, 2U);
+  EXPECT_EQ(health.state, CameraState::kRunning);
+  EXPECT_EQ(health.error, "") << "what is over is not shown";
+  EXPECT_EQ(health.reconnects, 1U);
+  EXPECT_EQ(camera_->wait_for_closed(1), 1) << "the lost one";
+}
+
+TEST_F(CameraThreadTest, SaysWhyACameraIsLost) {
+  camera_->refuse(1 << 30);
+  const auto thread = start({milliseconds(1), milliseconds(1)});
+  const CameraHealth health = wait_for(*thread, state(CameraState::kLost));
+  EXPECT_EQ(health.state, CameraState::kLost);
+  EXPECT_EQ(health.error, "camera \"left\": not found");
+  EXPECT_EQ(health.frames, 0U);
+}
+
+TEST_F(CameraThreadTest, TriesUntilItCanBeOpened) {
+  camera_->refuse(5);
+  camera_->play({kImage});
+  const auto thread = start();
+  const CameraHealth health = wait_for(*thread, frames(1));
+  EXPECT_EQ(health.state, CameraState::kRunning);
+  EXPECT_EQ(health.reconnects, 0U) << "it had never been open";
+  EXPECT_EQ(camera_->wait_for_attempts(6), 6);
+}
+
+TEST_F(CameraThreadTest, TreatsASourceThatThrowsAsLost) {
+  camera_->play({throwing("a defect"), kImage});
+  const auto thread = start();
+  const CameraHealth health = wait_for(*thread, frames(1));
+  EXPECT_EQ(health.frames, 1U);
+  EXPECT_EQ(health.reconnects, 1U);
+}
+
+TEST_F(CameraThreadTest, ARecordingEnds) {
+  camera_->play({kImage, kEnd, kImage});
+  const auto thread = start();
+  const CameraHealth health = wait_for(*thread, state(CameraState::kEnded));
+  EXPECT_EQ(health.state, CameraState::kEnded);
+  EXPECT_EQ(health.frames, 1U);
+  EXPECT_EQ(camera_->wait_for_closed(1), 1);
+  thread->stop();
+  EXPECT_EQ(camera_->wait_for_attempts(1), 1) << "not opened again";
+}
+
+TEST_F(CameraThreadTest, ReopensWhileTheDeadOneIsStillClosing) {
+  camera_->block_closing();
+  const auto thread = start();
+  camera_->play({lost("dead"), lost("dead"), kImage});
+  EXPECT_EQ(wait_for(*thread, frames(1)).reconnects, 2U);
+  EXPECT_EQ(camera_->closed(), 0);
+  camera_->release();
+  EXPECT_EQ(camera_->wait_for_closed(2), 2);
+}
+
+TEST_F(CameraThreadTest, StopClosesTheCamera) {
+  const auto thread = start();
+  camera_->play({kImage});
+  wait_for(*thread, frames(1));
+  thread->stop();
+  EXPECT_EQ(camera_->closed(), 1);
+  thread->stop();  // again: nothing
+}
+
+TEST_F(CameraThreadTest, StopInterruptsTheWaitBeforeTheNextAttempt) {
+  camera_->refuse(1 << 30);
+  const auto thread = start({std::chrono::hours(1), std::chrono::hours(1)});
+  wait_for(*thread, state(CameraState::kLost));
+  thread->stop();  // the test would not end otherwise
+}
+
+TEST_F(CameraThreadTest, StopLeavesACameraBehindThatDoesNotClose) {
+  camera_->block_closing();
+  const auto thread = start();
+  camera_->wait_for_opened(1);
+  thread->stop();
+  EXPECT_EQ(camera_->closed(), 0);
+  camera_->release();
+  EXPECT_EQ(camera_->wait_for_closed(1), 1);
+}
+
+TEST_F(CameraThreadTest, StopLeavesACameraBehindThatDoesNotOpen) {
+  camera_->block_opening();
+  camera_->play({kImage});
+  const auto thread = start();
+  camera_->wait_for_attempts(1);
+  thread->stop();
+  camera_->release();
+  EXPECT_EQ(camera_->wait_for_closed(1), 1);
+  EXPECT_EQ(taken_, 0) << "nothing is handed over after stop()";
+}
+
+TEST_F(CameraThreadTest, StopWaitsForAPictureBeingProcessed) {
+  std::latch entered(1), go_on(1);
+  std::atomic<bool> left{false};
+  hook_ = [&](const CapturedImage&) {
+    entered.count_down();
+    go_on.wait();
+    left = true;
+  };
+  const auto thread = start();
+  camera_->play({kImage});
+  entered.wait();
+  std::thread stopper([&] {
+    thread->stop();
+    EXPECT_TRUE(left);
+  });
+  go_on.count_down();
+  stopper.join();
+}
+
+TEST_F(CameraThreadTest, GoesOnWithoutWhatTheSystemRefuses) {
+  ThreadSettings settings;
+  settings.cpu = 1023;
+  camera_->play({kImage});
+  const auto thread = start(kAtOnce, settings);
+  EXPECT_EQ(wait_for(*thread, frames(1)).frames, 1U);
+}
+
+TEST_F(CameraThreadTest, AllocatesNothingForAPicture) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  std::vector<FakeCamera::Step> steps(200, kImage);
+  std::uint64_t first = 0, last = 0;
+  hook_ = [&](const CapturedImage&) {
+    last = allocation_count();
+    if (taken_ == 100) first = last;
+  };
+  camera_->play(steps);
+  const auto thread = start();
+  wait_for(*thread, frames(200));
+  thread->stop();
+  EXPECT_EQ(last, first);
+}
+
+}  // namespace
+}  // namespace sslv
