@@ -114,66 +114,66 @@ void DetectRobots::fit_around(const Params& params, const Scene& scene, const Pa
   const std::size_t dot_count = patterns.dots.size();
   if (near_.size() < dot_count) return;
 
-  // Every blob in turn is taken for the first dot, which gives the heading; the others must then be where the
-  // pattern has them.
+  // Every blob in turn is taken for every dot, which gives the heading; the others must then be where the
+  // pattern has them. One dot alone would do only if it were seen without error.
   Candidate best{};
   best.rms_mm = params.max_rms_mm;
-  bool found = false;
-  const PatternDot& first = patterns.dots[0];
   for (const Dot& start : near_) {
-    const double distance = std::hypot(start.x_mm - center.x_mm, start.y_mm - center.y_mm);
-    if (std::abs(distance - std::hypot(first.x_mm, first.y_mm)) > params.max_dot_error_mm) continue;
-    const double turn =
-        std::atan2(start.y_mm - center.y_mm, start.x_mm - center.x_mm) - std::atan2(first.y_mm, first.x_mm);
-    const double c = std::cos(turn), s = std::sin(turn);
-
-    std::array<PatternDot, kMaxDots + 1> model{}, seen{};
-    std::array<std::size_t, kMaxDots> used{};
-    std::array<Label, kMaxDots> colors{};
-    seen[0] = {center.x_mm, center.y_mm};
-    bool complete = true;
-    for (std::size_t i = 0; i < dot_count && complete; ++i) {
-      const double x = center.x_mm + c * patterns.dots[i].x_mm - s * patterns.dots[i].y_mm;
-      const double y = center.y_mm + s * patterns.dots[i].x_mm + c * patterns.dots[i].y_mm;
-      const Dot* nearest = nullptr;
-      double nearest_mm = params.max_dot_error_mm;
-      for (const Dot& dot : near_) {
-        const double away_mm = std::hypot(dot.x_mm - x, dot.y_mm - y);
-        if (away_mm < nearest_mm && std::find(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(i),
-                                              dot.region) == used.begin() + static_cast<std::ptrdiff_t>(i)) {
-          nearest = &dot;
-          nearest_mm = away_mm;
-        }
-      }
-      complete = nearest != nullptr;
-      if (!complete) break;
-      used[i] = nearest->region;
-      colors[i] = nearest->label;
-      model[i + 1] = patterns.dots[i];
-      seen[i + 1] = {nearest->x_mm, nearest->y_mm};
+    for (const PatternDot& as : patterns.dots) {
+      const double distance = std::hypot(start.x_mm - center.x_mm, start.y_mm - center.y_mm);
+      if (std::abs(distance - std::hypot(as.x_mm, as.y_mm)) > params.max_dot_error_mm) continue;
+      const double turn =
+          std::atan2(start.y_mm - center.y_mm, start.x_mm - center.x_mm) - std::atan2(as.y_mm, as.x_mm);
+      try_heading(params, scene, patterns, team, center, turn, best);
     }
-    if (!complete) continue;
-    const auto code =
-        std::find_if(patterns.codes.begin(), patterns.codes.end(), [&](const PatternTable::Code& candidate) {
-          return std::equal(candidate.colors.begin(), candidate.colors.end(), colors.begin());
-        });
-    if (code == patterns.codes.end()) continue;
-    const Pose pose = fit_pose(std::span(model).first(dot_count + 1), std::span(seen).first(dot_count + 1));
-    if (pose.rms_mm >= best.rms_mm) continue;
-
-    const double height_mm = scene.height_of(team);
-    const auto pixel = scene.camera->project({pose.x_mm, pose.y_mm, height_mm});
-    if (!pixel) continue;
-    // A first measure only: 1 for a perfect fit, 0 at the rms limit.
-    const double confidence = 1 - pose.rms_mm / params.max_rms_mm;
-    best = {
-        {team, code->id, pose.x_mm, pose.y_mm, pose.angle_rad, height_mm, pixel->x(), pixel->y(), confidence},
-        pose.rms_mm,
-        used,
-        center.region};
-    found = true;
   }
-  if (found) candidates_.push_back(best);
+  if (best.rms_mm < params.max_rms_mm) candidates_.push_back(best);
+}
+
+void DetectRobots::try_heading(const Params& params, const Scene& scene, const PatternTable& patterns,
+                               Team team, const Dot& center, double turn_rad, Candidate& best) const {
+  const std::size_t dot_count = patterns.dots.size();
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  std::array<PatternDot, kMaxDots + 1> model{}, seen{};
+  std::array<std::size_t, kMaxDots> used{};
+  std::array<Label, kMaxDots> colors{};
+  seen[0] = {center.x_mm, center.y_mm};
+  for (std::size_t i = 0; i < dot_count; ++i) {
+    const double x = center.x_mm + c * patterns.dots[i].x_mm - s * patterns.dots[i].y_mm;
+    const double y = center.y_mm + s * patterns.dots[i].x_mm + c * patterns.dots[i].y_mm;
+    const Dot* nearest = nullptr;
+    double nearest_mm = params.max_dot_error_mm;
+    for (const Dot& dot : near_) {
+      const auto others = std::span(used).first(i);
+      const double away_mm = std::hypot(dot.x_mm - x, dot.y_mm - y);
+      if (away_mm < nearest_mm && std::find(others.begin(), others.end(), dot.region) == others.end()) {
+        nearest = &dot;
+        nearest_mm = away_mm;
+      }
+    }
+    if (!nearest) return;
+    used[i] = nearest->region;
+    colors[i] = nearest->label;
+    model[i + 1] = patterns.dots[i];
+    seen[i + 1] = {nearest->x_mm, nearest->y_mm};
+  }
+  const auto code =
+      std::find_if(patterns.codes.begin(), patterns.codes.end(), [&](const PatternTable::Code& candidate) {
+        return std::equal(candidate.colors.begin(), candidate.colors.end(), colors.begin());
+      });
+  if (code == patterns.codes.end()) return;
+  const Pose pose = fit_pose(std::span(model).first(dot_count + 1), std::span(seen).first(dot_count + 1));
+  if (pose.rms_mm >= best.rms_mm) return;
+  const double height_mm = scene.height_of(team);
+  const auto pixel = scene.camera->project({pose.x_mm, pose.y_mm, height_mm});
+  if (!pixel) return;
+  // A first measure only: 1 for a perfect fit, 0 at the rms limit.
+  const double confidence = 1 - pose.rms_mm / params.max_rms_mm;
+  best = {
+      {team, code->id, pose.x_mm, pose.y_mm, pose.angle_rad, height_mm, pixel->x(), pixel->y(), confidence},
+      pose.rms_mm,
+      used,
+      center.region};
 }
 
 void DetectRobots::choose(const PatternTable& patterns, RobotList& out) {

@@ -61,6 +61,9 @@ class DetectRobots {
                     const RegionList& regions);
   void fit_around(const Params& params, const Scene& scene, const PatternTable& patterns, Team team,
                   const Dot& center);
+  /// Replaces `best` when the pattern, turned so about the centre, fits better.
+  void try_heading(const Params& params, const Scene& scene, const PatternTable& patterns, Team team,
+                   const Dot& center, double turn_rad, Candidate& best) const;
   void choose(const PatternTable& patterns, RobotList& robots);
 
   std::vector<Dot> dots_, near_;
