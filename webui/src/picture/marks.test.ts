@@ -27,6 +27,10 @@ describe('marks', () => {
     expect(marks(header([seen(1250, 0, Math.PI / 2)]), radii, model, 1).robots[0]!.ahead.y).toBeCloseTo(-1, 2);
   });
 
+  it('draws no heading without a calibration', () => {
+    expect(marks(header([seen(1250, 0)]), radii, null, 0).robots[0]).toMatchObject({ heading: '', ahead: { x: 0, y: 0 } });
+  });
+
   it('tells doubles apart', () => {
     expect(marks(header([seen(0, 0), seen(500, 0)]), radii, model, 1).robots.map((m) => m.key)).toEqual(['yellow0', 'yellow0/1']);
   });

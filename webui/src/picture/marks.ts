@@ -67,8 +67,9 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
     key, robot, centre,
     radius: Math.max(Math.hypot(ux.x, ux.y), Math.hypot(uy.x, uy.y)),
     ring: `M${ring.join('L')}Z`,
-    heading: `M${at(front)}L${at(tip)}`,
-    ahead: { x: (front.x - centre.x) / length, y: (front.y - centre.y) / length },
+    // Where the field's x lies in an uncalibrated picture is not known, so neither is the heading.
+    heading: model ? `M${at(front)}L${at(tip)}` : '',
+    ahead: !model ? { x: 0, y: 0 } : { x: (front.x - centre.x) / length, y: (front.y - centre.y) / length },
   };
 }
 

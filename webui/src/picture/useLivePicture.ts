@@ -35,6 +35,8 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
     // Setting a canvas' size empties it, so only when it differs.
     if (target.width !== width) target.width = width;
     if (target.height !== height) target.height = height;
+    // Quarter turns move whole pixels; smoothing would only cost time.
+    context.imageSmoothingEnabled = false;
     context.setTransform(1, 0, 0, 1, width / 2, height / 2);
     context.rotate((turns * Math.PI) / 2);
     context.drawImage(bitmap, -bitmap.width / 2, -bitmap.height / 2);
