@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// Of absolute errors; zeros when there are none.
+struct ErrorStatistics {
+  std::size_t count = 0;
+  double mean = 0, rms = 0, p95 = 0, max = 0;
+};
+
+/// Things of one kind over all compared frames. A partly visible one may be found or not: neither counts.
+struct FoundCounts {
+  std::size_t expected = 0;  // fully visible in the truth
+  std::size_t found = 0;     // of these, with the right id
+  std::size_t wrong_id =
+      0;  // robots at a true robot's place, of its team, with another id; also at partly visible ones
+  std::size_t invented = 0;  // detections with nothing at their place
+
+  /// found / expected; 1 when nothing was expected.
+  double recall() const;
+  /// found / (found + wrong_id + invented); 1 when nothing was detected.
+  double precision() const;
+};
+
+/// Errors are those of the found ones.
+struct Score {
+  std::size_t frames_compared = 0;
+  std::vector<std::string> frames_without_detections, frames_without_truth;  // not compared
+  FoundCounts robots, balls;
+  ErrorStatistics robot_position_mm, robot_orientation_deg, ball_position_mm;
+};
+
+/// Compares detections with the truth, both one JSON object a line as `process` and `simulate` write them, by
+/// frame name. A detection stands for the true robot of its team, or ball, nearest to it within 100 mm;
+/// nearest pairs go first. Throws std::runtime_error, naming stream and line, for what is not such a line or
+/// a frame that comes twice.
+Score score(std::istream& detections, std::istream& truth);
+
+/// The same for two files; throws std::runtime_error as well when one cannot be read.
+Score score_files(const std::string& detections_file, const std::string& truth_file);
+
+/// The members of Score by their names, with recall and precision.
+Json score_json(const Score& score);
+/// A table for people.
+std::string score_text(const Score& score);
+
+}  // namespace sslv
