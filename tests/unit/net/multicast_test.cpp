@@ -17,7 +17,6 @@
 namespace sslv {
 namespace {
 
-using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Optional;
 using testing::StartsWith;
@@ -215,6 +214,7 @@ TEST(Multicast, ThreadsSendWhileSettingsChange) {
   MulticastSender sender(settings_for(listener));
   {
     std::vector<std::jthread> threads;
+    threads.reserve(kThreads);
     for (int i = 0; i < kThreads; ++i) {
       threads.emplace_back([&] {
         for (int packet = 0; packet < kPackets; ++packet) send(sender, "x");
