@@ -73,8 +73,8 @@ HttpResponse convert(Response from, unsigned version) {
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(asio::ip::tcp::socket socket, ConnectionSlot slot, const HttpContext& context)
-      : context_(context), slot_(std::move(slot)), stream_(std::move(socket)) {
+  HttpSession(asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context)
+      : context_(context), connection_(std::move(connection)), stream_(std::move(socket)) {
     beast::error_code ignored;
     remote_address_ = stream_.socket().remote_endpoint(ignored).address().to_string();
   }
@@ -134,7 +134,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         return answer(error_response(403, "this request comes from a page of another site"), false);
       }
       stream_.expires_never();
-      return context_.websockets.accept(stream_.release_socket(), std::move(slot_), http_request);
+      return context_.websockets.accept(stream_.release_socket(), std::move(connection_), http_request);
     }
     asio::post(context_.workers, [self = shared_from_this(), keep_alive,
                                   request = std::move(request)]() mutable {
@@ -172,7 +172,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   const HttpContext& context_;
-  ConnectionSlot slot_;
+  ScopedCount connection_;
   beast::tcp_stream stream_;
   std::string remote_address_;
   beast::flat_buffer buffer_;
@@ -185,8 +185,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
 }  // namespace
 
-void serve_http(asio::ip::tcp::socket socket, ConnectionSlot slot, const HttpContext& context) {
-  std::make_shared<HttpSession>(std::move(socket), std::move(slot), context)->wait();
+void serve_http(asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context) {
+  std::make_shared<HttpSession>(std::move(socket), std::move(connection), context)->wait();
 }
 
 }  // namespace sslv

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/connection_slot.h"
+#include "web/counters.h"
 #include "web/router.h"
 #include "web/websocket.h"
 
@@ -22,6 +22,6 @@ struct HttpContext {
 /// Serves one connection until it ends: requests one after the other, or a WebSocket once it asks for that.
 /// Reading and writing take place on the socket's own thread and wait for nobody; a worker sees complete
 /// requests only, so slow, idle and half-open clients cost memory but never a thread.
-void serve_http(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const HttpContext& context);
+void serve_http(boost::asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context);
 
 }  // namespace sslv

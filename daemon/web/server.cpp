@@ -78,84 +78,97 @@ void run_background(asio::io_context& context, const char* name) {
   }
 }
 
-}  // namespace
-
-struct WebServer::Impl {
-  Impl(WebHost web_host, std::span<const Route> routes, const WebOptions& options)
-      : max_connections(options.max_connections),
-        host(std::move(web_host)),
-        router(host, routes, options.panel_directory),
-        acceptor(listen(io, options)),
-        pause(io) {
+/// All that runs. Its destructor finishes the requests that are being handled and closes all connections.
+class RunningServer {
+ public:
+  RunningServer(const WebHost& host, std::span<const Route> routes, const WebOptions& options,
+                WebCounters& counters)
+      : max_connections_(options.max_connections),
+        router_(host, routes, options.panel_directory),
+        counters_(counters),
+        websockets_(io_, workers_, host, counters),
+        acceptor_(listen(io_, options)),
+        pause_(io_) {
     accept();
-    port = acceptor.local_endpoint().port();
-    io_thread = std::thread([this] { run_background(io, "web"); });
-    for (std::thread& worker : worker_threads)
-      worker = std::thread([this] { run_background(workers, "web-worker"); });
+    io_thread_ = std::thread([this] { run_background(io_, "web"); });
+    for (std::thread& thread : worker_threads_) {
+      thread = std::thread([this] { run_background(workers_, "web-worker"); });
+    }
   }
 
+  ~RunningServer() {
+    workers_.stop();
+    for (std::thread& thread : worker_threads_) thread.join();
+    io_.stop();
+    io_thread_.join();
+  }
+
+  std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
+
+ private:
   void accept() {
-    acceptor.async_accept([this](error_code error, tcp::socket socket) {
-      if (error) {
-        // Out of file descriptors, most likely: some will be free again.
-        log::warning("web: a connection could not be accepted: {}", error.message());
-        pause.expires_after(kAcceptPause);
-        pause.async_wait([this](error_code) { accept(); });
-        return;
+    acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+      if (!error) {
+        serve(std::move(socket));
+        return accept();
       }
-      serve(std::move(socket));
-      accept();
+      // Out of file descriptors, most likely: some will be free again.
+      log::warning("web: a connection could not be accepted: {}", error.message());
+      pause_.expires_after(kAcceptPause);
+      pause_.async_wait([this](error_code) { accept(); });
     });
   }
 
   void serve(tcp::socket socket) {
     error_code ignored;
-    if (open_connections >= max_connections) {
+    if (counters_.connections >= max_connections_) {
       constexpr std::string_view kAnswer =
           "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
       asio::write(socket, asio::buffer(kAnswer), ignored);  // fits into the empty send buffer
       return;
     }
     socket.set_option(tcp::no_delay(true), ignored);
-    serve_http(std::move(socket), ConnectionSlot(open_connections), http);
+    serve_http(std::move(socket), ScopedCount(counters_.connections), http_);
   }
 
-  void stop() {
-    if (!io_thread.joinable()) return;
-    workers.stop();
-    for (std::thread& worker : worker_threads) worker.join();
-    io.stop();
-    io_thread.join();
-    websockets.stop();
-  }
+  const int max_connections_;
+  const Router router_;
+  WebCounters& counters_;
 
-  const int max_connections;
+  // Connections live in the handlers that wait in these two, so they end with them: after the hub and before
+  // what stands above.
+  asio::io_context io_{1};
+  asio::io_context workers_;
+  asio::executor_work_guard<asio::io_context::executor_type> keep_workers_{workers_.get_executor()};
+  WebSocketHub websockets_;
+  const HttpContext http_{router_, websockets_, workers_};
+  tcp::acceptor acceptor_;
+  asio::steady_timer pause_;
+  std::thread io_thread_;
+  std::array<std::thread, 4> worker_threads_;
+};
+
+}  // namespace
+
+struct WebServer::Impl {
+  Impl(WebHost web_host, std::span<const Route> routes, const WebOptions& options)
+      : host(std::move(web_host)),
+        running(std::in_place, host, routes, options, counters),
+        port(running->port()) {}
+
   const WebHost host;
-  const Router router;
-  std::atomic<int> open_connections = 0;
-
-  // What waits in the contexts refers to all that stands above, and to nothing below.
-  asio::io_context io{1};
-  asio::io_context workers;
-  asio::executor_work_guard<asio::io_context::executor_type> keep_workers{workers.get_executor()};
-  WebSocketHub websockets{io, workers, host};
-  const HttpContext http{router, websockets, workers};
-  tcp::acceptor acceptor;
-  asio::steady_timer pause;
-  std::uint16_t port = 0;
-  std::thread io_thread;
-  std::array<std::thread, 4> worker_threads;
+  WebCounters counters;
+  std::optional<RunningServer> running;
+  const std::uint16_t port;
 };
 
 WebServer::WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options)
     : impl_(std::make_unique<Impl>(std::move(host), routes, options)) {}
 
-WebServer::~WebServer() {
-  stop();
-}
+WebServer::~WebServer() = default;
 
 void WebServer::stop() {
-  impl_->stop();
+  impl_->running.reset();
 }
 
 std::uint16_t WebServer::port() const {
@@ -163,7 +176,7 @@ std::uint16_t WebServer::port() const {
 }
 
 WebStats WebServer::stats() const {
-  return {impl_->open_connections, impl_->websockets.viewers(), impl_->websockets.jpegs_encoded()};
+  return {impl_->counters.connections, impl_->counters.viewers, impl_->counters.jpegs_encoded};
 }
 
 }  // namespace sslv

@@ -73,8 +73,8 @@ P read_message(const Json& json, const std::string& path) {
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
   WebSocketSession(WebSocketHub& hub, CameraFeed::ViewerId id, asio::ip::tcp::socket socket,
-                   ConnectionSlot slot)
-      : hub_(hub), id_(id), slot_(std::move(slot)), stream_(std::move(socket)) {}
+                   ScopedCount connection)
+      : hub_(hub), id_(id), connection_(std::move(connection)), stream_(std::move(socket)) {}
 
   CameraFeed::ViewerId id() const { return id_; }
   bool wants_status() const { return wants_status_; }
@@ -87,6 +87,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     stream_.auto_fragment(false);  // a picture leaves in one write
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (error) return;
+      self->viewer_.emplace(self->hub_.counters_.viewers);
       self->hub_.joined(*self);
       self->read();
     });
@@ -154,6 +155,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     if (left_) return;
     left_ = true;
     hub_.left(*this);
+    viewer_.reset();
     beast::get_lowest_layer(stream_).close();
   }
 
@@ -202,7 +204,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   WebSocketHub& hub_;
   const CameraFeed::ViewerId id_;
-  const ConnectionSlot slot_;
+  const ScopedCount connection_;
+  std::optional<ScopedCount> viewer_;  // once the handshake is done
   beast::websocket::stream<beast::tcp_stream> stream_;
   beast::flat_buffer incoming_;
   std::deque<Outgoing> outbox_;
@@ -212,36 +215,31 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   bool left_ = false;
 };
 
-WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, const WebHost& host)
-    : io_(io), workers_(workers), host_(host), timer_(io) {}
+WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, const WebHost& host,
+                           WebCounters& counters)
+    : io_(io), workers_(workers), host_(host), counters_(counters), timer_(io) {}
 
 WebSocketHub::~WebSocketHub() {
-  stop();
+  for (const auto& [camera_id, feed] : feeds_)
+    feed->request_stop();  // all at once, so that they end together
 }
 
-void WebSocketHub::accept(asio::ip::tcp::socket socket, ConnectionSlot slot, const UpgradeRequest& request) {
+void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection,
+                          const UpgradeRequest& request) {
   // The viewer works without it as well, just with more delay on a slow link.
   setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMaxUnsentBytes,
              sizeof(kMaxUnsentBytes));
-  std::make_shared<WebSocketSession>(*this, ++last_viewer_, std::move(socket), std::move(slot))
+  std::make_shared<WebSocketSession>(*this, ++last_viewer_, std::move(socket), std::move(connection))
       ->start(request);
-}
-
-void WebSocketHub::stop() {
-  for (const auto& [camera_id, feed] : feeds_)
-    feed->request_stop();  // all at once, so that they end together
-  feeds_.clear();
 }
 
 void WebSocketHub::joined(WebSocketSession& session) {
   sessions_.emplace(session.id(), &session);
-  ++viewers_;
   if (!ticking_) tick();
 }
 
 void WebSocketHub::left(WebSocketSession& session) {
-  if (sessions_.erase(session.id()) == 0) return;
-  --viewers_;
+  sessions_.erase(session.id());
   for (const auto& [camera_id, feed] : feeds_) {
     feed->stop_preview(session.id());
     feed->stop_detections(session.id());
@@ -254,7 +252,7 @@ CameraFeed& WebSocketHub::feed(std::uint32_t camera_id) {
     throw HttpError(404, "no camera " + std::to_string(camera_id));
   }
   std::unique_ptr<CameraFeed>& feed = feeds_[camera_id];
-  if (!feed) feed = std::make_unique<CameraFeed>(host_, camera_id, jpegs_encoded_);
+  if (!feed) feed = std::make_unique<CameraFeed>(host_, camera_id, counters_.jpegs_encoded);
   return *feed;
 }
 

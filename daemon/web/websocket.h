@@ -2,10 +2,9 @@
 #pragma once
 
 #include "web/camera_feed.h"
-#include "web/connection_slot.h"
+#include "web/counters.h"
 #include "web/host.h"
 
-#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -29,18 +28,13 @@ class WebSocketHub {
   using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_body>;
   static constexpr std::string_view kPath = "/api/ws";
 
-  /// All three must outlive the hub. The status is asked for on `workers`.
-  WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, const WebHost& host);
+  /// All four must outlive the hub. The status is asked for on `workers`.
+  WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, const WebHost& host,
+               WebCounters& counters);
   ~WebSocketHub();
 
   /// Answers the request to upgrade and serves the viewer until it goes.
-  void accept(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const UpgradeRequest& request);
-
-  /// Ends the threads of the feeds. Call it once `io` is not run any more.
-  void stop();
-
-  int viewers() const { return viewers_; }
-  std::uint64_t jpegs_encoded() const { return jpegs_encoded_; }
+  void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request);
 
  private:
   friend class WebSocketSession;
@@ -59,14 +53,13 @@ class WebSocketHub {
   boost::asio::io_context& io_;
   boost::asio::io_context& workers_;
   const WebHost& host_;
+  WebCounters& counters_;
   boost::asio::steady_timer timer_;
   bool ticking_ = false;
   CameraFeed::Message last_status_;  // at most one period old, or null
   CameraFeed::ViewerId last_viewer_ = 0;
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
   std::map<std::uint32_t, std::unique_ptr<CameraFeed>> feeds_;
-  std::atomic<int> viewers_ = 0;
-  std::atomic<std::uint64_t> jpegs_encoded_ = 0;
 };
 
 }  // namespace sslv

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+namespace sslv {
+
+/// What the server is doing, for any thread to read.
+struct WebCounters {
+  std::atomic<int> connections = 0;  // open now, viewers included
+  std::atomic<int> viewers = 0;      // WebSockets open now
+  std::atomic<std::uint64_t> jpegs_encoded = 0;
+};
+
+/// Counts one for as long as it lives. The counter must outlive it.
+class ScopedCount {
+ public:
+  explicit ScopedCount(std::atomic<int>& counter) : counter_(&counter) { ++counter; }
+
+ private:
+  struct CountDown {
+    void operator()(std::atomic<int>* counter) const { --*counter; }
+  };
+  std::unique_ptr<std::atomic<int>, CountDown> counter_;
+};
+
+}  // namespace sslv

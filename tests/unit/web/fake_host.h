@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/error.h"
+#include "base/latest.h"
+#include "web/host.h"
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// A daemon with camera 0, whose frames a test publishes. Every server made of it must be gone before it is.
+class FakeHost {
+ public:
+  static constexpr int kWidth = 64, kHeight = 48;
+
+  /// `robots` stands in the place of the list of robots. `hold` is let go together with the frame.
+  void publish(std::uint32_t frame_number, const Json& robots = Json::array(),
+               std::shared_ptr<const void> hold = {}) {
+    auto view = std::make_shared<View>();
+    view->hold = std::move(hold);
+    view->image = {pixels_.data(), kWidth, kHeight, kWidth, PixelFormat::kMono8};
+    view->frame_number = frame_number;
+    view->t_capture_s = 0.5 + frame_number;
+    view->detections = {{"robots", robots}, {"balls", Json::array()}};
+    views_.put(std::move(view));
+  }
+
+  /// How often a view was waited for.
+  int looks() const { return looks_; }
+  /// Who made the last patch.
+  std::string last_author() const {
+    const std::lock_guard lock(mutex_);
+    return last_author_;
+  }
+
+  WebHost host() {
+    WebHost host;
+    host.status = [] { return Json{{"site", "test"}, {"cameras", {{{"id", 0}}}}}; };
+    host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
+    host.schema = [] { return Json{{"type", "object"}}; };
+    host.patch_settings = [this](const Json& patch, std::optional<std::uint64_t> if_revision,
+                                 const std::string& who) {
+      if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest");
+      if (patch.empty()) throw SettingsError("/site: refused");
+      const std::lock_guard lock(mutex_);
+      last_author_ = who;
+      return Json{{"revision", 8}, {"settings", patch}, {"saved", true}};
+    };
+    host.camera_ids = [] { return std::vector<std::uint32_t>{0}; };
+    host.wait_view = [this](std::uint32_t camera_id, std::uint64_t newer_than,
+                            std::chrono::milliseconds timeout) -> std::optional<View> {
+      ++looks_;
+      if (camera_id != 0) return std::nullopt;
+      const auto latest = views_.wait_newer(newer_than, timeout);
+      if (!latest) return std::nullopt;
+      View view = *latest->value;
+      view.version = latest->version;
+      return view;
+    };
+    host.lut_file = [](std::uint32_t) { return std::vector<std::uint8_t>{1, 2, 3}; };
+    return host;
+  }
+
+ private:
+  std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 100);
+  Latest<std::shared_ptr<const View>> views_;
+  std::atomic<int> looks_ = 0;
+  mutable std::mutex mutex_;
+  std::string last_author_;
+};
+
+}  // namespace sslv

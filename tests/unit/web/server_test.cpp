@@ -1,0 +1,562 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/server.h"
+
+#include "routes.h"
+#include "unit/web/fake_host.h"
+#include "web/http.h"
+
+#include <future>
+#include <stdexcept>
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A plain TCP client. Reading throws when nothing comes for ten seconds, so that a fault fails and does not
+/// hang.
+class Client {
+ public:
+  explicit Client(std::uint16_t port, int receive_buffer_bytes = 0) : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const timeval patience{10, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+    if (receive_buffer_bytes > 0) {
+      setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof(receive_buffer_bytes));
+    }
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+      throw std::runtime_error("cannot connect");
+    }
+  }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+  ~Client() { ::close(fd_); }
+
+  void send(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent <= 0) return;  // the server may have closed already; what it said is read below
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
+  }
+
+  std::string read(std::size_t size) {
+    while (received_.size() < size) {
+      if (!receive()) throw std::runtime_error("closed by the server");
+    }
+    std::string bytes = received_.substr(0, size);
+    received_.erase(0, size);
+    return bytes;
+  }
+
+  std::string read_header() {
+    std::size_t end;
+    while ((end = received_.find("\r\n\r\n")) == std::string::npos) {
+      if (!receive()) throw std::runtime_error("closed by the server");
+    }
+    return read(end + 4);
+  }
+
+  /// All that comes before the server closes.
+  std::string read_to_end() {
+    while (receive()) {
+    }
+    return std::exchange(received_, {});
+  }
+
+ private:
+  bool receive() {
+    char bytes[65536];
+    const ssize_t size = ::recv(fd_, bytes, sizeof(bytes), 0);
+    if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
+      throw std::runtime_error("nothing came for 10 s");
+    if (size <= 0) return false;
+    received_.append(bytes, static_cast<std::size_t>(size));
+    return true;
+  }
+
+  int fd_;
+  std::string received_;
+};
+
+struct Answer {
+  int status;
+  std::string header, body;
+};
+
+Answer read_answer(Client& client, bool has_body = true) {
+  Answer answer;
+  answer.header = client.read_header();
+  answer.status = std::stoi(answer.header.substr(std::string_view("HTTP/1.1 ").size()));
+  const std::size_t length = answer.header.find("Content-Length: ");
+  if (has_body && length != std::string::npos)
+    answer.body = client.read(std::stoul(answer.header.substr(length + 16)));
+  return answer;
+}
+
+std::string request_text(const std::string& method, const std::string& target,
+                         const std::string& more_headers = {}, const std::string& body = {}) {
+  return method + " " + target + " HTTP/1.1\r\nHost: test\r\n" + more_headers +
+         (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body;
+}
+
+Answer ask(Client& client, const std::string& method, const std::string& target,
+           const std::string& more_headers = {}, const std::string& body = {}) {
+  client.send(request_text(method, target, more_headers, body));
+  return read_answer(client, method != "HEAD");
+}
+
+std::string upgrade_text(const std::string& more_headers = {}) {
+  // Key and answer are the example of RFC 6455, section 1.3.
+  return request_text("GET", "/api/ws",
+                      "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+                      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                          more_headers);
+}
+
+/// A viewer: RFC 6455 as far as the tests need it.
+class Viewer {
+ public:
+  explicit Viewer(std::uint16_t port, int receive_buffer_bytes = 0) : client_(port, receive_buffer_bytes) {
+    client_.send(upgrade_text("Origin: http://test\r\n"));
+    const std::string header = client_.read_header();
+    EXPECT_THAT(header, AllOf(StartsWith("HTTP/1.1 101"), HasSubstr("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=")));
+  }
+
+  void send(const std::string& text) { client_.send(frame(0x81, text)); }
+
+  struct Message {
+    bool is_binary;
+    std::string bytes;
+  };
+
+  /// The next message; pings are answered.
+  Message read() {
+    for (;;) {
+      const std::string start = client_.read(2);
+      const int opcode = start[0] & 0x0f;
+      EXPECT_EQ(start[0] & 0x80, 0x80) << "a message in several frames";
+      std::size_t size = static_cast<unsigned char>(start[1]);
+      if (size >= 126) {
+        const std::string length = client_.read(size == 126 ? 2 : 8);
+        size = 0;
+        for (const char byte : length) size = size << 8 | static_cast<unsigned char>(byte);
+      }
+      std::string payload = client_.read(size);
+      if (opcode == 1 || opcode == 2) return {opcode == 2, std::move(payload)};
+      if (opcode == 8) throw std::runtime_error("closed by the server");
+      if (opcode == 9) client_.send(frame(0x8a, payload));
+    }
+  }
+
+  /// The next message, which must be a text.
+  Json read_json() {
+    const Message message = read();
+    if (message.is_binary) throw std::runtime_error("a picture came and no text");
+    return Json::parse(message.bytes);
+  }
+
+  struct Picture {
+    Json header;
+    std::string jpeg;
+  };
+
+  /// The next message, which must be a picture.
+  Picture read_picture() {
+    const Message message = read();
+    if (!message.is_binary) throw std::runtime_error("a text came and no picture: " + message.bytes);
+    std::size_t length = 0;
+    for (int i = 3; i >= 0; --i) length = length << 8 | static_cast<unsigned char>(message.bytes.at(i));
+    return {Json::parse(message.bytes.substr(4, length)), message.bytes.substr(4 + length)};
+  }
+
+  void acknowledge(int frame_number) { send(to_text({{"ack", {{"camera", 0}, {"frame", frame_number}}}})); }
+
+  /// Returns once the server has read all that was sent before.
+  void synchronise() {
+    send(R"({"nonsense": 1})");
+    EXPECT_THAT(to_text(read_json()), HasSubstr("/nonsense: no such message"));
+  }
+
+ private:
+  /// Masked with zeros, which leaves the text as it is.
+  static std::string frame(int first_byte, const std::string& payload) {
+    std::string out(1, static_cast<char>(first_byte));
+    if (payload.size() < 126) {
+      out += static_cast<char>(0x80 | payload.size());
+    } else {
+      out += static_cast<char>(0x80 | 126);
+      out += static_cast<char>(payload.size() >> 8);
+      out += static_cast<char>(payload.size() & 0xff);
+    }
+    return out + std::string(4, '\0') + payload;
+  }
+
+  Client client_;
+};
+
+class ServerTest : public testing::Test {
+ protected:
+  static WebOptions options(int port = 0) {
+    WebOptions options;
+    options.port = port;
+    return options;
+  }
+
+  FakeHost daemon_;
+  WebServer server_{daemon_.host(), routes(), options()};
+};
+
+TEST_F(ServerTest, AnswersWithSecurityHeaders) {
+  Client client(server_.port());
+  const Answer answer = ask(client, "GET", "/api/status");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, R"({"site":"test","cameras":[{"id":0}]})");
+  EXPECT_THAT(answer.header, HasSubstr("Content-Type: application/json\r\n"));
+  EXPECT_THAT(answer.header, HasSubstr("Content-Security-Policy: default-src 'self';"));
+  EXPECT_THAT(answer.header, HasSubstr("X-Content-Type-Options: nosniff\r\n"));
+  EXPECT_THAT(answer.header, HasSubstr("Referrer-Policy: no-referrer\r\n"));
+  EXPECT_EQ(answer.header.find("Access-Control"), std::string::npos);
+}
+
+TEST_F(ServerTest, OneConnectionServesManyRequests) {
+  Client client(server_.port());
+  EXPECT_EQ(ask(client, "GET", "/api/nothing").status, 404);
+  EXPECT_EQ(ask(client, "GET", "/../secret").status, 400);
+  EXPECT_EQ(ask(client, "GET", "/%2e%2e%2fsecret").status, 400);
+  const Answer head = ask(client, "HEAD", "/api/schema");
+  EXPECT_EQ(head.status, 200);
+  EXPECT_THAT(head.header, HasSubstr("Content-Length: 17\r\n"));
+  EXPECT_EQ(ask(client, "PATCH", "/api/settings", "", "[1]").status, 200);
+  EXPECT_EQ(ask(client, "PATCH", "/api/settings", "If-Match: 6\r\n", "[1]").status, 409);
+  EXPECT_EQ(ask(client, "PATCH", "/api/settings", "Origin: http://evil.example\r\n", "[1]").status, 403);
+  EXPECT_EQ(ask(client, "GET", "/api/ws").status, 426);
+  EXPECT_EQ(daemon_.last_author(), "127.0.0.1");
+}
+
+TEST_F(ServerTest, RequestsSentTogetherAreAnsweredInOrder) {
+  Client client(server_.port());
+  client.send(request_text("GET", "/api/schema") + request_text("PATCH", "/api/settings", "", "{") +
+              request_text("GET", "/api/cameras"));
+  EXPECT_EQ(read_answer(client).body, R"({"type":"object"})");
+  EXPECT_EQ(read_answer(client).status, 400);
+  EXPECT_EQ(read_answer(client).body, R"([{"id":0}])");
+}
+
+TEST_F(ServerTest, ChunkedBodiesAreRead) {
+  Client client(server_.port());
+  client.send(
+      "PATCH /api/settings HTTP/1.1\r\nHost: test\r\nTransfer-Encoding: "
+      "chunked\r\n\r\n1\r\n[\r\n2\r\n7]\r\n0\r\n\r\n");
+  EXPECT_THAT(read_answer(client).body, HasSubstr("[7]"));
+}
+
+TEST_F(ServerTest, ClosesWhenTheClientAsksForIt) {
+  Client client(server_.port());
+  client.send(request_text("GET", "/api/schema", "Connection: close\r\n"));
+  EXPECT_THAT(client.read_to_end(), AllOf(StartsWith("HTTP/1.1 200"), HasSubstr(R"({"type":"object"})")));
+}
+
+TEST_F(ServerTest, TooLargeRequestsAreRefused) {
+  Client body(server_.port());
+  body.send(request_text("PATCH", "/api/settings", "", std::string(1024 * 1024 + 1, ' ')));
+  EXPECT_THAT(body.read_to_end(), AllOf(StartsWith("HTTP/1.1 413"), HasSubstr("{\"error\":")));
+
+  Client chunks(server_.port());
+  chunks.send("PATCH /api/settings HTTP/1.1\r\nHost: test\r\nTransfer-Encoding: chunked\r\n\r\n");
+  const std::string chunk = "8000\r\n" + std::string(0x8000, ' ') + "\r\n";
+  for (int i = 0; i < 40; ++i) chunks.send(chunk);
+  EXPECT_THAT(chunks.read_to_end(), StartsWith("HTTP/1.1 413"));
+
+  Client header(server_.port());
+  header.send(request_text("GET", "/api/status", "X-Long: " + std::string(17 * 1024, 'x') + "\r\n"));
+  EXPECT_THAT(header.read_to_end(), AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("{\"error\":")));
+
+  Client endless(server_.port());
+  endless.send("GET /" + std::string(20 * 1024, 'x'));
+  EXPECT_THAT(endless.read_to_end(), StartsWith("HTTP/1.1 431"));
+}
+
+TEST_F(ServerTest, GarbageClosesThatConnectionOnly) {
+  Client other(server_.port());
+  EXPECT_EQ(ask(other, "GET", "/api/status").status, 200);
+  for (const std::string& garbage :
+       {std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11), std::string("\r\n\r\nhello\r\n\r\n"),
+        std::string(5000, '\0'), std::string("GET / HTTP/9.9\r\n\r\n"),
+        std::string("PATCH /api/settings HTTP/1.1\r\nContent-Length: -1\r\n\r\n"),
+        std::string("PATCH /api/settings HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n")}) {
+    Client client(server_.port());
+    client.send(garbage);
+    EXPECT_THAT(client.read_to_end(), StartsWith("HTTP/1.1 400"));
+  }
+  EXPECT_EQ(ask(other, "GET", "/api/status").status, 200);
+}
+
+TEST_F(ServerTest, IdleAndHalfOpenConnectionsDelayNobody) {
+  std::vector<std::unique_ptr<Client>> idle;
+  for (int i = 0; i < 200; ++i) {
+    idle.push_back(std::make_unique<Client>(server_.port()));
+    ASSERT_EQ(ask(*idle.back(), "GET", "/api/schema").status, 200);
+  }
+  for (int i = 0; i < 50; ++i) {
+    idle.push_back(std::make_unique<Client>(server_.port()));
+    idle.back()->send(i % 2 == 0 ? "GET /api/sta"
+                                 : "PATCH /api/settings HTTP/1.1\r\nContent-Length: 10\r\n\r\n[");
+  }
+  Client fresh(server_.port());
+  EXPECT_EQ(ask(fresh, "GET", "/api/status").status, 200);
+  EXPECT_EQ(ask(*idle.front(), "GET", "/api/status").status, 200);
+  EXPECT_EQ(server_.stats().connections, 251);
+}
+
+TEST_F(ServerTest, TurnsAwayTooManyConnections) {
+  WebOptions small = options();
+  small.max_connections = 2;
+  WebServer server(daemon_.host(), routes(), small);
+  Client first(server.port()), second(server.port());
+  ASSERT_EQ(ask(first, "GET", "/api/status").status, 200);
+  ASSERT_EQ(ask(second, "GET", "/api/status").status, 200);
+  Client third(server.port());
+  EXPECT_THAT(third.read_to_end(), StartsWith("HTTP/1.1 503"));
+  EXPECT_EQ(ask(first, "GET", "/api/status").status, 200);
+}
+
+TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
+  const auto refusal = [&](const WebOptions& wanted) -> std::string {
+    try {
+      const WebServer server(daemon_.host(), routes(), wanted);
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "not refused";
+  };
+  const std::string port = std::to_string(server_.port());
+  EXPECT_THAT(refusal(options(server_.port())),
+              StartsWith("/panel/port: " + port + " is taken by another program"));
+  EXPECT_THAT(refusal(options(65536)), StartsWith("/panel/port: 65536 is not allowed"));
+  WebOptions elsewhere = options();
+  elsewhere.address = "192.0.2.1";  // reserved for documentation: no computer has it
+  EXPECT_THAT(refusal(elsewhere), StartsWith("/panel/address: \"192.0.2.1\" cannot be listened on"));
+  elsewhere.address = "localhost";
+  EXPECT_THAT(refusal(elsewhere), StartsWith("/panel/address: \"localhost\" is not allowed"));
+}
+
+TEST_F(ServerTest, StopsWithClientsConnected) {
+  daemon_.publish(1);
+  Client idle(server_.port()), half(server_.port());
+  ASSERT_EQ(ask(idle, "GET", "/api/status").status, 200);
+  half.send("GET /api");
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0}})");
+  viewer.read_picture();
+  server_.stop();
+  EXPECT_EQ(idle.read_to_end(), "");
+  EXPECT_EQ(half.read_to_end(), "");
+  EXPECT_THROW(viewer.read(), std::runtime_error);
+}
+
+TEST_F(ServerTest, ViewersFromOtherSitesAreRefused) {
+  Client client(server_.port());
+  client.send(upgrade_text("Origin: http://evil.example\r\n"));
+  EXPECT_THAT(client.read_to_end(), StartsWith("HTTP/1.1 403"));
+}
+
+TEST_F(ServerTest, StatusIsSentToThoseWhoWantIt) {
+  Viewer viewer(server_.port());
+  viewer.send(R"({"subscribe": ["status"]})");
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(to_text(viewer.read_json()),
+              R"({"topic":"status","data":{"site":"test","cameras":[{"id":0}]}})");
+  }
+  Viewer second(server_.port());
+  second.send(R"({"subscribe": ["status"]})");
+  EXPECT_EQ(second.read_json()["topic"], "status");
+  EXPECT_EQ(server_.stats().viewers, 2);
+}
+
+TEST_F(ServerTest, MessagesThatAreNotUnderstoodAreAnsweredWithAnError) {
+  Viewer viewer(server_.port());
+  const auto answer_to = [&](const std::string& text) {
+    viewer.send(text);
+    return to_text(viewer.read_json().at("error"));
+  };
+  EXPECT_THAT(answer_to("hello"), HasSubstr("not JSON"));
+  EXPECT_THAT(answer_to("[]"), HasSubstr("expected an object"));
+  EXPECT_THAT(answer_to(R"({"subscribe": "status"})"), HasSubstr("expected a list of topics"));
+  EXPECT_THAT(answer_to(R"({"subscribe": ["weather"]})"), HasSubstr("weather"));
+  EXPECT_THAT(answer_to(R"({"preview": {"camera": 5}})"), HasSubstr("no camera 5"));
+  EXPECT_THAT(answer_to(R"({"preview": {"camera": 0, "quality": 0}})"), HasSubstr("/preview/quality: 0"));
+  EXPECT_THAT(answer_to(R"({"preview": {"camera": 0, "colour": 1}})"), HasSubstr("/preview/colour: no such"));
+  EXPECT_THAT(answer_to(R"({"ack": {"camera": 0, "frame": -1}})"), HasSubstr("/ack/frame: -1"));
+  EXPECT_THAT(answer_to(R"({"stop_preview": "all"})"), HasSubstr("/stop_preview"));
+  EXPECT_THAT(answer_to(std::string(10'000, '[')), HasSubstr("deeper"));
+  viewer.synchronise();  // it is still served
+}
+
+TEST_F(ServerTest, TooLargeMessagesEndTheirViewerOnly) {
+  Viewer viewer(server_.port()), other(server_.port());
+  viewer.send(std::string(20'000, ' '));
+  EXPECT_THROW(viewer.read(), std::runtime_error);
+  other.synchronise();
+}
+
+TEST_F(ServerTest, WithoutViewersNothingIsLookedAt) {
+  Viewer viewer(server_.port());
+  for (int frame = 1; frame <= 100; ++frame) daemon_.publish(frame);
+  viewer.synchronise();
+  EXPECT_EQ(daemon_.looks(), 0);
+
+  viewer.send(R"({"subscribe": ["detections"]})");
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 100);
+  EXPECT_EQ(server_.stats().jpegs_encoded, 0);
+}
+
+TEST_F(ServerTest, DetectionsAreThoseOfTheFrame) {
+  Viewer viewer(server_.port());
+  viewer.send(R"({"subscribe": ["detections"]})");
+  daemon_.publish(5, {{{"id", 3}}});
+  EXPECT_EQ(
+      to_text(viewer.read_json()),
+      R"({"topic":"detections","data":{"camera":0,"frame":5,"t_capture":5.5,"robots":[{"id":3}],"balls":[]}})");
+  viewer.send(R"({"unsubscribe": ["detections"]})");
+  viewer.synchronise();
+  daemon_.publish(6);
+  Viewer other(server_.port());
+  other.send(R"({"subscribe": ["detections"]})");
+  EXPECT_EQ(other.read_json()["data"]["frame"], 6);
+  viewer.synchronise();
+}
+
+TEST_F(ServerTest, APictureComesWithItsDetections) {
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0, "width": 16, "quality": 50, "fps": 60}})");
+  daemon_.publish(5, {{{"id", 3}}});
+  const Viewer::Picture picture = viewer.read_picture();
+  EXPECT_EQ(
+      to_text(picture.header),
+      R"({"camera":0,"frame":5,"t_capture":5.5,"width":64,"height":48,"robots":[{"id":3}],"balls":[]})");
+  EXPECT_THAT(picture.jpeg, StartsWith("\xff\xd8\xff"));
+  EXPECT_THAT(picture.jpeg, testing::EndsWith("\xff\xd9"));
+}
+
+TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0, "fps": 1000}})");
+  daemon_.publish(1);
+  EXPECT_EQ(viewer.read_picture().header["frame"], 1);
+
+  // Pictures go out before detections of the same frame, and here only detections come.
+  viewer.send(R"({"subscribe": ["detections"]})");
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 1);
+  daemon_.publish(2);
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);
+  viewer.acknowledge(77);  // another picture's
+  daemon_.publish(3);
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 3);
+  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+
+  viewer.acknowledge(1);
+  EXPECT_EQ(viewer.read_picture().header["frame"], 3);
+  EXPECT_EQ(server_.stats().jpegs_encoded, 2);
+}
+
+TEST_F(ServerTest, PicturesComeNoMoreOftenThanWished) {
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0, "fps": 0.01}})");
+  daemon_.publish(1);
+  EXPECT_EQ(viewer.read_picture().header["frame"], 1);
+  viewer.acknowledge(1);
+  viewer.send(R"({"subscribe": ["detections"]})");
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 1);
+  daemon_.publish(2);
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);  // and no picture before
+
+  viewer.send(R"({"preview": {"camera": 0, "fps": 1000}})");  // changed: due at once
+  EXPECT_EQ(viewer.read_picture().header["frame"], 2);
+}
+
+TEST_F(ServerTest, APictureIsEncodedOnceForAllWhoWantItAlike) {
+  daemon_.publish(1);
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0, "width": 32, "fps": 1000}})");
+  viewer.read_picture();
+  std::vector<std::unique_ptr<Viewer>> others;
+  for (int i = 0; i < 3; ++i) {
+    others.push_back(std::make_unique<Viewer>(server_.port()));
+    others.back()->send(R"({"preview": {"camera": 0, "width": 32, "fps": 1000}})");
+    others.back()->read_picture();
+  }
+  const std::uint64_t before = server_.stats().jpegs_encoded;
+  // All are due for the next frame when it comes: an acknowledgement is read before what is sent after it.
+  viewer.acknowledge(1);
+  viewer.synchronise();
+  for (const auto& other : others) {
+    other->acknowledge(1);
+    other->synchronise();
+  }
+  daemon_.publish(2);
+  EXPECT_EQ(viewer.read_picture().header["frame"], 2);
+  for (const auto& other : others) EXPECT_EQ(other->read_picture().header["frame"], 2);
+  EXPECT_LE(server_.stats().jpegs_encoded, before + 2);
+}
+
+TEST_F(ServerTest, AStoppedPreviewCostsNothing) {
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0, "fps": 1000}})");
+  daemon_.publish(1);
+  viewer.read_picture();
+  viewer.acknowledge(1);
+  viewer.send(R"({"stop_preview": 0})");
+  viewer.synchronise();
+  viewer.send(R"({"subscribe": ["detections"]})");
+  viewer.read_json();
+  daemon_.publish(2);
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);
+  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+}
+
+TEST_F(ServerTest, AFrameIsLetGoWhileItsPictureIsOnTheWay) {
+  std::promise<void> let_go;
+  Viewer viewer(server_.port());
+  viewer.send(R"({"preview": {"camera": 0}})");
+  daemon_.publish(1, Json::array(), std::shared_ptr<void>(nullptr, [&](void*) { let_go.set_value(); }));
+  viewer.read_picture();
+  daemon_.publish(2);
+  EXPECT_EQ(let_go.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+}
+
+TEST_F(ServerTest, ASlowViewerSkipsMessagesAndDelaysNobody) {
+  constexpr int kFrames = 100;
+  const Json large(std::string(200'000, 'x'));  // more than fits between server and slow viewer
+  Viewer slow(server_.port(), 4096), quick(server_.port());
+  slow.send(R"({"subscribe": ["detections"]})");
+  quick.send(R"({"preview": {"camera": 0, "fps": 1000}})");
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    daemon_.publish(frame, large);
+    ASSERT_EQ(quick.read_picture().header["frame"], frame);
+    quick.acknowledge(frame);
+  }
+  int messages = 0, last = 0;
+  while (last < kFrames) {
+    const int frame = slow.read_json()["data"]["frame"];
+    ASSERT_GT(frame, last);
+    last = frame;
+    ++messages;
+  }
+  EXPECT_LT(messages, kFrames);
+}
+
+}  // namespace
+}  // namespace sslv
