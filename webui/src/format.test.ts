@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { decimal, duration, figure, latencyMs, plural } from './format';
+import { decimal, duration, figure, latencyMs, plural, stageTime } from './format';
 
 describe('numbers as the panel writes them', () => {
   it('groups thousands', () => expect(figure(1204518)).toBe('1\u2009204\u2009518'));
   it('keeps three figures of a latency', () => expect([0.873, 9.996, 123.4].map(latencyMs)).toEqual(['0.87', '10.0', '123']));
+  it('gives short stages in microseconds', () => {
+    expect([1.24, 421.4, 4505.4, 12_340].map((us) => Object.values(stageTime(us)).join(' ')))
+      .toEqual(['1.2 µs', '421 µs', '4\u2009505 µs', '12.3 ms']);
+  });
   it('writes a true minus, and none before zero', () => expect([-157.64, -0.04].map((v) => decimal(v, 1))).toEqual(['−157.6', '0.0']));
   it('counts', () => expect([plural(1, 'ball'), plural(7, 'robot')]).toEqual(['1 ball', '7 robots']));
   it('tells times', () => expect([8.9, 245, 7500, 273600].map(duration)).toEqual(['8 s', '4 min', '2 h 5 min', '3 d 4 h']));

@@ -14,6 +14,12 @@ export function latencyMs(value: number): string {
   return value < 9.995 ? value.toFixed(2) : value < 99.95 ? value.toFixed(1) : value.toFixed(0);
 }
 
+/** A stage's time: microseconds, in milliseconds from ten on. */
+export function stageTime(us: number): { value: string; unit: string } {
+  if (us >= 9999.5) return { value: latencyMs(us / 1000), unit: 'ms' };
+  return { value: us < 9.95 ? us.toFixed(1) : figure(us), unit: 'µs' };
+}
+
 /** A number with a fixed count of decimals and a true minus. */
 export function decimal(value: number, decimals: number): string {
   const text = value.toFixed(decimals);
