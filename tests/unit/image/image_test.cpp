@@ -15,7 +15,7 @@ static_assert(std::is_nothrow_move_constructible_v<Image> && std::is_nothrow_mov
 /// A driver that notes which buffers came back.
 struct Driver {
   std::vector<int> returned;
-  std::vector<std::uint8_t> pixels = std::vector<std::uint8_t>(4 * 2);
+  std::vector<std::uint8_t> pixels = std::vector<std::uint8_t>(8);
 
   Image lend(int& buffer) {
     return {
