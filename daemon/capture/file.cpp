@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/params_json.h"
 #include "capture/file_media.h"
+#include "capture/pixel_format_choice.h"
 
 #include <algorithm>
 #include <array>
@@ -26,23 +27,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kStillRateHz = 30;
 
-using RawFormat = std::optional<PixelFormat>;
-constexpr std::array kRawFormats{
-    Choice<RawFormat>{"auto", std::nullopt},
-    Choice<RawFormat>{"uyvy", PixelFormat::kUyvy},
-    Choice<RawFormat>{"yuyv", PixelFormat::kYuyv},
-    Choice<RawFormat>{"rgb24", PixelFormat::kRgb24},
-    Choice<RawFormat>{"bgr24", PixelFormat::kBgr24},
-    Choice<RawFormat>{"mono8", PixelFormat::kMono8},
-    Choice<RawFormat>{"bayer_rg8", PixelFormat::kBayerRg8},
-    Choice<RawFormat>{"bayer_gr8", PixelFormat::kBayerGr8},
-    Choice<RawFormat>{"bayer_gb8", PixelFormat::kBayerGb8},
-    Choice<RawFormat>{"bayer_bg8", PixelFormat::kBayerBg8},
-};
-
 struct Options {
   std::string path;
-  RawFormat pixel_format;
+  PixelFormatOrAuto pixel_format;
   int width = 0, height = 0;
   std::optional<double> frame_rate_hz;
   bool loop = false;
@@ -53,7 +40,7 @@ struct Options {
              "a folder of pictures (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
              "their "
              "names; or one such file; or a video"),
-        choice("pixel_format", &O::pixel_format, kRawFormats,
+        choice("pixel_format", &O::pixel_format, kPixelFormatChoices,
                "how the bytes of raw frames lie; pictures and videos know it themselves (auto)"),
         number("width", &O::width, 0, 16384, "px", "of raw frames; 0: there are none"),
         number("height", &O::height, 0, 16384, "px", "of raw frames; 0: there are none"),

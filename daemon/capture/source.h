@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/json.h"
+#include "geometry/scene.h"
+#include "image/image.h"
+
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -11,10 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json.h"
-#include "geometry/scene.h"
-#include "image/image.h"
-
 namespace sslv {
 
 /// A picture as the camera gave it.
@@ -22,7 +22,7 @@ struct CapturedImage {
   Image image;                                 // borrows the driver's buffer
   double t_capture_s = 0;                      // Unix time of the exposure, as well as the backend knows it
   std::optional<double> t_capture_camera_s{};  // the camera's own clock
-  std::string name{};                          // file stem of a recorded frame; empty (no allocation) for live ones
+  std::string name{};  // file stem of a recorded frame; empty (no allocation) for live ones
 };
 
 /// What became of one attempt to get a picture.
@@ -40,8 +40,10 @@ class Source {
  public:
   virtual ~Source() = default;
 
-  /// Waits up to `timeout` for the next picture. Never throws; says why in `problem` for kIncomplete and kLost.
-  virtual CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) = 0;
+  /// Waits up to `timeout` for the next picture. Never throws; says why in `problem` for kIncomplete and
+  /// kLost.
+  virtual CaptureStatus next(CapturedImage& image, std::string& problem,
+                             std::chrono::milliseconds timeout) = 0;
 };
 
 /// A camera that cannot be opened; one line for the admin.
