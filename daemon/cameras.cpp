@@ -2,6 +2,7 @@
 // TABLE capture backends. To add one: a file pair in capture/, a row here (docs/extending.md).
 #include "cameras.h"
 
+#include "base/error.h"
 #include "capture/aravis.h"
 #include "capture/file.h"
 #include "capture/simulator.h"

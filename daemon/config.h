@@ -115,8 +115,8 @@ Json complete_settings(const Json& settings);
 /// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
 Json settings_schema();
 
-/// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table unless
-/// `lut` is given; throws SettingsError when their files cannot be used.
+/// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table
+/// unless `lut` is given; throws SettingsError when their files cannot be used.
 World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr);
 
 }  // namespace sslv

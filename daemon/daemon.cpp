@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon.h"
 
-#include <algorithm>
-#include <utility>
-
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
 #include "detections_json.h"
 #include "routes.h"
 #include "status.h"
+
+#include <algorithm>
+#include <utility>
 
 namespace sslv {
 namespace {
@@ -42,13 +42,18 @@ Daemon::Daemon(const Options& options)
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
-      WebServer::Options{config->panel.address, static_cast<std::uint16_t>(config->panel.port), options.panel_folder},
-      make_web_host(), routes());
+      make_web_host(), routes(), WebOptions{config->panel.address, config->panel.port, options.panel_folder});
+  listening_ = web_.get();
 }
 
-Daemon::~Daemon() { web_.reset(); }
+Daemon::~Daemon() {
+  web_->stop();
+  listening_ = nullptr;
+}
 
-int Daemon::panel_port() const { return web_->port(); }
+int Daemon::panel_port() const {
+  return web_->port();
+}
 
 std::function<void()> Daemon::prepare(const Json& settings) {
   auto config = std::make_shared<const Config>(read_config(settings));
@@ -100,7 +105,8 @@ std::string Daemon::summary() const {
 }
 
 StatusInput Daemon::status_input(const Config& config) const {
-  StatusInput input{unix_time_s(), started_s_, config, multicast_.status(), web_ ? web_->viewers() : 0,
+  const WebServer* web = listening_;
+  StatusInput input{unix_time_s(),    started_s_, config, multicast_.status(), web ? web->stats().viewers : 0,
                     store_.problem(), {}};
   const auto cameras = cameras_.load();
   for (const auto& [id, camera] : *cameras) input.cameras.push_back(camera);

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-#include <map>
-#include <memory>
-#include <functional>
-#include <optional>
-#include <string>
-
 #include "base/snapshot.h"
 #include "config.h"
 #include "net/vision_sender.h"
@@ -15,6 +8,14 @@
 #include "settings/store.h"
 #include "status.h"
 #include "web/server.h"
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
 
 namespace sslv {
 
@@ -41,7 +42,8 @@ class Daemon {
   std::function<void()> prepare(const Json& settings);
   Json status() const;
   StatusInput status_input(const Config& config) const;
-  std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout);
+  std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
+                                std::chrono::milliseconds timeout);
   std::shared_ptr<RunningCamera> camera(std::uint32_t id) const;
 
   const double started_s_;
@@ -51,7 +53,8 @@ class Daemon {
   Snapshot<Geometry> geometry_;
   GeometrySender geometry_sender_;
   Snapshot<Cameras> cameras_;
-  std::unique_ptr<WebServer> web_;  // last: it asks all the others
+  std::unique_ptr<WebServer> web_;                    // last: it asks all the others
+  std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };
 
 }  // namespace sslv

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arguments, signals, exit code; nothing else.
-#include <sysexits.h>
-#include <systemd/sd-daemon.h>
-
-#include <CLI/CLI.hpp>
-#include <csignal>
-#include <cstdlib>
-#include <ctime>
-#include <filesystem>
-#include <iostream>
-
 #include "base/log.h"
 #include "cameras.h"
 #include "daemon.h"
 #include "settings/store.h"
 #include "version.h"
 
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <sysexits.h>
+#include <systemd/sd-daemon.h>
+
 namespace {
 
 using namespace sslv;
 
-/// Where the panel's changes are kept: as the service manager says, else by the XDG base directory specification.
+/// Where the panel's changes are kept: as the service manager says, else by the XDG base directory
+/// specification.
 std::filesystem::path state_folder() {
   const auto variable = [](const char* name) -> std::filesystem::path {
     const char* value = std::getenv(name);
@@ -40,15 +42,25 @@ std::filesystem::path panel_folder() {
                                                               : std::filesystem::path(kInstalledPanel);
 }
 
-/// The file with the saved changes laid over it is what the daemon would run with.
-Json checked_settings(const std::filesystem::path& file) {
+/// Runs `act` so that a setting it refuses is named with its file.
+template <class Act>
+auto naming(const std::filesystem::path& file, Act act) {
   try {
-    return complete_settings(read_json_file(file));
+    return act();
   } catch (const SettingsError& error) {
     const std::string what = error.what();
-    if (what.starts_with(file.string())) throw;
-    throw SettingsError(file.string() + ": " + what);
+    throw SettingsError(what.starts_with(file.string()) ? what : file.string() + ": " + what);
   }
+}
+
+/// The whole tree of a settings file, after reading the files it names as well.
+Json checked_settings(const std::filesystem::path& file) {
+  return naming(file, [&] {
+    const Json complete = complete_settings(read_json_file(file));
+    const Config config = read_config(complete);
+    for (std::size_t i = 0; i < config.cameras.size(); ++i) make_world(config, i);
+    return complete;
+  });
 }
 
 void list_cameras() {
@@ -59,7 +71,9 @@ void list_cameras() {
       any = true;
     }
   }
-  if (!any) std::cout << "No camera found. Check power, cable and network; GigE cameras must have an address of your network.\n";
+  if (!any)
+    std::cout << "No camera found. Check power, cable and network; GigE cameras must have an address of your "
+                 "network.\n";
 }
 
 int run(const Daemon::Options& options) {
@@ -71,32 +85,36 @@ int run(const Daemon::Options& options) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 
-  Daemon daemon(options);
-  log::info("panel on port {}", daemon.panel_port());
+  const auto daemon = naming(options.settings_file, [&] { return std::make_unique<Daemon>(options); });
+  log::info("panel on port {}", daemon->panel_port());
   sd_notify(0, "READY=1");
   for (;;) {
     const timespec second{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGINT || signal == SIGTERM) break;
-    sd_notifyf(0, "WATCHDOG=1\nSTATUS=%s", daemon.summary().c_str());
+    sd_notifyf(0, "WATCHDOG=1\nSTATUS=%s", daemon->summary().c_str());
   }
   sd_notify(0, "STOPPING=1");
-  log::info("stopping: {}", daemon.summary());
+  log::info("stopping: {}", daemon->summary());
   return EXIT_SUCCESS;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
+  CLI::App app{
+      "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);
   std::filesystem::path settings_file, check_file, panel = panel_folder();
   bool print = false, list = false;
   app.add_option("--config", settings_file, "the settings file to run with");
-  app.add_option("--check-config", check_file, "check a settings file and say what is wrong with it: exit 0 or 78");
+  app.add_option("--check-config", check_file,
+                 "check a settings file and say what is wrong with it: exit 0 or 78");
   app.add_option("--panel", panel, "folder of the built panel")->capture_default_str();
-  app.add_flag("--print-config", print, "print the whole settings tree, defaults filled in (with --config: of that file)");
-  app.add_flag("--list-cameras", list, "list the cameras that could be opened, with the settings lines for each");
+  app.add_flag("--print-config", print,
+               "print the whole settings tree, defaults filled in (with --config: of that file)");
+  app.add_flag("--list-cameras", list,
+               "list the cameras that could be opened, with the settings lines for each");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -113,7 +131,9 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     if (print) {
-      std::cout << (settings_file.empty() ? complete_settings(Json::object()) : checked_settings(settings_file)).dump(2)
+      std::cout << (settings_file.empty() ? complete_settings(Json::object())
+                                          : checked_settings(settings_file))
+                       .dump(2)
                 << "\n";
       return EXIT_SUCCESS;
     }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "running_camera.h"
 
-#include <utility>
-
 #include "base/params_json.h"
 #include "cameras.h"
+
+#include <utility>
 
 namespace sslv {
 namespace {
@@ -65,7 +65,8 @@ CameraHealth RunningCamera::health() const {
   return thread_ ? thread_->health() : CameraHealth{};
 }
 
-void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept {
+void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots,
+                                  const BallList& balls) noexcept {
   const double t_sent_s = sender.send(info, robots, balls);
   latency.add_ns(static_cast<std::int64_t>((t_sent_s - info.t_capture_s) * 1e9));
 }

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
-#include <mutex>
-#include <string>
-
 #include "base/recent.h"
 #include "base/snapshot.h"
 #include "capture/camera_thread.h"
@@ -12,18 +8,23 @@
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
 
+#include <memory>
+#include <mutex>
+#include <string>
+
 namespace sslv {
 
-/// One camera of the daemon: its thread, its pipeline and the way out to the network. May be used from any thread.
-/// Hold it by shared_ptr: viewers of its frames keep it alive.
+/// One camera of the daemon: its thread, its pipeline and the way out to the network. May be used from any
+/// thread. Hold it by shared_ptr: viewers of its frames keep it alive.
 class RunningCamera {
  public:
-  /// Starts capturing at once; a camera that is not there is tried until it comes. `multicast` must outlive this.
+  /// Starts capturing at once; a camera that is not there is tried until it comes. `multicast` must outlive
+  /// this.
   RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast);
   ~RunningCamera();
 
-  /// The next frame uses the new setup. The camera is closed and opened anew only when its source or thread settings
-  /// have changed.
+  /// The next frame uses the new setup. The camera is closed and opened anew only when its source or thread
+  /// settings have changed.
   void change(const CameraSettings& settings, CameraSetup setup);
 
   std::shared_ptr<const CameraSettings> settings() const { return settings_.load(); }
@@ -47,8 +48,9 @@ class RunningCamera {
   std::unique_ptr<CameraThread> thread_;
 };
 
-/// A setup for the camera at place `i` of the list. The pipeline of `previous`, with what its stages remember, is kept
-/// when the stack is the same, and its colour table when the colours are. Throws SettingsError.
+/// A setup for the camera at place `i` of the list. The pipeline of `previous`, with what its stages
+/// remember, is kept when the stack is the same, and its colour table when the colours are. Throws
+/// SettingsError.
 CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings* previous_settings,
                        const CameraSetup* previous);
 

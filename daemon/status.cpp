@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "status.h"
 
-#include <fmt/format.h>
+#include "base/params_json.h"
+#include "version.h"
 
 #include <algorithm>
 
-#include "base/params_json.h"
-#include "version.h"
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -53,8 +53,10 @@ Json camera_json(const RunningCamera& camera) {
   return out;
 }
 
-void add_alert(Json& alerts, const char* severity, std::string title, std::string fix, const Json& camera = nullptr) {
-  alerts.push_back({{"severity", severity}, {"title", std::move(title)}, {"fix", std::move(fix)}, {"camera", camera}});
+void add_alert(Json& alerts, const char* severity, std::string title, std::string fix,
+               const Json& camera = nullptr) {
+  alerts.push_back(
+      {{"severity", severity}, {"title", std::move(title)}, {"fix", std::move(fix)}, {"camera", camera}});
 }
 
 /// What is wrong, worst first, each with what to do about it.
@@ -68,11 +70,13 @@ Json alerts_json(const StatusInput& input) {
     }
   }
   if (!input.network.error.empty()) {
-    add_alert(alerts, "bad", "No packets leave: " + input.network.error,
-              "Set network/vision/interface to the card on the field's network; sending is tried again by itself.");
+    add_alert(
+        alerts, "bad", "No packets leave: " + input.network.error,
+        "Set network/vision/interface to the card on the field's network; sending is tried again by itself.");
   }
   if (!input.settings_problem.empty()) {
-    add_alert(alerts, "warn", input.settings_problem, "Look through the settings and save what is missing again.");
+    add_alert(alerts, "warn", input.settings_problem,
+              "Look through the settings and save what is missing again.");
   }
   for (const auto& camera : input.cameras) {
     const int id = camera->settings()->id;
@@ -81,8 +85,9 @@ Json alerts_json(const StatusInput& input) {
                 "Nothing it sees can be located: set its calibration.", id);
     }
     if (camera->pipeline().counters().capped > 0) {
-      add_alert(alerts, "warn", fmt::format("Camera {} had {} frames with too many runs or regions", id,
-                                            camera->pipeline().counters().capped),
+      add_alert(alerts, "warn",
+                fmt::format("Camera {} had {} frames with too many runs or regions", id,
+                            camera->pipeline().counters().capped),
                 "Its colour table labels too much of the picture: narrow the colours.", id);
     }
   }

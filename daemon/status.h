@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "base/json.h"
 #include "config.h"
 #include "net/multicast.h"
 #include "running_camera.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -18,7 +18,7 @@ struct StatusInput {
   double time_s = 0, started_s = 0;
   const Config& config;
   MulticastStatus network;
-  std::size_t viewers = 0;
+  int viewers = 0;
   std::string settings_problem;
   std::vector<std::shared_ptr<RunningCamera>> cameras;
 };

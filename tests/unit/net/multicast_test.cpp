@@ -2,7 +2,7 @@
 #include "net/multicast.h"
 
 #include "base/error.h"
-#include "group_listener.h"
+#include "support/group_listener.h"
 
 #include <chrono>
 #include <functional>

@@ -2,7 +2,7 @@
 #include "net/vision_sender.h"
 
 #include "base/clock.h"
-#include "group_listener.h"
+#include "support/group_listener.h"
 #include "support/allocation_count.h"
 
 #include <gmock/gmock.h>

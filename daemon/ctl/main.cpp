@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
+#include "capture/source.h"
+#include "ctl/bench.h"
+#include "ctl/client.h"
+#include "ctl/process.h"
+#include "ctl/score.h"
+#include "ctl/simulate.h"
+#include "settings/store.h"
+#include "version.h"
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <sysexits.h>
+
+namespace {
+
+using namespace sslv;
+
+/// The camera that the offline tools work with.
+struct CameraChoice {
+  std::string settings_file;
+  int camera_id = 0;
+
+  void add_to(CLI::App& command) {
+    command.add_option("--settings", settings_file, "settings file")->required();
+    command.add_option("--camera", camera_id, "id of the camera in it")->capture_default_str();
+  }
+  Config config() const {
+    try {
+      return read_config(read_json_file(settings_file));
+    } catch (const SettingsError& error) {
+      const std::string what = error.what();
+      throw SettingsError(what.starts_with(settings_file) ? what : settings_file + ": " + what);
+    }
+  }
+  std::size_t index_in(const Config& config) const {
+    std::string known;
+    for (std::size_t i = 0; i < config.cameras.size(); ++i) {
+      if (config.cameras[i].id == camera_id) return i;
+      known += (known.empty() ? "" : ", ") + std::to_string(config.cameras[i].id);
+    }
+    throw SettingsError(fmt::format("{}: has no camera {}; known: {}", settings_file, camera_id, known));
+  }
+};
+
+struct RawFormat {
+  std::string pixel_format, size;
+  int width = 0, height = 0;
+
+  void add_to(CLI::App& command) {
+    command.add_option("--pixel-format", pixel_format, "of raw frames, such as uyvy or bayer_rg8");
+    command.add_option("--size", size, "of raw frames, such as 780x580");
+  }
+  void parse() {
+    if (size.empty()) return;
+    char rest = 0;
+    if (std::sscanf(size.c_str(), "%dx%d%c", &width, &height, &rest) != 2) {
+      throw SettingsError(fmt::format("--size: \"{}\" is not allowed; expected WIDTHxHEIGHT", size));
+    }
+  }
+};
+
+/// A file to write, or standard output for "-".
+class Output {
+ public:
+  explicit Output(const std::string& file) {
+    if (file == "-") return;
+    file_.open(file, std::ios::binary);
+    if (!file_) throw StorageError(fmt::format("cannot write {}: {}", file, std::strerror(errno)));
+  }
+  std::ostream& stream() { return file_.is_open() ? file_ : std::cout; }
+
+ private:
+  std::ofstream file_;
+};
+
+void print_bench(const std::vector<BenchResult>& results, bool as_json) {
+  if (as_json) {
+    Json out = Json::array();
+    for (const BenchResult& result : results) {
+      Json stages = Json::array();
+      for (const StageTiming& stage : result.stages) {
+        stages.push_back({{"stage", stage.stage},
+                          {"min_us", stage.min_us},
+                          {"median_us", stage.median_us},
+                          {"p99_us", stage.p99_us}});
+      }
+      out.push_back({{"pixel_format", result.pixel_format},
+                     {"width", result.width},
+                     {"height", result.height},
+                     {"robots", result.robots},
+                     {"balls", result.balls},
+                     {"stages", stages}});
+    }
+    std::cout << out.dump(2) << "\n";
+    return;
+  }
+  for (const BenchResult& result : results) {
+    fmt::print("{}x{} {}: {} robots, {} balls in the last frame\n  {:<16}{:>12}{:>12}{:>12}\n", result.width,
+               result.height, result.pixel_format, result.robots, result.balls, "stage", "min us",
+               "median us", "p99 us");
+    for (const StageTiming& stage : result.stages) {
+      fmt::print("  {:<16}{:>12.1f}{:>12.1f}{:>12.1f}\n", stage.stage, stage.min_us, stage.median_us,
+                 stage.p99_us);
+    }
+  }
+}
+
+int run(CLI::App& app, int argc, char** argv) {
+  app.set_version_flag("--version", std::string("ssl-visionctl ") + kVersion);
+  app.require_subcommand(1);
+  std::function<int()> act;
+
+  std::string daemon = "http://127.0.0.1:8090";
+  app.add_option("--daemon", daemon, "address of the daemon's panel")->capture_default_str();
+
+  bool as_json = false;
+  CLI::App* status = app.add_subcommand("status", "how the daemon is");
+  status->add_flag("--json", as_json, "as the API gives it");
+  status->callback([&] {
+    act = [&] {
+      const Json answer = Client(daemon).get_json("/api/status");
+      std::cout << (as_json ? answer.dump(2) + "\n" : status_text(answer));
+      return EXIT_SUCCESS;
+    };
+  });
+
+  double interval_s = 1;
+  int count = 0;
+  CLI::App* watch = app.add_subcommand("watch", "the status again and again");
+  watch->add_option("--interval", interval_s, "seconds between two")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  watch->add_option("--count", count, "so many times; 0: until interrupted")->check(CLI::NonNegativeNumber);
+  watch->callback([&] {
+    act = [&] {
+      for (int i = 0; count == 0 || i < count; ++i) {
+        if (i > 0) std::this_thread::sleep_for(std::chrono::duration<double>(interval_s));
+        std::cout << status_text(Client(daemon).get_json("/api/status")) << std::endl;
+      }
+      return EXIT_SUCCESS;
+    };
+  });
+
+  int snapshot_camera = 0;
+  std::string snapshot_file;
+  CLI::App* snapshot = app.add_subcommand("snapshot", "the newest picture of a camera as a JPEG file");
+  snapshot->add_option("--camera", snapshot_camera, "id of the camera")->capture_default_str();
+  snapshot->add_option("--output", snapshot_file, "file to write; -: standard output")->required();
+  snapshot->callback([&] {
+    act = [&] {
+      const std::string jpeg =
+          Client(daemon).get(fmt::format("/api/cameras/{}/snapshot.jpg", snapshot_camera));
+      Output output(snapshot_file);
+      output.stream() << jpeg;
+      return EXIT_SUCCESS;
+    };
+  });
+
+  CameraChoice choice;
+  RawFormat raw;
+  std::string input, output = "-";
+  CLI::App* process =
+      app.add_subcommand("process", "run a camera's stack over recorded input, without a daemon");
+  choice.add_to(*process);
+  process->add_option("--input", input, "picture, raw frame, video, or a folder of pictures or raw frames")
+      ->required();
+  raw.add_to(*process);
+  process->add_option("--output", output, "one JSON object a line for each frame; -: standard output")
+      ->capture_default_str();
+  process->callback([&] {
+    act = [&] {
+      raw.parse();
+      const Config config = choice.config();
+      Output file(output);
+      const int unreadable =
+          process_recording(config, choice.index_in(config), {input, raw.pixel_format, raw.width, raw.height},
+                            file.stream(), std::cerr);
+      if (unreadable > 0) std::cerr << unreadable << " frames could not be read and were skipped\n";
+      return EXIT_SUCCESS;
+    };
+  });
+
+  int frames = 20, rounds = 10;
+  std::string bench_input;
+  CLI::App* bench = app.add_subcommand("bench", "time every stage on simulated or given frames");
+  choice.add_to(*bench);
+  bench->add_option("--input", bench_input, "frames to use instead of simulated ones");
+  raw.add_to(*bench);
+  bench->add_option("--frames", frames, "simulated frames of each kind")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  bench->add_option("--rounds", rounds, "runs over all frames")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  bench->add_flag("--json", as_json, "as JSON");
+  bench->callback([&] {
+    act = [&] {
+      raw.parse();
+      const Config config = choice.config();
+      const std::size_t index = choice.index_in(config);
+      print_bench(bench_input.empty()
+                      ? bench_simulated(config, index, frames, rounds)
+                      : std::vector{bench_recorded(config, index, bench_input, raw.pixel_format, raw.width,
+                                                   raw.height, rounds)},
+                  as_json);
+      return EXIT_SUCCESS;
+    };
+  });
+
+  SimulateOptions simulation;
+  CLI::App* simulator = app.add_subcommand("simulate", "write simulated frames with their truth");
+  choice.add_to(*simulator);
+  simulator->add_option("--frames", simulation.frames, "how many")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  simulator
+      ->add_option("--start", simulation.start_s,
+                   "time of the first frame in seconds: other times, other places")
+      ->capture_default_str();
+  simulator->add_flag("--raw", simulation.raw,
+                      "frames as the camera's bytes (.raw) instead of .ppm pictures");
+  simulator->add_option("--output", simulation.folder, "folder to write to")->required();
+  simulator->callback([&] {
+    act = [&] {
+      const Config config = choice.config();
+      const std::size_t index = choice.index_in(config);
+      const CameraSettings& camera = config.cameras[index];
+      if (camera.source.at("backend") != "simulator") {
+        throw SettingsError(
+            fmt::format("{}: /cameras/{}/source/backend: {} is not allowed; expected \"simulator\"",
+                        choice.settings_file, index, camera.source.at("backend").dump()));
+      }
+      simulation.source = camera.source;
+      simulation.source.erase("backend");
+      simulation.context = {static_cast<std::uint32_t>(camera.id), *make_world(config, index).scene};
+      simulate(simulation);
+      return EXIT_SUCCESS;
+    };
+  });
+
+  std::string detections_file, truth_file;
+  CLI::App* score_command = app.add_subcommand("score", "compare detections with the truth");
+  score_command->add_option("--detections", detections_file, "file that `process` wrote")->required();
+  score_command->add_option("--truth", truth_file, "truth.jsonl that `simulate` wrote")->required();
+  score_command->add_flag("--json", as_json, "as JSON");
+  score_command->callback([&] {
+    act = [&] {
+      const Score result = score_files(detections_file, truth_file);
+      std::cout << (as_json ? score_json(result).dump(2) + "\n" : score_text(result));
+      return EXIT_SUCCESS;
+    };
+  });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
+  }
+  return act();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Asks a running ssl-visiond, or runs its pipeline over files."};
+  try {
+    return run(app, argc, argv);
+  } catch (const SettingsError& error) {
+    std::cerr << "ssl-visionctl: " << error.what() << "\n";
+    return EX_CONFIG;
+  } catch (const std::exception& error) {
+    std::cerr << "ssl-visionctl: " << error.what() << "\n";
+    return EXIT_FAILURE;
+  }
+}

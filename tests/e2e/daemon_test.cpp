@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real daemon with its simulator, real multicast, real HTTP.
+#include "base/params_json.h"
+#include "capture/simulator.h"
+#include "capture/simulator_world.h"
+#include "e2e/running_daemon.h"
+#include "geometry/camera_model.h"
+
+#include <cmath>
+#include <csignal>
+#include <map>
+#include <numbers>
+
+#include <gmock/gmock.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class Daemon : public ::testing::Test {
+ protected:
+  std::string settings_file(const Json& settings) const {
+    return folder_.write("settings.json", settings.dump(2));
+  }
+
+  GroupListener listener_;
+  TemporaryFolder folder_;
+  Json settings_ = demo_settings(listener_.port());
+  std::filesystem::path state_ = folder_.path() / "state";
+};
+
+/// Where the simulator says everything is.
+struct Truth {
+  explicit Truth(const Json& settings) {
+    Json options = settings["cameras"][0]["source"];
+    options.erase("backend");
+    world.emplace(simulator_options(options, ""), FieldSize{}, std::array<double, 2>{140, 140});
+    for (const Json& camera : settings["cameras"]) {
+      cameras.emplace(camera["id"],
+                      CameraModel(params_from_json<CameraCalibration>(camera["calibration"], "")));
+    }
+  }
+  /// A thing this far inside the picture is wholly visible: a robot's disc is some 11 px here.
+  bool sees(int camera, double x_mm, double y_mm, double z_mm) const {
+    constexpr double kMargin_px = 16;
+    const auto pixel = cameras.at(camera).project({x_mm, y_mm, z_mm});
+    return pixel && pixel->x() > kMargin_px && pixel->x() < 780 - kMargin_px && pixel->y() > kMargin_px &&
+           pixel->y() < 580 - kMargin_px;
+  }
+  std::optional<SimulatedWorld> world;
+  std::map<int, CameraModel> cameras;
+};
+
+TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
+  const Truth truth(settings_);
+  RunningDaemon daemon(settings_file(settings_), state_);
+
+  std::map<std::uint32_t, int> frames;
+  std::map<std::uint32_t, std::uint32_t> last_number;
+  int robots = 0, balls = 0, geometries = 0;
+  double robot_error_mm = 0, ball_error_mm = 0, worst_turn_rad = 0;
+  while (frames[0] < 150 || frames[1] < 150 || geometries < 2) {
+    const SSL_WrapperPacket packet = receive(listener_);
+    EXPECT_EQ(packet.source(), SSL_SOURCE_OTHER);
+    if (packet.has_geometry()) {
+      ++geometries;
+      EXPECT_EQ(packet.geometry().field().field_length(), 9000);
+      ASSERT_EQ(packet.geometry().calib_size(), 2);
+      EXPECT_NEAR(packet.geometry().calib(1).derived_camera_world_tz(), 4000, 1);
+    }
+    if (!packet.has_detection()) continue;
+    const SSL_DetectionFrame& frame = packet.detection();
+    const auto camera = frame.camera_id();
+    ASSERT_LT(camera, 2u);
+    if (frames[camera]++ > 0) {
+      EXPECT_GT(frame.frame_number(), last_number[camera]);
+    }
+    last_number[camera] = frame.frame_number();
+    EXPECT_GE(frame.t_sent(), frame.t_capture());
+
+    const SimulatedScene scene = truth.world->at(frame.t_capture());
+    for (const SimulatedRobot& robot : scene.robots) {
+      if (!truth.sees(static_cast<int>(camera), robot.x_mm, robot.y_mm, robot.height_mm)) continue;
+      const auto& seen = robot.team == Team::kBlue ? frame.robots_blue() : frame.robots_yellow();
+      const auto found = std::find_if(seen.begin(), seen.end(), [&](const SSL_DetectionRobot& one) {
+        return one.robot_id() == static_cast<std::uint32_t>(robot.id);
+      });
+      ASSERT_NE(found, seen.end()) << "camera " << camera << " does not report robot " << robot.id << "\n"
+                                   << frame.DebugString();
+      const double error_mm = std::hypot(found->x() - robot.x_mm, found->y() - robot.y_mm);
+      EXPECT_LT(error_mm, 12);
+      robot_error_mm += error_mm;
+      ++robots;
+      worst_turn_rad = std::max(
+          worst_turn_rad,
+          std::abs(std::remainder(found->orientation() - robot.orientation_rad, 2 * std::numbers::pi)));
+      EXPECT_FLOAT_EQ(found->height(), 140);
+    }
+    // Nothing invented: everything reported is somewhere in the truth, with its id.
+    for (const auto& [team, seen] :
+         {std::pair{Team::kYellow, &frame.robots_yellow()}, {Team::kBlue, &frame.robots_blue()}}) {
+      for (const SSL_DetectionRobot& one : *seen) {
+        EXPECT_TRUE(std::any_of(scene.robots.begin(), scene.robots.end(), [&](const SimulatedRobot& robot) {
+          return robot.team == team && robot.id == static_cast<int>(one.robot_id()) &&
+                 std::hypot(one.x() - robot.x_mm, one.y() - robot.y_mm) < 50;
+        })) << one.DebugString();
+      }
+    }
+    for (const SimulatedBall& ball : scene.balls) {
+      if (!truth.sees(static_cast<int>(camera), ball.x_mm, ball.y_mm, 21.5)) continue;
+      ASSERT_GE(frame.balls_size(), 1);
+      ball_error_mm += std::hypot(frame.balls(0).x() - ball.x_mm, frame.balls(0).y() - ball.y_mm);
+      ++balls;
+    }
+  }
+  ASSERT_GT(robots, 1000);
+  ASSERT_GT(balls, 100);
+  std::printf("mean error: robots %.2f mm, ball %.2f mm; worst heading error %.2f degrees\n",
+              robot_error_mm / robots, ball_error_mm / balls, worst_turn_rad * 180 / std::numbers::pi);
+  EXPECT_LT(robot_error_mm / robots, 3);
+  EXPECT_LT(ball_error_mm / balls, 5);
+  EXPECT_LT(worst_turn_rad, 0.12);
+}
+
+TEST_F(Daemon, EndsCleanlyWhenAsked) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    RunningDaemon daemon(settings_file(settings_), state_);
+    daemon.process().send_signal(signal);
+    EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
+  }
+}
+
+TEST_F(Daemon, SendsGeometryWithoutAnyCamera) {
+  settings_["cameras"] = Json::array();
+  settings_["network"]["vision"]["geometry_interval_s"] = 0.1;
+  RunningDaemon daemon(settings_file(settings_), state_);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(receive(listener_).geometry().calib_size(), 0);
+}
+
+TEST_F(Daemon, SendsEmptyFramesToo) {
+  for (Json& camera : settings_["cameras"]) {
+    camera["source"].update(Json{{"robots_yellow", 0}, {"robots_blue", 0}, {"balls", 0}});
+  }
+  RunningDaemon daemon(settings_file(settings_), state_);
+  for (int frames = 0; frames < 10;) {
+    const SSL_WrapperPacket packet = receive(listener_);
+    if (!packet.has_detection()) continue;
+    EXPECT_EQ(packet.detection().balls_size() + packet.detection().robots_blue_size(), 0);
+    ++frames;
+  }
+}
+
+TEST_F(Daemon, TellsHowItIs) {
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const Json status = daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"][0]["fps"] > 0 && s["cameras"][1]["fps"] > 0; });
+  EXPECT_THAT(status["alerts"], IsEmpty());
+  const Json& camera = status["cameras"][0];
+  EXPECT_EQ(camera["state"], "running");
+  EXPECT_EQ(camera["width"], 780);
+  EXPECT_EQ(camera["pixel_format"], "uyvy");
+  EXPECT_EQ(camera["stages"].size(), 6u);
+  EXPECT_NEAR(camera["calibration"]["derived_camera_world_tx"].get<double>(), -2350, 5);
+  const auto told = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "status"});
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_THAT(told.output, AllOf(HasSubstr("Demo field"), HasSubstr("running"), HasSubstr("780x580")));
+  const auto file = (folder_.path() / "picture.jpg").string();
+  EXPECT_EQ(
+      run_to_end({SSLV_CTL, "--daemon", daemon.address(), "snapshot", "--camera", "1", "--output", file})
+          .exit_code,
+      0);
+  EXPECT_GT(std::filesystem::file_size(file), 10'000u);
+}
+
+TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
+  const Json three = Json::array(
+      {{{"op", "replace"}, {"path", "/cameras/0/stages/detect_robots/max_rms_mm"}, {"value", 0.5}},
+       {{"op", "replace"}, {"path", "/site"}, {"value", "Field B"}}});
+  {
+    RunningDaemon daemon(settings_file(settings_), state_);
+    daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] >= 4; });
+    EXPECT_EQ(daemon.patch(three)["saved"], true);
+    // No pattern fits to half a millimetre here: the robots are gone as soon as the change is live.
+    daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] <= 2; });
+    daemon.process().send_signal(SIGKILL);
+    daemon.process().wait_for_exit();
+  }
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const Json settings = daemon.get("/api/settings");
+  EXPECT_EQ(settings["revision"], 2);
+  EXPECT_EQ(settings["settings"]["site"], "Field B");
+  EXPECT_EQ(settings["settings"]["cameras"][0]["stages"]["detect_robots"]["max_rms_mm"], 0.5);
+}
+
+TEST_F(Daemon, ARefusedChangeNamesItsKeyAndChangesNothing) {
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const Json before = daemon.get("/api/settings");
+  const auto refusal = [&](const char* path, const Json& value) {
+    return daemon.patch(Json::array({{{"op", "replace"}, {"path", path}, {"value", value}}}), 422)["error"]
+        .get<std::string>();
+  };
+  EXPECT_THAT(refusal("/cameras/0/stages/detect_balls/max_balls", 0),
+              AllOf(HasSubstr("/cameras/0/stages/detect_balls/max_balls: 0"), HasSubstr("1 .. 1000")));
+  EXPECT_THAT(refusal("/cameras/1/id", 0), HasSubstr("/cameras/1/id: 0 is the id of /cameras/0 already"));
+  EXPECT_THAT(refusal("/cameras/0/stack", Json{"find_runs"}),
+              HasSubstr("stage 'find_runs' needs 'labels', which no earlier stage provides"));
+  EXPECT_THAT(refusal("/cameras/0/colors/lut_file", "/no/such.lut"), HasSubstr("/no/such.lut"));
+  EXPECT_THAT(refusal("/network/vision/group", "10.0.0.1"), HasSubstr("/network/vision/group"));
+  EXPECT_EQ(daemon.get("/api/settings"), before);
+}
+
+TEST_F(Daemon, ACameraMayComeGoAndChangeItsStackWhileRunning) {
+  const Json second = settings_["cameras"][1];
+  settings_["cameras"].erase(1);
+  RunningDaemon daemon(settings_file(settings_), state_);
+  daemon.patch(Json::array({{{"op", "add"}, {"path", "/cameras/-"}, {"value", second}}}));
+  daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"].size() == 2 && s["cameras"][1]["robots"] > 0; });
+  daemon.patch(Json::array(
+      {{{"op", "replace"}, {"path", "/cameras/1/stack"}, {"value", {"threshold", "find_runs"}}}}));
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][1]["stages"].size() == 2; });
+  daemon.patch(Json::array({{{"op", "remove"}, {"path", "/cameras/0"}}}));
+  daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"].size() == 1 && s["cameras"][0]["id"] == 1; });
+}
+
+TEST_F(Daemon, RefusesToStartOnAPortThatIsTaken) {
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const std::string port = daemon.address().substr(daemon.address().rfind(':') + 1);
+  settings_["panel"]["port"] = std::stoi(port);
+  const auto second = run_to_end({SSLV_DAEMON, "--config", folder_.write("second.json", settings_.dump())},
+                                 {"STATE_DIRECTORY=" + (folder_.path() / "second").string()});
+  EXPECT_EQ(second.exit_code, 78);
+  EXPECT_THAT(second.output, AllOf(HasSubstr("/panel/port"), HasSubstr(port), HasSubstr("taken")));
+}
+
+TEST_F(Daemon, GoesOnWhenTheNetworkCardIsNotThereAndSaysSo) {
+  settings_["network"]["vision"]["interface"] = "nocard0";
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const Json status = daemon.wait_for_status(
+      [](const Json& s) { return s["network"]["send_errors"] > 10 && s["cameras"][0]["robots"] > 0; });
+  EXPECT_THAT(status["network"]["error"].get<std::string>(), HasSubstr("nocard0"));
+  EXPECT_EQ(status["alerts"][0]["severity"], "bad");
+  daemon.patch(Json::array({{{"op", "replace"}, {"path", "/network/vision/interface"}, {"value", "lo"}}}));
+  receive(listener_);
+  daemon.wait_for_status([](const Json& s) { return s["network"]["error"] == "" && s["alerts"].empty(); });
+}
+
+// ---- settings that cannot be used: exit 78 and one line with file, key, value and what is allowed
+
+struct BadSettings {
+  const char* name;
+  const char* patch;  // on the demo's settings
+  std::vector<std::string> words;
+};
+void PrintTo(const BadSettings& bad, std::ostream* out) {
+  *out << bad.name;
+}
+class BadSettingsTest : public ::testing::TestWithParam<BadSettings> {};
+
+TEST_P(BadSettingsTest, AreNamedAtStart) {
+  const TemporaryFolder folder;
+  const Json settings = demo_settings(12345).patch(Json::parse(GetParam().patch));
+  const std::string file = folder.write("field.json", settings.dump(2));
+  for (const char* option : {"--check-config", "--config"}) {
+    const auto run = run_to_end({SSLV_DAEMON, option, file}, {"STATE_DIRECTORY=" + folder.path().string()});
+    EXPECT_EQ(run.exit_code, 78) << run.output;
+    EXPECT_THAT(run.output, HasSubstr(file));
+    for (const std::string& word : GetParam().words) EXPECT_THAT(run.output, HasSubstr(word));
+    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadSettingsTest,
+    ::testing::Values(
+        BadSettings{"UnknownKey",
+                    R"([{"op": "add", "path": "/feild", "value": {}}])",
+                    {"/feild: no such parameter", "field"}},
+        BadSettings{"OutOfRange",
+                    R"([{"op": "add", "path": "/panel/port", "value": 70000}])",
+                    {"/panel/port: 70000", "0 .. 65535"}},
+        BadSettings{
+            "WrongType",
+            R"([{"op": "add", "path": "/cameras/0/stages", "value": {"detect_balls": {"max_balls": "many"}}}])",
+            {"/cameras/0/stages/detect_balls/max_balls: \"many\"", "a whole number 1 .. 1000"}},
+        BadSettings{
+            "MisspeltParameter",
+            R"([{"op": "add", "path": "/cameras/0/stages", "value": {"detect_balls": {"max_bals": 3}}}])",
+            {"/cameras/0/stages/detect_balls/max_bals: no such parameter", "max_balls"}},
+        BadSettings{
+            "MissingInput",
+            R"([{"op": "add", "path": "/cameras/1/stack", "value": ["threshold", "find_regions"]}])",
+            {"/cameras/1/stack/1: stage 'find_regions' needs 'runs', which no earlier stage provides"}},
+        BadSettings{"UnknownStage",
+                    R"([{"op": "add", "path": "/cameras/1/stack", "value": ["treshold"]}])",
+                    {"/cameras/1/stack/0: unknown stage 'treshold'", "threshold"}},
+        BadSettings{"UnknownBackend",
+                    R"([{"op": "replace", "path": "/cameras/0/source/backend", "value": "firewire"}])",
+                    {"/cameras/0/source/backend", "firewire", "aravis, files, simulator"}},
+        BadSettings{"UnknownOption",
+                    R"([{"op": "add", "path": "/cameras/0/source/robots", "value": 3}])",
+                    {"/cameras/0/source/robots: no such parameter", "robots_yellow"}},
+        BadSettings{"OneIdTwice",
+                    R"([{"op": "replace", "path": "/cameras/1/id", "value": 0}])",
+                    {"/cameras/1/id: 0 is the id of /cameras/0 already"}},
+        BadSettings{"NoRotation",
+                    R"([{"op": "replace", "path": "/cameras/0/calibration/q0", "value": 0.1}])",
+                    {"/cameras/0/calibration", "quaternion"}},
+        BadSettings{"NotOneToOne",
+                    R"([{"op": "replace", "path": "/cameras/0/calibration/distortion", "value": -0.9}])",
+                    {"/cameras/0/calibration/distortion: -0.9"}},
+        BadSettings{"NoMulticastGroup",
+                    R"([{"op": "replace", "path": "/network/vision/group", "value": "192.168.0.1"}])",
+                    {"/network/vision/group", "192.168.0.1"}},
+        BadSettings{"MissingLut",
+                    R"([{"op": "add", "path": "/cameras/0/colors/lut_file", "value": "/no/such.lut"}])",
+                    {"/cameras/0/colors/lut_file", "/no/such.lut", "No such file"}},
+        BadSettings{"LutOfTheWrongSize",
+                    R"([{"op": "add", "path": "/cameras/0/colors/lut_file", "value": "/etc/passwd"}])",
+                    {"/cameras/0/colors/lut_file", "bytes", "2097160"}},
+        BadSettings{"MissingPatterns",
+                    R"([{"op": "add", "path": "/patterns_file", "value": "/no/such.json"}])",
+                    {"/patterns_file", "/no/such.json"}}),
+    [](const auto& one) { return one.param.name; });
+
+TEST(Arguments, WrongOnesEndWithSixtyFour) {
+  EXPECT_EQ(run_to_end({SSLV_DAEMON, "--no-such-option"}).exit_code, 64);
+  EXPECT_EQ(run_to_end({SSLV_DAEMON}).exit_code, 64);
+  EXPECT_EQ(run_to_end({SSLV_CTL, "no-such-command"}).exit_code, 64);
+  EXPECT_THAT(run_to_end({SSLV_DAEMON, "--config", "/no/such.json"}).output,
+              AllOf(HasSubstr("/no/such.json"), HasSubstr("No such file")));
+  EXPECT_THAT(run_to_end({SSLV_DAEMON, "--version"}).output, HasSubstr("ssl-visiond 0."));
+  EXPECT_THAT(run_to_end({SSLV_CTL, "--daemon", "http://127.0.0.1:1", "status"}).output,
+              HasSubstr("no daemon answers"));
+}
+
+TEST(Arguments, PrintConfigIsAWholeTreeThatCanBeUsed) {
+  const auto printed =
+      run_to_end({SSLV_DAEMON, "--print-config", "--config", SSLV_SOURCE_DIR "/config/demo.json"});
+  EXPECT_EQ(printed.exit_code, 0);
+  const TemporaryFolder folder;
+  const std::string file = folder.write("whole.json", printed.output);
+  EXPECT_EQ(run_to_end({SSLV_DAEMON, "--check-config", file}).exit_code, 0);
+  EXPECT_EQ(Json::parse(printed.output)["cameras"][0]["stages"]["detect_balls"]["max_balls"], 20);
+}
+
+}  // namespace
+}  // namespace sslv::test

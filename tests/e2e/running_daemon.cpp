@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "e2e/running_daemon.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+#include <httplib.h>
+
+namespace sslv::test {
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "ssl-visiond-test.XXXXXX").string();
+  if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
+  const auto file = path_ / name;
+  std::ofstream(file, std::ios::binary) << text;
+  return file.string();
+}
+
+Json demo_settings(int multicast_port) {
+  Json settings = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/config/demo.json"));
+  settings["panel"] = {{"port", 0}};
+  settings["network"]["vision"]["group"] = GroupListener::kGroup;
+  settings["network"]["vision"]["port"] = multicast_port;
+  return settings;
+}
+
+RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesystem::path& state)
+    : process_({SSLV_DAEMON, "--config", settings_file}, {"STATE_DIRECTORY=" + state.string()}) {
+  const std::string line = process_.wait_for_line("panel on port ");
+  port_ = line.substr(line.rfind(' ') + 1);
+}
+
+Json RunningDaemon::get(const std::string& path, int expected) const {
+  const auto answer = httplib::Client(address()).Get(path);
+  if (!answer) throw std::runtime_error(path + ": no answer");
+  if (answer->status != expected)
+    throw std::runtime_error(path + ": " + std::to_string(answer->status) + answer->body);
+  return Json::parse(answer->body);
+}
+
+Json RunningDaemon::patch(const Json& json_patch, int expected) const {
+  const auto answer =
+      httplib::Client(address()).Patch("/api/settings", json_patch.dump(), "application/json-patch+json");
+  if (!answer) throw std::runtime_error("PATCH: no answer");
+  if (answer->status != expected)
+    throw std::runtime_error("PATCH: " + std::to_string(answer->status) + answer->body);
+  return Json::parse(answer->body);
+}
+
+void RunningDaemon::give_up(const Json& status) {
+  throw std::runtime_error("the daemon does not come to the expected state: " + status.dump(2));
+}
+
+SSL_WrapperPacket receive(GroupListener& listener) {
+  const auto bytes = listener.receive();
+  if (!bytes) throw std::runtime_error("no packet came");
+  SSL_WrapperPacket packet;
+  if (!packet.ParseFromString(*bytes)) throw std::runtime_error("a packet that cannot be parsed");
+  return packet;
+}
+
+}  // namespace sslv::test

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "ssl_vision_wrapper.pb.h"
+#include "support/child_process.h"
+#include "support/group_listener.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace sslv::test {
+
+/// A folder that goes with the test.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  const std::filesystem::path& path() const { return path_; }
+  /// Writes a file into it and returns its path.
+  std::string write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// config/demo.json, with a panel on any free port and packets to a group of this test's own.
+Json demo_settings(int multicast_port);
+
+/// The real program as the service manager would start it.
+class RunningDaemon {
+ public:
+  /// Waits until it is ready. `state`: its state folder.
+  RunningDaemon(const std::string& settings_file, const std::filesystem::path& state);
+
+  /// Answer of the panel's API. Throws std::runtime_error unless the HTTP status is `expected`.
+  Json get(const std::string& path, int expected = 200) const;
+  Json patch(const Json& json_patch, int expected = 200) const;
+  /// Asks for the status until `good` says so; throws std::runtime_error with the last one after 30 s.
+  template <class Good>
+  Json wait_for_status(Good good) const;
+
+  std::string address() const { return "http://127.0.0.1:" + port_; }
+  ChildProcess& process() { return process_; }
+
+ private:
+  [[noreturn]] static void give_up(const Json& status);
+  ChildProcess process_;
+  std::string port_;
+};
+
+template <class Good>
+Json RunningDaemon::wait_for_status(Good good) const {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  for (;;) {
+    const Json status = get("/api/status");
+    if (good(status)) return status;
+    if (std::chrono::steady_clock::now() > deadline) give_up(status);
+  }
+}
+
+/// The next packet of the group; throws std::runtime_error when none comes.
+SSL_WrapperPacket receive(GroupListener& listener);
+
+}  // namespace sslv::test

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// ssl-visionctl over files: simulate, process, score, and a real photo.
+#include "e2e/running_daemon.h"
+#include "support/test_data.h"
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+class Tools : public ::testing::Test {
+ protected:
+  /// Demo settings with camera 0 changed by a JSON Merge Patch.
+  std::string settings_with(const char* camera_patch) const {
+    Json settings = demo_settings(12345);
+    settings["cameras"][0].merge_patch(Json::parse(camera_patch));
+    return folder_.write("settings.json", settings.dump(2));
+  }
+  std::string in_folder(const char* name) const { return (folder_.path() / name).string(); }
+  static void must_run(const std::vector<std::string>& words) {
+    const auto run = run_to_end(words);
+    ASSERT_EQ(run.exit_code, 0) << run.output;
+  }
+  /// simulate -> process -> score over `frames` frames.
+  Json score(const std::string& settings, int frames, const std::vector<std::string>& raw_format = {}) const {
+    std::vector<std::string> simulate{
+        SSLV_CTL,  "simulate", "--settings", settings,           "--frames", std::to_string(frames),
+        "--start", "1000",     "--output",   in_folder("frames")};
+    std::vector<std::string> process{
+        SSLV_CTL,  "process",           "--settings", settings,
+        "--input", in_folder("frames"), "--output",   in_folder("detections.jsonl")};
+    if (!raw_format.empty()) {
+      simulate.push_back("--raw");
+      process.insert(process.end(), raw_format.begin(), raw_format.end());
+    }
+    must_run(simulate);
+    must_run(process);
+    const auto scored =
+        run_to_end({SSLV_CTL, "score", "--json", "--detections", in_folder("detections.jsonl"), "--truth",
+                    in_folder("frames/truth.jsonl")});
+    EXPECT_EQ(scored.exit_code, 0) << scored.output;
+    return Json::parse(scored.output);
+  }
+  static std::string text_of(const std::string& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Tools, EveryRobotOfAFolderOfPicturesIsFound) {
+  const Json score = this->score(settings_with("{}"), 60);
+  EXPECT_EQ(score["frames_compared"], 60);
+  EXPECT_EQ(score["robots"]["recall"], 1.0);
+  EXPECT_EQ(score["robots"]["precision"], 1.0);
+  EXPECT_EQ(score["robots"]["wrong_id"], 0);
+  EXPECT_EQ(score["balls"]["invented"], 0);
+  EXPECT_LT(score["robot_position_mm"]["mean"], 3);
+  EXPECT_GT(score["robot_position_mm"]["count"], 200);
+}
+
+TEST_F(Tools, RawFramesOfEveryFormat) {
+  for (const char* format : {"uyvy", "yuyv", "rgb24", "bgr24"}) {
+    const std::string settings =
+        settings_with((R"({"source": {"pixel_format": ")" + std::string(format) + R"("}})").c_str());
+    const Json score = this->score(settings, 10, {"--pixel-format", format, "--size", "780x580"});
+    EXPECT_EQ(score["robots"]["recall"], 1.0) << format;
+    EXPECT_EQ(score["robots"]["wrong_id"], 0) << format;
+    std::filesystem::remove_all(in_folder("frames"));
+  }
+}
+
+TEST_F(Tools, BayerOfALargerSensor) {
+  for (const char* format : {"bayer_rg8", "bayer_gr8", "bayer_gb8", "bayer_bg8"}) {
+    const std::string settings = settings_with((R"({
+      "source": {"pixel_format": ")" + std::string(format) +
+                                                R"(", "width": 1280, "height": 952},
+      "calibration": {"focal_length": 758.15, "principal_point_x": 642.0, "principal_point_y": 472.8,
+                      "pixel_image_width": 1280, "pixel_image_height": 952}})")
+                                                   .c_str());
+    const Json score = this->score(settings, 10, {"--pixel-format", format, "--size", "1280x952"});
+    EXPECT_EQ(score["robots"]["recall"], 1.0) << format;
+    EXPECT_EQ(score["robots"]["wrong_id"], 0) << format;
+    std::filesystem::remove_all(in_folder("frames"));
+  }
+}
+
+TEST_F(Tools, ProcessingIsDeterministic) {
+  const std::string settings = settings_with("{}");
+  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "3", "--output", in_folder("frames")});
+  const auto detections = [&](const char* name) {
+    must_run({SSLV_CTL, "process", "--settings", settings, "--input", in_folder("frames"), "--output",
+              in_folder(name)});
+    std::vector<Json> lines;
+    std::istringstream text(text_of(in_folder(name)));
+    for (std::string line; std::getline(text, line);) {
+      lines.push_back(Json::parse(line));
+      EXPECT_EQ(lines.back()["timing_us"].size(), 6u);
+      lines.back().erase("timing_us");
+    }
+    return lines;
+  };
+  const auto first = detections("a.jsonl");
+  EXPECT_EQ(first.size(), 3u);
+  EXPECT_EQ(first[0]["frame"], "frame_000000");
+  EXPECT_EQ(first, detections("b.jsonl"));
+}
+
+TEST_F(Tools, WhatCannotBeReadIsNamedAndSkipped) {
+  const std::string settings = settings_with("{}");
+  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "2", "--output", in_folder("frames")});
+  folder_.write("frames/frame_000000a.png", "this is no picture");
+  const auto run = run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", in_folder("frames")});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("frame_000000a.png"), HasSubstr("\"frame\":\"frame_000000\""),
+                    HasSubstr("\"frame\":\"frame_000001\""), HasSubstr("1 frames could not be read")));
+  must_run(
+      {SSLV_CTL, "simulate", "--settings", settings, "--frames", "1", "--raw", "--output", in_folder("raw")});
+  const auto wrong = run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", in_folder("raw"),
+                                 "--pixel-format", "uyvy", "--size", "640x480"});
+  EXPECT_THAT(wrong.output, AllOf(HasSubstr("frame_000000.raw"), HasSubstr("904800"), HasSubstr("614400")));
+  EXPECT_THAT(run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", "/no/such"}).output,
+              HasSubstr("/no/such"));
+  EXPECT_THAT(
+      run_to_end({SSLV_CTL, "process", "--settings", settings, "--camera", "7", "--input", "x"}).output,
+      HasSubstr("has no camera 7; known: 0, 1"));
+}
+
+TEST_F(Tools, BenchTimesEveryStage) {
+  const auto run = run_to_end(
+      {SSLV_CTL, "bench", "--json", "--frames", "1", "--rounds", "1", "--settings", settings_with("{}")});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const Json results = Json::parse(run.output);
+  EXPECT_EQ(results.size(), 9u);
+  for (const Json& result : results) {
+    ASSERT_EQ(result["stages"].size(), 7u);
+    EXPECT_EQ(result["stages"][6]["stage"], "total");
+    EXPECT_GT(result["stages"][6]["min_us"], 0.0);
+  }
+}
+
+TEST(RealPhoto, SixRobotsWithTheirIds) {
+  const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
+  if (!std::filesystem::exists(photo))
+    GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
+  const auto run = run_to_end({SSLV_CTL, "process", "--settings",
+                               SSLV_SOURCE_DIR "/tests/golden/ssl_blue6.json", "--input", photo.string()});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const Json found = Json::parse(run.output);
+  const Json annotations = Json::parse(std::ifstream(test_data_folder() / "real/annotations.json"));
+  ASSERT_EQ(found["robots"].size(), 6u);
+  for (const Json& picture : annotations["images"]) {
+    if (picture["image"] != "ssl_blue6_win.jpg") continue;
+    for (const Json& truth : picture["robots"]) {
+      const auto robot = std::find_if(found["robots"].begin(), found["robots"].end(), [&](const Json& one) {
+        return one["id"] == truth["id"] && one["team"] == truth["team"];
+      });
+      ASSERT_NE(robot, found["robots"].end()) << truth.dump();
+      const double dx = robot->at("pixel_x").get<double>() - truth["center_px"][0].get<double>();
+      const double dy = robot->at("pixel_y").get<double>() - truth["center_px"][1].get<double>();
+      // The truth itself is good to about 1.5 px and 5 degrees.
+      EXPECT_LT(std::hypot(dx, dy), 2.5) << truth.dump();
+      const double turn =
+          robot->at("orientation").get<double>() * 180 / M_PI - truth["orientation_deg"].get<double>();
+      EXPECT_LT(std::abs(std::remainder(turn, 360)), 5) << truth.dump();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sslv::test
