@@ -50,8 +50,9 @@ std::string lower_case(std::string text) {
 /// False when the target cannot be read.
 bool convert(HttpRequest& from, Request& to) {
   to.method = text_of(from.method_string());
-  for (const auto& field : from)
+  for (const auto& field : from) {
     to.headers.emplace(lower_case(text_of(field.name_string())), text_of(field.value()));
+  }
   to.body = std::move(from.body());
   const beast::string_view target = from.target();
   return parse_target({target.data(), target.size()}, to);
