@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/simulator_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using Picture = std::vector<std::uint8_t>;
+constexpr double kTime_s = 1.79e9;
+
+/// Nothing between the geometry and the bytes.
+SimulatorOptions plain_options() {
+  SimulatorOptions options;
+  options.pixel_format = PixelFormat::kRgb24;
+  options.noise_sigma = 0;
+  options.blur_sigma_px = 0;
+  options.vignette = 0;
+  return options;
+}
+
+/// 4 m up over the right half, tilted along x.
+SourceContext context_of(const SimulatorOptions& options, double tilt_rad = 0, double distortion = 0) {
+  CameraCalibration c;
+  c.focal_length = 600 * options.width / 780.0;
+  c.principal_point_x = (options.width - 1) / 2.0 + 5;
+  c.principal_point_y = (options.height - 1) / 2.0 - 3;
+  c.distortion = distortion;
+  c.pixel_image_width = options.width;
+  c.pixel_image_height = options.height;
+  const Eigen::Vector3d position_mm(1500 - 4000 * std::tan(tilt_rad), 100, 4000);
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+                             Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitY()));
+  const Eigen::Vector3d t = -(q * position_mm);
+  c.q0 = q.x();
+  c.q1 = q.y();
+  c.q2 = q.z();
+  c.q3 = q.w();
+  c.tx = t.x();
+  c.ty = t.y();
+  c.tz = t.z();
+  SourceContext context;
+  context.scene.camera.emplace(c);
+  return context;
+}
+
+Picture draw(SimulatedCamera& camera, double t_s) {
+  Picture picture(camera.picture_bytes());
+  camera.draw(t_s, picture.data());
+  return picture;
+}
+
+/// Centroid of what `weight_at` gives for the pixels within `reach_px` of one.
+template <class WeightAt>
+Eigen::Vector2d centroid(const Eigen::Vector2d& near, double reach_px, const WeightAt& weight_at) {
+  Eigen::Vector2d sum(0, 0);
+  double total = 0;
+  for (int y = static_cast<int>(near.y() - reach_px); y <= static_cast<int>(near.y() + reach_px) + 1; ++y) {
+    for (int x = static_cast<int>(near.x() - reach_px); x <= static_cast<int>(near.x() + reach_px) + 1; ++x) {
+      if (std::hypot(x - near.x(), y - near.y()) > reach_px) continue;
+      const double weight = weight_at(x, y);
+      sum += weight * Eigen::Vector2d(x, y);
+      total += weight;
+    }
+  }
+  return sum / total;
+}
+
+Eigen::Vector2d pixel_of(const Json& thing) {
+  return {thing["pixel_x"].get<double>(), thing["pixel_y"].get<double>()};
+}
+
+/// Centroid of a disc's picture: in perspective it is not the picture of the disc's centre.
+Eigen::Vector2d centroid_of_disc(const CameraModel& camera, const Eigen::Vector3d& center_mm,
+                                 double radius_mm) {
+  constexpr int kSteps = 10;
+  Eigen::Vector2d sum(0, 0);
+  double total = 0;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    for (int j = -kSteps; j <= kSteps; ++j) {
+      const Eigen::Vector2d offset_mm = radius_mm / kSteps * Eigen::Vector2d(i, j);
+      if (offset_mm.norm() > radius_mm) continue;
+      const Eigen::Vector2d pixel =
+          *camera.project(center_mm + Eigen::Vector3d(offset_mm.x(), offset_mm.y(), 0));
+      const double weight = 1 / camera.mm2_per_px(pixel, center_mm.z());
+      sum += weight * pixel;
+      total += weight;
+    }
+  }
+  return sum / total;
+}
+
+/// The middle of a robot's top.
+Eigen::Vector3d place_of(const Json& robot) {
+  return {robot["x"].get<double>(), robot["y"].get<double>(), robot["height"].get<double>()};
+}
+
+struct View {
+  const char* name;
+  double tilt_rad, distortion;
+};
+constexpr View kViews[] = {{"straight", 0, 0}, {"tilted and distorted", 0.35, 0.15}, {"cushion", 0.2, -0.1}};
+
+TEST(SimulatedCamera, DrawsDotsWhereTheCameraModelSaysSo) {
+  // A centre dot lies on even black, so its light beyond the black is exactly the share it covers of each
+  // pixel.
+  constexpr double kBlackRed = 24, kBlackBlue = 27;
+  for (const View& view : kViews) {
+    SCOPED_TRACE(view.name);
+    const SimulatorOptions options = plain_options();
+    const SourceContext context = context_of(options, view.tilt_rad, view.distortion);
+    SimulatedCamera camera(options, context, league_patterns());
+    int checked = 0;
+    double worst_px = 0;
+    for (int i = 0; i < 20; ++i) {
+      const double t_s = kTime_s + 1.7 * i;
+      const Picture picture = draw(camera, t_s);
+      const Json truth = camera.truth("", t_s);
+      for (const Json& robot : truth["robots"]) {
+        if (!robot["visible"].get<bool>()) continue;
+        const bool blue = robot["team"] == "blue";
+        const Eigen::Vector2d expected = centroid_of_disc(*context.scene.camera, place_of(robot), 25);
+        EXPECT_LT((pixel_of(robot) - expected).norm(), 0.05);
+        const double px_per_mm = 1 / std::sqrt(context.scene.camera->mm2_per_px(expected, robot["height"]));
+        const Eigen::Vector2d seen = centroid(expected, 34 * px_per_mm, [&](int x, int y) {
+          const auto at = static_cast<std::size_t>(3 * (y * options.width + x));
+          return blue ? picture[at + 2] - kBlackBlue : picture[at] - kBlackRed;
+        });
+        worst_px = std::max(worst_px, (seen - expected).norm());
+        ++checked;
+      }
+    }
+    EXPECT_GT(checked, 20);
+    EXPECT_LT(worst_px, 0.02);
+  }
+}
+
+TEST(SimulatedCamera, BallsShowWhereTheTruthSaysInEveryFormat) {
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kMono8,
+                                   PixelFormat::kBayerRg8, PixelFormat::kBayerGb8}) {
+    for (const View& view : {kViews[0], kViews[1]}) {
+      SCOPED_TRACE(std::string(name_of(format)) + " " + view.name);
+      SimulatorOptions options = plain_options();
+      options.pixel_format = format;
+      options.blur_sigma_px = 0.5;
+      options.robots_yellow = options.robots_blue = 0;
+      options.balls = 10;
+      const SourceContext context = context_of(options, view.tilt_rad, view.distortion);
+      SimulatedCamera camera(options, context, league_patterns());
+      options.balls = 0;
+      SimulatedCamera empty(options, context, league_patterns());
+      const Picture background = draw(empty, 0);
+      const int bytes = bytes_per_pixel(format), luma = format == PixelFormat::kUyvy ? 1 : 0;
+      int checked = 0;
+      double worst_px = 0;
+      for (int i = 0; i < 8; ++i) {
+        const double t_s = kTime_s + 3.1 * i;
+        const Picture picture = draw(camera, t_s);
+        // What the ball changed, by the place of each sample; of Bayer pictures the red ones only.
+        const auto changed = [&](int x, int y) {
+          if (format == PixelFormat::kBayerRg8 && (x % 2 != 0 || y % 2 != 0)) return 0;
+          if (format == PixelFormat::kBayerGb8 && (x % 2 != 0 || y % 2 != 1)) return 0;
+          const auto at = static_cast<std::size_t>((y * options.width + x) * bytes + luma);
+          return picture[at] - background[at];
+        };
+        const Json truth = camera.truth("", t_s);
+        for (const Json& ball : truth["balls"]) {
+          const Eigen::Vector2d expected = pixel_of(ball);
+          if (!ball["visible"].get<bool>() || expected.minCoeff() < 12 || expected.x() > options.width - 12 ||
+              expected.y() > options.height - 12) {
+            continue;
+          }
+          const auto line_nearby = [&](int x, int y) {
+            return background[static_cast<std::size_t>((y * options.width + x) * bytes + luma)] > 110 ? 1 : 0;
+          };
+          if (!centroid(expected, 10, line_nearby).hasNaN()) continue;  // its contrast is not even there
+          worst_px = std::max(worst_px, (centroid(expected, 9, changed) - expected).norm());
+          ++checked;
+        }
+      }
+      EXPECT_GT(checked, 10);
+      // The carpet under it is not even, and a Bayer picture has a quarter of the samples on a ball of 6
+      // pixels.
+      EXPECT_LT(worst_px, is_bayer(format) ? 0.3 : 0.08);
+    }
+  }
+}
+
+TEST(SimulatedCamera, PaintsLinesAtTheirPublishedPlaces) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = options.balls = 0;
+  const SourceContext context = context_of(options, 0.2, 0.1);
+  SimulatedCamera camera(options, context, league_patterns());
+  const Picture picture = draw(camera, 0);
+  for (const Eigen::Vector3d& on_line :
+       {Eigen::Vector3d(0, 700, 0), Eigen::Vector3d(500 * std::cos(0.5), 500 * std::sin(0.5), 0)}) {
+    const Eigen::Vector2d pixel = *context.scene.camera->project(on_line);
+    // Along the picture's row, as the lines here run about upright.
+    double sum = 0, weight = 0;
+    const int y = static_cast<int>(std::lround(pixel.y()));
+    for (int x = static_cast<int>(pixel.x()) - 6; x <= static_cast<int>(pixel.x()) + 7; ++x) {
+      const double white = picture[static_cast<std::size_t>(3 * (y * options.width + x))] - 30.0;
+      sum += white * x;
+      weight += white;
+    }
+    const auto seen = context.scene.camera->unproject({sum / weight, static_cast<double>(y)}, 0);
+    // As far as the carpet's unevenness lets this simple measure see.
+    const double off_mm = on_line.x() == 0 ? seen->x() : seen->norm() - 500;
+    EXPECT_NEAR(off_mm, 0, 2);
+  }
+}
+
+TEST(SimulatedCamera, ShowsTheIdAndTheDirection) {
+  SimulatorOptions options = plain_options();
+  options.width = 1560;  // dots of 12 pixels
+  options.height = 1160;
+  options.robots_yellow = options.robots_blue = 16;
+  const SourceContext context = context_of(options, 0.1, 0.1);
+  SimulatedCamera camera(options, context, league_patterns());
+  const Picture picture = draw(camera, kTime_s);
+  const auto redder_than_green = [&](const Eigen::Vector2d& p) {
+    const auto at = static_cast<std::size_t>(3 * (std::lround(p.y()) * options.width + std::lround(p.x())));
+    return picture[at] > picture[at + 1];
+  };
+  int checked = 0;
+  const Json truth = camera.truth("", kTime_s);
+  for (const Json& robot : truth["robots"]) {
+    if (!robot["visible"].get<bool>()) continue;
+    const auto& code = league_patterns().codes[robot["id"].get<std::size_t>()];
+    ASSERT_EQ(code.id, robot["id"].get<int>());
+    for (std::size_t dot = 0; dot < 4; ++dot) {
+      const auto& place = league_patterns().dots[dot];
+      const Eigen::Vector2d turned =
+          Eigen::Rotation2Dd(robot["orientation"].get<double>()) * Eigen::Vector2d(place.x_mm, place.y_mm);
+      const auto pixel = context.scene.camera->project(
+          {robot["x"].get<double>() + turned.x(), robot["y"].get<double>() + turned.y(), robot["height"]});
+      EXPECT_EQ(redder_than_green(*pixel), code.colors[dot] == label::kPink) << robot << " dot " << dot;
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 20);
+}
+
+TEST(SimulatedCamera, AFrameDoesNotDependOnThoseBefore) {
+  SimulatorOptions options = plain_options();
+  options.pixel_format = PixelFormat::kUyvy;
+  options.blur_sigma_px = 1.2;
+  options.exposure_ms = 30;
+  options.robots_yellow = options.robots_blue = 16;
+  options.balls = 5;
+  const SourceContext context = context_of(options);
+  SimulatedCamera used(options, context, league_patterns()), fresh(options, context, league_patterns());
+  const Picture before = draw(used, kTime_s);
+  const Picture after = draw(used, kTime_s + 0.4);
+  EXPECT_EQ(after, draw(fresh, kTime_s + 0.4));
+  EXPECT_NE(after, before);
+}
+
+TEST(SimulatedCamera, NoiseIsNewEachFrameAndTheSameEachRun) {
+  SimulatorOptions options = plain_options();
+  options.noise_sigma = 4;
+  options.speed = 0;
+  const SourceContext context = context_of(options);
+  SimulatedCamera one(options, context, league_patterns()), same(options, context, league_patterns());
+  options.noise_sigma = 0;
+  SimulatedCamera clean_camera(options, context, league_patterns());
+  const Picture a = draw(one, 0), b = draw(one, 0), clean = draw(clean_camera, 0);
+  EXPECT_EQ(a, draw(same, 0));
+  EXPECT_EQ(b, draw(same, 0));
+  double sum = 0, squares = 0, between = 0;
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    const double da = a[i] - clean[i], db = b[i] - clean[i];
+    sum += da;
+    squares += da * da;
+    between += da * db;
+  }
+  const auto n = static_cast<double>(clean.size());
+  EXPECT_NEAR(sum / n, 0, 0.05);
+  EXPECT_NEAR(std::sqrt(squares / n), 4, 0.1);
+  EXPECT_NEAR(between / n, 0, 0.1);
+}
+
+TEST(SimulatedCamera, LightFallsOffAsAsked) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = options.balls = 0;
+  const SourceContext context = context_of(options);
+  const auto mean_green = [&](const SimulatorOptions& with, int x0) {
+    SimulatedCamera camera(with, context, league_patterns());
+    const Picture picture = draw(camera, 0);
+    double sum = 0;
+    for (int y = 300; y < 340; ++y) {
+      for (int x = x0; x < x0 + 40; ++x) sum += picture[static_cast<std::size_t>(3 * (y * 780 + x) + 1)];
+    }
+    return sum / 1600;
+  };
+  SimulatorOptions dim = options, one_sided = options;
+  dim.light = 0.5;
+  one_sided.gradient = 0.6;
+  for (const int x : {100, 600}) {
+    EXPECT_NEAR(mean_green(dim, x) / mean_green(options, x), 0.5, 0.01);
+    EXPECT_NEAR(mean_green(one_sided, x) / mean_green(options, x), 1 - 0.6 * (x + 20) / 780, 0.01);
+  }
+}
+
+TEST(SimulatedCamera, ExposureSmearsAlongTheWay) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = 0;
+  options.balls = 3;
+  const SourceContext context = context_of(options);
+  const auto brightest_red = [&](double exposure_ms) {
+    options.exposure_ms = exposure_ms;
+    SimulatedCamera camera(options, context, league_patterns());
+    const Picture picture = draw(camera, kTime_s);
+    const Json truth = camera.truth("", kTime_s);
+    for (const Json& ball : truth["balls"]) {
+      if (!ball["visible"].get<bool>()) continue;
+      const Eigen::Vector2d pixel = pixel_of(ball);
+      return static_cast<int>(picture[static_cast<std::size_t>(
+          3 * (std::lround(pixel.y()) * options.width + std::lround(pixel.x())))]);
+    }
+    return -1;
+  };
+  EXPECT_GT(brightest_red(0), 200);
+  EXPECT_LT(brightest_red(100), 150);
+  EXPECT_GT(brightest_red(100), 30);
+}
+
+TEST(SimulatedCamera, CutAndHiddenThingsAreNotVisible) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = 16;
+  options.balls = 10;
+  SourceContext context = context_of(options);
+  context.scene.robot_height_mm = {150, 150};
+  SimulatedCamera camera(options, context, league_patterns());
+  int cut = 0, hidden = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Json truth = camera.truth("f", kTime_s + i);
+    for (const Json& robot : truth["robots"]) {
+      const Eigen::Vector2d p = pixel_of(robot);
+      const double inside = std::min({p.x(), p.y(), 779 - p.x(), 579 - p.y()});
+      // The top's radius is 14 pixels.
+      if (inside < 11 || inside > 18) {
+        EXPECT_EQ(robot["visible"].get<bool>(), inside > 18) << robot;
+      }
+      cut += inside > -10 && inside < 10;
+    }
+    for (const Json& ball : truth["balls"]) {
+      const Eigen::Vector2d p = pixel_of(ball);
+      const double inside = std::min({p.x(), p.y(), 779 - p.x(), 579 - p.y()});
+      hidden += inside > 10 && !ball["visible"].get<bool>();
+    }
+  }
+  EXPECT_GT(cut, 10);
+  EXPECT_GT(hidden, 3);  // by robots between them and the camera
+}
+
+std::string error_of(const SimulatorOptions& options, const SourceContext& context,
+                     const PatternTable& patterns) {
+  try {
+    const SimulatedCamera camera(options, context, patterns);
+  } catch (const CaptureError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SimulatedCamera, SaysWhatItCannotDraw) {
+  using testing::HasSubstr;
+  SimulatorOptions options = plain_options();
+  SourceContext uncalibrated;
+  uncalibrated.camera_id = 3;
+  EXPECT_THAT(error_of(options, uncalibrated, league_patterns()), HasSubstr("camera 3: the simulator draws"));
+
+  const SourceContext context = context_of(options);
+  SimulatorOptions other_size = options;
+  other_size.width = 1280;
+  EXPECT_THAT(
+      error_of(other_size, context, league_patterns()),
+      HasSubstr("is for pictures of 780 x 580 (pixel_image_width, pixel_image_height), but the simulator's "
+                "width and height say 1280 x 580"));
+
+  PatternTable few = league_patterns();
+  few.codes.resize(3);
+  EXPECT_THAT(error_of(options, context, few), HasSubstr("has no such id"));
+
+  options.robots_yellow = options.robots_blue = 16;
+  SourceContext tiny = context;
+  tiny.scene.field.field_length = tiny.scene.field.field_width = 1000;
+  EXPECT_THAT(error_of(options, tiny, league_patterns()), HasSubstr("32 robots and 1 balls are not allowed"));
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/simulator_sensor.h"
+
+#include "image/color.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+constexpr int kSide = 32;
+
+SimulatorOptions options_of(PixelFormat format) {
+  SimulatorOptions options;
+  options.width = options.height = kSide;
+  options.pixel_format = format;
+  options.noise_sigma = 0;
+  options.blur_sigma_px = 0;
+  return options;
+}
+
+void set(LightPicture& light, int x, int y, int r, int g, int b) {
+  const int grey = LightPicture::kPerGrey;
+  std::uint16_t* p = light.at(x, y);
+  p[0] = static_cast<std::uint16_t>(r * grey);
+  p[1] = static_cast<std::uint16_t>(g * grey);
+  p[2] = static_cast<std::uint16_t>(b * grey);
+}
+
+LightPicture even_light(int r, int g, int b) {
+  LightPicture light(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) set(light, x, y, r, g, b);
+  }
+  return light;
+}
+
+std::vector<std::uint8_t> developed(const SimulatorOptions& options, const LightPicture& light) {
+  SimulatorSensor sensor(options, 0);
+  std::vector<std::uint8_t> picture(sensor.picture_bytes());
+  sensor.develop(light, {0, 0, kSide, kSide}, picture.data());
+  return picture;
+}
+
+TEST(SimulatorSensor, ConvertsColoursAsTheRestOfTheHouseDoes) {
+  constexpr Rgb kColors[] = {{200, 60, 20}, {10, 250, 90}, {33, 44, 180}, {255, 255, 255}, {0, 0, 0}};
+  for (const Rgb& c : kColors) {
+    const LightPicture light = even_light(c.r, c.g, c.b);
+    const Yuv yuv = to_yuv(c);
+    const auto uyvy = developed(options_of(PixelFormat::kUyvy), light);
+    EXPECT_NEAR(uyvy[0], yuv.u, 1);
+    EXPECT_NEAR(uyvy[1], yuv.y, 1);
+    EXPECT_NEAR(uyvy[2], yuv.v, 1);
+    EXPECT_NEAR(uyvy[3], yuv.y, 1);
+    const auto yuyv = developed(options_of(PixelFormat::kYuyv), light);
+    EXPECT_NEAR(yuyv[1], yuv.u, 1);
+    EXPECT_NEAR(yuyv[2], yuv.y, 1);
+    EXPECT_NEAR(yuyv[3], yuv.v, 1);
+    EXPECT_NEAR(developed(options_of(PixelFormat::kMono8), light)[5], yuv.y, 1);
+    const auto bgr = developed(options_of(PixelFormat::kBgr24), light);
+    EXPECT_EQ(bgr[3], c.b);
+    EXPECT_EQ(bgr[4], c.g);
+    EXPECT_EQ(bgr[5], c.r);
+  }
+}
+
+TEST(SimulatorSensor, AveragesTheColourOfPairs) {
+  LightPicture light = even_light(0, 0, 0);
+  set(light, 0, 0, 200, 60, 20);
+  const auto uyvy = developed(options_of(PixelFormat::kUyvy), light);
+  const Yuv left = to_yuv({200, 60, 20});
+  EXPECT_NEAR(uyvy[0], (left.u + 128) / 2, 1);
+  EXPECT_NEAR(uyvy[1], left.y, 1);
+  EXPECT_NEAR(uyvy[2], (left.v + 128) / 2, 1);
+  EXPECT_EQ(uyvy[3], 0);
+}
+
+TEST(SimulatorSensor, BayerFormatsAreNamedAfterTheirFirstPixels) {
+  const LightPicture light = even_light(10, 20, 30);
+  struct Case {
+    PixelFormat format;
+    std::array<int, 4> quad;
+  };
+  for (const Case& c :
+       {Case{PixelFormat::kBayerRg8, {10, 20, 20, 30}}, Case{PixelFormat::kBayerGr8, {20, 10, 30, 20}},
+        Case{PixelFormat::kBayerGb8, {20, 30, 10, 20}}, Case{PixelFormat::kBayerBg8, {30, 20, 20, 10}}}) {
+    const auto picture = developed(options_of(c.format), light);
+    EXPECT_EQ((std::array<int, 4>{picture[0], picture[1], picture[kSide], picture[kSide + 1]}), c.quad)
+        << name_of(c.format);
+  }
+}
+
+TEST(SimulatorSensor, SaturatesBeforeColoursAreMixed) {
+  // Overexposed orange turns yellow: its green catches up with its full red.
+  const auto uyvy = developed(options_of(PixelFormat::kUyvy), even_light(600, 250, 0));
+  const Yuv yellow = to_yuv({255, 250, 0});
+  EXPECT_NEAR(uyvy[0], yellow.u, 1);
+  EXPECT_NEAR(uyvy[2], yellow.v, 1);
+}
+
+TEST(SimulatorSensor, BlurSpreadsLightByItsSigma) {
+  LightPicture light = even_light(0, 0, 0);
+  for (int y = 14; y < 17; ++y) {
+    for (int x = 14; x < 17; ++x) set(light, x, y, 250, 0, 0);
+  }
+  SimulatorOptions options = options_of(PixelFormat::kRgb24);
+  options.blur_sigma_px = 1.5;
+  const auto picture = developed(options, light);
+  double sum = 0, variance_x = 0, variance_y = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double red = picture[static_cast<std::size_t>(3 * (y * kSide + x))];
+      sum += red;
+      variance_x += red * (x - 15) * (x - 15);
+      variance_y += red * (y - 15) * (y - 15);
+    }
+  }
+  EXPECT_NEAR(sum, 9 * 250, 25);
+  // A box of 3 has a variance of 2/3.
+  EXPECT_NEAR(variance_x / sum, 1.5 * 1.5 + 2.0 / 3, 0.15);
+  EXPECT_NEAR(variance_y / sum, variance_x / sum, 1e-9);
+}
+
+TEST(SimulatorSensor, ABoxDevelopsAsInTheWholePicture) {
+  LightPicture light = even_light(20, 80, 40);
+  set(light, 13, 9, 250, 200, 100);
+  set(light, 0, 31, 10, 200, 250);
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerGr8}) {
+    SimulatorOptions options = options_of(format);
+    options.blur_sigma_px = 0.8;
+    const auto whole = developed(options, light);
+    SimulatorSensor sensor(options, 0);
+    auto picture = developed(options, even_light(20, 80, 40));
+    for (const PixelBox& box : {PixelBox{13, 9, 14, 10}, PixelBox{0, 31, 1, 32}}) {
+      const PixelBox reached = sensor.reached_from(box);
+      EXPECT_EQ(reached.left % 2, 0);
+      EXPECT_EQ(reached.right % 2, 0);
+      sensor.develop(light, reached, picture.data());
+    }
+    EXPECT_EQ(picture, whole) << name_of(format);
+  }
+}
+
+TEST(SimulatorSensor, NoiseStaysWithinBytes) {
+  SimulatorOptions options = options_of(PixelFormat::kMono8);
+  options.noise_sigma = 20;
+  SimulatorSensor sensor(options, 0);
+  for (const int level : {0, 255}) {
+    const std::vector<std::uint8_t> clean(sensor.picture_bytes(), static_cast<std::uint8_t>(level));
+    std::vector<std::uint8_t> noisy(clean.size());
+    sensor.add_noise(clean.data(), noisy.data());
+    int kept = 0, far = 0;
+    for (const std::uint8_t value : noisy) {
+      kept += value == level;
+      far += std::abs(value - level) > 127;
+    }
+    EXPECT_GT(kept, 400);  // half of 1024 are pushed against the end
+    EXPECT_LT(kept, 650);
+    EXPECT_EQ(far, 0);
+  }
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/simulator.h"
+
+#include "base/error.h"
+#include "capture/simulator_camera.h"
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using namespace std::chrono_literals;
+
+SourceContext small_context() {
+  CameraCalibration c;
+  c.focal_length = 200;
+  c.principal_point_x = 64;
+  c.principal_point_y = 48;
+  c.q0 = 1;
+  c.q3 = 0;
+  c.tz = 4000;
+  SourceContext context;
+  context.scene.camera.emplace(c);
+  return context;
+}
+
+std::unique_ptr<Source> small_source(double rate_hz, const char* format = "uyvy") {
+  const Backend backend = simulator_backend();
+  const Json options{{"width", 128}, {"height", 96}, {"frame_rate_hz", rate_hz}, {"pixel_format", format}};
+  return backend.open(backend.complete(options, "/source"), small_context());
+}
+
+TEST(Simulator, GivesPicturesOfTheAskedKind) {
+  CapturedImage image;
+  std::string problem;
+  ASSERT_EQ(small_source(0, "bayer_gb8")->next(image, problem, 1s), CaptureStatus::kImage);
+  EXPECT_EQ(image.image.view().width, 128);
+  EXPECT_EQ(image.image.view().height, 96);
+  EXPECT_EQ(image.image.view().format, PixelFormat::kBayerGb8);
+  EXPECT_EQ(image.image.view().stride_bytes, 128);
+  EXPECT_FALSE(image.t_capture_camera_s);
+  EXPECT_EQ(image.name, "");
+}  // the picture outlives its source
+
+TEST(Simulator, ExposesAtWholeMultiplesOfThePeriod) {
+  const auto source = small_source(50);
+  CapturedImage image;
+  std::string problem;
+  double last_s = 0;
+  for (int i = 0; i < 5; ++i) {
+    while (source->next(image, problem, 100ms) != CaptureStatus::kImage) {
+    }
+    EXPECT_NEAR(std::remainder(image.t_capture_s, 0.02), 0, 1e-5);
+    EXPECT_GT(image.t_capture_s, last_s + 0.019);
+    last_s = image.t_capture_s;
+  }
+}
+
+TEST(Simulator, TellsOfATimeoutAndKeepsThePicture) {
+  const auto source = small_source(0.5);
+  CapturedImage image;
+  std::string problem;
+  // Ticks are 2 s apart: of calls within 5 ms at most one can meet one.
+  int images = 0;
+  for (int i = 0; i < 3; ++i) images += source->next(image, problem, 1ms) == CaptureStatus::kImage;
+  EXPECT_LE(images, 1);
+}
+
+TEST(Simulator, APictureThatIsHeldIsNotDrawnOver) {
+  const auto source = small_source(0);
+  std::vector<CapturedImage> held;
+  std::string problem;
+  for (;;) {
+    CapturedImage image;
+    if (source->next(image, problem, 20ms) != CaptureStatus::kImage) break;
+    held.push_back(std::move(image));
+    ASSERT_LT(held.size(), 100U);
+  }
+  ASSERT_GE(held.size(), 4U);
+  const ImageView oldest = held.front().image.view();
+  const std::vector<std::uint8_t> bytes(oldest.data, oldest.data + oldest.height * oldest.stride_bytes);
+
+  const std::uint8_t* freed = held.back().image.view().data;
+  held.pop_back();
+  CapturedImage image;
+  ASSERT_EQ(source->next(image, problem, 1s), CaptureStatus::kImage);
+  EXPECT_EQ(image.image.view().data, freed);
+  EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), oldest.data));
+}
+
+TEST(Simulator, FillsInDefaultsAndDeclaresThem) {
+  const Backend backend = simulator_backend();
+  EXPECT_EQ(backend.name, "simulator");
+  const Json complete = backend.complete(Json::object(), "");
+  EXPECT_EQ(complete["width"], 780);
+  EXPECT_EQ(complete["pixel_format"], "uyvy");
+  EXPECT_EQ(backend.complete(complete, ""), complete);
+  EXPECT_EQ(backend.schema()["properties"].size(), complete.size());
+}
+
+std::string error_of(const Json& options) {
+  try {
+    simulator_options(options, "/cameras/0/source");
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Simulator, RefusesWhatCannotBeDrawn) {
+  EXPECT_EQ(error_of({{"wdith", 3}}).substr(0, 44), "/cameras/0/source/wdith: no such parameter; ");
+  EXPECT_EQ(error_of({{"width", 781}}),
+            "/cameras/0/source: width 781 and height 580 are not allowed; expected even ones for uyvy");
+  EXPECT_EQ(error_of({{"width", 781}, {"pixel_format", "rgb24"}}), "no error");
+  EXPECT_EQ(error_of({{"robots_blue", 7}, {"first_blue_id", 10}}),
+            "/cameras/0/source/robots_blue: 7 is not allowed with first_blue_id 10; expected ids up to 15");
+}
+
+}  // namespace
+}  // namespace sslv
