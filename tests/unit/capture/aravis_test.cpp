@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/aravis.h"
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "capture/camera_thread.h"
+#include "support/allocation_count.h"
+#include "support/gige_server.h"
+
+#include <atomic>
+#include <cmath>
+#include <optional>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+
+constexpr const char* kAddress = "127.0.0.1";
+constexpr const char* kSerial = "SSLV01";
+
+std::uint8_t pixel(int number, int place) {
+  return static_cast<std::uint8_t>(7 * place + place / 251 + 31 * number);
+}
+
+/// A camera on the loopback interface whose pictures can be told apart and recomputed.
+class Gige : public testing::Test {
+ protected:
+  void SetUp() override { plug_in(); }
+
+  void plug_in() {
+    server_.emplace(kAddress, kSerial,
+                    [this](std::uint8_t* pixels, int width, int height, PixelFormat format) {
+                      const int number = sent_++;
+                      const int bytes = width * height * bytes_per_pixel(format);
+                      for (int i = 0; i < bytes; ++i) pixels[i] = pixel(number, i);
+                    });
+    server_->set_defaults(320, 240, PixelFormat::kBayerRg8, 100);
+  }
+  void pull_the_plug() { server_.reset(); }
+
+  static std::unique_ptr<Source> open(Json options = Json::object()) {
+    if (!options.contains("camera")) options["camera"] = kAddress;
+    return aravis_backend().open(aravis_backend().complete(options, ""), {});
+  }
+  static std::string refusal(const Json& options) {
+    try {
+      open(options);
+    } catch (const CaptureError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::atomic<int> sent_{0};
+  std::optional<GigeServer> server_;
+};
+
+/// The next that is not kTimeout; gives up after many.
+CaptureStatus next(Source& source, CapturedImage& image, std::string& problem) {
+  for (int i = 0; i < 300; ++i) {
+    const CaptureStatus status = source.next(image, problem, milliseconds(100));
+    if (status != CaptureStatus::kTimeout) return status;
+  }
+  return CaptureStatus::kTimeout;
+}
+
+/// The first picture; others before it are allowed to come damaged.
+CapturedImage next_picture(Source& source) {
+  std::string problem;
+  for (int i = 0; i < 50; ++i) {
+    CapturedImage image;
+    const CaptureStatus status = next(source, image, problem);
+    if (status == CaptureStatus::kImage) return image;
+    if (status != CaptureStatus::kIncomplete) break;
+  }
+  ADD_FAILURE() << "no picture: " << problem;
+  return {};
+}
+
+void expect_our_pixels(const ImageView& view) {
+  ASSERT_FALSE(view.empty());
+  const int bytes = view.width * bytes_per_pixel(view.format);
+  ASSERT_EQ(view.stride_bytes, bytes);
+  int number = 0;
+  while (number < 256 && pixel(number, 0) != view.data[0]) ++number;
+  for (int i = 0; i < bytes * view.height; ++i) ASSERT_EQ(view.data[i], pixel(number, i)) << "byte " << i;
+}
+
+TEST_F(Gige, PicturesArriveUnchanged) {
+  const auto source = open();
+  for (int i = 0; i < 5; ++i) {
+    const CapturedImage image = next_picture(*source);
+    EXPECT_EQ(image.image.view().width, 320);
+    EXPECT_EQ(image.image.view().height, 240);
+    EXPECT_EQ(image.image.view().format, PixelFormat::kBayerRg8);
+    expect_our_pixels(image.image.view());
+  }
+}
+
+TEST_F(Gige, SetsWhatItIsTold) {
+  const auto source = open({{"pixel_format", "rgb24"},
+                            {"width", 200},
+                            {"height", 100},
+                            {"offset_x", 20},
+                            {"frame_rate_hz", 80},
+                            {"exposure_us", 1500},
+                            {"gain", 3},
+                            {"packet_size", 1000},
+                            {"buffers", 5}});
+  const CapturedImage image = next_picture(*source);
+  EXPECT_EQ(image.image.view().width, 200);
+  EXPECT_EQ(image.image.view().height, 100);
+  EXPECT_EQ(image.image.view().format, PixelFormat::kRgb24);
+  expect_our_pixels(image.image.view());
+}
+
+TEST_F(Gige, PicturesHaveTimes) {
+  const auto source = open();
+  const CapturedImage first = next_picture(*source), second = next_picture(*source);
+  EXPECT_LT(std::abs(first.t_capture_s - unix_time_s()), 60);
+  EXPECT_LT(first.t_capture_s, second.t_capture_s);
+  ASSERT_TRUE(first.t_capture_camera_s && second.t_capture_camera_s);
+  EXPECT_LT(*first.t_capture_camera_s, *second.t_capture_camera_s);
+}
+
+TEST_F(Gige, PicturesOutliveTheSource) {
+  CapturedImage held, dropped_late;
+  {
+    const auto source = open();
+    held = next_picture(*source);
+    dropped_late = next_picture(*source);
+  }
+  expect_our_pixels(held.image.view());
+  dropped_late = {};
+  const auto again = open();
+  expect_our_pixels(next_picture(*again).image.view());
+  expect_our_pixels(held.image.view());
+}
+
+TEST_F(Gige, BuffersComeBack) {
+  const auto source = open({{"buffers", 3}});
+  for (int i = 0; i < 20; ++i) next_picture(*source);
+}
+
+TEST_F(Gige, AllocatesNothingForAPicture) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  const auto source = open();
+  next_picture(*source);
+  CapturedImage image;
+  std::string problem;
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(next(*source, image, problem), CaptureStatus::kImage) << problem;
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST_F(Gige, SaysWhyAPictureIsIncomplete) {
+  const auto source = open();
+  next_picture(*source);
+  server_->lose_packets(0.2);
+  CapturedImage image;
+  std::string problem;
+  CaptureStatus status = CaptureStatus::kImage;
+  for (int i = 0; i < 100 && status == CaptureStatus::kImage; ++i) status = next(*source, image, problem);
+  EXPECT_EQ(status, CaptureStatus::kIncomplete);
+  EXPECT_THAT(problem, testing::AnyOf("packets are missing", "its last packets did not come"));
+}
+
+TEST_F(Gige, ASilentCameraIsLost) {
+  const auto source = open({{"silence_s", 0.3}});
+  next_picture(*source);
+  pull_the_plug();
+  CapturedImage image;
+  std::string problem;
+  CaptureStatus status = CaptureStatus::kImage;
+  while (status == CaptureStatus::kImage || status == CaptureStatus::kIncomplete) {
+    status = next(*source, image, problem);
+  }
+  EXPECT_EQ(status, CaptureStatus::kLost);
+  EXPECT_EQ(problem, "camera \"127.0.0.1\": no picture for 0.3 s");
+  plug_in();  // closing would wait for its answers
+}
+
+/// A camera that has restarted knows nothing of us; only its answers to the heartbeat tell.
+TEST_F(Gige, ARestartedCameraIsLost) {
+  const auto source = open({{"silence_s", 3600}});
+  next_picture(*source);
+  pull_the_plug();
+  plug_in();
+  CapturedImage image;
+  std::string problem;
+  CaptureStatus status = CaptureStatus::kImage;
+  while (status == CaptureStatus::kImage || status == CaptureStatus::kIncomplete) {
+    status = next(*source, image, problem);
+  }
+  EXPECT_EQ(status, CaptureStatus::kLost);
+  EXPECT_EQ(problem, "camera \"127.0.0.1\": no longer answers");
+}
+
+TEST_F(Gige, TheCameraThreadOpensARestartedCameraAnew) {
+  std::atomic<int> taken{0};
+  CameraThread thread(
+      "camera 0", {},
+      [] {
+        return open({{"silence_s", 0.3}});
+      },
+      [&](CapturedImage&&) { ++taken; }, {milliseconds(10), milliseconds(100)});
+  const auto wait_for_more = [&] {
+    const int before = taken;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (taken < before + 3 && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    return taken >= before + 3;
+  };
+  ASSERT_TRUE(wait_for_more());
+  pull_the_plug();
+  while (thread.health().state == CameraState::kRunning) std::this_thread::yield();
+  EXPECT_THAT(thread.health().error, HasSubstr("camera \"127.0.0.1\": "));
+  plug_in();
+  EXPECT_TRUE(wait_for_more()) << thread.health().error;
+  EXPECT_GE(thread.health().reconnects, 1U);
+}
+
+TEST_F(Gige, IsListedAndOpenedBySerial) {
+  const std::vector<FoundCamera> found = aravis_backend().list();
+  const auto ours = std::find_if(found.begin(), found.end(), [](const FoundCamera& camera) {
+    return camera.source == Json{{"backend", "aravis"}, {"camera", kSerial}};
+  });
+  ASSERT_NE(ours, found.end());
+  EXPECT_EQ(ours->name, "Aravis Fake SSLV01 (GigEVision, 127.0.0.1)");
+  const auto source = open({{"camera", kSerial}});
+  expect_our_pixels(next_picture(*source).image.view());
+}
+
+TEST_F(Gige, NamesWhatTheCameraDoesNotTake) {
+  EXPECT_EQ(refusal({{"width", 4000}}),
+            "camera \"127.0.0.1\": width 4000 refused: the camera takes 1 .. 320");
+  EXPECT_EQ(refusal({{"gain", 99}}), "camera \"127.0.0.1\": gain 99 refused: the camera takes 0 .. 10");
+  EXPECT_EQ(
+      refusal({{"pixel_format", "yuyv"}}),
+      "camera \"127.0.0.1\": pixel_format yuyv refused: the camera has bayer_bg8, bayer_gb8, bayer_gr8, "
+      "bayer_rg8, mono8, rgb24");
+}
+
+TEST_F(Gige, NamesACameraThatIsNotThere) {
+  EXPECT_THAT(refusal({{"camera", "XY-404"}}), HasSubstr("camera \"XY-404\": not found; there are "));
+  EXPECT_THAT(refusal({{"camera", "XY-404"}}), HasSubstr("\"SSLV01\" (Aravis-Fake-SSLV01)"));
+}
+
+TEST(Aravis, UnknownOptionsAreRefused) {
+  EXPECT_THROW(aravis_backend().complete({{"exposure", 3}}, "/cameras/0/source"), SettingsError);
+  EXPECT_THROW(aravis_backend().complete({{"buffers", 1}}, "/cameras/0/source"), SettingsError);
+  const Json defaults = aravis_backend().complete(Json::object(), "");
+  EXPECT_EQ(defaults.at("camera"), "");
+  EXPECT_EQ(defaults.at("exposure_us"), nullptr);
+}
+
+}  // namespace
+}  // namespace sslv
