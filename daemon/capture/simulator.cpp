@@ -50,7 +50,7 @@ class SimulatorSource final : public Source {
 
  private:
   static constexpr std::size_t kBuffers = 6;
-  static constexpr double kRetry_s = 0.001;  // for a free buffer, without a frame rate
+  static constexpr double kRetryS = 0.001;  // for a free buffer, without a frame rate
 
   /// Draws the picture of the next tick, if a buffer is free.
   void draw_ahead() {
@@ -71,7 +71,7 @@ class SimulatorSource final : public Source {
     if (bytes != nullptr) {
       camera_.draw(t_capture_s_, bytes);
     } else if (frame_rate_hz_ <= 0) {
-      due_ = later(due_, kRetry_s);
+      due_ = later(due_, kRetryS);
     }
   }
 

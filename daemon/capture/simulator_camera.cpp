@@ -94,8 +94,7 @@ void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
   const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(layout_.format));
   for (const PixelBox& box : boxes_) {
     for (int y = box.top; y < box.bottom; ++y) {
-      const std::uint16_t* from = background_.at(box.left, y);
-      std::copy(from, from + 3 * (box.right - box.left), light_.at(box.left, y));
+      std::copy(background_.at(box.left, y), background_.at(box.right, y), light_.at(box.left, y));
     }
     const PixelBox reached = sensor_.reached_from(box);
     const std::size_t bytes = static_cast<std::size_t>(reached.right - reached.left) * pixel_bytes;

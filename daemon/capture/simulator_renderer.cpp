@@ -79,8 +79,10 @@ double lowest_mm(const SimulatedScene& scene) {
   return lowest;
 }
 
-std::uint16_t steps(float grey) {
-  return static_cast<std::uint16_t>(std::min(grey * LightPicture::kPerGrey, 65535.0F) + 0.5F);
+/// To a LightPicture's channel: rounded, and no more than it can hold.
+std::uint16_t channel_value(float steps) {
+  const float up = std::min(steps, 65535.0F) + 0.5F;
+  return static_cast<std::uint16_t>(up);
 }
 
 }  // namespace
@@ -209,11 +211,11 @@ LightPicture SimulatorRenderer::background() const {
         color.g += (kLine.g - color.g) * line;
         color.b += (kLine.b - color.b) * line;
       }
-      const float light = light_at(x, y);
+      const float light = light_at(x, y) * LightPicture::kPerGrey;
       std::uint16_t* out = picture.at(x, y);
-      out[0] = steps(color.r * light * static_cast<float>(options_.red_gain));
-      out[1] = steps(color.g * light);
-      out[2] = steps(color.b * light * static_cast<float>(options_.blue_gain));
+      out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain));
+      out[1] = channel_value(color.g * light);
+      out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain));
     }
   }
   return picture;
@@ -263,7 +265,7 @@ void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<c
       const float rest = 1 - coat.opacity * weight;
       std::uint16_t* out = picture.at(x, y);
       const auto mix = [&](std::uint16_t& channel, float ink) {
-        channel = static_cast<std::uint16_t>(std::min(channel * rest + ink * light, 65535.0F) + 0.5F);
+        channel = channel_value(channel * rest + ink * light);
       };
       mix(out[0], coat.r * red);
       mix(out[1], coat.g);

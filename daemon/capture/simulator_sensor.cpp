@@ -27,7 +27,8 @@ void add_saturated(const std::uint8_t* __restrict in, const std::int8_t* __restr
 }
 
 std::uint8_t byte(float value) {
-  return static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
+  const float up = std::clamp(value, 0.0F, 255.0F) + 0.5F;
+  return static_cast<std::uint8_t>(up);
 }
 
 /// BT.601 full range, as image/color.h but without rounding.
@@ -63,7 +64,7 @@ SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t 
   for (float& weight : kernel_) weight /= static_cast<float>(sum);
 
   if (options.noise_sigma > 0) {
-    const auto row_samples = static_cast<std::size_t>(options.width * bytes_per_pixel(options.pixel_format));
+    const auto row_samples = picture_bytes() / static_cast<std::size_t>(options.height);
     noise_.resize(kNoiseEntries + row_samples);
     for (std::int8_t& entry : noise_) {
       entry = static_cast<std::int8_t>(
@@ -87,14 +88,14 @@ PixelBox SimulatorSensor::reached_from(const PixelBox& box) const {
 /// Row y of the box's columns, blurred sideways; at the rim the outermost pixel is repeated.
 void SimulatorSensor::blur_row(const LightPicture& light, const PixelBox& box, int y, float* out) const {
   const int radius = static_cast<int>(kernel_.size()) - 1;
-  const std::uint16_t* row = light.at(0, std::clamp(y, 0, light.height - 1));
+  const int row = std::clamp(y, 0, light.height - 1);
   constexpr float kGrey = 1.0F / LightPicture::kPerGrey;
   for (int x = box.left; x < box.right; ++x, out += 3) {
-    const std::uint16_t* middle = row + 3 * x;
+    const std::uint16_t* middle = light.at(x, row);
     for (int c = 0; c < 3; ++c) out[c] = kernel_[0] * kGrey * middle[c];
     for (int i = 1; i <= radius; ++i) {
-      const std::uint16_t* before = row + 3 * std::max(0, x - i);
-      const std::uint16_t* after = row + 3 * std::min(light.width - 1, x + i);
+      const std::uint16_t* before = light.at(std::max(0, x - i), row);
+      const std::uint16_t* after = light.at(std::min(light.width - 1, x + i), row);
       const float weight = kernel_[static_cast<std::size_t>(i)] * kGrey;
       for (int c = 0; c < 3; ++c) out[c] += weight * static_cast<float>(before[c] + after[c]);
     }
@@ -124,18 +125,21 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
       for (int i = 0; i < 3 * width; ++i) out[i] = byte(rgb[i]);
       return;
     case PixelFormat::kBgr24:
-      for (int i = 0; i < 3 * width; ++i) out[i] = byte(rgb[i - i % 3 + 2 - i % 3]);
+      for (int x = 0; x < width; ++x, rgb += 3, out += 3) {
+        for (int c = 0; c < 3; ++c) out[c] = byte(rgb[2 - c]);
+      }
       return;
     case PixelFormat::kMono8:
-      for (int x = 0; x < width; ++x) out[x] = byte(FloatYuv(rgb + 3 * x).y);
+      for (int x = 0; x < width; ++x, rgb += 3) out[x] = byte(FloatYuv(rgb).y);
       return;
     case PixelFormat::kBayerRg8:
     case PixelFormat::kBayerGr8:
     case PixelFormat::kBayerGb8:
     case PixelFormat::kBayerBg8: {
       const auto channels = bayer_channels(options_.pixel_format);
-      const int* of_row = channels.data() + 2 * (y % 2);
-      for (int x = 0; x < width; ++x) out[x] = byte(rgb[3 * x + of_row[x % 2]]);  // box.left is even
+      const int even = channels[y % 2 == 0 ? 0 : 2], odd = channels[y % 2 == 0 ? 1 : 3];
+      for (int x = 0; x < width; ++x, rgb += 3)
+        out[x] = byte(rgb[x % 2 == 0 ? even : odd]);  // box.left is even
       return;
     }
   }

@@ -17,7 +17,7 @@ namespace sslv {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kFromLines_mm = 30;  // robots keep inside the field's lines
+constexpr double kFromLinesMm = 30;  // robots keep inside the field's lines
 
 /// The angle between neighbours when `count` things of radius `radius_mm` or more from the centre must keep
 /// `apart_mm`; nothing when they do not fit.
@@ -49,12 +49,12 @@ SimulatedWorld::SimulatedWorld(const SimulatorOptions& options, const FieldSize&
         "field of {} x {} mm; expected fewer",
         options.robots_yellow + options.robots_blue, options.balls, field.field_length, field.field_width));
   };
-  const double edge_mm = field.max_robot_radius + kFromLines_mm;
+  const double edge_mm = field.max_robot_radius + kFromLinesMm;
   const double half_x = field.field_length / 2.0 - edge_mm, half_y = field.field_width / 2.0 - edge_mm;
   const double disc_mm = std::min(half_x, half_y);
-  const double robots_apart_mm = 2 * field.max_robot_radius + kClearance_mm;
-  const double balls_apart_mm = 2 * field.ball_radius + kClearance_mm;
-  const double robot_to_ball_mm = field.max_robot_radius + field.ball_radius + kClearance_mm;
+  const double robots_apart_mm = 2 * field.max_robot_radius + kClearanceMm;
+  const double balls_apart_mm = 2 * field.ball_radius + kClearanceMm;
+  const double robot_to_ball_mm = field.max_robot_radius + field.ball_radius + kClearanceMm;
   const double least_pitch_mm = 2 * robot_to_ball_mm + 10;  // between two rings, with a lane for balls
   if (disc_mm < least_pitch_mm) throw no_room();
   stretch_x_ = half_x / disc_mm;
@@ -86,6 +86,7 @@ SimulatedWorld::SimulatedWorld(const SimulatorOptions& options, const FieldSize&
 
   SimulatorRandom random(static_cast<std::uint64_t>(options.seed));
   std::vector<std::pair<Team, int>> roster;
+  roster.reserve(static_cast<std::size_t>(robots));
   for (int i = 0; i < options.robots_yellow; ++i)
     roster.emplace_back(Team::kYellow, options.first_yellow_id + i);
   for (int i = 0; i < options.robots_blue; ++i) roster.emplace_back(Team::kBlue, options.first_blue_id + i);

@@ -34,7 +34,7 @@ struct SimulatedScene {
 /// robots drive round on rings, balls in the lanes between them. So nothing ever touches.
 class SimulatedWorld {
  public:
-  static constexpr double kClearance_mm = 8;  // least gap between any two things
+  static constexpr double kClearanceMm = 8;  // least gap between any two things
 
   /// Throws SettingsError when there is no room for all of them.
   SimulatedWorld(const SimulatorOptions& options, const FieldSize& field,

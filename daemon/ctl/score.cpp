@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kMatch_mm = 100;
+constexpr double kMatchMm = 100;
 
 /// A robot or ball of either file; balls have neither team nor id nor orientation.
 struct Thing {
@@ -70,7 +70,7 @@ std::vector<Pair> match(const std::vector<Thing>& detections, const std::vector<
   for (const Thing& d : detections) {
     for (const Thing& t : truth) {
       const double distance_mm = std::hypot(d.x_mm - t.x_mm, d.y_mm - t.y_mm);
-      if (d.team == t.team && distance_mm <= kMatch_mm) near.push_back({&d, &t, distance_mm});
+      if (d.team == t.team && distance_mm <= kMatchMm) near.push_back({&d, &t, distance_mm});
     }
   }
   std::stable_sort(near.begin(), near.end(),

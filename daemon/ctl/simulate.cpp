@@ -26,10 +26,10 @@ void write_file(const std::filesystem::path& file, std::string_view head, std::s
 }  // namespace
 
 void simulate(const SimulateOptions& options) {
-  constexpr double kDefaultRate_hz = 60;
+  constexpr double kDefaultRateHz = 60;
   SimulatorOptions source = simulator_options(options.source, "/source");
   if (!options.raw) source.pixel_format = PixelFormat::kRgb24;
-  const double rate_hz = source.frame_rate_hz > 0 ? source.frame_rate_hz : kDefaultRate_hz;
+  const double rate_hz = source.frame_rate_hz > 0 ? source.frame_rate_hz : kDefaultRateHz;
   SimulatedCamera camera(source, options.context, league_patterns());
 
   const std::filesystem::path folder(options.folder);

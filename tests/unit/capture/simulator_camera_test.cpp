@@ -15,7 +15,7 @@ namespace sslv {
 namespace {
 
 using Picture = std::vector<std::uint8_t>;
-constexpr double kTime_s = 1.79e9;
+constexpr double kTimeS = 1.79e9;
 
 /// Nothing between the geometry and the bytes.
 SimulatorOptions plain_options() {
@@ -121,7 +121,7 @@ TEST(SimulatedCamera, DrawsDotsWhereTheCameraModelSaysSo) {
     int checked = 0;
     double worst_px = 0;
     for (int i = 0; i < 20; ++i) {
-      const double t_s = kTime_s + 1.7 * i;
+      const double t_s = kTimeS + 1.7 * i;
       const Picture picture = draw(camera, t_s);
       const Json truth = camera.truth("", t_s);
       for (const Json& robot : truth["robots"]) {
@@ -131,7 +131,7 @@ TEST(SimulatedCamera, DrawsDotsWhereTheCameraModelSaysSo) {
         EXPECT_LT((pixel_of(robot) - expected).norm(), 0.05);
         const double px_per_mm = 1 / std::sqrt(context.scene.camera->mm2_per_px(expected, robot["height"]));
         const Eigen::Vector2d seen = centroid(expected, 34 * px_per_mm, [&](int x, int y) {
-          const auto at = static_cast<std::size_t>(3 * (y * options.width + x));
+          const int at = 3 * (y * options.width + x);
           return blue ? picture[at + 2] - kBlackBlue : picture[at] - kBlackRed;
         });
         worst_px = std::max(worst_px, (seen - expected).norm());
@@ -162,13 +162,13 @@ TEST(SimulatedCamera, BallsShowWhereTheTruthSaysInEveryFormat) {
       int checked = 0;
       double worst_px = 0;
       for (int i = 0; i < 8; ++i) {
-        const double t_s = kTime_s + 3.1 * i;
+        const double t_s = kTimeS + 3.1 * i;
         const Picture picture = draw(camera, t_s);
         // What the ball changed, by the place of each sample; of Bayer pictures the red ones only.
         const auto changed = [&](int x, int y) {
           if (format == PixelFormat::kBayerRg8 && (x % 2 != 0 || y % 2 != 0)) return 0;
           if (format == PixelFormat::kBayerGb8 && (x % 2 != 0 || y % 2 != 1)) return 0;
-          const auto at = static_cast<std::size_t>((y * options.width + x) * bytes + luma);
+          const int at = (y * options.width + x) * bytes + luma;
           return picture[at] - background[at];
         };
         const Json truth = camera.truth("", t_s);
@@ -179,7 +179,7 @@ TEST(SimulatedCamera, BallsShowWhereTheTruthSaysInEveryFormat) {
             continue;
           }
           const auto line_nearby = [&](int x, int y) {
-            return background[static_cast<std::size_t>((y * options.width + x) * bytes + luma)] > 110 ? 1 : 0;
+            return background[(y * options.width + x) * bytes + luma] > 110 ? 1 : 0;
           };
           if (!centroid(expected, 10, line_nearby).hasNaN()) continue;  // its contrast is not even there
           worst_px = std::max(worst_px, (centroid(expected, 9, changed) - expected).norm());
@@ -207,7 +207,8 @@ TEST(SimulatedCamera, PaintsLinesAtTheirPublishedPlaces) {
     double sum = 0, weight = 0;
     const int y = static_cast<int>(std::lround(pixel.y()));
     for (int x = static_cast<int>(pixel.x()) - 6; x <= static_cast<int>(pixel.x()) + 7; ++x) {
-      const double white = picture[static_cast<std::size_t>(3 * (y * options.width + x))] - 30.0;
+      const int at = 3 * (y * options.width + x);
+      const double white = picture[at] - 30.0;
       sum += white * x;
       weight += white;
     }
@@ -225,13 +226,13 @@ TEST(SimulatedCamera, ShowsTheIdAndTheDirection) {
   options.robots_yellow = options.robots_blue = 16;
   const SourceContext context = context_of(options, 0.1, 0.1);
   SimulatedCamera camera(options, context, league_patterns());
-  const Picture picture = draw(camera, kTime_s);
+  const Picture picture = draw(camera, kTimeS);
   const auto redder_than_green = [&](const Eigen::Vector2d& p) {
     const auto at = static_cast<std::size_t>(3 * (std::lround(p.y()) * options.width + std::lround(p.x())));
     return picture[at] > picture[at + 1];
   };
   int checked = 0;
-  const Json truth = camera.truth("", kTime_s);
+  const Json truth = camera.truth("", kTimeS);
   for (const Json& robot : truth["robots"]) {
     if (!robot["visible"].get<bool>()) continue;
     const auto& code = league_patterns().codes[robot["id"].get<std::size_t>()];
@@ -258,9 +259,9 @@ TEST(SimulatedCamera, AFrameDoesNotDependOnThoseBefore) {
   options.balls = 5;
   const SourceContext context = context_of(options);
   SimulatedCamera used(options, context, league_patterns()), fresh(options, context, league_patterns());
-  const Picture before = draw(used, kTime_s);
-  const Picture after = draw(used, kTime_s + 0.4);
-  EXPECT_EQ(after, draw(fresh, kTime_s + 0.4));
+  const Picture before = draw(used, kTimeS);
+  const Picture after = draw(used, kTimeS + 0.4);
+  EXPECT_EQ(after, draw(fresh, kTimeS + 0.4));
   EXPECT_NE(after, before);
 }
 
@@ -297,7 +298,10 @@ TEST(SimulatedCamera, LightFallsOffAsAsked) {
     const Picture picture = draw(camera, 0);
     double sum = 0;
     for (int y = 300; y < 340; ++y) {
-      for (int x = x0; x < x0 + 40; ++x) sum += picture[static_cast<std::size_t>(3 * (y * 780 + x) + 1)];
+      for (int x = x0; x < x0 + 40; ++x) {
+        const int at = 3 * (y * 780 + x) + 1;
+        sum += picture[at];
+      }
     }
     return sum / 1600;
   };
@@ -318,8 +322,8 @@ TEST(SimulatedCamera, ExposureSmearsAlongTheWay) {
   const auto brightest_red = [&](double exposure_ms) {
     options.exposure_ms = exposure_ms;
     SimulatedCamera camera(options, context, league_patterns());
-    const Picture picture = draw(camera, kTime_s);
-    const Json truth = camera.truth("", kTime_s);
+    const Picture picture = draw(camera, kTimeS);
+    const Json truth = camera.truth("", kTimeS);
     for (const Json& ball : truth["balls"]) {
       if (!ball["visible"].get<bool>()) continue;
       const Eigen::Vector2d pixel = pixel_of(ball);
@@ -342,7 +346,7 @@ TEST(SimulatedCamera, CutAndHiddenThingsAreNotVisible) {
   SimulatedCamera camera(options, context, league_patterns());
   int cut = 0, hidden = 0;
   for (int i = 0; i < 1000; ++i) {
-    const Json truth = camera.truth("f", kTime_s + i);
+    const Json truth = camera.truth("f", kTimeS + i);
     for (const Json& robot : truth["robots"]) {
       const Eigen::Vector2d p = pixel_of(robot);
       const double inside = std::min({p.x(), p.y(), 779 - p.x(), 579 - p.y()});

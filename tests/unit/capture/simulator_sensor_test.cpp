@@ -72,9 +72,9 @@ TEST(SimulatorSensor, AveragesTheColourOfPairs) {
   set(light, 0, 0, 200, 60, 20);
   const auto uyvy = developed(options_of(PixelFormat::kUyvy), light);
   const Yuv left = to_yuv({200, 60, 20});
-  EXPECT_NEAR(uyvy[0], (left.u + 128) / 2, 1);
+  EXPECT_NEAR(uyvy[0], (left.u + 128) / 2.0, 1);
   EXPECT_NEAR(uyvy[1], left.y, 1);
-  EXPECT_NEAR(uyvy[2], (left.v + 128) / 2, 1);
+  EXPECT_NEAR(uyvy[2], (left.v + 128) / 2.0, 1);
   EXPECT_EQ(uyvy[3], 0);
 }
 
@@ -112,7 +112,8 @@ TEST(SimulatorSensor, BlurSpreadsLightByItsSigma) {
   double sum = 0, variance_x = 0, variance_y = 0;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
-      const double red = picture[static_cast<std::size_t>(3 * (y * kSide + x))];
+      const int at = 3 * (y * kSide + x);
+      const double red = picture[at];
       sum += red;
       variance_x += red * (x - 15) * (x - 15);
       variance_y += red * (y - 15) * (y - 15);

@@ -12,7 +12,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::array<double, 2> kHeights_mm{140, 150};
+constexpr std::array<double, 2> kHeightsMm{140, 150};
 
 double distance_mm(double x1, double y1, double x2, double y2) {
   return std::hypot(x1 - x2, y1 - y2);
@@ -42,7 +42,7 @@ TEST(SimulatedWorld, NothingEverTouchesOrLeavesTheField) {
       options.robots_yellow = options.robots_blue = c.robots_per_team;
       options.balls = c.balls;
       options.seed = seed;
-      const SimulatedWorld world(options, c.field, kHeights_mm);
+      const SimulatedWorld world(options, c.field, kHeightsMm);
       for (int i = 0; i < 600; ++i) {
         const SimulatedScene scene = world.at(1.79e9 + 0.37 * i);
         ASSERT_EQ(scene.robots.size(), 2U * static_cast<std::size_t>(c.robots_per_team));
@@ -70,20 +70,20 @@ TEST(SimulatedWorld, NothingEverTouchesOrLeavesTheField) {
       }
     }
   }
-  EXPECT_GE(nearest_robots, 180 + SimulatedWorld::kClearance_mm);
-  EXPECT_GE(nearest_ball, 90 + 21.5 + SimulatedWorld::kClearance_mm);
+  EXPECT_GE(nearest_robots, 180 + SimulatedWorld::kClearanceMm);
+  EXPECT_GE(nearest_ball, 90 + 21.5 + SimulatedWorld::kClearanceMm);
   // The hard cases of a match do occur.
   EXPECT_LT(nearest_robots, 210);
   EXPECT_LT(nearest_ball, 150);
 }
 
 TEST(SimulatedWorld, MovesSmoothlyAndTurns) {
-  const SimulatedWorld world(SimulatorOptions{}, FieldSize{}, kHeights_mm);
-  constexpr double kStep_s = 0.02;
+  const SimulatedWorld world(SimulatorOptions{}, FieldSize{}, kHeightsMm);
+  constexpr double kStepS = 0.02;
   double most_moved_mm = 0, most_turned_rad = 0, travelled_mm = 0;
   double least_heading = 10, most_heading = -10;
   for (int i = 0; i < 5000; ++i) {
-    const SimulatedScene a = world.at(100 + i * kStep_s), b = world.at(100 + (i + 1) * kStep_s);
+    const SimulatedScene a = world.at(100 + i * kStepS), b = world.at(100 + (i + 1) * kStepS);
     for (std::size_t r = 0; r < a.robots.size(); ++r) {
       const auto &from = a.robots[r], &to = b.robots[r];
       most_moved_mm = std::max(most_moved_mm, distance_mm(from.x_mm, from.y_mm, to.x_mm, to.y_mm));
@@ -94,8 +94,8 @@ TEST(SimulatedWorld, MovesSmoothlyAndTurns) {
     least_heading = std::min(least_heading, a.robots[0].orientation_rad);
     most_heading = std::max(most_heading, a.robots[0].orientation_rad);
   }
-  EXPECT_LT(most_moved_mm, 3000 * kStep_s);
-  EXPECT_LT(most_turned_rad, 8 * kStep_s);
+  EXPECT_LT(most_moved_mm, 3000 * kStepS);
+  EXPECT_LT(most_turned_rad, 8 * kStepS);
   EXPECT_GT(travelled_mm, 100 * 200);
   EXPECT_GT(least_heading, -std::numbers::pi);
   EXPECT_LE(most_heading, std::numbers::pi);
@@ -105,9 +105,9 @@ TEST(SimulatedWorld, MovesSmoothlyAndTurns) {
 
 TEST(SimulatedWorld, IsAFunctionOfOptionsAndTime) {
   SimulatorOptions options;
-  const SimulatedWorld one(options, FieldSize{}, kHeights_mm), same(options, FieldSize{}, kHeights_mm);
+  const SimulatedWorld one(options, FieldSize{}, kHeightsMm), same(options, FieldSize{}, kHeightsMm);
   options.seed = 2;
-  const SimulatedWorld other(options, FieldSize{}, kHeights_mm);
+  const SimulatedWorld other(options, FieldSize{}, kHeightsMm);
   const SimulatedScene a = one.at(1.79e9), b = same.at(1.79e9), c = other.at(1.79e9);
   for (std::size_t i = 0; i < a.robots.size(); ++i) {
     EXPECT_EQ(a.robots[i].x_mm, b.robots[i].x_mm);
@@ -120,7 +120,7 @@ TEST(SimulatedWorld, IsAFunctionOfOptionsAndTime) {
 TEST(SimulatedWorld, StandsStillAtSpeedZero) {
   SimulatorOptions options;
   options.speed = 0;
-  const SimulatedWorld world(options, FieldSize{}, kHeights_mm);
+  const SimulatedWorld world(options, FieldSize{}, kHeightsMm);
   EXPECT_EQ(world.at(5).robots[3].x_mm, world.at(1.79e9).robots[3].x_mm);
 }
 
@@ -130,7 +130,7 @@ TEST(SimulatedWorld, CountsIdsUpFromTheFirst) {
   options.first_yellow_id = 13;
   options.robots_blue = 2;
   std::vector<int> yellow, blue;
-  for (const SimulatedRobot& robot : SimulatedWorld(options, FieldSize{}, kHeights_mm).at(0).robots) {
+  for (const SimulatedRobot& robot : SimulatedWorld(options, FieldSize{}, kHeightsMm).at(0).robots) {
     (robot.team == Team::kYellow ? yellow : blue).push_back(robot.id);
   }
   EXPECT_THAT(yellow, testing::UnorderedElementsAre(13, 14, 15));
@@ -144,7 +144,7 @@ TEST(SimulatedWorld, RefusesMoreThanTheFieldHolds) {
   SimulatorOptions options;
   options.robots_yellow = options.robots_blue = 16;
   try {
-    const SimulatedWorld world(options, field, kHeights_mm);
+    const SimulatedWorld world(options, field, kHeightsMm);
     FAIL() << "32 robots fit";
   } catch (const SettingsError& error) {
     EXPECT_STREQ(
