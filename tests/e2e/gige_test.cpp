@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// The daemon with a GigE Vision camera, over the camera's network protocol on loopback.
+#include "base/params_json.h"
+#include "capture/simulator.h"
+#include "capture/simulator_world.h"
+#include "e2e/running_daemon.h"
+#include "geometry/camera_model.h"
+
+#include <cmath>
+#include <csignal>
+#include <map>
+#include <optional>
+
+#include <gmock/gmock.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Camera 0 of the demo as a GigE camera with a larger Bayer sensor; what it sees stands still, so that the
+/// truth does not depend on when a picture was drawn.
+class Gige : public ::testing::Test {
+ protected:
+  Gige() {
+    Json& camera = settings_["cameras"][0];
+    camera["calibration"].update(Json{{"focal_length", 758.15},
+                                      {"principal_point_x", 642.0},
+                                      {"principal_point_y", 472.8},
+                                      {"pixel_image_width", 1280},
+                                      {"pixel_image_height", 952}});
+    served_ = {{"source", camera["source"]}, {"calibration", camera["calibration"]}};
+    served_["source"].update(Json{{"width", 1280},
+                                  {"height", 952},
+                                  {"pixel_format", "bayer_rg8"},
+                                  {"frame_rate_hz", 30},
+                                  {"speed", 0}});
+    camera["source"] = {{"backend", "aravis"}, {"camera", "127.0.0.1"}};
+    served_file_ = folder_.write("served.json", served_.dump(2));
+  }
+
+  std::unique_ptr<ChildProcess> start_camera() const {
+    auto camera = std::make_unique<ChildProcess>(
+        std::vector<std::string>{SSLV_FAKE_CAMERA, "127.0.0.1", "TEST01", served_file_});
+    camera->wait_for_line("ready");
+    return camera;
+  }
+
+  GroupListener listener_;
+  TemporaryFolder folder_;
+  Json settings_ = demo_settings(listener_.port());
+  Json served_;
+  std::string served_file_;
+};
+
+TEST_F(Gige, RobotsAreFoundInBayerPicturesFromTheNetwork) {
+  const auto camera = start_camera();
+  RunningDaemon daemon(folder_.write("settings.json", settings_.dump(2)), folder_.path() / "state");
+
+  Json options = served_["source"];
+  options.erase("backend");
+  const SimulatedWorld world(simulator_options(options, ""), FieldSize{}, {140, 140});
+  const CameraModel model(params_from_json<CameraCalibration>(served_["calibration"], ""));
+  const auto is_seen = [&](const SimulatedRobot& robot) {
+    const auto pixel = model.project({robot.x_mm, robot.y_mm, robot.height_mm});
+    return pixel && pixel->x() > 26 && pixel->x() < 1280 - 26 && pixel->y() > 26 && pixel->y() < 952 - 26;
+  };
+
+  int frames = 0, robots = 0, missed = 0;
+  double error_mm = 0;
+  while (frames < 60) {
+    const SSL_WrapperPacket packet = receive(listener_);
+    if (!packet.has_detection() || packet.detection().camera_id() != 0) continue;
+    const SSL_DetectionFrame& frame = packet.detection();
+    ++frames;
+    EXPECT_TRUE(frame.has_t_capture_camera());
+    std::size_t known = 0;
+    for (const SimulatedRobot& robot : world.at(0).robots) {
+      const auto& seen = robot.team == Team::kBlue ? frame.robots_blue() : frame.robots_yellow();
+      const auto found = std::find_if(seen.begin(), seen.end(), [&](const SSL_DetectionRobot& one) {
+        return one.robot_id() == static_cast<std::uint32_t>(robot.id);
+      });
+      if (found != seen.end()) ++known;
+      if (!is_seen(robot)) continue;
+      ++robots;
+      if (found == seen.end()) {
+        ++missed;
+        continue;
+      }
+      error_mm += std::hypot(found->x() - robot.x_mm, found->y() - robot.y_mm);
+    }
+    EXPECT_EQ(known, static_cast<std::size_t>(frame.robots_blue_size() + frame.robots_yellow_size()))
+        << "wrong ids";
+  }
+  ASSERT_GT(robots, 180);
+  EXPECT_EQ(missed, 0);
+  std::printf("mean error %.2f mm over %d robots\n", error_mm / (robots - missed), robots - missed);
+  EXPECT_LT(error_mm / (robots - missed), 3);
+  const Json status = daemon.get("/api/status");
+  EXPECT_GE(status["cameras"][0]["frames"], 60);
+  EXPECT_EQ(status["cameras"][0]["pixel_format"], "bayer_rg8");
+}
+
+TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
+  auto camera = start_camera();
+  RunningDaemon daemon(folder_.write("settings.json", settings_.dump(2)), folder_.path() / "state");
+  const auto state_is = [](const char* state) {
+    return [state](const Json& s) { return s["cameras"][0]["state"] == state; };
+  };
+  daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"][0]["frames"] > 10 && s["cameras"][1]["frames"] > 10; });
+
+  camera->send_signal(SIGKILL);
+  const Json lost = daemon.wait_for_status(state_is("lost"));
+  EXPECT_THAT(lost["alerts"][0]["title"].get<std::string>(), HasSubstr("Camera 0 is lost"));
+  EXPECT_NE(lost["cameras"][0]["error"], "");
+  const auto frames_before = lost["cameras"][0]["frames"].get<int>();
+
+  camera.reset();
+  camera = start_camera();
+  const Json back = daemon.wait_for_status([&](const Json& s) {
+    return s["cameras"][0]["state"] == "running" && s["cameras"][0]["frames"].get<int>() > frames_before + 10;
+  });
+  EXPECT_GE(back["cameras"][0]["reconnects"], 1);
+  EXPECT_EQ(back["cameras"][0]["robots"], lost["cameras"][0]["robots"]);
+
+  // The simulated camera's frames carry consecutive numbers at an even pace: nothing was left out meanwhile.
+  std::optional<SSL_DetectionFrame> last;
+  for (int i = 0; i < 30;) {
+    const SSL_WrapperPacket packet = receive(listener_);
+    if (!packet.has_detection() || packet.detection().camera_id() != 1) continue;
+    if (last) {
+      EXPECT_EQ(packet.detection().frame_number(), last->frame_number() + 1);
+    }
+    last = packet.detection();
+    ++i;
+  }
+  EXPECT_EQ(back["cameras"][1]["state"], "running");
+  EXPECT_EQ(back["cameras"][1]["reconnects"], 0);
+}
+
+TEST_F(Gige, ACameraThatIsSwitchedOnLaterIsFound) {
+  RunningDaemon daemon(folder_.write("settings.json", settings_.dump(2)), folder_.path() / "state");
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["state"] == "lost"; });
+  const auto camera = start_camera();
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
+}
+
+}  // namespace
+}  // namespace sslv::test

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/camera_pipeline.h"
+
+#include "pipeline/publish.h"
+#include "support/allocation_count.h"
+#include "vision/detect_balls.h"
+#include "vision/detect_robots.h"
+#include "vision/find_regions.h"
+#include "vision/find_runs.h"
+#include "vision/threshold.h"
+
+#include <array>
+#include <random>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::ElementsAre;
+
+struct CountingSink : DetectionSink {
+  void publish(const FrameInfo& info, const RobotList& list, const BallList&) noexcept override {
+    last_number = info.number;
+    robots += list.robots.size();
+    ++packets;
+  }
+  std::uint32_t last_number = 0;
+  std::size_t packets = 0, robots = 0;
+};
+
+/// Marks frames with its parameter.
+struct Mark {
+  struct Params {
+    int balls = 0;
+    static constexpr auto fields() {
+      return std::tuple{number("balls", &Params::balls, 0, 100, "", "so many")};
+    }
+  };
+  void process(const Params& params, const Image&, BallList& out, RobotList& robots) noexcept {
+    out.balls.assign(static_cast<std::size_t>(params.balls), Ball{});
+    robots.robots.clear();
+  }
+};
+
+const std::array kTable{stage<Mark>("mark", ""),
+                        stage<Publish>("publish", ""),
+                        stage<Threshold>("threshold", ""),
+                        stage<FindRuns>("find_runs", ""),
+                        stage<FindRegions>("find_regions", ""),
+                        stage<DetectRobots>("detect_robots", ""),
+                        stage<DetectBalls>("detect_balls", "")};
+
+CameraSetup setup_of(const std::vector<std::string>& stack, const Json& stages = Json::object()) {
+  CameraSetup setup;
+  setup.pipeline = std::make_shared<Pipeline>(kTable, stack, "/stack");
+  setup.parameters = setup.pipeline->make_parameters(stages, "/stages");
+  setup.world = {std::make_shared<Scene>(), std::make_shared<Lut>(),
+                 std::make_shared<PatternTable>(league_patterns())};
+  return setup;
+}
+
+TEST(CameraPipeline, NumbersPublishesAndOffersEveryFrame) {
+  CountingSink sink;
+  CameraPipeline camera(7, sink, setup_of({"mark", "publish"}));
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const Frame& frame = camera.process({}, 100.0 + i, std::nullopt);
+    EXPECT_EQ(frame.info.camera_id, 7u);
+    EXPECT_EQ(frame.info.number, i);
+    EXPECT_EQ(frame.stage_ns.size(), 2u);
+    const auto offered = camera.finished().peek();
+    ASSERT_TRUE(offered);
+    EXPECT_EQ(&*offered->value, &frame);
+  }
+  EXPECT_EQ(sink.packets, 5u);
+  EXPECT_EQ(sink.last_number, 4u);
+  EXPECT_EQ(camera.counters().frames, 5u);
+}
+
+TEST(CameraPipeline, ANewSetupTakesForceWithTheNextFrame) {
+  CountingSink sink;
+  CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
+  EXPECT_EQ(camera.process({}, 0, {}).balls.balls.size(), 0u);
+  camera.change(setup_of({"mark", "publish"}, {{"mark", {{"balls", 3}}}}));
+  EXPECT_EQ(camera.process({}, 0, {}).balls.balls.size(), 3u);
+  EXPECT_EQ(camera.counters().balls, 3u);
+}
+
+TEST(CameraPipeline, ViewersThatHoldEverythingCostNoDetection) {
+  CountingSink sink;
+  CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
+  std::vector<FrameRef> held;
+  for (int i = 0; i < 20; ++i) {
+    camera.process({}, 0, {});
+    held.push_back(camera.finished().peek()->value);
+  }
+  EXPECT_EQ(sink.packets, 20u);
+  const auto unseen = camera.counters().unseen;
+  EXPECT_GT(unseen, 10u);
+  held.clear();
+  camera.process({}, 0, {});
+  EXPECT_EQ(camera.counters().unseen, unseen);
+}
+
+TEST(CameraPipeline, FramesInTheSpareGiveTheirBufferBackAtOnce) {
+  CountingSink sink;
+  CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
+  int buffers_out = 0;
+  const auto picture = [&] {
+    ++buffers_out;
+    return Image({}, &buffers_out, nullptr, [](void* owner, void*) noexcept { --*static_cast<int*>(owner); });
+  };
+  std::vector<FrameRef> held;
+  for (int i = 0; i < 20; ++i) {
+    camera.process(picture(), 0, {});
+    held.push_back(camera.finished().peek()->value);
+  }
+  EXPECT_LE(buffers_out, 9);
+  held.clear();
+  camera.close();
+  camera.process({}, 0, {});
+  EXPECT_LE(buffers_out, 1);
+}
+
+TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  CountingSink sink;
+  CameraSetup setup =
+      setup_of({"threshold", "find_runs", "find_regions", "detect_robots", "detect_balls", "publish"});
+  // Every second luma is a colour of interest: many runs, regions and dots.
+  std::vector<Label> table(Lut::kEntries);
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = i % 8 < 6 ? label::kClear : static_cast<Label>(2 + i % 6);
+  setup.world.lut = std::make_shared<Lut>(std::move(table));
+  CameraCalibration calibration;
+  calibration.principal_point_x = 100, calibration.principal_point_y = 80;
+  calibration.q0 = 1, calibration.q3 = 0, calibration.tz = 4000;
+  auto scene = std::make_shared<Scene>();
+  scene->camera.emplace(calibration);
+  setup.world.scene = scene;
+
+  std::mt19937 random(1);
+  std::array<std::vector<std::uint8_t>, 5> pictures;
+  for (auto& picture : pictures) {
+    picture.resize(200 * 160 * 2);
+    for (auto& byte : picture) byte = static_cast<std::uint8_t>(random());
+  }
+  CameraPipeline camera(0, sink, setup);
+  const auto run = [&](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      const ImageView view{pictures[static_cast<std::size_t>(i) % pictures.size()].data(), 200, 160, 400,
+                           PixelFormat::kUyvy};
+      camera.process(Image(view, nullptr, nullptr, nullptr), 0, {});
+    }
+  };
+  run(100);  // lists of all slots grow to what the pictures need
+  const auto before = allocation_count();
+  run(1000);
+  EXPECT_EQ(allocation_count() - before, 0u);
+}
+
+}  // namespace
+}  // namespace sslv
