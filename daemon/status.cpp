@@ -35,7 +35,7 @@ Json camera_json(const RunningCamera& camera) {
            {"pixel_format", name_of(health.format)},
            {"fps", health.fps},
            {"frames", counters.frames},
-           {"frames_dropped", health.frames - std::min(health.frames, counters.frames)},
+           {"frames_dropped", health.dropped},
            {"frames_incomplete", health.incomplete},
            {"frames_capped", counters.capped},
            {"reconnects", health.reconnects},

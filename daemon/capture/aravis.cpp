@@ -354,6 +354,12 @@ class AravisSource final : public Source {
     link_->stream = nullptr;
   }
 
+  std::uint64_t dropped() const noexcept override {
+    guint64 completed = 0, failed = 0, without_buffer = 0;
+    arv_stream_get_statistics(stream_.get(), &completed, &failed, &without_buffer);
+    return without_buffer;
+  }
+
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
     const auto wait_us = std::chrono::duration_cast<std::chrono::microseconds>(timeout).count();
     ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), static_cast<guint64>(wait_us));

@@ -135,6 +135,10 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   bool deliver(CapturedImage&& image);
   void lose(const std::string& reason);
   void close_aside(std::unique_ptr<Source> source);
+  CameraHealth health_now() const {
+    const std::lock_guard lock(mutex);
+    return health;
+  }
   bool stopping() const {
     const std::lock_guard lock(mutex);
     return stop_asked;
@@ -205,6 +209,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
   DamageLog damages(name);
   std::int64_t window_start_ns = steady_ns();
   int window_frames = 0;
+  const std::uint64_t dropped_before = health_now().dropped;
   for (;;) {
     CapturedImage image;
     std::string problem;
@@ -232,6 +237,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       health.format = view.format;
     }
     health.incomplete += status == CaptureStatus::kIncomplete;
+    health.dropped = dropped_before + source.dropped();
     if (now_ns - window_start_ns >= kSecondNs) {
       health.fps = window_frames * 1e9 / static_cast<double>(now_ns - window_start_ns);
       window_start_ns = now_ns;
@@ -322,8 +328,7 @@ void CameraThread::stop() {
 }
 
 CameraHealth CameraThread::health() const {
-  const std::lock_guard lock(shared_->mutex);
-  return shared_->health;
+  return shared_->health_now();
 }
 
 }  // namespace sslv

@@ -41,6 +41,7 @@ struct CameraHealth {
   std::string error{};           // why it is lost, one line; empty otherwise
   std::uint64_t frames = 0;      // handed over
   std::uint64_t incomplete = 0;  // came damaged
+  std::uint64_t dropped = 0;     // were never handed over, because nobody took them in time
   std::uint64_t reconnects = 0;  // times it was opened again after a loss
   double fps = 0;                // pictures handed over a second, over the last second
   int width = 0, height = 0;     // of the last picture; 0 before the first

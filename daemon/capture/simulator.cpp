@@ -48,15 +48,20 @@ class SimulatorSource final : public Source {
     return CaptureStatus::kImage;
   }
 
+  std::uint64_t dropped() const noexcept override { return dropped_; }
+
  private:
-  static constexpr std::size_t kBuffers = 6;
-  static constexpr double kRetryS = 0.001;  // for a free buffer, without a frame rate
+  static constexpr std::size_t kBuffers = 12;  // more than viewers hold at once
+  static constexpr double kRetryS = 0.001;     // for a free buffer, without a frame rate
 
   /// Draws the picture of the next tick, if a buffer is free.
   void draw_ahead() {
     const double now_s = unix_time_s();
     if (frame_rate_hz_ > 0) {
       std::int64_t tick = static_cast<std::int64_t>(std::floor(now_s * frame_rate_hz_)) + 1;
+      if (last_tick_ > 0 && tick > last_tick_ + 1) {
+        dropped_ += static_cast<std::uint64_t>(tick - last_tick_ - 1);
+      }
       // The Unix clock may be slewed so that the last tick seems still to come.
       if (tick == last_tick_) ++tick;
       last_tick_ = tick;
@@ -70,7 +75,9 @@ class SimulatorSource final : public Source {
     ready_ = buffers_.take(camera_.layout(), bytes);
     if (bytes != nullptr) {
       camera_.draw(t_capture_s_, bytes);
-    } else if (frame_rate_hz_ <= 0) {
+    } else if (frame_rate_hz_ > 0) {
+      ++dropped_;
+    } else {
       due_ = later(due_, kRetryS);
     }
   }
@@ -79,8 +86,9 @@ class SimulatorSource final : public Source {
   SimulatedCamera camera_;
   BufferPool buffers_;
   std::int64_t last_tick_ = 0;
-  double t_capture_s_ = 0;  // of the picture that is ready
-  SteadyTime due_{};        // when to hand it over
+  std::uint64_t dropped_ = 0;  // pictures whose moment passed without them
+  double t_capture_s_ = 0;     // of the picture that is ready
+  SteadyTime due_{};           // when to hand it over
   Image ready_;
 };
 

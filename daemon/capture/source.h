@@ -44,6 +44,9 @@ class Source {
   /// kLost.
   virtual CaptureStatus next(CapturedImage& image, std::string& problem,
                              std::chrono::milliseconds timeout) = 0;
+
+  /// Pictures since the opening that were never handed over, because nobody took them in time.
+  virtual std::uint64_t dropped() const noexcept { return 0; }
 };
 
 /// A camera that cannot be opened; one line for the admin.

@@ -89,12 +89,16 @@ class FakeCamera {
       if (step.throws) throw std::logic_error(step.problem);
       problem = step.problem;
       if (step.status == CaptureStatus::kImage) {
+        ++images_;
         image.image = Image({kPixels, 4, 2, 8, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
       }
       return step.status;
     }
+    /// As if the driver had thrown one away for each it handed over.
+    std::uint64_t dropped() const noexcept override { return images_; }
 
    private:
+    std::uint64_t images_ = 0;
     static constexpr std::uint8_t kPixels[16]{};
     FakeCamera& camera_;
   };
@@ -184,6 +188,12 @@ TEST_F(CameraThreadTest, CountsDamagedPicturesAndGoesOn) {
   EXPECT_EQ(health.incomplete, 2U);
   EXPECT_EQ(health.reconnects, 0U);
   EXPECT_EQ(taken_, 1);
+}
+
+TEST_F(CameraThreadTest, CountsDroppedPicturesAcrossAReconnection) {
+  const auto thread = start();
+  camera_->play({kImage, kImage, lost("no heartbeat"), kImage});
+  EXPECT_EQ(wait_for(*thread, frames(3)).dropped, 3U);
 }
 
 TEST_F(CameraThreadTest, OpensALostCameraAnew) {
