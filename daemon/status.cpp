@@ -80,9 +80,18 @@ Json alerts_json(const StatusInput& input) {
   }
   for (const auto& camera : input.cameras) {
     const int id = camera->settings()->id;
-    if (!camera->pipeline().setup()->world.scene->camera) {
+    const auto& model = camera->pipeline().setup()->world.scene->camera;
+    const CameraHealth health = camera->health();
+    if (!model) {
       add_alert(alerts, "warn", fmt::format("Camera {} is not calibrated", id),
                 "Nothing it sees can be located: set its calibration.", id);
+    } else if (health.width > 0 && (health.width != model->calibration().pixel_image_width ||
+                                    health.height != model->calibration().pixel_image_height)) {
+      add_alert(alerts, "bad",
+                fmt::format("Camera {} sends {}x{} pixels, its calibration was made for {}x{}", id,
+                            health.width, health.height, model->calibration().pixel_image_width,
+                            model->calibration().pixel_image_height),
+                "All positions are wrong: set the old picture size, or calibrate again.", id);
     }
     if (camera->pipeline().counters().capped > 0) {
       add_alert(alerts, "warn",

@@ -227,6 +227,15 @@ TEST_F(Daemon, ACameraMayComeGoAndChangeItsStackWhileRunning) {
       [](const Json& s) { return s["cameras"].size() == 1 && s["cameras"][0]["id"] == 1; });
 }
 
+TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
+  settings_["cameras"][1]["source"].update(Json{{"width", 640}, {"height", 480}});
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const Json status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
+  EXPECT_EQ(status["alerts"][0]["camera"], 1);
+  EXPECT_THAT(status["alerts"][0]["title"].get<std::string>(),
+              AllOf(HasSubstr("640x480"), HasSubstr("780x580")));
+}
+
 TEST_F(Daemon, RefusesToStartOnAPortThatIsTaken) {
   RunningDaemon daemon(settings_file(settings_), state_);
   const std::string port = daemon.address().substr(daemon.address().rfind(':') + 1);
@@ -336,6 +345,17 @@ TEST(Arguments, WrongOnesEndWithSixtyFour) {
   EXPECT_THAT(run_to_end({SSLV_DAEMON, "--version"}).output, HasSubstr("ssl-visiond 0."));
   EXPECT_THAT(run_to_end({SSLV_CTL, "--daemon", "http://127.0.0.1:1", "status"}).output,
               HasSubstr("no daemon answers"));
+}
+
+TEST(Arguments, EverySampleOfSettingsCanBeUsed) {
+  int samples = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(SSLV_SOURCE_DIR "/config")) {
+    if (entry.path().extension() != ".json") continue;
+    const auto run = run_to_end({SSLV_DAEMON, "--check-config", entry.path().string()});
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    ++samples;
+  }
+  EXPECT_GE(samples, 2);
 }
 
 TEST(Arguments, PrintConfigIsAWholeTreeThatCanBeUsed) {

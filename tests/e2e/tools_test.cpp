@@ -151,6 +151,25 @@ TEST_F(Tools, BenchTimesEveryStage) {
   }
 }
 
+TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
+  const std::string golden = SSLV_SOURCE_DIR "/tests/golden/division_b";
+  must_run({SSLV_CTL, "process", "--settings", golden + ".json", "--input", golden + ".jpg", "--output",
+            in_folder("detections.jsonl")});
+  const auto scored = run_to_end({SSLV_CTL, "score", "--json", "--detections", in_folder("detections.jsonl"),
+                                  "--truth", golden + ".truth.jsonl"});
+  ASSERT_EQ(scored.exit_code, 0) << scored.output;
+  const Json score = Json::parse(scored.output);
+  EXPECT_EQ(score["frames_compared"], 1);
+  for (const char* kind : {"robots", "balls"}) {
+    EXPECT_GE(score[kind]["expected"], 1);
+    EXPECT_EQ(score[kind]["recall"], 1.0) << kind;
+    EXPECT_EQ(score[kind]["precision"], 1.0) << kind;
+  }
+  EXPECT_LT(score["robot_position_mm"]["max"], 4);
+  EXPECT_LT(score["robot_orientation_deg"]["max"], 3);
+  EXPECT_LT(score["ball_position_mm"]["max"], 6);
+}
+
 TEST(RealPhoto, SixRobotsWithTheirIds) {
   const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
   if (!std::filesystem::exists(photo))
