@@ -1,0 +1,546 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel as a user sees it: the real service with its simulated cameras, in a real browser.
+//   SSLV_DAEMON         the service; default: the release build
+//   SSLV_CHROMIUM       the browser; default: the system's
+//   SSLV_SCREENSHOTS=1  also takes the pictures in docs/images
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { after, before, describe, it } from 'node:test';
+import { setTimeout as pause } from 'node:timers/promises';
+import { fileURLToPath } from 'node:url';
+
+const root = fileURLToPath(new URL('../..', import.meta.url));
+const require = createRequire(join(root, 'webui/package.json'));
+const { chromium } = require('playwright-core');
+const axeSource = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+
+const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
+const CHROMIUM = process.env.SSLV_CHROMIUM ?? '/usr/bin/chromium';
+const PATIENCE_MS = 60_000; // for a busy machine; nothing waits this long when all is well
+const DESKTOP = { width: 1440, height: 900 };
+const PHONE = { width: 360, height: 740 };
+
+// ---- the service
+
+async function freeUdpPort() {
+  const socket = createSocket('udp4').bind(0);
+  await once(socket, 'listening');
+  const { port } = socket.address();
+  socket.close();
+  return port;
+}
+
+const folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-panel.'));
+const settingsFile = join(folder, 'admin.json');
+const stateFolder = join(folder, 'state');
+const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
+Object.assign(settings.network.vision, { group: '239.255.77.78', interface: 'lo', port: await freeUdpPort() });
+settings.panel = { port: 0 };
+
+let daemon = null;
+
+/** Starts the service; it answers on `settings.panel.port` when this returns. */
+async function startDaemon() {
+  mkdirSync(stateFolder, { recursive: true });
+  writeFileSync(settingsFile, JSON.stringify(settings));
+  daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', join(root, 'webui/dist')], {
+    env: { ...process.env, STATE_DIRECTORY: stateFolder },
+    stdio: ['ignore', 'ignore', 'pipe'],
+  });
+  const ended = Promise.race([once(daemon, 'exit'), once(daemon, 'error').then(([error]) => { throw error; })]);
+  const log = [];
+  const ready = new Promise((resolve) => {
+    createInterface(daemon.stderr).on('line', (line) => {
+      log.push(line);
+      const port = /panel on port (\d+)/.exec(line)?.[1];
+      if (port) resolve(Number(port));
+    });
+  });
+  const port = await Promise.race([ready, ended]);
+  assert.equal(typeof port, 'number', `${DAEMON} ended at once:\n${log.join('\n')}`);
+  ended.catch(() => {});
+  settings.panel.port = port;
+}
+
+async function stopDaemon() {
+  if (!daemon || daemon.exitCode !== null || daemon.signalCode !== null) return;
+  const exit = once(daemon, 'exit');
+  daemon.kill('SIGTERM');
+  const [code] = await exit;
+  assert.equal(code, 0, 'the service ends cleanly');
+}
+
+const address = (path) => `http://127.0.0.1:${settings.panel.port}/${path}`;
+
+async function patch(...operations) {
+  const answer = await fetch(address('api/settings'), { method: 'PATCH', body: JSON.stringify(operations) });
+  assert.equal(answer.status, 200, await answer.text());
+}
+
+/** Asks for the service's status until it is as wanted. */
+async function statusBecomes(wanted) {
+  const deadline = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const status = await (await fetch(address('api/status'))).json();
+    if (wanted(status)) return status;
+    assert.ok(Date.now() < deadline, `the status does not become as wanted: ${JSON.stringify(status)}`);
+    await pause(50);
+  }
+}
+
+// ---- the browser
+
+let browser;
+
+/** A page, with its errors and its words to other hosts as they come. */
+async function openPage(viewport, options = {}) {
+  const context = await browser.newContext({ viewport, colorScheme: 'dark', ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  const panel = { page, errors: [], strangers: [], detections: [], errorsExpected: false };
+  page.on('console', (message) => {
+    if (message.type() === 'error' && !panel.errorsExpected) panel.errors.push(message.text());
+  });
+  page.on('pageerror', (error) => panel.errors.push(String(error)));
+  const listen = (url) => {
+    if (!['data:', 'blob:'].includes(new URL(url).protocol) && new URL(url).host !== new URL(address('')).host) {
+      panel.strangers.push(url);
+    }
+  };
+  page.on('request', (request) => listen(request.url()));
+  page.on('websocket', (socket) => {
+    listen(socket.url());
+    socket.on('framereceived', ({ payload }) => {
+      const message = typeof payload === 'string' ? JSON.parse(payload) : {};
+      if (message.topic !== 'detections') return;
+      panel.detections.push(message.data);
+      if (panel.detections.length > 1000) panel.detections.shift();
+    });
+  });
+  return panel;
+}
+
+/** Gives a test an open page and closes it. An error in the console or a word to another host fails the test. */
+function withPage(viewport, path, options, test) {
+  return async () => {
+    const panel = await openPage(viewport, options);
+    try {
+      const answer = await panel.page.goto(address(path));
+      assert.equal(answer.status(), 200);
+      await live(panel.page);
+      await test(panel.page, panel, answer);
+    } finally {
+      await panel.page.context().close();
+    }
+    assert.deepEqual(panel.errors, [], 'errors in the browser console');
+    assert.deepEqual(panel.strangers, [], 'requests to other hosts');
+  };
+}
+
+const byId = (name) => `[data-testid="${name}"]`;
+const live = (page) => page.waitForSelector(`${byId('connection')}[data-state="live"]`);
+const text = (page, name) => page.textContent(byId(name));
+
+async function frameNumber(page, camera) {
+  const picture = await page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-frame]`);
+  return Number(await picture.getAttribute('data-frame'));
+}
+
+/** Waits until the camera's picture has gone on by so many frames. */
+async function picturesGoOn(page, camera, frames = 5) {
+  const first = await frameNumber(page, camera);
+  await page.waitForFunction(
+    ([selector, last]) => Number(document.querySelector(selector)?.dataset.frame) > last,
+    [byId(`camera-picture-${camera}`), first + frames]);
+}
+
+/** Everything in the page that measures pictures; runs in the browser, in one task, so that picture and overlay belong together. */
+function measure(camera) {
+  const canvas = document.querySelector(`[data-testid="camera-picture-${camera}"]`);
+  const { width, height } = canvas;
+  const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+  const box = canvas.parentElement.querySelector('svg').viewBox.baseVal;
+  const colour = (x, y) => {
+    const at = (Math.floor((y / box.height) * height) * width + Math.floor((x / box.width) * width)) * 4;
+    return [data[at], data[at + 1], data[at + 2]];
+  };
+  let green = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i + 1] > data[i] + 12 && data[i + 1] > data[i + 2] + 12) green++;
+
+  const robots = [...canvas.parentElement.querySelectorAll('[data-testid="overlay-robot"]')].map((mark) => {
+    const ring = mark.querySelector('.ring').getAttribute('d').split('Z')[0];
+    const points = ring.slice(1).split('L').map((point) => point.split(' ').map(Number));
+    const mean = (axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length;
+    const [x, y] = [mean(0), mean(1)];
+    // Outside of what the camera sees there is nothing to look at.
+    const inside = x > 3 && y > 3 && x < box.width - 3 && y < box.height - 3;
+    return { team: mark.dataset.team, id: Number(mark.dataset.id), camera: Number(mark.dataset.camera), x, y, colour: inside ? colour(x, y) : null };
+  });
+
+  // How much brighter the picture is on the drawn lines than beside them.
+  const path = canvas.parentElement.querySelector('[data-testid="overlay-lines"]');
+  const bright = { on: 0, beside: 0 };
+  if (path) {
+    const length = path.getTotalLength();
+    const samples = 2000;
+    const beside = 8; // picture pixels to both sides
+    for (let i = 0; i < samples; i++) {
+      const { x, y } = path.getPointAtLength((i / samples) * length);
+      if (x < beside || y < beside || x >= box.width - beside || y >= box.height - beside) continue;
+      const grey = (u, v) => colour(u, v).reduce((sum, value) => sum + value, 0) / 3;
+      bright.on += grey(x, y) / samples;
+      bright.beside += (grey(x - beside, y - beside) + grey(x + beside, y + beside)) / 2 / samples;
+    }
+  }
+  return { frame: Number(canvas.dataset.frame), width, height, green: green / (width * height), robots, lines: bright.on - bright.beside };
+}
+
+const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 40 };
+
+function assertTeamColours({ robots, frame }) {
+  for (const { team, id, x, y, colour } of robots) {
+    assert.ok(colour === null || hasColourOf[team](colour),
+      `frame ${frame}: under ${team} ${id} at ${x.toFixed(1)}, ${y.toFixed(1)} the picture is rgb(${colour})`);
+  }
+}
+
+/** All robots of the demo, as "blue 3". */
+const everyRobot = ['blue', 'yellow'].flatMap((team) => {
+  const { [`robots_${team}`]: count } = settings.cameras[0].source;
+  return Array.from({ length: count }, (_, id) => `${team} ${id}`);
+}).sort();
+const named = (robots) => [...new Set(robots.map(({ team, id }) => `${team} ${id}`))].sort();
+
+/** Waits until exactly the demo's robots are marked by this selector. */
+async function everyRobotIsMarked(page, selector) {
+  await page.waitForFunction(
+    ([marks, expected]) => {
+      const seen = new Set([...document.querySelectorAll(marks)].map(({ dataset }) => `${dataset.team} ${dataset.id}`));
+      return [...seen].sort().join() === expected;
+    },
+    [selector, everyRobot.join()]);
+}
+
+async function accessible(page, what) {
+  await page.evaluate(axeSource);
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+  const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map(({ target }) => target.join(' ')).join(', ')}`);
+  assert.deepEqual(list, [], `accessibility of ${what}`);
+}
+
+/** The middle of a robot's target that no other one covers. */
+async function freeTarget(page) {
+  const handle = await page.waitForFunction((selector) => {
+    for (const target of document.querySelectorAll(selector)) {
+      const { left, top, width, height } = target.getBoundingClientRect();
+      const [x, y] = [left + width / 2, top + height / 2];
+      if (document.elementFromPoint(x, y) === target) return { x, y, team: target.dataset.team, id: target.dataset.id };
+    }
+    return null;
+  }, byId('robot-target'));
+  return handle.jsonValue();
+}
+
+async function chooseTheme(page, theme) {
+  if ((await page.getAttribute('html', 'data-theme')) !== theme) await page.click(byId('theme'));
+  await page.waitForSelector(`html[data-theme="${theme}"]`);
+}
+
+const phone = { hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+const views = [
+  { name: 'desktop', viewport: DESKTOP, options: {} },
+  { name: 'phone', viewport: PHONE, options: phone },
+];
+const pages = [
+  { name: 'Overview', path: '', ready: byId('camera-tile-1') },
+  { name: 'Camera', path: '#/camera/0', ready: byId('robot-target') },
+];
+
+describe('panel', () => {
+  before(async () => {
+    browser = await chromium.launch({
+      executablePath: CHROMIUM,
+      chromiumSandbox: process.getuid() !== 0,
+      args: ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+    });
+    await startDaemon();
+  });
+  after(async () => {
+    await browser?.close();
+    await stopDaemon();
+    rmSync(folder, { recursive: true, force: true });
+  });
+
+  for (const { name, viewport, options } of views) {
+    it(`shows both cameras live on a ${name}`, withPage(viewport, '', options, async (page) => {
+      for (const { id } of settings.cameras) {
+        await page.waitForSelector(`${byId(`camera-tile-${id}`)}[data-state="running"]`);
+        await picturesGoOn(page, id);
+        const { green, width, height } = await page.evaluate(measure, id);
+        assert.ok(green > 0.3, `${width} x ${height} pixels of camera ${id}: ${green} of them carpet`);
+      }
+      await everyRobotIsMarked(page, byId('overlay-robot'));
+      await everyRobotIsMarked(page, byId('field-robot'));
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(wide <= 0, `the page is ${wide} px too wide`);
+    }));
+  }
+
+  it('is served with a content security policy', withPage(DESKTOP, '', {}, async (page, panel, answer) => {
+    assert.match(answer.headers()['content-security-policy'] ?? '', /default-src 'self'/);
+  }));
+
+  it('marks robots where the picture shows them', withPage(DESKTOP, '', {}, async (page) => {
+    const looked = new Set();
+    for (const { id } of settings.cameras) {
+      await picturesGoOn(page, id);
+      for (let i = 0; i < 5; i++) {
+        const seen = await page.evaluate(measure, id);
+        assertTeamColours(seen);
+        for (const robot of named(seen.robots.filter(({ colour }) => colour))) looked.add(robot);
+        assert.deepEqual(seen.robots.filter(({ camera }) => camera !== id), []);
+        await picturesGoOn(page, id, 1);
+      }
+    }
+    assert.deepEqual([...looked].filter((robot) => !everyRobot.includes(robot)), [], 'robots that are not there');
+    assert.ok(looked.size > 8, `only ${[...looked]} were looked at`);
+  }));
+
+  it('draws on the field what was reported', withPage(DESKTOP, '', {}, async (page, panel) => {
+    await everyRobotIsMarked(page, byId('field-robot'));
+    const drawn = await page.evaluate(() => {
+      const svg = document.querySelector('[data-testid="field"]');
+      const toField = svg.getScreenCTM().inverse();
+      return [...svg.querySelectorAll('[data-testid="field-robot"]')].map((mark) => {
+        const { left, top, width, height } = mark.querySelector('.body').getBoundingClientRect();
+        const { x, y } = new DOMPoint(left + width / 2, top + height / 2).matrixTransform(toField);
+        return { ...mark.dataset, at: { x, y: -y } };
+      });
+    });
+    for (const { team, id, x, y, at } of drawn) {
+      const reports = panel.detections.flatMap(({ robots }) => robots).filter((robot) => robot.team === team && String(robot.id) === id);
+      assert.ok(reports.some((robot) => robot.x.toFixed(1) === x && robot.y.toFixed(1) === y),
+        `${team} ${id} at ${x}, ${y} was never reported`);
+      // A robot's flat front takes a little off the middle of its outline.
+      assert.ok(Math.hypot(at.x - x, at.y - y) < 40, `${team} ${id} of ${x}, ${y} is drawn at ${at.x}, ${at.y}`);
+    }
+  }));
+
+  it('gives figures and finds nothing wrong', withPage(DESKTOP, '', {}, async (page) => {
+    for (const { id } of settings.cameras) {
+      await page.waitForFunction((selector) => Number(document.querySelector(selector)?.textContent) > 1, byId(`fps-${id}`));
+      assert.match(await text(page, `fps-${id}`), /^\d+\.\d$/);
+      for (const name of ['latency-p50', 'latency-p99']) assert.match(await text(page, `${name}-${id}`), /^\d+(\.\d+)?$/);
+      assert.match(await text(page, `drops-${id}`), /^[\d\u2009]+$/);
+    }
+    // Speed is this machine's affair, so those two may warn; but they must know.
+    for (const fact of ['latency', 'fps']) await page.waitForSelector(`${byId(`fact-${fact}`)}:not([data-level="unknown"])`);
+    for (const fact of ['cameras', 'robots', 'ball', 'network']) await page.waitForSelector(`${byId(`fact-${fact}`)}[data-level="ok"]`);
+    assert.match(await text(page, 'fact-cameras'), /2\s+of 2/);
+    await page.waitForFunction((selector) => /12.*6 yellow, 6 blue/.test(document.querySelector(selector).textContent), byId('fact-robots'));
+    await page.waitForSelector(byId('no-alerts'));
+    assert.equal(await page.locator(byId('alert')).count(), 0);
+  }));
+
+  it('switches between dark and light', withPage(DESKTOP, '', {}, async (page) => {
+    const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).slice(0, 3).map(Number));
+    await chooseTheme(page, 'light');
+    const light = await background();
+    assert.ok(Math.min(...light) > 180, `light: ${light}`);
+    await page.reload();
+    await page.waitForSelector('html[data-theme="light"]');
+    await live(page);
+    await chooseTheme(page, 'dark');
+    const dark = await background();
+    assert.ok(Math.max(...dark) < 80, `dark: ${dark}`);
+  }));
+
+  it('goes from a tile to its camera and back', withPage(DESKTOP, '', {}, async (page) => {
+    await page.click('a[aria-label="Open camera 1"]');
+    await page.waitForURL(/#\/camera\/1$/);
+    await picturesGoOn(page, 1);
+    await page.goBack();
+    await picturesGoOn(page, 0);
+  }));
+
+  it('shows a camera in full with its lines and robots in place', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
+    await page.getByLabel('Size').selectOption({ label: 'Full' });
+    await page.waitForFunction((selector) => document.querySelector(selector)?.width === 780, byId('camera-picture-0'));
+    await page.waitForSelector(byId('overlay-robot'));
+    await page.waitForSelector(byId('overlay-lines'), { state: 'attached' });
+    const seen = await page.evaluate(measure, 0);
+    assert.deepEqual([seen.width, seen.height], [780, 580]);
+    assert.ok(seen.robots.length > 0);
+    assertTeamColours(seen);
+    assert.ok(seen.lines > 25, `on its lines the picture is brighter by ${seen.lines} grey levels only`);
+    await page.click('button[aria-label^="Turn"]');
+    await page.waitForFunction((selector) => document.querySelector(selector)?.height === 780, byId('camera-picture-0'));
+    await picturesGoOn(page, 0);
+    assertTeamColours(await page.evaluate(measure, 0));
+  }));
+
+  it('hides and shows layers', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
+    const attached = (selector) => page.waitForSelector(selector, { state: 'attached' });
+    const detached = (selector) => page.waitForSelector(selector, { state: 'detached' });
+    await attached(byId('overlay-robot'));
+    await page.click(byId('layer-detections'));
+    await detached(byId('overlay-robot'));
+    assert.equal(await page.getAttribute(byId('layer-detections'), 'aria-pressed'), 'false');
+    await page.click(byId('layer-detections'));
+    await attached(byId('overlay-robot'));
+    await page.click(byId('layer-lines'));
+    await detached(byId('overlay-lines'));
+    await page.keyboard.press('2');
+    await attached(byId('overlay-lines'));
+    await page.click(byId('layer-grid'));
+    await attached('path.grid');
+    await page.keyboard.press('h');
+    for (const mark of ['path.grid', byId('overlay-robot'), byId('overlay-lines')]) await detached(mark);
+    await page.keyboard.press('h');
+    await attached(byId('overlay-lines'));
+  }));
+
+  it('freezes, zooms, tells about a robot and goes on', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
+    await picturesGoOn(page, 0);
+    await page.waitForSelector(byId('robot-target'));
+    await page.click(byId('freeze'));
+    await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
+    const frozen = await frameNumber(page, 0);
+    const taken = (await statusBecomes(() => true)).cameras[0].frames;
+    await statusBecomes(({ cameras }) => cameras[0].frames > taken + 30);
+    assert.equal(await frameNumber(page, 0), frozen, 'the camera went on, the picture did not');
+
+    const robot = await freeTarget(page);
+    await page.mouse.click(robot.x, robot.y);
+    const card = await page.waitForSelector(byId('robot-card'));
+    assert.match(await card.textContent(), new RegExp(`${robot.team} ${robot.id}.*x.*mm.*heading.*°`, 's'));
+    await page.mouse.move(5, 5);
+    await card.waitForElementState('visible');
+
+    const percent = async () => Number.parseInt(await text(page, 'zoom'), 10);
+    const whole = await percent();
+    await page.click('button[aria-label="Zoom in"]');
+    await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector).textContent, 10) > last, [byId('zoom'), whole]);
+    await page.click('button[aria-label="Show the whole picture"]');
+    await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector).textContent, 10) === last, [byId('zoom'), whole]);
+
+    await page.click(byId('freeze'));
+    await picturesGoOn(page, 0);
+  }));
+
+  it('saves a still', withPage(DESKTOP, '#/camera/1', {}, async (page) => {
+    await picturesGoOn(page, 1);
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('still'))]);
+    assert.match(download.suggestedFilename(), /^camera-1-.*\.jpg$/);
+    const bytes = readFileSync(await download.path());
+    assert.deepEqual([...bytes.subarray(0, 3), ...bytes.subarray(-2)], [0xff, 0xd8, 0xff, 0xff, 0xd9], 'a whole JPEG');
+    assert.ok(bytes.length > 20_000, `${bytes.length} bytes`);
+  }));
+
+  it('tells about a tapped robot on a phone', withPage(PHONE, '#/camera/0', phone, async (page) => {
+    await picturesGoOn(page, 0);
+    await page.tap(byId('freeze'));
+    const robot = await freeTarget(page);
+    await page.touchscreen.tap(robot.x, robot.y);
+    const tag = `${robot.team === 'yellow' ? 'y' : 'b'}${robot.id}`;
+    await page.waitForFunction(([selector, name]) => document.querySelector(`${selector} .tag`)?.textContent === name, [byId('robot-strip'), tag]);
+    assert.match(await text(page, 'robot-strip'), /mm.*°.*confidence/s);
+  }));
+
+  for (const { name: view, viewport, options } of views) {
+    for (const { name, path, ready } of pages) {
+      it(`is accessible: ${name} on a ${view}`, withPage(viewport, path, options, async (page) => {
+        await page.waitForSelector(ready, { state: 'attached' });
+        for (const theme of ['dark', 'light']) {
+          await chooseTheme(page, theme);
+          await accessible(page, `${name} on a ${view}, ${theme}`);
+        }
+      }));
+    }
+  }
+
+  it('says which camera is lost and why, until it is back', withPage(DESKTOP, '', {}, async (page) => {
+    await picturesGoOn(page, 1);
+    const missing = join(folder, 'no-such-recording');
+    await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: missing } });
+    const tile = `${byId('camera-tile-1')}[data-state="lost"]`;
+    await page.waitForSelector(tile);
+    const trouble = await page.textContent(`${tile} ${byId('picture-trouble')}`);
+    assert.match(trouble, /Camera lost/);
+    assert.ok(trouble.includes(missing) && trouble.includes('No such file'), trouble);
+    await page.waitForSelector(`${byId('fact-cameras')}[data-level="bad"]`);
+    const alert = await page.waitForSelector(`${byId('alert')}[data-severity="bad"]`);
+    assert.match(await alert.textContent(), /Camera 1 is lost.*Fix/s);
+    assert.equal(await page.locator(`${tile} ${byId('overlay-robot')}`).count(), 0, 'no old detections');
+    await picturesGoOn(page, 0);
+    await accessible(page, 'Overview with a lost camera');
+
+    await page.click(`${byId('alert')} a`);
+    await page.waitForSelector(`${byId('view')} ${byId('picture-trouble')}`);
+    await page.click('a[href="#/overview"]');
+
+    await patch({ op: 'replace', path: '/cameras/1/source', value: settings.cameras[1].source });
+    await page.waitForSelector(`${byId('camera-tile-1')}[data-state="running"]`);
+    await picturesGoOn(page, 1);
+    await page.waitForSelector(byId('no-alerts'));
+  }));
+
+  it('comes back by itself when the service does', withPage(DESKTOP, '', {}, async (page, panel) => {
+    for (const { id } of settings.cameras) await picturesGoOn(page, id);
+    await page.evaluate(() => { window.notReloaded = true; });
+    panel.errorsExpected = true;
+    await stopDaemon();
+    const lastFrames = {};
+    for (const { id } of settings.cameras) lastFrames[id] = await frameNumber(page, id);
+    await page.waitForSelector(`${byId('connection')}[data-state="stale"]`);
+    await page.waitForSelector(byId('no-data'));
+    await page.waitForSelector(`${byId('fact-cameras')}[data-level="unknown"]`);
+    await page.waitForSelector(byId('overlay-robot'), { state: 'detached' });
+    assert.equal(await text(page, 'fps-0'), '–');
+    assert.equal(await page.locator(byId('field-robot')).count(), 0);
+    await accessible(page, 'Overview without the service');
+
+    const port = settings.panel.port;
+    await startDaemon();
+    assert.equal(settings.panel.port, port);
+    await live(page);
+    panel.errorsExpected = false;
+    for (const { id } of settings.cameras) {
+      // The new service counts its frames from the beginning, so higher numbers would prove nothing.
+      await page.waitForFunction(([selector, old]) => Number(document.querySelector(selector).dataset.frame) !== old,
+        [byId(`camera-picture-${id}`), lastFrames[id]]);
+      await picturesGoOn(page, id);
+    }
+    await everyRobotIsMarked(page, byId('overlay-robot'));
+    await everyRobotIsMarked(page, byId('field-robot'));
+    assert.equal(await page.evaluate(() => window.notReloaded), true);
+  }));
+
+  if (process.env.SSLV_SCREENSHOTS === '1') {
+    const images = join(root, 'docs/images');
+    const shots = [
+      { file: 'overview-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {} },
+      { file: 'overview-light.jpg', theme: 'light', path: '', viewport: DESKTOP, options: {} },
+      { file: 'camera-dark.jpg', theme: 'dark', path: '#/camera/0', viewport: DESKTOP, options: {} },
+      { file: 'overview-phone.jpg', theme: 'dark', path: '', viewport: PHONE, options: phone },
+    ];
+    for (const { file, theme, path, viewport, options } of shots) {
+      it(`docs/images/${file}`, withPage(viewport, path, options, async (page) => {
+        await chooseTheme(page, theme);
+        // The graphs begin with the page.
+        const { uptime_s } = await statusBecomes(() => true);
+        await statusBecomes((status) => status.uptime_s > uptime_s + 30);
+        if (path === '') await everyRobotIsMarked(page, byId('overlay-robot'));
+        mkdirSync(images, { recursive: true });
+        await page.screenshot({ path: join(images, file), quality: 88 });
+      }));
+    }
+  }
+});
