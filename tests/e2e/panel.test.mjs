@@ -101,7 +101,8 @@ let browser;
 
 /** A page, with its errors and its words to other hosts as they come. */
 async function openPage(viewport, options = {}) {
-  const context = await browser.newContext({ viewport, colorScheme: 'dark', ...options });
+  // Half-way through a fade no colour is what it is meant to be.
+  const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
   const panel = { page, errors: [], strangers: [], detections: [], errorsExpected: false };
@@ -231,7 +232,7 @@ async function everyRobotIsMarked(page, selector) {
 async function accessible(page, what) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
-  const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map(({ target }) => target.join(' ')).join(', ')}`);
+  const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => `${node.target.join(' ')} ${node.failureSummary}`).join(', ')}`);
   assert.deepEqual(list, [], `accessibility of ${what}`);
 }
 
