@@ -24,7 +24,9 @@ Json camera_json(const RunningCamera& camera) {
   const auto setup = camera.pipeline().setup();
   const CameraHealth health = camera.health();
   const auto counters = camera.pipeline().counters();
-  const auto latency = camera.latency();
+  // What a camera that is not running last saw and how fast is no news.
+  const bool running = health.state == CameraState::kRunning;
+  const auto latency = running ? camera.latency() : RecentDurations::Percentiles{};
   Json out{{"id", settings->id},
            {"name", settings->name},
            {"backend", settings->source.at("backend")},
@@ -41,8 +43,8 @@ Json camera_json(const RunningCamera& camera) {
            {"reconnects", health.reconnects},
            {"latency_ms", {{"p50", latency.p50_us * 1e-3}, {"p99", latency.p99_us * 1e-3}}},
            {"stages", Json::array()},
-           {"robots", counters.robots},
-           {"balls", counters.balls}};
+           {"robots", running ? counters.robots : 0},
+           {"balls", running ? counters.balls : 0}};
   const auto& stack = setup->pipeline->stack();
   for (std::size_t i = 0; i < stack.size(); ++i) {
     const auto times = setup->pipeline->durations(i).percentiles();
@@ -66,13 +68,14 @@ Json alerts_json(const StatusInput& input) {
     const CameraHealth health = camera->health();
     if (health.state == CameraState::kLost) {
       add_alert(alerts, "bad", fmt::format("Camera {} is lost: {}", camera->settings()->id, health.error),
-                "Check its cable and power; it is tried again by itself.", camera->settings()->id);
+                camera->settings()->source.at("backend") == "files"
+                    ? "Check source/path in its settings; it is tried again by itself."
+                    : "Check its cable and power; it is tried again by itself.",
+                camera->settings()->id);
     }
   }
   if (!input.network.error.empty()) {
-    add_alert(
-        alerts, "bad", "No packets leave: " + input.network.error,
-        "Set network/vision/interface to the card on the field's network; sending is tried again by itself.");
+    add_alert(alerts, "bad", "No packets leave", input.network.error + "; sending is tried again by itself.");
   }
   if (!input.settings_problem.empty()) {
     add_alert(alerts, "warn", input.settings_problem,

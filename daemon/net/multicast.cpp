@@ -51,7 +51,7 @@ std::string advice() {
   std::string cards;
   for (const NetworkCard& card : network_cards())
     cards += " " + card.name + " (" + card.address.to_string() + ")";
-  return "set network/interface to the card on the field's network; " +
+  return "set network/vision/interface to the card on the field's network; " +
          (cards.empty() ? "no card has an IPv4 address at present" : "there are" + cards);
 }
 

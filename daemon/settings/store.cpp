@@ -78,6 +78,14 @@ void write_file_durably(const std::filesystem::path& file, const std::string& co
 SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder,
                              Check check)
     : admin_file_(std::move(admin_file)), state_folder_(std::move(state_folder)), check_(std::move(check)) {
+  for (const auto& own : {changes_file(), previous_file()}) {
+    std::error_code error;
+    if (std::filesystem::equivalent(admin_file_, own, error)) {
+      throw SettingsError(
+          fmt::format("{}: is where the panel's changes are kept; move your settings to another folder",
+                      admin_file_.string()));
+    }
+  }
   const Json from_file = read_json_file(admin_file_);
   try {
     admin_settings_ = check_(from_file);
@@ -98,6 +106,10 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
   if (!std::filesystem::exists(file, ignored)) return std::nullopt;
   try {
     const Json saved = read_json_file(file);
+    if (!saved.is_object() || !saved.contains("revision") || !saved["revision"].is_number_unsigned() ||
+        !saved.contains("changes")) {
+      throw SettingsError("it holds no saved changes");
+    }
     Version version{saved.at("revision").get<std::uint64_t>(),
                     check_(admin_settings_.patch(saved.at("changes")))};
     return version;

@@ -124,7 +124,7 @@ TEST(Multicast, AnAbsentInterfaceIsSaidAndCountedUntilItIsSetRight) {
     EXPECT_EQ(sender.status().packets_sent, 0U);
     EXPECT_EQ(sender.status().send_errors, 2U);
     EXPECT_THAT(sender.status().error, StartsWith("no network card has the name or IPv4 address '" +
-                                                  std::string(interface) + "': set network/interface"));
+                                                  std::string(interface) + "': set network/vision/interface"));
     EXPECT_THAT(sender.status().error, HasSubstr("lo (127.0.0.1)"));
 
     sender.configure(settings_for(listener));
@@ -170,7 +170,7 @@ TEST(Multicast, WithoutARouteTheErrorSaysToSetTheInterface) {
     if (send(sender, "x")) return 1;
     const std::string error = sender.status().error;
     if (error.find("cannot send to 224.5.23.2:10006: Network is unreachable") != 0) return 2;
-    return error.find("set network/interface") == std::string::npos ? 3 : kPassed;
+    return error.find("set network/vision/interface") == std::string::npos ? 3 : kPassed;
   });
   if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
   EXPECT_EQ(status, kPassed);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/store.h"
 
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <unistd.h>
-
-#include <fstream>
 
 namespace sslv {
 namespace {
@@ -16,7 +16,8 @@ using ::testing::IsEmpty;
 /// "a" must be a number up to 9; "b" has a default.
 Json check(const Json& settings) {
   if (!settings.contains("a") || !settings["a"].is_number() || settings["a"] > 9) {
-    throw SettingsError("/a: " + (settings.contains("a") ? settings["a"].dump() : "nothing") + " is not allowed");
+    throw SettingsError("/a: " + (settings.contains("a") ? settings["a"].dump() : "nothing") +
+                        " is not allowed");
   }
   Json complete{{"a", settings["a"]}, {"b", settings.value("b", 2)}};
   return complete;
@@ -30,7 +31,9 @@ class Store : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  static void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+  static void write(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file) << text;
+  }
   SettingsStore open() const { return SettingsStore(admin_file_, state_, check); }
 
   static SettingsStore::Version set(SettingsStore& store, const char* key, const Json& value,
@@ -84,7 +87,9 @@ TEST_F(Store, ARefusedChangeLeavesEverythingAsItWas) {
   set(store, "a", 5);
   EXPECT_THAT(error_of<SettingsError>([&] { set(store, "a", 10); }), HasSubstr("/a: 10"));
   EXPECT_THAT(error_of<SettingsError>([&] { set(store, "no_such_key", 10); }), HasSubstr("no_such_key"));
-  EXPECT_THAT(error_of<SettingsError>([&] { store.patch(Json{{"a", 3}}, {}, [](const Json&) { return [] {}; }); }),
+  EXPECT_THAT(error_of<SettingsError>([&] {
+                store.patch(Json{{"a", 3}}, {}, [](const Json&) { return [] {}; });
+              }),
               HasSubstr("JSON Patch"));
   EXPECT_EQ(store.current().settings["a"], 5);
   EXPECT_EQ(open().current().revision, 2u);
@@ -93,7 +98,8 @@ TEST_F(Store, ARefusedChangeLeavesEverythingAsItWas) {
 TEST_F(Store, AStaleEditIsRefused) {
   auto store = open();
   set(store, "a", 5, 1);
-  EXPECT_THAT(error_of<StaleRevision>([&] { set(store, "a", 6, 1); }), AllOf(HasSubstr("revision 2"), HasSubstr("on 1")));
+  EXPECT_THAT(error_of<StaleRevision>([&] { set(store, "a", 6, 1); }),
+              AllOf(HasSubstr("revision 2"), HasSubstr("on 1")));
   EXPECT_EQ(store.current().settings["a"], 5);
 }
 
@@ -102,8 +108,11 @@ TEST_F(Store, ChangesComeIntoForceOnlyAfterTheyAreSaved) {
   std::vector<std::string> order;
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
   store.patch(patch, {}, [&](const Json& next) {
-    order.push_back("prepared " + next["a"].dump() + (std::filesystem::exists(saved_) ? " after saving" : ""));
-    return [&] { order.push_back(std::filesystem::exists(saved_) ? "in force after saving" : "in force unsaved"); };
+    order.push_back("prepared " + next["a"].dump() +
+                    (std::filesystem::exists(saved_) ? " after saving" : ""));
+    return [&] {
+      order.push_back(std::filesystem::exists(saved_) ? "in force after saving" : "in force unsaved");
+    };
   });
   EXPECT_EQ(order, (std::vector<std::string>{"prepared 3", "in force after saving"}));
 }
@@ -112,14 +121,14 @@ TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
   auto store = open();
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
   EXPECT_EQ(error_of<SettingsError>([&] {
-              store.patch(patch, {}, [](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
+              store.patch(patch, {},
+                          [](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
             }),
             "no such file");
   write(state_, "a file where the folder should be");
   bool in_force = false;
-  EXPECT_THAT(error_of<StorageError>([&] {
-                store.patch(patch, {}, [&](const Json&) { return [&] { in_force = true; }; });
-              }),
+  EXPECT_THAT(error_of<StorageError>(
+                  [&] { store.patch(patch, {}, [&](const Json&) { return [&] { in_force = true; }; }); }),
               HasSubstr("cannot write"));
   EXPECT_FALSE(in_force);
   EXPECT_EQ(store.current().settings["a"], 1);
@@ -151,14 +160,26 @@ TEST_F(Store, ChangesThatNoLongerFitAreSetAsideLoudly) {
 
 TEST_F(Store, NamesTheAdminsFileInErrors) {
   write(admin_file_, "{\"a\": 1,\n  \"b\" 2}");
-  EXPECT_THAT(error_of<SettingsError>([&] { open(); }), AllOf(HasSubstr(admin_file_.string()), HasSubstr("line 2, column 7")));
+  EXPECT_THAT(error_of<SettingsError>([&] { open(); }),
+              AllOf(HasSubstr(admin_file_.string()), HasSubstr("line 2, column 7")));
   write(admin_file_, R"({"a": 50})");
-  EXPECT_THAT(error_of<SettingsError>([&] { open(); }), AllOf(HasSubstr(admin_file_.string()), HasSubstr("/a: 50")));
+  EXPECT_THAT(error_of<SettingsError>([&] { open(); }),
+              AllOf(HasSubstr(admin_file_.string()), HasSubstr("/a: 50")));
   std::filesystem::remove(admin_file_);
   EXPECT_THAT(error_of<SettingsError>([&] { open(); }), HasSubstr("No such file"));
 }
 
-TEST_F(Store, NoProblemWithoutSavedChanges) { EXPECT_THAT(open().problem(), IsEmpty()); }
+TEST_F(Store, TheAdminsFileIsNeverTakenForSavedChanges) {
+  std::filesystem::create_directories(state_);
+  write(saved_, R"({"a": 4})");
+  EXPECT_THAT(error_of<SettingsError>([&] { SettingsStore(saved_, state_, check); }),
+              AllOf(HasSubstr(saved_.string()), HasSubstr("another folder")));
+  EXPECT_EQ(read_json_file(saved_), (Json{{"a", 4}})) << "and it is left alone";
+}
+
+TEST_F(Store, NoProblemWithoutSavedChanges) {
+  EXPECT_THAT(open().problem(), IsEmpty());
+}
 
 }  // namespace
 }  // namespace sslv
