@@ -9,8 +9,8 @@ std::span<const Route> routes() {
   static constexpr Route kRoutes[] = {
       {"GET", "/api/status", get_status},
       {"GET", "/api/cameras", get_cameras},
-      {"GET", "/api/cameras/{id}/snapshot.jpg", get_snapshot},
-      {"GET", "/api/cameras/{id}/lut", get_lut},
+      {"GET", R"(/api/cameras/(\d+)/snapshot\.jpg)", get_snapshot},
+      {"GET", R"(/api/cameras/(\d+)/lut)", get_lut},
       {"GET", "/api/settings", get_settings},
       {"PATCH", "/api/settings", patch_settings},
       {"GET", "/api/schema", get_schema},

@@ -4,24 +4,28 @@
 // The handlers behind the table of routes; docs/api.md says what each answers.
 
 #include "web/host.h"
-#include "web/http.h"
+
+namespace httplib {
+struct Request;
+struct Response;
+}  // namespace httplib
 
 namespace sslv {
 
 // api_status.cpp
-Response get_status(const WebHost& host, const Request& request);
-Response get_cameras(const WebHost& host, const Request& request);
+void get_status(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_cameras(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
-// api_cameras.cpp: {id} is the camera's id
-Response get_snapshot(const WebHost& host, const Request& request);
-Response get_lut(const WebHost& host, const Request& request);
+// api_cameras.cpp: the path holds the camera's id
+void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_settings.cpp
-Response get_settings(const WebHost& host, const Request& request);
-Response patch_settings(const WebHost& host, const Request& request);
-Response get_schema(const WebHost& host, const Request& request);
+void get_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_schema(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_websocket.cpp: a plain request where a WebSocket is expected
-Response get_websocket(const WebHost& host, const Request& request);
+void get_websocket(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 }  // namespace sslv

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "image/jpeg.h"
 #include "web/api.h"
+#include "web/http.h"
 
 #include <algorithm>
 #include <limits>
+
+#include <httplib.h>
 
 namespace sslv {
 namespace {
 
 /// The camera named in the path. Throws HttpError 404.
-std::uint32_t camera_id(const WebHost& host, const Request& request) {
-  const int id = read_whole_number("camera", request.captures.at(0), 0, std::numeric_limits<int>::max());
+std::uint32_t camera_id(const WebHost& host, const httplib::Request& request) {
+  const int id = read_whole_number("camera", request.matches[1].str(), 0, std::numeric_limits<int>::max());
   const std::vector<std::uint32_t> known = host.camera_ids();
   if (std::find(known.begin(), known.end(), static_cast<std::uint32_t>(id)) == known.end()) {
     throw HttpError(404, "no camera " + std::to_string(id));
@@ -18,14 +21,14 @@ std::uint32_t camera_id(const WebHost& host, const Request& request) {
   return static_cast<std::uint32_t>(id);
 }
 
-int query_number(const Request& request, const std::string& name, int fallback, int min, int max) {
-  const auto found = request.query.find(name);
-  return found == request.query.end() ? fallback : read_whole_number(name, found->second, min, max);
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
+  if (!request.has_param(name)) return fallback;
+  return read_whole_number(name, request.get_param_value(name), min, max);
 }
 
 }  // namespace
 
-Response get_snapshot(const WebHost& host, const Request& request) {
+void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   constexpr int kMaxWidth = 16384;
   const std::uint32_t id = camera_id(host, request);
   const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
@@ -34,17 +37,15 @@ Response get_snapshot(const WebHost& host, const Request& request) {
   if (!view) throw HttpError(503, "camera " + std::to_string(id) + " has no picture yet");
   JpegEncoder encoder;
   const std::span<const std::uint8_t> jpeg = encoder.encode(view->image, width, quality);
-  return {200, "image/jpeg", std::string(jpeg.begin(), jpeg.end()), {{"Cache-Control", "no-store"}}};
+  response.set_content(reinterpret_cast<const char*>(jpeg.data()), jpeg.size(), "image/jpeg");
 }
 
-Response get_lut(const WebHost& host, const Request& request) {
+void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   const std::uint32_t id = camera_id(host, request);
   const std::vector<std::uint8_t> file = host.lut_file(id);
-  return {200,
-          "application/octet-stream",
-          std::string(file.begin(), file.end()),
-          {{"Cache-Control", "no-store"},
-           {"Content-Disposition", "attachment; filename=\"camera-" + std::to_string(id) + ".lut\""}}};
+  response.set_header("Content-Disposition",
+                      "attachment; filename=\"camera-" + std::to_string(id) + ".lut\"");
+  response.set_content(reinterpret_cast<const char*>(file.data()), file.size(), "application/octet-stream");
 }
 
 }  // namespace sslv

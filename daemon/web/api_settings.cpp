@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/api.h"
+#include "web/http.h"
 
 #include <charconv>
+
+#include <httplib.h>
 
 namespace sslv {
 namespace {
@@ -22,18 +25,18 @@ std::uint64_t read_revision(std::string_view text) {
 
 }  // namespace
 
-Response get_settings(const WebHost& host, const Request&) {
-  return json_response(host.settings());
+void get_settings(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.settings());
 }
 
-Response patch_settings(const WebHost& host, const Request& request) {
+void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   std::optional<std::uint64_t> if_revision;
-  if (const auto if_match = header(request, "if-match")) if_revision = read_revision(*if_match);
-  return json_response(host.patch_settings(parse_json(request.body), if_revision, request.remote_address));
+  if (request.has_header("If-Match")) if_revision = read_revision(request.get_header_value("If-Match"));
+  set_json(response, host.patch_settings(parse_json(request.body), if_revision, request.remote_addr));
 }
 
-Response get_schema(const WebHost& host, const Request&) {
-  return json_response(host.schema());
+void get_schema(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.schema());
 }
 
 }  // namespace sslv

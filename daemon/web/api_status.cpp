@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/api.h"
+#include "web/http.h"
 
 namespace sslv {
 
-Response get_status(const WebHost& host, const Request&) {
-  return json_response(host.status());
+void get_status(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.status());
 }
 
-Response get_cameras(const WebHost& host, const Request&) {
-  return json_response(host.status().at("cameras"));
+void get_cameras(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.status().at("cameras"));
 }
 
 }  // namespace sslv

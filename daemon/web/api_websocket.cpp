@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/api.h"
+#include "web/http.h"
+
+#include <httplib.h>
 
 namespace sslv {
 
-Response get_websocket(const WebHost&, const Request&) {
-  Response response = error_response(426, "this address speaks WebSocket only");
-  response.headers.emplace_back("Upgrade", "websocket");
-  return response;
+void get_websocket(const WebHost&, const httplib::Request&, httplib::Response& response) {
+  response.set_header("Upgrade", "websocket");
+  set_error(response, 426, "this address speaks WebSocket only");
 }
 
 }  // namespace sslv

@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/http_session.h"
 
+#include "web/http.h"
+
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <sstream>
 #include <string>
 
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/completion_condition.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -28,48 +35,23 @@ namespace {
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
 constexpr std::uint64_t kMaxBodyBytes = 1024 * 1024;
-constexpr std::chrono::seconds kIdleTimeout{75};     // between two requests
+// httplib matches addresses and ranges with std::regex, which recurses for every character.
+constexpr std::size_t kMaxMatchedBytes = 1024;
 constexpr std::chrono::seconds kRequestTimeout{20};  // from a request's first byte to its last
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
 
-using HttpRequest = http::request<http::string_body>;
-using HttpResponse = http::response<http::string_body>;
-
-std::string text_of(beast::string_view text) {
+std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-std::string lower_case(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return text;
-}
-
-/// False when the target cannot be read.
-bool convert(HttpRequest& from, Request& to) {
-  to.method = text_of(from.method_string());
-  for (const auto& field : from) {
-    to.headers.emplace(lower_case(text_of(field.name_string())), text_of(field.value()));
-  }
-  to.body = std::move(from.body());
-  const beast::string_view target = from.target();
-  return parse_target({target.data(), target.size()}, to);
-}
-
-HttpResponse convert(Response from, unsigned version) {
-  HttpResponse to(static_cast<http::status>(from.status), version, std::move(from.body));
-  to.set(http::field::content_type, from.content_type);
-  for (const auto& [name, value] : from.headers) to.set(name, value);
-  // The panel loads nothing from elsewhere, and nobody else may frame it or run script in it.
-  to.set("Content-Security-Policy",
-         "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws: wss:; object-src 'none'; "
-         "frame-ancestors 'none'; base-uri 'none'");
-  to.set("X-Content-Type-Options", "nosniff");
-  to.set("Referrer-Policy", "no-referrer");
-  to.content_length(to.body().size());
-  return to;
+/// For what is refused before it is known to be a request. Closes the connection.
+std::string refusal(unsigned status, const std::string& text) {
+  http::response<http::string_body> answer(http::int_to_status(status), 11, to_text({{"error", text}}));
+  answer.set(http::field::content_type, "application/json");
+  answer.keep_alive(false);
+  answer.prepare_payload();
+  return (std::ostringstream() << answer).str();
 }
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
@@ -82,79 +64,88 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   /// Waits for the next request to begin.
   void wait() {
-    if (buffer_.size() > 0) return read();  // it came together with the last one
-    stream_.expires_after(kIdleTimeout);
-    stream_.async_read_some(buffer_.prepare(4096),
-                            [self = shared_from_this()](beast::error_code error, std::size_t bytes) {
-                              if (error) return;  // gone, or silent for too long
-                              self->buffer_.commit(bytes);
-                              self->read();
-                            });
-  }
-
- private:
-  void read() {
-    parser_.emplace();
-    parser_->header_limit(kMaxHeaderBytes);
-    parser_->body_limit(kMaxBodyBytes);
-    is_head_ = false;
-    stream_.expires_after(kRequestTimeout);
-    http::async_read(stream_, buffer_, *parser_,
+    if (!received_.empty()) return read_header();  // it came together with the last one
+    stream_.expires_after(kKeepAliveTimeout);
+    asio::async_read(stream_, asio::dynamic_buffer(received_, kMaxHeaderBytes), asio::transfer_at_least(1),
                      [self = shared_from_this()](beast::error_code error, std::size_t) {
-                       error ? self->refuse(error) : self->handle();
+                       if (!error) self->read_header();  // else gone, or silent for too long
                      });
   }
 
-  /// Closes the connection; first says why when what came is to blame and not the network.
-  void refuse(beast::error_code error) {
-    if (error == http::error::header_limit) {
-      answer(error_response(431, "the header is larger than 16 KiB"), false);
-    } else if (error == http::error::body_limit) {
-      answer(error_response(413, "the body is larger than 1 MiB"), false);
-    } else if (error == http::error::end_of_stream || error == http::error::partial_message) {
-      return;  // the client has gone
-    } else if (error.category() == http::make_error_code(http::error::bad_method).category()) {
-      answer(error_response(400, "not a valid HTTP request: " + error.message()), false);
-    }
+ private:
+  void read_header() {
+    // TLS, most likely: the end of a header would never come.
+    if (std::isalpha(static_cast<unsigned char>(received_.front())) == 0)
+      return refuse(400, "not a valid HTTP request");
+    stream_.expires_after(kRequestTimeout);
+    asio::async_read_until(stream_, asio::dynamic_buffer(received_, kMaxHeaderBytes), "\r\n\r\n",
+                           [self = shared_from_this()](beast::error_code error, std::size_t size) {
+                             if (error == asio::error::not_found) {
+                               self->refuse(431, "the header is larger than 16 KiB");
+                             } else if (!error) {
+                               self->read_body(size);
+                             }
+                           });
   }
 
-  void handle() {
-    HttpRequest& http_request = parser_->get();
-    version_ = http_request.version();
-    is_head_ = http_request.method() == http::verb::head;
-    const bool keep_alive = http_request.keep_alive();
-    const bool is_upgrade = beast::websocket::is_upgrade(http_request);
+  /// Beast reads the header to tell where the request ends and whether it asks for a WebSocket; all else is
+  /// httplib's.
+  void read_body(std::size_t header_size) {
+    http::request_parser<http::empty_body> parser;
+    parser.header_limit(kMaxHeaderBytes);
+    parser.body_limit(kMaxBodyBytes);
+    beast::error_code error;
+    parser.put(asio::buffer(received_.data(), header_size), error);
+    if (error == http::error::body_limit) return refuse(413, "the body is larger than 1 MiB");
+    if (error) return refuse(400, "not a valid HTTP request: " + error.message());
+    const auto& header = parser.get();
+    if (std::max(header.target().size(), header[http::field::range].size()) > kMaxMatchedBytes)
+      return refuse(414, "the address or the Range is longer than 1 KiB");
+    if (header.count(http::field::transfer_encoding) > 0)
+      return refuse(411, "Transfer-Encoding is not allowed; expected a Content-Length");
+    if (beast::websocket::is_upgrade(header) && view(header.target()) == WebSocketHub::kPath)
+      return upgrade(header);
 
-    Request request;
-    request.remote_address = remote_address_;
-    if (!convert(http_request, request)) {
-      return answer(error_response(400, "this address is not one of this server"), keep_alive);
-    }
-    if (is_upgrade && text_of(http_request.target()) == WebSocketHub::kPath) {
-      if (!is_same_origin(request)) {
-        return answer(error_response(403, "this request comes from a page of another site"), false);
-      }
-      stream_.expires_never();
-      return context_.websockets.accept(stream_.release_socket(), std::move(connection_), http_request);
-    }
-    asio::post(context_.workers, [self = shared_from_this(), keep_alive,
-                                  request = std::move(request)]() mutable {
-      Response response = self->context_.router.answer(std::move(request));
-      asio::post(self->stream_.get_executor(), [self, keep_alive, response = std::move(response)]() mutable {
-        self->answer(std::move(response), keep_alive);
-      });
-    });
+    const std::size_t size = header_size + static_cast<std::size_t>(parser.content_length().value_or(0));
+    if (received_.size() >= size) return handle(size);
+    asio::async_read(stream_, asio::dynamic_buffer(received_),
+                     asio::transfer_exactly(size - received_.size()),
+                     [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {
+                       if (!read_error) self->handle(size);
+                     });
   }
 
-  void answer(Response response, bool keep_alive) {
-    response_ = convert(std::move(response), version_);
-    response_.keep_alive(keep_alive);
-    if (is_head_) response_.body().clear();  // its length stays in the header
+  void upgrade(const WebSocketHub::UpgradeRequest& header) {
+    if (!is_same_origin(view(header[http::field::origin]), view(header[http::field::host])))
+      return refuse(403, std::string(kOtherSite));
+    stream_.expires_never();
+    context_.websockets.accept(stream_.release_socket(), std::move(connection_), header);
+  }
+
+  /// A worker answers the complete request that stands first in what was received.
+  void handle(std::size_t size) {
+    std::string following = received_.substr(size);
+    received_.resize(size);
+    asio::post(context_.workers,
+               [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
+                 HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
+                 asio::post(self->stream_.get_executor(), [self, answer = std::move(answer)]() mutable {
+                   self->answer(std::move(answer));
+                 });
+               });
+  }
+
+  void refuse(unsigned status, const std::string& text) { answer({refusal(status, text), false}); }
+
+  void answer(HttpAnswer answer) {
+    answer_ = std::move(answer);
     stream_.expires_after(kAnswerTimeout);
-    http::async_write(stream_, response_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error) return;
-      self->response_.keep_alive() ? self->wait() : self->finish();
-    });
+    asio::async_write(stream_, asio::buffer(answer_.bytes),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (error) return;
+                        self->answer_.bytes = {};
+                        self->answer_.keep_alive ? self->wait() : self->finish();
+                      });
   }
 
   /// Closing while bytes are still coming would reset the connection, and the client might lose the answer.
@@ -176,11 +167,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   ScopedCount connection_;
   beast::tcp_stream stream_;
   std::string remote_address_;
-  beast::flat_buffer buffer_;
-  std::optional<http::request_parser<http::string_body>> parser_;
-  HttpResponse response_;
-  unsigned version_ = 11;
-  bool is_head_ = false;
+  std::string received_;  // of this request, and what came after it
+  HttpAnswer answer_;
   std::array<char, 4096> rest_;
 };
 

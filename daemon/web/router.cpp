@@ -3,71 +3,180 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "web/http.h"
 
-#include <optional>
-#include <string>
-#include <vector>
+#include <exception>
+#include <limits>
+#include <map>
+#include <regex>
+
+#include <httplib.h>
 
 namespace sslv {
 namespace {
 
-/// What stands for the pattern's {names}; nothing when the path is another one.
-std::optional<std::vector<std::string>> match(std::string_view pattern,
-                                              const std::vector<std::string>& path) {
-  std::vector<std::string> captures;
-  for (const std::string& part : path) {
-    if (!pattern.starts_with('/')) return std::nullopt;
-    pattern.remove_prefix(1);
-    const std::string_view expected = pattern.substr(0, pattern.find('/'));
-    pattern.remove_prefix(expected.size());
-    if (expected.starts_with('{')) {
-      captures.push_back(part);
-    } else if (expected != part) {
-      return std::nullopt;
-    }
+using httplib::Server;
+
+/// Lets httplib read a request from memory and write its answer there.
+class MemoryStream : public httplib::Stream {
+ public:
+  MemoryStream(std::string_view request, const std::string& remote_address)
+      : request_(request), remote_address_(remote_address) {}
+
+  std::string take_answer() { return std::move(answer_); }
+
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* to, std::size_t size) override {
+    const std::size_t copied = request_.copy(to, size);
+    request_.remove_prefix(copied);
+    return static_cast<ssize_t>(copied);
   }
-  if (!pattern.empty()) return std::nullopt;
-  return captures;
+  ssize_t write(const char* from, std::size_t size) override {
+    answer_.append(from, size);
+    return static_cast<ssize_t>(size);
+  }
+  void get_remote_ip_and_port(std::string& ip, int&) const override { ip = remote_address_; }
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return INVALID_SOCKET; }
+
+ private:
+  std::string_view request_;
+  const std::string& remote_address_;
+  std::string answer_;
+};
+
+void add_route(Server& server, const WebHost& host, const Route& route) {
+  using Add = Server& (Server::*)(const std::string&, Server::Handler);
+  static const std::map<std::string_view, Add> kMethods{{"GET", &Server::Get},
+                                                        {"POST", &Server::Post},
+                                                        {"PUT", &Server::Put},
+                                                        {"PATCH", &Server::Patch},
+                                                        {"DELETE", &Server::Delete}};
+  const Add add = kMethods.at(route.method);
+  (server.*add)(route.pattern, [&host, handler = route.handler](const auto& request, auto& response) {
+    handler(host, request, response);
+  });
+}
+
+bool is_read(const httplib::Request& request) {
+  return request.method == "GET" || request.method == "HEAD";
+}
+
+Server::HandlerResponse refuse_other_sites(const httplib::Request& request, httplib::Response& response) {
+  if (is_read(request) ||
+      is_same_origin(request.get_header_value("Origin"), request.get_header_value("Host")))
+    return Server::HandlerResponse::Unhandled;
+  set_error(response, 403, kOtherSite);
+  return Server::HandlerResponse::Handled;
+}
+
+void answer_exception(const httplib::Request& request, httplib::Response& response,
+                      const std::exception_ptr& exception) try {
+  std::rethrow_exception(exception);
+} catch (const HttpError& error) {
+  set_error(response, error.status, error.what());
+} catch (const StaleRevision& error) {
+  set_error(response, 409, error.what());
+} catch (const SettingsError& error) {
+  set_error(response, 422, error.what());
+} catch (const std::exception& error) {
+  log::error("web: {} {} failed: {}", request.method, request.target, error.what());
+  set_error(response, 500, error.what());
+}
+
+/// Puts words to what httplib refuses by itself; refusals of handlers have theirs.
+void explain_refusal(std::span<const Route> routes, const httplib::Request& request,
+                     httplib::Response& response) {
+  if (!response.body.empty()) return;
+  if (response.status != 404) return set_error(response, response.status, "not a valid HTTP request");
+
+  std::string allowed;
+  for (const Route& route : routes) {
+    if (std::regex_match(request.path, std::regex(route.pattern)))
+      allowed += (allowed.empty() ? "" : ", ") + std::string(route.method);
+  }
+  const bool is_api = request.path == "/api" || request.path.starts_with("/api/");
+  if (allowed.empty() && !is_api && !is_read(request)) allowed = "GET";
+  if (!allowed.empty()) {
+    response.set_header("Allow", allowed);
+    set_error(response, 405, request.method + " is not allowed here; expected " + allowed);
+  } else {
+    set_error(response, 404, is_api ? "no such route; docs/api.md lists them" : "no such file");
+  }
+}
+
+Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
+  return [directory](const httplib::Request&, httplib::Response& response) {
+    response.status = 503;
+    response.set_content(
+        "The panel was not built when this program started: there is no " +
+            (directory / "index.html").string() +
+            "\nBuild it with `./run build`, or with `npm ci && npm run build` in webui/, and "
+            "start this program again.\n"
+            "The interface under /api/ works without it.\n",
+        "text/plain; charset=utf-8");
+  };
+}
+
+void set_caching(const httplib::Request& request, httplib::Response& response) {
+  // The build puts a hash of the content into the names under assets/; everything else keeps its name.
+  const bool has_hashed_name = response.status == 200 && request.path.starts_with("/assets/");
+  const bool is_file = response.status == 200 && !request.path.starts_with("/api/");
+  response.set_header("Cache-Control", has_hashed_name ? "public, max-age=31536000, immutable"
+                                       : is_file       ? "no-cache"
+                                                       : "no-store");
 }
 
 }  // namespace
 
-Response Router::dispatch(Request& request) const {
-  if (request.method == "HEAD") request.method = "GET";
-  if (request.method != "GET" && !is_same_origin(request)) {
-    throw HttpError(403, "this request comes from a page of another site");
-  }
+class Router::HttpServer : public Server {
+ public:
+  using Server::process_request;  // what its sockets would call
+};
 
-  std::string allowed;
-  for (const Route& route : routes_) {
-    std::optional<std::vector<std::string>> captures = match(route.pattern, request.path);
-    if (!captures) continue;
-    if (route.method == request.method) {
-      request.captures = std::move(*captures);
-      return route.handler(host_, request);
-    }
-    allowed += (allowed.empty() ? "" : ", ") + std::string(route.method);
-  }
-  const bool is_api = !request.path.empty() && request.path.front() == "api";
-  if (allowed.empty() && is_api) throw HttpError(404, "no such route; docs/api.md lists them");
-  if (allowed.empty() && request.method == "GET") return files_.get(request.path);
-  if (allowed.empty()) allowed = "GET";
-  Response response = error_response(405, request.method + " is not allowed here; expected " + allowed);
-  response.headers.emplace_back("Allow", allowed);
-  return response;
+Router::Router(const WebHost& host, std::span<const Route> routes,
+               const std::filesystem::path& panel_directory)
+    : server_(std::make_unique<HttpServer>()) {
+  for (const Route& route : routes) add_route(*server_, host, route);
+  server_->set_mount_point("/", panel_directory);
+  server_->Get("/", explain_missing_panel(panel_directory));
+  server_->set_pre_routing_handler(refuse_other_sites);
+  server_->set_exception_handler(answer_exception);
+  server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
+    explain_refusal(routes, request, response);
+  });
+  server_->set_post_routing_handler(set_caching);
+  server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
+  server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit
+  server_->set_default_headers({
+      // The panel loads nothing from elsewhere, and nobody else may frame it or run script in it.
+      {"Content-Security-Policy",
+       "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws: wss:; object-src 'none'; "
+       "frame-ancestors 'none'; base-uri 'none'"},
+      {"X-Content-Type-Options", "nosniff"},
+      {"Referrer-Policy", "no-referrer"},
+      {"Accept-Ranges", "none"},
+  });
 }
 
-Response Router::answer(Request request) const noexcept try {
-  return dispatch(request);
-} catch (const HttpError& error) {
-  return error_response(error.status, error.what());
-} catch (const StaleRevision& error) {
-  return error_response(409, error.what());
-} catch (const SettingsError& error) {
-  return error_response(422, error.what());
-} catch (const std::exception& error) {
-  log::error("web: {} failed: {}", request.method, error.what());
-  return error_response(500, error.what());
+Router::~Router() = default;
+
+HttpAnswer Router::answer(std::string_view request, const std::string& remote_address) const {
+  MemoryStream stream(request, remote_address);
+  bool is_valid = false;
+  bool is_last = false;
+  const auto prepare = [&](httplib::Request& parsed) {
+    is_valid = true;
+    if (is_last) parsed.set_header("Connection", "close");  // HTTP/1.0 need not say so
+    // What httplib would do about these can cost far more than the request: unpack a small body to gigabytes,
+    // send a large answer a thousand times, compress it. Bodies are JSON whatever they are said to be.
+    for (const char* name : {"Accept-Encoding", "Content-Encoding", "Content-Type", "Expect", "Range"})
+      parsed.headers.erase(name);
+    parsed.ranges.clear();
+  };
+  const bool is_written = server_->process_request(stream, false, is_last, prepare);
+  return {stream.take_answer(), is_written && is_valid && !is_last};
 }
 
 }  // namespace sslv

@@ -1,42 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/api.h"
 #include "web/host.h"
-#include "web/http.h"
-#include "web/static_files.h"
 
+#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace sslv {
 
 /// Called from several threads at once. May throw HttpError, SettingsError (answered with 422) and
 /// StaleRevision (409); anything else is answered with 500.
-using Handler = Response (*)(const WebHost& host, const Request& request);
+using Handler = void (*)(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 struct Route {
-  std::string_view method;
-  std::string_view pattern;  // "/api/cameras/{id}/lut": a {name} stands for one part of the path
+  const char* method;   // GET, POST, PUT, PATCH or DELETE
+  const char* pattern;  // regular expression of the whole path; its groups are request.matches[1], [2]...
   Handler handler;
 };
 
-/// From a request to its answer, without sockets.
+/// How long a connection is kept open for its next request.
+inline constexpr std::chrono::seconds kKeepAliveTimeout{75};
+
+struct HttpAnswer {
+  std::string bytes;  // as they go onto the socket
+  bool keep_alive = false;
+};
+
+/// From a request's bytes to its answer's: cpp-httplib without its sockets. Routes come first to last, and
+/// what none of them matches is looked for among the panel's files.
 class Router {
  public:
-  /// `host` and `routes` must outlive the router.
-  Router(const WebHost& host, std::span<const Route> routes, std::filesystem::path panel_directory)
-      : host_(host), routes_(routes), files_(std::move(panel_directory)) {}
+  /// `host` and `routes` must outlive the router. Without the panel's directory its address says how to build
+  /// the panel.
+  Router(const WebHost& host, std::span<const Route> routes, const std::filesystem::path& panel_directory);
+  ~Router();
 
-  /// HEAD is answered as GET. Writes from pages of another site are refused with 403.
-  Response answer(Request request) const noexcept;
+  /// `request`: one complete request, header and body, without chunks; its address and Range short. HEAD is
+  /// answered as GET. Writes from pages of another site are refused with 403. May be called from several
+  /// threads at once.
+  HttpAnswer answer(std::string_view request, const std::string& remote_address) const;
 
  private:
-  Response dispatch(Request& request) const;
-
-  const WebHost& host_;
-  std::span<const Route> routes_;
-  StaticFiles files_;
+  class HttpServer;
+  const std::unique_ptr<HttpServer> server_;
 };
 
 }  // namespace sslv

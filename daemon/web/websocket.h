@@ -14,8 +14,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
-#include <boost/beast/http/string_body.hpp>
 
 namespace sslv {
 
@@ -25,7 +25,7 @@ class WebSocketSession;
 /// one thread of `io`.
 class WebSocketHub {
  public:
-  using UpgradeRequest = boost::beast::http::request<boost::beast::http::string_body>;
+  using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
   static constexpr std::string_view kPath = "/api/ws";
 
   /// All four must outlive the hub. The status is asked for on `workers`.

@@ -14,37 +14,50 @@
 namespace sslv {
 namespace {
 
-using testing::Contains;
+using testing::AllOf;
 using testing::HasSubstr;
-using testing::Pair;
+using testing::Not;
 using testing::StartsWith;
+
+struct Answer {
+  int status;
+  std::string header, body;
+  bool keep_alive;
+};
 
 class RouterTest : public testing::Test {
  protected:
-  RouterTest() {
-    std::filesystem::create_directories(folder_ / "panel/assets");
-    write("secret.txt", "secret");
-    write("panel/index.html", "<!doctype html>");
-    write("panel/favicon.svg", "<svg/>");
-    write("panel/assets/index-1a2b3c.js", "run()");
-  }
   ~RouterTest() override { std::filesystem::remove_all(folder_); }
 
-  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
-
-  Response ask(const std::string& method, std::string_view target, const std::string& body = {},
-               const std::map<std::string, std::string>& headers = {}) const {
-    Request request;
-    request.method = method;
-    EXPECT_TRUE(parse_target(target, request)) << target;
-    request.headers = headers;
-    request.body = body;
-    request.remote_address = "192.0.2.7";
-    return router_.answer(std::move(request));
+  static std::filesystem::path make_folder() {
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("sslv_router_test_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder / "panel/assets");
+    for (const auto& [name, text] : {std::pair("secret.txt", "secret"),
+                                     {"panel/index.html", "<!doctype html>"},
+                                     {"panel/favicon.svg", "<svg/>"},
+                                     {"panel/assets/index-1a2b3c.js", "run()"}}) {
+      std::ofstream(folder / name) << text;
+    }
+    return folder;
   }
 
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("sslv_router_test_" + std::to_string(getpid()));
+  Answer ask(const std::string& method, const std::string& target, const std::string& body = {},
+             const std::string& more_headers = {}) const {
+    return ask(router_, method, target, body, more_headers);
+  }
+  static Answer ask(const Router& router, const std::string& method, const std::string& target,
+                    const std::string& body = {}, const std::string& more_headers = {}) {
+    const HttpAnswer answer =
+        router.answer(method + " " + target + " HTTP/1.1\r\nHost: field-pc:8090\r\n" + more_headers +
+                          "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body,
+                      "192.0.2.7");
+    const std::size_t end = answer.bytes.find("\r\n\r\n");
+    return {std::stoi(answer.bytes.substr(std::string_view("HTTP/1.1 ").size())),
+            answer.bytes.substr(0, end + 2), answer.bytes.substr(end + 4), answer.keep_alive};
+  }
+
+  const std::filesystem::path folder_ = make_folder();
   FakeHost daemon_;
   const WebHost host_ = daemon_.host();
   const Router router_{host_, routes(), folder_ / "panel"};
@@ -55,103 +68,108 @@ TEST_F(RouterTest, AnswersFromTheHost) {
   EXPECT_EQ(ask("GET", "/api/cameras").body, R"([{"id":0}])");
   EXPECT_EQ(ask("GET", "/api/settings").body, R"({"revision":7,"settings":{"site":"test"}})");
   EXPECT_EQ(ask("GET", "/api/schema").body, R"({"type":"object"})");
-  EXPECT_EQ(ask("GET", "/api/schema").content_type, "application/json");
+  EXPECT_THAT(ask("GET", "/api/schema").header, AllOf(HasSubstr("Content-Type: application/json\r\n"),
+                                                      HasSubstr("Cache-Control: no-store\r\n")));
 }
 
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
-  for (const char* target :
-       {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0", "/api/cameras/0/lut/x"}) {
-    const Response response = ask("GET", target);
+  for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
+                             "/api/cameras/0/lut/x", "/api/cameras/x/lut", "/api/../secret.txt"}) {
+    const Answer response = ask("GET", target);
     EXPECT_EQ(response.status, 404) << target;
-    EXPECT_EQ(response.content_type, "application/json");
+    EXPECT_THAT(response.header, HasSubstr("Content-Type: application/json\r\n"));
     EXPECT_THAT(response.body, StartsWith("{\"error\":"));
   }
 }
 
 TEST_F(RouterTest, WrongMethodsAre405AndSayWhatIsAllowed) {
-  const Response settings = ask("POST", "/api/settings");
+  const Answer settings = ask("POST", "/api/settings");
   EXPECT_EQ(settings.status, 405);
-  EXPECT_THAT(settings.headers, Contains(Pair("Allow", "GET, PATCH")));
+  EXPECT_THAT(settings.header, HasSubstr("Allow: GET, PATCH\r\n"));
+  EXPECT_THAT(settings.body, StartsWith("{\"error\":"));
+  EXPECT_THAT(ask("PATCH", "/api/cameras/0/lut", "[]").header,
+              AllOf(StartsWith("HTTP/1.1 405"), HasSubstr("Allow: GET\r\n")));
   EXPECT_EQ(ask("DELETE", "/index.html").status, 405);
   EXPECT_EQ(ask("POST", "/api/nothing").status, 404);
 }
 
 TEST_F(RouterTest, PatchesReachTheHost) {
   const std::string patch = R"([{"op":"replace","path":"/site","value":"x"}])";
-  const Response saved = ask("PATCH", "/api/settings", patch);
+  const Answer saved = ask("PATCH", "/api/settings", patch);
   EXPECT_EQ(saved.status, 200);
   EXPECT_EQ(saved.body, R"({"revision":8,"settings":)" + patch + R"(,"saved":true})");
   EXPECT_EQ(daemon_.last_author(), "192.0.2.7");
-  EXPECT_EQ(ask("PATCH", "/api/settings", patch, {{"if-match", "7"}}).status, 200);
-  EXPECT_EQ(ask("PATCH", "/api/settings", patch, {{"if-match", "\"7\""}}).status, 200);
+  EXPECT_EQ(ask("PATCH", "/api/settings", patch, "If-Match: 7\r\n").status, 200);
+  EXPECT_EQ(ask("PATCH", "/api/settings", patch, "If-Match: \"7\"\r\n").status, 200);
 }
 
 TEST_F(RouterTest, BadPatchesAreRefused) {
   EXPECT_EQ(ask("PATCH", "/api/settings", "[{").status, 400);
-  EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", {{"if-match", "6"}}).status, 409);
-  EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", {{"if-match", "*"}}).status, 400);
-  const Response refused = ask("PATCH", "/api/settings", "[]");
+  EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", "If-Match: 6\r\n").status, 409);
+  EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", "If-Match: *\r\n").status, 400);
+  const Answer refused = ask("PATCH", "/api/settings", "[]");
   EXPECT_EQ(refused.status, 422);
   EXPECT_EQ(refused.body, R"({"error":"/site: refused"})");
 }
 
 TEST_F(RouterTest, WritesFromOtherSitesAreRefused) {
-  const std::map<std::string, std::string> foreign{{"host", "field-pc:8090"},
-                                                   {"origin", "http://evil.example"}};
+  const std::string foreign = "Origin: http://evil.example\r\n";
   EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", foreign).status, 403);
   EXPECT_EQ(daemon_.last_author(), "");
-  EXPECT_EQ(ask("GET", "/api/settings", "", foreign).status,
-            200);  // the browser keeps it from the other site
+  // The browser keeps it from the other site.
+  EXPECT_EQ(ask("GET", "/api/settings", "", foreign).status, 200);
 }
 
 TEST_F(RouterTest, SnapshotsAreJpegs) {
   EXPECT_EQ(ask("GET", "/api/cameras/0/snapshot.jpg").status, 503);
   daemon_.publish(1);
-  const Response large = ask("GET", "/api/cameras/0/snapshot.jpg");
-  const Response small = ask("GET", "/api/cameras/0/snapshot.jpg?width=8&quality=20");
+  const Answer large = ask("GET", "/api/cameras/0/snapshot.jpg");
+  const Answer small = ask("GET", "/api/cameras/0/snapshot.jpg?width=8&quality=20");
   EXPECT_EQ(large.status, 200);
-  EXPECT_EQ(large.content_type, "image/jpeg");
+  EXPECT_THAT(large.header, HasSubstr("Content-Type: image/jpeg\r\n"));
   EXPECT_THAT(large.body, StartsWith("\xff\xd8\xff"));
   EXPECT_THAT(small.body, StartsWith("\xff\xd8\xff"));
   EXPECT_LT(small.body.size(), large.body.size());
 
-  const Response refused = ask("GET", "/api/cameras/0/snapshot.jpg?width=wide");
+  const Answer refused = ask("GET", "/api/cameras/0/snapshot.jpg?width=wide");
   EXPECT_EQ(refused.status, 400);
   EXPECT_THAT(refused.body, HasSubstr("width"));
   EXPECT_EQ(ask("GET", "/api/cameras/0/snapshot.jpg?quality=101").status, 400);
   EXPECT_EQ(ask("GET", "/api/cameras/1/snapshot.jpg").status, 404);
-  EXPECT_EQ(ask("GET", "/api/cameras/x/snapshot.jpg").status, 400);
+  EXPECT_EQ(ask("GET", "/api/cameras/99999999999/snapshot.jpg").status, 400);
 }
 
 TEST_F(RouterTest, TheColourTableIsAFile) {
-  const Response lut = ask("GET", "/api/cameras/0/lut");
+  const Answer lut = ask("GET", "/api/cameras/0/lut");
   EXPECT_EQ(lut.body, "\x01\x02\x03");
-  EXPECT_THAT(lut.headers, Contains(Pair("Content-Disposition", "attachment; filename=\"camera-0.lut\"")));
+  EXPECT_THAT(lut.header, HasSubstr("Content-Disposition: attachment; filename=\"camera-0.lut\"\r\n"));
   EXPECT_EQ(ask("GET", "/api/cameras/1/lut").status, 404);
 }
 
 TEST_F(RouterTest, ServesThePanel) {
-  const Response index = ask("GET", "/");
+  const Answer index = ask("GET", "/");
   EXPECT_EQ(index.status, 200);
   EXPECT_EQ(index.body, "<!doctype html>");
-  EXPECT_EQ(index.content_type, "text/html; charset=utf-8");
-  EXPECT_THAT(index.headers, Contains(Pair("Cache-Control", "no-cache")));
-  EXPECT_EQ(ask("GET", "/favicon.svg").content_type, "image/svg+xml");
+  EXPECT_THAT(index.header,
+              AllOf(HasSubstr("Content-Type: text/html\r\n"), HasSubstr("Cache-Control: no-cache\r\n")));
+  EXPECT_THAT(ask("GET", "/favicon.svg").header, HasSubstr("Content-Type: image/svg+xml\r\n"));
 
-  const Response script = ask("GET", "/assets/index-1a2b3c.js");
-  EXPECT_EQ(script.content_type, "text/javascript; charset=utf-8");
-  EXPECT_THAT(script.headers, Contains(Pair("Cache-Control", HasSubstr("immutable"))));
+  const Answer script = ask("GET", "/assets/index-1a2b3c.js");
+  EXPECT_THAT(script.header,
+              AllOf(HasSubstr("Content-Type: text/javascript\r\n"), HasSubstr("immutable\r\n")));
 
-  for (const char* missing : {"/nothing.js", "/assets", "/secret.txt", "//etc/passwd", "/panel/index.html"}) {
-    EXPECT_EQ(ask("GET", missing).status, 404) << missing;
+  for (const char* missing : {"/nothing.js", "/assets", "/assets/nothing.js", "/secret.txt", "//etc/passwd",
+                              "/panel/index.html", "/../secret.txt", "/%2e%2e/secret.txt",
+                              "/assets/..%2f..%2fsecret.txt", "/..", "*", "http://example.org/"}) {
+    const Answer answer = ask("GET", missing);
+    EXPECT_EQ(answer.status, 404) << missing;
+    EXPECT_THAT(answer.header, HasSubstr("Cache-Control: no-store\r\n"));
   }
 }
 
 TEST_F(RouterTest, SaysHowToBuildAMissingPanel) {
   const Router router(host_, routes(), folder_ / "nowhere");
-  Request request;
-  request.method = "GET";
-  const Response response = router.answer(request);
+  const Answer response = ask(router, "GET", "/");
   EXPECT_EQ(response.status, 503);
   EXPECT_THAT(response.body, HasSubstr("./run build"));
 }
@@ -160,12 +178,55 @@ TEST_F(RouterTest, AnUnexpectedFailureIs500) {
   WebHost broken = daemon_.host();
   broken.status = []() -> Json { throw std::runtime_error("disk on fire"); };
   const Router router(broken, routes(), folder_);
-  Request request;
-  request.method = "GET";
-  request.path = {"api", "status"};
-  const Response response = router.answer(request);
+  const Answer response = ask(router, "GET", "/api/status");
   EXPECT_EQ(response.status, 500);
   EXPECT_EQ(response.body, R"({"error":"disk on fire"})");
+}
+
+TEST_F(RouterTest, RequestsThatMakeNoSenseAreTheLastOfTheirConnection) {
+  for (const std::string& request :
+       {std::string("\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"), std::string("GET /\r\n\r\n"),
+        std::string("FETCH / HTTP/1.1\r\n\r\n"), "GET /" + std::string(9000, 'x') + " HTTP/1.1\r\n\r\n",
+        std::string("GET / HTTP/1.1\r\nRange: bytes=x\r\n\r\n")}) {
+    const HttpAnswer answer = router_.answer(request, "192.0.2.7");
+    EXPECT_THAT(answer.bytes, AllOf(StartsWith("HTTP/1.1 4"), HasSubstr("{\"error\":")));
+    EXPECT_FALSE(answer.keep_alive);
+  }
+}
+
+TEST_F(RouterTest, TheClientDecidesWhetherItsConnectionIsKept) {
+  const auto keeps = [&](const std::string& version, const std::string& headers = {}) {
+    return router_.answer("GET /api/status " + version + "\r\n" + headers + "\r\n", "192.0.2.7").keep_alive;
+  };
+  EXPECT_TRUE(keeps("HTTP/1.1"));
+  EXPECT_FALSE(keeps("HTTP/1.1", "Connection: close\r\n"));
+  EXPECT_FALSE(keeps("HTTP/1.0"));
+  EXPECT_TRUE(keeps("HTTP/1.0", "Connection: Keep-Alive\r\n"));
+  EXPECT_THAT(router_.answer("GET / HTTP/1.0\r\n\r\n", "").bytes, HasSubstr("Connection: close\r\n"));
+}
+
+TEST_F(RouterTest, HeadIsGetWithoutTheBody) {
+  const Answer head = ask("HEAD", "/api/schema"), file = ask("HEAD", "/");
+  EXPECT_THAT(head.header, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("Content-Length: 17\r\n")));
+  EXPECT_EQ(head.body, "");
+  EXPECT_THAT(file.header, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("Content-Length: 15\r\n")));
+  EXPECT_EQ(file.body, "");
+  EXPECT_EQ(ask("HEAD", "/api/nothing").status, 404);
+}
+
+TEST_F(RouterTest, NothingIsMultipliedOrUnpackedForAClient) {
+  std::string ranges = "Range: bytes=0-";
+  while (ranges.size() < 1000) ranges += ",0-";
+  EXPECT_EQ(ask("GET", "/", "", ranges + "\r\n").body, "<!doctype html>");
+  EXPECT_EQ(ask("GET", "/", "", "Range: bytes=" + std::string(1000, '1') + "-\r\n").status, 416);
+  EXPECT_EQ(ask("GET", "/api/cameras/" + std::string(1000, '1') + "/lut").status, 400);
+  EXPECT_THAT(ask("GET", "/", "", "Accept-Encoding: gzip, br\r\n").header,
+              Not(HasSubstr("Content-Encoding")));
+  EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", "Content-Encoding: gzip\r\n").status, 200);
+  EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", "Content-Type: multipart/form-data; boundary=x\r\n").status,
+            200);
+  EXPECT_THAT(ask("PATCH", "/api/settings", "[1]", "Expect: 100-continue\r\n").header,
+              StartsWith("HTTP/1.1 200"));
 }
 
 }  // namespace
