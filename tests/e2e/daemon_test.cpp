@@ -228,12 +228,15 @@ TEST_F(Daemon, ACameraMayComeGoAndChangeItsStackWhileRunning) {
 }
 
 TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
-  settings_["cameras"][1]["source"].update(Json{{"width", 640}, {"height", 480}});
+  Json& camera = settings_["cameras"][1];
+  camera["source"] = {
+      {"backend", "files"}, {"path", SSLV_SOURCE_DIR "/tests/golden/division_b.jpg"}, {"loop", true}};
+  camera["calibration"].update(Json{{"pixel_image_width", 1280}, {"pixel_image_height", 952}});
   RunningDaemon daemon(settings_file(settings_), state_);
   const Json status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
   EXPECT_EQ(status["alerts"][0]["camera"], 1);
   EXPECT_THAT(status["alerts"][0]["title"].get<std::string>(),
-              AllOf(HasSubstr("640x480"), HasSubstr("780x580")));
+              AllOf(HasSubstr("780x580"), HasSubstr("1280x952")));
 }
 
 TEST_F(Daemon, RefusesToStartOnAPortThatIsTaken) {
