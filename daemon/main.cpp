@@ -28,7 +28,7 @@ std::filesystem::path state_folder() {
     const char* value = std::getenv(name);
     return value ? value : "";
   };
-  if (const auto folder = variable("STATE_DIRECTORY"); !folder.empty()) return folder;
+  if (auto folder = variable("STATE_DIRECTORY"); !folder.empty()) return folder;
   if (const auto folder = variable("XDG_STATE_HOME"); !folder.empty()) return folder / "ssl-visiond";
   return variable("HOME") / ".local/state/ssl-visiond";
 }
@@ -56,7 +56,7 @@ auto naming(const std::filesystem::path& file, Act act) {
 /// The whole tree of a settings file, after reading the files it names as well.
 Json checked_settings(const std::filesystem::path& file) {
   return naming(file, [&] {
-    const Json complete = complete_settings(read_json_file(file));
+    Json complete = complete_settings(read_json_file(file));
     const Config config = read_config(complete);
     for (std::size_t i = 0; i < config.cameras.size(); ++i) make_world(config, i);
     return complete;

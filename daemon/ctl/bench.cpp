@@ -31,7 +31,8 @@ Recording record(Source& source, int count) {
     if (status == CaptureStatus::kLost) throw CaptureError(problem);
     if (status != CaptureStatus::kImage) continue;
     ImageView view = captured.image.view();
-    const auto row_bytes = static_cast<std::size_t>(view.width * bytes_per_pixel(view.format));
+    const auto row_bytes =
+        static_cast<std::size_t>(view.width) * static_cast<std::size_t>(bytes_per_pixel(view.format));
     auto& buffer = recording.buffers.emplace_back(row_bytes * static_cast<std::size_t>(view.height));
     for (int y = 0; y < view.height; ++y) {
       std::copy_n(view.row(y), row_bytes, buffer.data() + static_cast<std::size_t>(y) * row_bytes);

@@ -112,7 +112,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     write();
   }
 
-  /// For a feed's thread: brings the message to this session's thread, if the session is still there.
+  /// For a feed's thread: brings the message to the connection's own thread, if that is still open.
   CameraFeed::Sink sink(const Topic& topic) {
     return [weak = weak_from_this(), executor = stream_.get_executor(),
             topic](const CameraFeed::Message& message) {
