@@ -44,7 +44,8 @@ struct Options {
     return std::tuple{
         text("camera", &O::camera,
              "the camera's serial number, IP address or Aravis id; empty: the first that is found"),
-        choice("pixel_format", &O::pixel_format, kPixelFormatChoices, "auto: what the camera is set to"),
+        choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
+               "auto: what the camera is set to"),
         number("width", &O::width, 0, 16384, "px",
                "of the part of the sensor that is read; 0: leave as it is"),
         number("height", &O::height, 0, 16384, "px",

@@ -40,7 +40,7 @@ struct Options {
              "a folder of pictures (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
              "their "
              "names; or one such file; or a video"),
-        choice("pixel_format", &O::pixel_format, kPixelFormatChoices,
+        choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
                "how the bytes of raw frames lie; pictures and videos know it themselves (auto)"),
         number("width", &O::width, 0, 16384, "px", "of raw frames; 0: there are none"),
         number("height", &O::height, 0, 16384, "px", "of raw frames; 0: there are none"),

@@ -2,27 +2,32 @@
 #pragma once
 
 #include "base/params.h"
-#include "image/image.h"
+#include "image/pixel_format_names.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 
 namespace sslv {
 
-/// A backend's pixel_format option; nothing stands for "auto".
-using PixelFormatOrAuto = std::optional<PixelFormat>;
+/// A backend's pixel_format option.
+inline constexpr auto kPixelFormatChoices = [] {
+  std::array<Choice<PixelFormat>, kPixelFormatNames.size()> choices{};
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    choices[i] = {kPixelFormatNames[i].name, kPixelFormatNames[i].format};
+  }
+  return choices;
+}();
 
-inline constexpr std::array kPixelFormatChoices{
-    Choice<PixelFormatOrAuto>{"auto", std::nullopt},
-    Choice<PixelFormatOrAuto>{"uyvy", PixelFormat::kUyvy},
-    Choice<PixelFormatOrAuto>{"yuyv", PixelFormat::kYuyv},
-    Choice<PixelFormatOrAuto>{"rgb24", PixelFormat::kRgb24},
-    Choice<PixelFormatOrAuto>{"bgr24", PixelFormat::kBgr24},
-    Choice<PixelFormatOrAuto>{"mono8", PixelFormat::kMono8},
-    Choice<PixelFormatOrAuto>{"bayer_rg8", PixelFormat::kBayerRg8},
-    Choice<PixelFormatOrAuto>{"bayer_gr8", PixelFormat::kBayerGr8},
-    Choice<PixelFormatOrAuto>{"bayer_gb8", PixelFormat::kBayerGb8},
-    Choice<PixelFormatOrAuto>{"bayer_bg8", PixelFormat::kBayerBg8},
-};
+/// The same for a backend that can find out by itself: nothing stands for "auto".
+using PixelFormatOrAuto = std::optional<PixelFormat>;
+inline constexpr auto kPixelFormatOrAutoChoices = [] {
+  std::array<Choice<PixelFormatOrAuto>, kPixelFormatNames.size() + 1> choices{};
+  choices[0] = {"auto", std::nullopt};
+  for (std::size_t i = 0; i < kPixelFormatNames.size(); ++i) {
+    choices[i + 1] = {kPixelFormatNames[i].name, kPixelFormatNames[i].format};
+  }
+  return choices;
+}();
 
 }  // namespace sslv

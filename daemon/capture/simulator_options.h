@@ -2,9 +2,8 @@
 #pragma once
 
 #include "base/params.h"
-#include "image/image.h"
+#include "capture/pixel_format_choice.h"
 
-#include <array>
 #include <tuple>
 
 namespace sslv {
@@ -27,24 +26,12 @@ struct SimulatorOptions {
   double exposure_ms = 0;
   double red_gain = 1, blue_gain = 1;
 
-  static constexpr std::array<Choice<PixelFormat>, 9> kPixelFormats{{
-      {"uyvy", PixelFormat::kUyvy},
-      {"yuyv", PixelFormat::kYuyv},
-      {"rgb24", PixelFormat::kRgb24},
-      {"bgr24", PixelFormat::kBgr24},
-      {"mono8", PixelFormat::kMono8},
-      {"bayer_rg8", PixelFormat::kBayerRg8},
-      {"bayer_gr8", PixelFormat::kBayerGr8},
-      {"bayer_gb8", PixelFormat::kBayerGb8},
-      {"bayer_bg8", PixelFormat::kBayerBg8},
-  }};
-
   static constexpr auto fields() {
     using O = SimulatorOptions;
     return std::tuple{
         number("width", &O::width, 2, 16384, "px", "width of the picture"),
         number("height", &O::height, 2, 16384, "px", "height of the picture"),
-        choice("pixel_format", &O::pixel_format, kPixelFormats, "how the camera's bytes lie"),
+        choice("pixel_format", &O::pixel_format, kPixelFormatChoices, "how the camera's bytes lie"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
                "pictures a second; 0: as fast as possible"),
         number("robots_yellow", &O::robots_yellow, 0, 16, "", "yellow robots on the field"),

@@ -3,6 +3,7 @@
 
 #include "base/params_json.h"
 #include "cameras.h"
+#include "ctl/no_sink.h"
 #include "pipeline/pipeline.h"
 
 #include <algorithm>
@@ -10,10 +11,6 @@
 
 namespace sslv {
 namespace {
-
-struct NoSink : DetectionSink {
-  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {}
-};
 
 /// Copies of the first `count` pictures (all for 0) of a source, in buffers of their own.
 struct Recording {

@@ -2,6 +2,7 @@
 #include "ctl/process.h"
 
 #include "cameras.h"
+#include "ctl/no_sink.h"
 #include "detections_json.h"
 #include "pipeline/camera_pipeline.h"
 
@@ -9,15 +10,6 @@
 #include <ostream>
 
 namespace sslv {
-namespace {
-
-/// The line is written from the frame itself, so what the publish stage hands out is not needed.
-struct NoSink : DetectionSink {
-  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {}
-};
-
-}  // namespace
-
 int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
                       std::ostream& out, std::ostream& problems) {
   const CameraSettings& camera = config.cameras.at(camera_index);
