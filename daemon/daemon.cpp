@@ -109,7 +109,7 @@ StatusInput Daemon::status_input(const Config& config) const {
   StatusInput input{unix_time_s(),    started_s_, config, multicast_.status(), web ? web->stats().viewers : 0,
                     store_.problem(), {}};
   const auto cameras = cameras_.load();
-  for (const auto& [id, camera] : *cameras) input.cameras.push_back(camera);
+  for (const auto& [id, camera] : *cameras) input.cameras.push_back({camera, camera->health()});
   return input;
 }
 

@@ -19,10 +19,9 @@ Json calibration_json(const CameraModel& model) {
   return out;
 }
 
-Json camera_json(const RunningCamera& camera) {
+Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   const auto settings = camera.settings();
   const auto setup = camera.pipeline().setup();
-  const CameraHealth health = camera.health();
   const auto counters = camera.pipeline().counters();
   // What a camera that is not running last saw and how fast is no news.
   const bool running = health.state == CameraState::kRunning;
@@ -64,8 +63,7 @@ void add_alert(Json& alerts, const char* severity, std::string title, std::strin
 /// What is wrong, worst first, each with what to do about it.
 Json alerts_json(const StatusInput& input) {
   Json alerts = Json::array();
-  for (const auto& camera : input.cameras) {
-    const CameraHealth health = camera->health();
+  for (const auto& [camera, health] : input.cameras) {
     if (health.state == CameraState::kLost) {
       add_alert(alerts, "bad", fmt::format("Camera {} is lost: {}", camera->settings()->id, health.error),
                 camera->settings()->source.at("backend") == "files"
@@ -81,10 +79,9 @@ Json alerts_json(const StatusInput& input) {
     add_alert(alerts, "warn", input.settings_problem,
               "Look through the settings and save what is missing again.");
   }
-  for (const auto& camera : input.cameras) {
+  for (const auto& [camera, health] : input.cameras) {
     const int id = camera->settings()->id;
     const auto& model = camera->pipeline().setup()->world.scene->camera;
-    const CameraHealth health = camera->health();
     if (!model) {
       add_alert(alerts, "warn", fmt::format("Camera {} is not calibrated", id),
                 "Nothing it sees can be located: set its calibration.", id);
@@ -126,15 +123,14 @@ Json status_json(const StatusInput& input) {
            {"viewers", input.viewers},
            {"alerts", alerts_json(input)},
            {"cameras", Json::array()}};
-  for (const auto& camera : input.cameras) out["cameras"].push_back(camera_json(*camera));
+  for (const auto& [camera, health] : input.cameras) out["cameras"].push_back(camera_json(*camera, health));
   return out;
 }
 
 std::string status_line(const StatusInput& input) {
   std::size_t running = 0;
   double fps = 0, p99_us = 0;
-  for (const auto& camera : input.cameras) {
-    const CameraHealth health = camera->health();
+  for (const auto& [camera, health] : input.cameras) {
     if (health.state != CameraState::kRunning) continue;
     fps = running == 0 ? health.fps : std::min(fps, health.fps);
     p99_us = std::max(p99_us, camera->latency().p99_us);

@@ -13,6 +13,12 @@
 
 namespace sslv {
 
+/// A camera and its health, read once, so that alerts and figures agree.
+struct CameraNow {
+  std::shared_ptr<RunningCamera> camera;
+  CameraHealth health;
+};
+
 /// What the status is made of, at one moment.
 struct StatusInput {
   double time_s = 0, started_s = 0;
@@ -20,7 +26,7 @@ struct StatusInput {
   MulticastStatus network;
   int viewers = 0;
   std::string settings_problem;
-  std::vector<std::shared_ptr<RunningCamera>> cameras;
+  std::vector<CameraNow> cameras;
 };
 
 /// The status object of docs/api.md.
