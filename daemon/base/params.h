@@ -95,6 +95,17 @@ struct RangeField {
   std::string_view help;
 };
 
+/// A list of [x, y], at least `min_points` of them.
+template <class P>
+struct PointListField {
+  std::string_view key;
+  std::vector<std::array<double, 2>> P::*member;
+  std::size_t min_points;
+  double min, max;  // of x and y
+  std::string_view unit;
+  std::string_view help;
+};
+
 /// A JSON object whose keys somebody else declares (a stage's parameters, a capture backend's options).
 template <class P, class J>
 struct ObjectField {
@@ -137,6 +148,12 @@ template <class P>
 constexpr auto range(std::string_view key, std::array<int, 2> P::*member, int min, int max,
                      std::string_view unit, std::string_view help) {
   return RangeField<P>{key, member, min, max, unit, help};
+}
+template <class P>
+constexpr auto point_list(std::string_view key, std::vector<std::array<double, 2>> P::*member,
+                          std::size_t min_points, double min, double max, std::string_view unit,
+                          std::string_view help) {
+  return PointListField<P>{key, member, min_points, min, max, unit, help};
 }
 template <class P, class J>
 constexpr auto object(std::string_view key, J P::*member, std::string_view help) {

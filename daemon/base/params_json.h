@@ -146,6 +146,23 @@ void read_field(P& params, const RangeField<P>& field, const Json& json, const s
   params.*field.member = value;
 }
 
+template <class P>
+void read_field(P& params, const PointListField<P>& field, const Json& json, const std::string& path) {
+  if (!json.is_array() || json.size() < field.min_points)
+    refuse(path, json, "a list of at least " + std::to_string(field.min_points) + " points [x, y]");
+  std::vector<std::array<double, 2>> values;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::string point_path = path + "/" + std::to_string(i);
+    if (!json[i].is_array() || json[i].size() != 2) refuse(point_path, json[i], "[x, y]");
+    auto& point = values.emplace_back();
+    for (std::size_t k = 0; k < 2; ++k) {
+      point[k] = read_number<double>(json[i][k], point_path + "/" + std::to_string(k), field.min, field.max,
+                                     field.unit);
+    }
+  }
+  params.*field.member = std::move(values);
+}
+
 template <class P, class J>
 void read_field(P& params, const ObjectField<P, J>& field, const Json& json, const std::string& path) {
   if (!json.is_object()) refuse(path, json, "an object");
@@ -236,6 +253,10 @@ template <class P>
 Json write_field(const P& params, const RangeField<P>& field) {
   return params.*field.member;
 }
+template <class P>
+Json write_field(const P& params, const PointListField<P>& field) {
+  return params.*field.member;
+}
 template <class P, class J>
 Json write_field(const P& params, const ObjectField<P, J>& field) {
   return params.*field.member;
@@ -307,6 +328,14 @@ Json field_schema(const RangeField<P>& field) {
            {"items", {{"type", "integer"}, {"minimum", field.min}, {"maximum", field.max}}},
            {"minItems", 2},
            {"maxItems", 2}};
+  if (!field.unit.empty()) out["x-unit"] = field.unit;
+  return out;
+}
+template <class P>
+Json field_schema(const PointListField<P>& field) {
+  const Json coordinate{{"type", "number"}, {"minimum", field.min}, {"maximum", field.max}};
+  Json point{{"type", "array"}, {"items", coordinate}, {"minItems", 2}, {"maxItems", 2}};
+  Json out{{"type", "array"}, {"items", std::move(point)}, {"minItems", field.min_points}};
   if (!field.unit.empty()) out["x-unit"] = field.unit;
   return out;
 }

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/mask.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+using Interval = Mask::Interval;
+
+constexpr int kMaxSide = 16'384;  // of a picture, see is_valid_size()
+constexpr Interval kWholeRow{0, kMaxSide};
+
+/// A place in a row where the number of polygons around a cell changes.
+struct Edge {
+  int x;
+  bool exclude;
+  int step;  // +1: inside from here on, -1: outside
+};
+
+/// Adds the edges of one polygon in the row of cells whose centres are at `centre_y`.
+void add_edges(const MaskPolygon& polygon, double centre_y, int cell_px, bool exclude,
+               std::vector<double>& crossings, std::vector<Edge>& edges) {
+  crossings.clear();
+  const auto& points = polygon.points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [x0, y0] = points[i];
+    const auto& [x1, y1] = points[(i + 1) % points.size()];
+    if ((y0 <= centre_y) == (y1 <= centre_y)) continue;
+    crossings.push_back(x0 + (centre_y - y0) / (y1 - y0) * (x1 - x0));
+  }
+  std::sort(crossings.begin(), crossings.end());
+  int step = 1;
+  for (const double x_px : crossings) {
+    // The first cell whose centre is not left of the crossing.
+    const double cell = std::ceil((x_px - (cell_px - 1) * 0.5) / cell_px);
+    edges.push_back({static_cast<int>(std::clamp(cell, 0.0, double{kMaxSide})), exclude, step});
+    step = -step;
+  }
+}
+
+/// The intervals that are in an include polygon, or anywhere when there is none, and in no exclude polygon.
+void add_intervals(std::vector<Edge>& edges, bool include_all, std::vector<Interval>& intervals) {
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.x < b.x; });
+  int included = include_all ? 1 : 0, excluded = 0, begin = 0;
+  bool inside = include_all;
+  for (std::size_t i = 0; i < edges.size();) {
+    const int x = edges[i].x;
+    for (; i < edges.size() && edges[i].x == x; ++i)
+      (edges[i].exclude ? excluded : included) += edges[i].step;
+    const bool now = included > 0 && excluded == 0;
+    if (inside && !now && x > begin) {
+      intervals.push_back({static_cast<std::uint16_t>(begin), static_cast<std::uint16_t>(x)});
+    }
+    if (!inside && now) begin = x;
+    inside = now;
+  }
+  if (inside && begin < kMaxSide) intervals.push_back({static_cast<std::uint16_t>(begin), kMaxSide});
+}
+
+}  // namespace
+
+Mask::Mask(const MaskSettings& settings) {
+  if (settings.include.empty()) rest_.push_back(kWholeRow);
+
+  double bottom_px = -1;
+  for (const auto* polygons : {&settings.include, &settings.exclude}) {
+    for (const MaskPolygon& polygon : *polygons) {
+      for (const auto& point : polygon.points) bottom_px = std::max(bottom_px, point[1]);
+    }
+  }
+  const int rows_px = static_cast<int>(std::clamp(bottom_px + 1, 0.0, double{kMaxSide}));
+
+  std::vector<double> crossings;
+  std::vector<Edge> edges;
+  for (const int cell_px : {1, 2}) {
+    Rows& rows = rows_[cell_px == 1 ? 0 : 1];
+    rows.begin.push_back(0);
+    for (int y = 0; y * cell_px < rows_px; ++y) {
+      const double centre_y = y * cell_px + (cell_px - 1) * 0.5;
+      edges.clear();
+      for (const MaskPolygon& polygon : settings.include)
+        add_edges(polygon, centre_y, cell_px, false, crossings, edges);
+      for (const MaskPolygon& polygon : settings.exclude)
+        add_edges(polygon, centre_y, cell_px, true, crossings, edges);
+      add_intervals(edges, settings.include.empty(), rows.intervals);
+      rows.begin.push_back(static_cast<std::uint32_t>(rows.intervals.size()));
+    }
+  }
+}
+
+}  // namespace sslv

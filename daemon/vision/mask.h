@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sslv {
+
+/// A closed polygon in pixels of the picture; pixel centres are at whole numbers. It may cross itself: inside
+/// is decided by the even-odd rule.
+struct MaskPolygon {
+  std::vector<std::array<double, 2>> points;
+  static constexpr auto fields() {
+    return std::tuple{point_list("points", &MaskPolygon::points, 3, -16384, 32768, "px", "corners in order")};
+  }
+};
+
+/// Which part of the picture is looked at.
+struct MaskSettings {
+  std::vector<MaskPolygon> include, exclude;
+  static constexpr auto fields() {
+    return std::tuple{
+        list("include", &MaskSettings::include,
+             "only what lies in one of these polygons is looked at; none: everything"),
+        list("exclude", &MaskSettings::exclude, "what lies in one of these polygons is not looked at"),
+    };
+  }
+};
+
+/// MaskSettings as intervals of rows, for pictures of any size. Immutable.
+class Mask {
+ public:
+  /// Cells [begin, end) of a row.
+  struct Interval {
+    std::uint16_t begin, end;
+    bool operator==(const Interval&) const = default;
+  };
+
+  /// Everything is looked at.
+  Mask() : Mask(MaskSettings{}) {}
+  explicit Mask(const MaskSettings& settings);
+
+  /// The cells of row `y` that are looked at: ascending, disjoint, none empty, to be cut off at the picture's
+  /// right edge. cell_px is 1, or 2 for the quads of a Bayer picture; what counts is the cell's centre.
+  std::span<const Interval> row(int y, int cell_px) const {
+    const Rows& rows = rows_[cell_px == 1 ? 0 : 1];
+    const auto i = static_cast<std::size_t>(y);
+    if (i + 1 >= rows.begin.size()) return rest_;
+    return std::span(rows.intervals).subspan(rows.begin[i], rows.begin[i + 1] - rows.begin[i]);
+  }
+
+ private:
+  struct Rows {
+    std::vector<Interval> intervals;
+    std::vector<std::uint32_t> begin;  // intervals begin[y] .. begin[y + 1] are those of row y
+  };
+  std::array<Rows, 2> rows_;    // of pixels, of quads
+  std::vector<Interval> rest_;  // of every row below those
+};
+
+}  // namespace sslv
