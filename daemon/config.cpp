@@ -103,7 +103,7 @@ World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut>
     patterns = std::make_shared<const PatternTable>(parse_patterns(text, config.patterns_file));
   }
   if (!lut) lut = make_lut(camera.colors, camera_path(i) + "/colors");
-  return {std::move(scene), std::move(lut), std::move(patterns)};
+  return {std::move(scene), std::move(lut), std::make_shared<const Mask>(camera.mask), std::move(patterns)};
 }
 
 }  // namespace sslv

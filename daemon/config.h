@@ -65,6 +65,7 @@ struct CameraSettings {
   Json source = Json{{"backend", "simulator"}};
   std::optional<CameraCalibration> calibration;
   ColorSettings colors;
+  MaskSettings mask;
   std::vector<std::string> stack = default_stack();
   Json stages = Json::object();
   ThreadSettings thread;
@@ -77,6 +78,7 @@ struct CameraSettings {
         group("calibration", &C::calibration,
               "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
         group("colors", &C::colors, "the colour lookup table"),
+        group("mask", &C::mask, "which part of the picture is looked at"),
         names("stack", &C::stack, "the stages a picture passes, in order"),
         object("stages", &C::stages, "parameters of the stages"),
         group("thread", &C::thread, "priority and processor of the camera's thread"),

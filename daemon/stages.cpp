@@ -7,6 +7,7 @@
 #include "vision/detect_robots.h"
 #include "vision/find_regions.h"
 #include "vision/find_runs.h"
+#include "vision/segment.h"
 #include "vision/threshold.h"
 
 #include <array>
@@ -15,6 +16,8 @@ namespace sslv {
 
 std::span<const StageType> stage_table() {
   static const std::array kStages{
+      stage<Segment>("segment",
+                     "finds the regions of labelled pixels: threshold, find_runs and find_regions in one"),
       stage<Threshold>("threshold", "labels every pixel by the colour lookup table"),
       stage<FindRuns>("find_runs", "run-length encodes the labelled picture"),
       stage<FindRegions>("find_regions", "joins runs into regions"),
@@ -26,7 +29,7 @@ std::span<const StageType> stage_table() {
 }
 
 std::vector<std::string> default_stack() {
-  return {"threshold", "find_runs", "find_regions", "detect_robots", "detect_balls", "publish"};
+  return {"segment", "detect_robots", "detect_balls", "publish"};
 }
 
 }  // namespace sslv

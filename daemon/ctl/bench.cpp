@@ -12,12 +12,7 @@
 namespace sslv {
 namespace {
 
-/// Copies of the first `count` pictures (all for 0) of a source, in buffers of their own.
-struct Recording {
-  std::vector<std::vector<std::uint8_t>> buffers;
-  std::vector<ImageView> views;
-};
-
+/// Copies of the first `count` pictures (all for 0) of a source.
 Recording record(Source& source, int count) {
   Recording recording;
   while (count == 0 || static_cast<int>(recording.views.size()) < count) {
@@ -90,6 +85,23 @@ CameraCalibration scaled(CameraCalibration calibration, int width, int height) {
 
 }  // namespace
 
+Recording draw_frames(const Config& config, std::size_t camera_index, PixelFormat format, int width,
+                      int height, int frames, const Json& options) {
+  const std::string path = "/cameras/" + std::to_string(camera_index);
+  const CameraSettings& camera = config.cameras.at(camera_index);
+  Scene scene = *make_world(config, camera_index, std::make_shared<Lut>()).scene;
+  if (camera.calibration) scene.camera.emplace(scaled(*camera.calibration, width, height), path);
+  const Backend& simulator = find_backend("simulator", path);
+  Json all = camera.source["backend"] == "simulator" ? camera.source : Json::object();
+  all.erase("backend");
+  all.update(options);
+  all.update(
+      Json{{"width", width}, {"height", height}, {"pixel_format", name_of(format)}, {"frame_rate_hz", 0}});
+  const auto source = simulator.open(simulator.complete(all, path + "/source"),
+                                     {static_cast<std::uint32_t>(camera.id), scene});
+  return record(*source, frames);
+}
+
 std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camera_index, int frames,
                                          int rounds) {
   constexpr std::array<std::array<int, 2>, 3> kSizes{{{780, 580}, {1280, 1024}, {2448, 2048}}};
@@ -97,7 +109,6 @@ std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camer
   const CameraSettings& camera = config.cameras.at(camera_index);
   if (!camera.calibration)
     throw SettingsError(path + "/calibration: is missing; the simulator needs it to draw frames");
-  const Backend& simulator = find_backend("simulator", path);
   World world = make_world(config, camera_index);
   std::vector<BenchResult> results;
   for (const auto& [width, height] : kSizes) {
@@ -105,13 +116,8 @@ std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camer
     scene->camera.emplace(scaled(*camera.calibration, width, height), path + "/calibration");
     world.scene = scene;
     for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8}) {
-      Json options = camera.source["backend"] == "simulator" ? camera.source : Json::object();
-      options.erase("backend");
-      options.update(Json{
-          {"width", width}, {"height", height}, {"pixel_format", name_of(format)}, {"frame_rate_hz", 0}});
-      const auto source = simulator.open(simulator.complete(options, path + "/source"),
-                                         {static_cast<std::uint32_t>(camera.id), *scene});
-      results.push_back(time_stack(camera, path, world, record(*source, frames), rounds));
+      const Recording recording = draw_frames(config, camera_index, format, width, height, frames);
+      results.push_back(time_stack(camera, path, world, recording, rounds));
     }
   }
   return results;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "config.h"
+#include "image/image.h"
 
 #include <string>
 #include <vector>
@@ -20,6 +21,17 @@ struct BenchResult {
       balls;  // found in the last frame: a pipeline that finds nothing is fast for a bad reason
   std::vector<StageTiming> stages;  // and "total" last
 };
+
+/// Pictures in buffers of their own.
+struct Recording {
+  std::vector<std::vector<std::uint8_t>> buffers;
+  std::vector<ImageView> views;
+};
+
+/// What the simulator draws for a camera with a sensor of that size and format: its calibration is scaled
+/// with the picture. `options` go over those of the camera's source.
+Recording draw_frames(const Config& config, std::size_t camera_index, PixelFormat format, int width,
+                      int height, int frames, const Json& options = Json::object());
 
 /// Runs the camera's stack over simulated frames of several formats and sizes, in one thread. The calibration
 /// is scaled with the picture. `frames` frames are drawn for each kind, and run `rounds` times.

@@ -9,6 +9,7 @@
 #include "image/image.h"
 #include "vision/detections.h"
 #include "vision/lut.h"
+#include "vision/mask.h"
 #include "vision/patterns.h"
 #include "vision/regions.h"
 
@@ -36,6 +37,7 @@ struct Frame {
 struct World {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Lut> lut;
+  std::shared_ptr<const Mask> mask;
   std::shared_ptr<const PatternTable> patterns;
 };
 

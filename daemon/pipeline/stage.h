@@ -8,8 +8,8 @@
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
 // whose signature is the contract: `const T&` reads the part of type T, `T&` writes it afresh, `Update<T>`
-// edits it in place. `const Scene&`, `const Lut&` and `const PatternTable&` are constants of the camera,
-// `DetectionSink&` is where results leave the process. Any other parameter does not compile.
+// edits it in place. `const Scene&`, `const Lut&`, `const Mask&` and `const PatternTable&` are constants of
+// the camera, `DetectionSink&` is where results leave the process. Any other parameter does not compile.
 
 #include "base/params_json.h"
 #include "pipeline/frame.h"
@@ -76,7 +76,7 @@ struct Feed {
   static_assert(
       !sizeof(Arg),
       "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor a constant "
-      "of the camera (const Scene&, const Lut&, const PatternTable&) nor DetectionSink&: see "
+      "of the camera (const Scene&, const Lut&, const Mask&, const PatternTable&) nor DetectionSink&: see "
       "pipeline/frame.h");
 };
 template <class T>
@@ -104,6 +104,11 @@ struct Feed<const Scene&> {
 template <>
 struct Feed<const Lut&> {
   static const Lut& get(const Inputs& in) { return *in.world.lut; }
+  static void declare(PartSet&, PartSet&) {}
+};
+template <>
+struct Feed<const Mask&> {
+  static const Mask& get(const Inputs& in) { return *in.world.mask; }
   static void declare(PartSet&, PartSet&) {}
 };
 template <>

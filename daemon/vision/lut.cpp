@@ -4,12 +4,15 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +20,7 @@ namespace sslv {
 namespace {
 
 constexpr std::string_view kMagic = "SSLVLUT1";
+constexpr std::size_t kSide = std::size_t{1} << Lut::kBits;
 
 /// The middle of a table cell's 8-bit range, rounded up.
 constexpr std::uint8_t middle(std::size_t cell) {
@@ -33,24 +37,87 @@ bool in_class(const ColorClass& color, Yuv c) {
   return hue <= color.hue_deg[1];
 }
 
+/// Takes one more label into account for a place of `blocks` or `chroma`.
+void add_label(std::optional<Label>& place, Label label) {
+  place = place && *place != label ? LutTable::kMixed : label;
+}
+
+template <class Places>
+void store(const std::vector<std::optional<Label>>& from, Places& to) {
+  std::transform(from.begin(), from.end(), to.begin(), [](auto label) { return label.value_or(0); });
+}
+
+void summarise_blocks(LutTable& table) {
+  constexpr std::size_t kBlocks = std::size_t{1} << LutTable::kBlockBits, kCells = kSide / kBlocks;
+  std::vector<std::optional<Label>> blocks(kBlocks * kBlocks * kBlocks);
+  for (std::size_t a = 0; a < kSide; ++a) {
+    for (std::size_t b = 0; b < kSide; ++b) {
+      for (std::size_t c = 0; c < kSide; ++c) {
+        add_label(blocks[((a / kCells) * kBlocks + b / kCells) * kBlocks + c / kCells],
+                  table.labels[(a * kSide + b) * kSide + c]);
+      }
+    }
+  }
+  table.blocks.resize(blocks.size());
+  store(blocks, table.blocks);
+}
+
+constexpr std::size_t kChromaSide = std::size_t{1} << LutTable::kChromaBits;
+
+void summarise_yuv_chroma(LutTable& table) {
+  std::vector<std::optional<Label>> chroma(table.chroma.size());
+  for (std::size_t i = 0; i < table.labels.size(); ++i) {
+    const std::size_t u = i / (kSide * kSide), v = i / kSide % kSide;
+    add_label(chroma[u * kChromaSide / kSide * kChromaSide + v * kChromaSide / kSide], table.labels[i]);
+  }
+  store(chroma, table.chroma);
+}
+
+void summarise_rgb_chroma(LutTable& table) {
+  // Of a cell's 2x2x2 colours, those at its ends reach all chromas that any of them can.
+  const auto reached = [](std::size_t cell, std::size_t green_cell) {
+    const std::size_t low = (2 * cell + 255 - (2 * green_cell + 1) + 1) / 2;
+    const std::size_t high = (2 * cell + 1 + 255 - 2 * green_cell + 1) / 2;
+    return std::pair{low * kChromaSide / 256, high * kChromaSide / 256};
+  };
+  std::vector<std::optional<Label>> chroma(table.chroma.size());
+  for (std::size_t i = 0; i < table.labels.size(); ++i) {
+    const std::size_t r = i / (kSide * kSide), b = i / kSide % kSide, g = i % kSide;
+    const auto [a_low, a_high] = reached(b, g);
+    const auto [b_low, b_high] = reached(r, g);
+    for (std::size_t chroma_a = a_low; chroma_a <= a_high; ++chroma_a) {
+      for (std::size_t chroma_b = b_low; chroma_b <= b_high; ++chroma_b) {
+        add_label(chroma[chroma_a * kChromaSide + chroma_b], table.labels[i]);
+      }
+    }
+  }
+  store(chroma, table.chroma);
+}
+
 }  // namespace
 
-Lut::Lut() : yuv_(kEntries, label::kClear), rgb_(kEntries, label::kClear) {}
+Lut::Lut() : Lut(std::vector<Label>(kEntries, label::kClear)) {}
 
-Lut::Lut(std::vector<Label> yuv) : yuv_(std::move(yuv)), rgb_(kEntries) {
-  if (yuv_.size() != kEntries) {
-    throw SettingsError(fmt::format("a lookup table has {} labels; expected {}", yuv_.size(), kEntries));
+Lut::Lut(std::vector<Label> yuv) {
+  static std::atomic<std::uint64_t> made{0};
+  id_ = ++made;
+  if (yuv.size() != kEntries) {
+    throw SettingsError(fmt::format("a lookup table has {} labels; expected {}", yuv.size(), kEntries));
   }
-  constexpr std::size_t kSide = std::size_t{1} << kBits;
+  yuv_.labels = std::move(yuv);
+  rgb_.labels.resize(kEntries);
   for (std::size_t r = 0; r < kSide; ++r) {
     for (std::size_t b = 0; b < kSide; ++b) {
       for (std::size_t g = 0; g < kSide; ++g) {
         const Rgb rgb{middle(r), middle(g), middle(b)};
         const Yuv c = to_yuv(rgb);
-        rgb_[index_rgb(rgb.r, rgb.g, rgb.b)] = of_yuv(c.y, c.u, c.v);
+        rgb_.labels[LutTable::index(rgb.r, rgb.b, rgb.g)] = of_yuv(c.y, c.u, c.v);
       }
     }
   }
+  for (LutTable* table : {&yuv_, &rgb_}) summarise_blocks(*table);
+  summarise_yuv_chroma(yuv_);
+  summarise_rgb_chroma(rgb_);
 }
 
 std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::string& path) {
@@ -65,7 +132,6 @@ std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::stri
   if (!colors.lut_file.empty()) return read_lut(colors.lut_file, path + "/lut_file");
 
   std::vector<Label> yuv(Lut::kEntries, label::kClear);
-  constexpr std::size_t kSide = std::size_t{1} << Lut::kBits;
   for (const ColorClass& color : colors.classes) {
     const Label label = *label_named(color.label);
     for (std::size_t u = 0; u < kSide; ++u) {
@@ -105,8 +171,9 @@ std::shared_ptr<const Lut> read_lut(const std::string& file, const std::string& 
 }
 
 std::vector<std::uint8_t> lut_file_bytes(const Lut& lut) {
-  std::vector<std::uint8_t> bytes(kMagic.size() + lut.yuv().size());
-  std::copy(lut.yuv().begin(), lut.yuv().end(), std::copy(kMagic.begin(), kMagic.end(), bytes.begin()));
+  std::vector<std::uint8_t> bytes(kMagic.size() + lut.yuv().labels.size());
+  std::copy(lut.yuv().labels.begin(), lut.yuv().labels.end(),
+            std::copy(kMagic.begin(), kMagic.end(), bytes.begin()));
   return bytes;
 }
 

@@ -14,36 +14,61 @@
 
 namespace sslv {
 
+/// A colour lookup table over one colour space, with what a fast look at a picture needs to know of it.
+/// Channels are named by their place in the index: `a` outermost (U or R), `b` (V or B), `c` innermost (Y or
+/// G), so that the cells of one chroma lie in one cache line.
+struct LutTable {
+  static constexpr int kBits = 7;
+  static constexpr std::size_t kEntries = std::size_t{1} << (3 * kBits);
+  static constexpr int kBlockBits = 6, kChromaBits = 5;
+  /// Stands for "several labels" in `blocks` and `chroma`.
+  static constexpr Label kMixed = 255;
+
+  static constexpr std::size_t index(std::uint8_t a, std::uint8_t b, std::uint8_t c) {
+    return static_cast<std::size_t>(a >> 1) << 14 | static_cast<std::size_t>(b >> 1) << 7 |
+           static_cast<std::size_t>(c >> 1);
+  }
+  Label of(std::uint8_t a, std::uint8_t b, std::uint8_t c) const { return labels[index(a, b, c)]; }
+
+  std::vector<Label> labels;  // kEntries, ordered as index() says
+  /// The label that all colours of a block of 4x4x4 (2^(8-kBlockBits) a channel) share, or kMixed; ordered
+  /// as the labels are.
+  std::vector<Label> blocks;
+  /// The label that all colours of one chroma share, or kMixed, at chroma_a << 5 | chroma_b. In YUV chroma_a
+  /// and chroma_b are the upper five bits of U and V. In RGB they are those of (B + 255 - G + 1) / 2 and
+  /// (R + 255 - G + 1) / 2, which byte-wise instructions can make, and a colour may count in several.
+  std::array<Label, std::size_t{1} << (2 * kChromaBits)> chroma;
+};
+
 /// The colour lookup table: one label for each cell of the colour cube, 7 bits a channel (2 MiB). It is
 /// defined over YUV; an RGB twin is derived from it once, so that RGB and Bayer pixels need no conversion.
 class Lut {
  public:
-  static constexpr int kBits = 7;
-  static constexpr std::size_t kEntries = std::size_t{1} << (3 * kBits);
+  static constexpr int kBits = LutTable::kBits;
+  static constexpr std::size_t kEntries = LutTable::kEntries;
 
   /// All clear.
   Lut();
   /// `yuv` has kEntries labels, ordered as index_yuv says. Throws SettingsError when it has not.
   explicit Lut(std::vector<Label> yuv);
 
-  /// Luma innermost: the cells of one chroma lie in one cache line.
   static constexpr std::size_t index_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) {
-    return static_cast<std::size_t>(u >> 1) << 14 | static_cast<std::size_t>(v >> 1) << 7 |
-           static_cast<std::size_t>(y >> 1);
-  }
-  /// Green innermost.
-  static constexpr std::size_t index_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
-    return static_cast<std::size_t>(r >> 1) << 14 | static_cast<std::size_t>(b >> 1) << 7 |
-           static_cast<std::size_t>(g >> 1);
+    return LutTable::index(u, v, y);
   }
 
-  Label of_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) const { return yuv_[index_yuv(y, u, v)]; }
-  Label of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) const { return rgb_[index_rgb(r, g, b)]; }
+  Label of_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) const { return yuv_.of(u, v, y); }
+  Label of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) const { return rgb_.of(r, b, g); }
 
-  const std::vector<Label>& yuv() const { return yuv_; }
+  const LutTable& yuv() const { return yuv_; }
+  const LutTable& rgb() const { return rgb_; }
+
+  /// Another number for every table made in this process: tells whether what was derived from one still
+  /// holds.
+  std::uint64_t id() const { return id_; }
 
  private:
-  std::vector<Label> yuv_, rgb_;
+  LutTable yuv_, rgb_;
+  std::uint64_t id_;
 };
 
 /// A class of colour by hue and saturation instead of single table cells, so that it holds over a range of

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/threshold.h"
 
+#include <algorithm>
+
 namespace sslv {
 namespace {
 
@@ -35,9 +37,22 @@ void label_bayer(const Lut& lut, const std::uint8_t* upper, const std::uint8_t* 
   }
 }
 
+/// Clears the cells of row `y` that the mask leaves out.
+void clear_masked(const Mask& mask, int y, LabelImage& labels) {
+  Label* row = labels.row(y);
+  int clear_from = 0;
+  for (const Mask::Interval interval : mask.row(y, labels.cell_px)) {
+    const int begin = std::min<int>(interval.begin, labels.width);
+    std::fill(row + clear_from, row + begin, label::kClear);
+    clear_from = std::min<int>(interval.end, labels.width);
+  }
+  std::fill(row + clear_from, row + labels.width, label::kClear);
+}
+
 }  // namespace
 
-void Threshold::process(const Params&, const Lut& lut, const Image& image, LabelImage& labels) noexcept {
+void Threshold::process(const Params&, const Lut& lut, const Mask& mask, const Image& image,
+                        LabelImage& labels) noexcept {
   const ImageView& view = image.view();
   labels.cell_px = is_bayer(view.format) ? 2 : 1;
   labels.width = view.width / labels.cell_px;
@@ -57,6 +72,7 @@ void Threshold::process(const Params&, const Lut& lut, const Image& image, Label
       case PixelFormat::kBayerGb8: label_bayer<2>(lut, in, in + view.stride_bytes, out, labels.width); break;
       case PixelFormat::kBayerBg8: label_bayer<3>(lut, in, in + view.stride_bytes, out, labels.width); break;
     }
+    clear_masked(mask, y, labels);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "image/image.h"
 #include "vision/lut.h"
+#include "vision/mask.h"
 #include "vision/regions.h"
 
 #include <tuple>
@@ -12,13 +13,14 @@ namespace sslv {
 /// Labels every pixel by the colour lookup table: the plain reference (Bruce, Balch, Veloso: Fast and
 /// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer pictures are read as 2x2
 /// quads of one red, two green (averaged, rounded up) and one blue sample, one label each; mono pixels count
-/// as grey.
+/// as grey. What the mask leaves out is clear.
 class Threshold {
  public:
   struct Params {
     static constexpr auto fields() { return std::tuple{}; }
   };
-  void process(const Params&, const Lut& lut, const Image& image, LabelImage& labels) noexcept;
+  void process(const Params&, const Lut& lut, const Mask& mask, const Image& image,
+               LabelImage& labels) noexcept;
 };
 
 }  // namespace sslv

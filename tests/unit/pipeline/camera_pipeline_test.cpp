@@ -7,6 +7,7 @@
 #include "vision/detect_robots.h"
 #include "vision/find_regions.h"
 #include "vision/find_runs.h"
+#include "vision/segment.h"
 #include "vision/threshold.h"
 
 #include <array>
@@ -45,6 +46,7 @@ struct Mark {
 
 const std::array kTable{stage<Mark>("mark", ""),
                         stage<Publish>("publish", ""),
+                        stage<Segment>("segment", ""),
                         stage<Threshold>("threshold", ""),
                         stage<FindRuns>("find_runs", ""),
                         stage<FindRegions>("find_regions", ""),
@@ -55,7 +57,7 @@ CameraSetup setup_of(const std::vector<std::string>& stack, const Json& stages =
   CameraSetup setup;
   setup.pipeline = std::make_shared<Pipeline>(kTable, stack, "/stack");
   setup.parameters = setup.pipeline->make_parameters(stages, "/stages");
-  setup.world = {std::make_shared<Scene>(), std::make_shared<Lut>(),
+  setup.world = {std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
                  std::make_shared<PatternTable>(league_patterns())};
   return setup;
 }

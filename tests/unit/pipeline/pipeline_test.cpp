@@ -102,7 +102,8 @@ class PipelineRun : public testing::Test {
   }
 
   Frame frame_;
-  World world_{std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<PatternTable>()};
+  World world_{std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
+               std::make_shared<PatternTable>()};
   Sink sink_;
 };
 

@@ -3,8 +3,10 @@
 
 #include "base/error.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -80,7 +82,8 @@ TEST_F(LutFile, ComesBackAsWritten) {
   colors.classes = {{"orange", {0, 255}, {90, 160}, {30, 1000}}};
   const auto lut = make_lut(colors, "");
   const auto again = read_lut(write(lut_file_bytes(*lut)), "");
-  EXPECT_EQ(again->yuv(), lut->yuv());
+  EXPECT_EQ(again->yuv().labels, lut->yuv().labels);
+  EXPECT_NE(again->id(), lut->id());
 }
 
 TEST_F(LutFile, RefusesAFileOfTheWrongSize) {
@@ -101,6 +104,51 @@ TEST_F(LutFile, RefusesALabelThatDoesNotExist) {
   bytes[8 + 5] = 200;
   const std::string file = write(bytes);
   EXPECT_THAT(error_of([&] { read_lut(file, "/x"); }), HasSubstr("label 200"));
+}
+
+// ---- what a fast look at a picture relies on
+
+TEST(LutTable, BlocksAndChromasNameALabelOnlyWhenAllTheirColoursHaveIt) {
+  // A table without any order: every summary must hold for every colour.
+  std::vector<Label> labels(Lut::kEntries);
+  std::mt19937 random(1);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    labels[i] = random() % 100 == 0 ? label::kPink : i < labels.size() / 2 ? label::kClear : label::kField;
+  const Lut lut(std::move(labels));
+
+  std::size_t uniform_blocks = 0;
+  for (const LutTable* table : {&lut.yuv(), &lut.rgb()}) {
+    const bool is_rgb = table == &lut.rgb();
+    for (int a = 0; a < 256; ++a) {
+      for (int b = 0; b < 256; ++b) {
+        for (int c = 0; c < 256; ++c) {
+          const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
+          const Label label = table->of(byte(a), byte(b), byte(c));
+          const Label block = table->blocks[static_cast<std::size_t>((a / 4 * 64 + b / 4) * 64 + c / 4)];
+          // For RGB, as byte-wise averages make them: a is R, b is B, c is G.
+          const int chroma_a = is_rgb ? (b + (255 - c) + 1) / 2 : a,
+                    chroma_b = is_rgb ? (a + (255 - c) + 1) / 2 : b;
+          const Label chroma = table->chroma[static_cast<std::size_t>(chroma_a / 8 * 32 + chroma_b / 8)];
+          if (block != label && block != LutTable::kMixed)
+            FAIL() << "block of " << a << ", " << b << ", " << c << " in " << (is_rgb ? "RGB" : "YUV");
+          if (chroma != label && chroma != LutTable::kMixed)
+            FAIL() << "chroma of " << a << ", " << b << ", " << c << " in " << (is_rgb ? "RGB" : "YUV");
+          uniform_blocks += block != LutTable::kMixed;
+        }
+      }
+    }
+  }
+  EXPECT_GT(uniform_blocks, 0u);  // or nothing was checked
+}
+
+TEST(LutTable, ATidyTableHasUniformChromas) {
+  ColorSettings colors;
+  colors.classes = {{"orange", {60, 255}, {108, 147}, {34, 1000}}};
+  const auto lut = make_lut(colors, "");
+  for (const LutTable* table : {&lut->yuv(), &lut->rgb()}) {
+    EXPECT_GT(std::count(table->chroma.begin(), table->chroma.end(), label::kClear), 500);
+    EXPECT_GT(std::count(table->chroma.begin(), table->chroma.end(), LutTable::kMixed), 50);
+  }
 }
 
 }  // namespace

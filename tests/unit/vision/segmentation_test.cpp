@@ -197,7 +197,7 @@ std::vector<Label> labels_of(const Lut& lut, PixelFormat format, int width, int 
   const Image image({bytes.data(), width, height, width * bytes_per_pixel(format), format}, nullptr, nullptr,
                     nullptr);
   LabelImage labels;
-  Threshold().process({}, lut, image, labels);
+  Threshold().process({}, lut, Mask(), image, labels);
   EXPECT_EQ(labels.cell_px, is_bayer(format) ? 2 : 1);
   return labels.labels;
 }
@@ -247,7 +247,7 @@ TEST(Threshold, SkipsThePaddingOfRows) {
                                         0,   200, 200, 200};  // two pixels and two bytes of padding a row
   const Image image({bytes.data(), 2, 2, 4, PixelFormat::kMono8}, nullptr, nullptr, nullptr);
   LabelImage labels;
-  Threshold().process({}, *lut, image, labels);
+  Threshold().process({}, *lut, Mask(), image, labels);
   EXPECT_THAT(labels.labels, ElementsAre(label::kWhite, label::kClear, label::kClear, label::kWhite));
 }
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+#include "base/workers.h"
+#include "image/image.h"
+#include "vision/background.h"
+#include "vision/find_regions.h"
+#include "vision/find_runs.h"
+#include "vision/lut.h"
+#include "vision/mask.h"
+#include "vision/regions.h"
+#include "vision/segment_kernel.h"
+
+#include <memory>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+/// Threshold, FindRuns and FindRegions in one: the same runs and regions, bit by bit, without a labelled
+/// picture, at nearly the speed of reading the picture once (docs/benchmarks.md).
+class Segment {
+ public:
+  struct Params {
+    FindRuns::Params runs;
+    FindRegions::Params regions;
+    int threads = 1;
+    static constexpr auto fields() {
+      return std::tuple{group("runs", &Params::runs, "as those of find_runs"),
+                        group("regions", &Params::regions, "as those of find_regions"),
+                        number("threads", &Params::threads, 1, 8, "",
+                               "threads that share each picture: more than one is for a large camera with "
+                               "processors to itself; with several cameras, each has its own thread anyway")};
+    }
+  };
+  void process(const Params& params, const Lut& lut, const Mask& mask, const Image& image, RunList& runs,
+               RegionList& regions) noexcept;
+
+ private:
+  /// A part of the picture's rows and the runs found there.
+  struct Band {
+    std::unique_ptr<Run[]> runs;
+    std::size_t room = 0;
+    RunSearchResult found;
+  };
+
+  BackgroundFollower background_;
+  std::vector<Band> bands_;
+  std::unique_ptr<Workers> workers_;
+  FindRegions find_regions_;
+};
+
+}  // namespace sslv
