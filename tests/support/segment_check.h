@@ -1,12 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "image/color.h"
 #include "vision/segment.h"
 #include "vision/threshold.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace sslv {
+
+inline constexpr Rgb kCarpet{40, 105, 70};
+inline constexpr std::array<Rgb, 6> kColors{
+    {{238, 108, 32}, {224, 198, 38}, {28, 92, 196}, {230, 64, 150}, {108, 212, 62}, {205, 205, 200}}};
+
+/// Tables as admins make them, and as they never should.
+inline const std::vector<std::shared_ptr<const Lut>>& test_luts() {
+  static const auto made = [] {
+    std::vector<std::shared_ptr<const Lut>> all{std::make_shared<const Lut>()};
+    const auto add = [&](auto label_of) {
+      std::vector<Label> table(Lut::kEntries);
+      for (int u = 0; u < 128; ++u) {
+        for (int v = 0; v < 128; ++v) {
+          for (int y = 0; y < 128; ++y) {
+            const auto byte = [](int cell) { return static_cast<std::uint8_t>(2 * cell); };
+            table[Lut::index_yuv(byte(y), byte(u), byte(v))] = label_of(Yuv{byte(y), byte(u), byte(v)});
+          }
+        }
+      }
+      all.push_back(std::make_shared<const Lut>(std::move(table)));
+    };
+    const auto near_color = [](Yuv c, int reach) {
+      for (std::size_t i = 0; i < kColors.size(); ++i) {
+        const Yuv k = to_yuv(kColors[i]);
+        if (std::abs(c.u - k.u) < reach && std::abs(c.v - k.v) < reach && std::abs(c.y - k.y) < 2 * reach)
+          return static_cast<Label>(2 + i);
+      }
+      return label::kClear;
+    };
+    add([&](Yuv c) { return near_color(c, 20); });
+    add([&](Yuv c) {  // the carpet has a label too, and it is the whole rest
+      const Label label = near_color(c, 30);
+      return label != label::kClear ? label : label::kField;
+    });
+    add([](Yuv) { return label::kOrange; });
+    std::mt19937 random(7);
+    add([&](Yuv) { return static_cast<Label>(random() % 10); });
+    add([&](Yuv) { return static_cast<Label>(random() % 200 == 0 ? 3 : 0); });
+    add([](Yuv c) { return static_cast<Label>((c.u / 8 + c.v / 8 + c.y / 32) % 3); });
+    return all;
+  }();
+  return made;
+}
 
 /// What the plain stages make of a picture.
 class PlainSegmentation {

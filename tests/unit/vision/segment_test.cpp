@@ -29,49 +29,6 @@ constexpr std::array kAllFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,    
                                  PixelFormat::kBgr24,    PixelFormat::kMono8,    PixelFormat::kBayerRg8,
                                  PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8};
 
-constexpr Rgb kCarpet{40, 105, 70};
-constexpr std::array<Rgb, 6> kColors{
-    {{238, 108, 32}, {224, 198, 38}, {28, 92, 196}, {230, 64, 150}, {108, 212, 62}, {205, 205, 200}}};
-
-/// Tables as admins make them, and as they never should.
-const std::vector<std::shared_ptr<const Lut>>& luts() {
-  static const auto made = [] {
-    std::vector<std::shared_ptr<const Lut>> all{std::make_shared<const Lut>()};
-    const auto add = [&](auto label_of) {
-      std::vector<Label> table(Lut::kEntries);
-      for (int u = 0; u < 128; ++u) {
-        for (int v = 0; v < 128; ++v) {
-          for (int y = 0; y < 128; ++y) {
-            const auto byte = [](int cell) { return static_cast<std::uint8_t>(2 * cell); };
-            table[Lut::index_yuv(byte(y), byte(u), byte(v))] = label_of(Yuv{byte(y), byte(u), byte(v)});
-          }
-        }
-      }
-      all.push_back(std::make_shared<const Lut>(std::move(table)));
-    };
-    const auto near_color = [](Yuv c, int reach) {
-      for (std::size_t i = 0; i < kColors.size(); ++i) {
-        const Yuv k = to_yuv(kColors[i]);
-        if (std::abs(c.u - k.u) < reach && std::abs(c.v - k.v) < reach && std::abs(c.y - k.y) < 2 * reach)
-          return static_cast<Label>(2 + i);
-      }
-      return label::kClear;
-    };
-    add([&](Yuv c) { return near_color(c, 20); });
-    add([&](Yuv c) {  // the carpet has a label too, and it is the whole rest
-      const Label label = near_color(c, 30);
-      return label != label::kClear ? label : label::kField;
-    });
-    add([](Yuv) { return label::kOrange; });
-    Random random(7);
-    add([&](Yuv) { return static_cast<Label>(random() % 10); });
-    add([&](Yuv) { return static_cast<Label>(random() % 200 == 0 ? 3 : 0); });
-    add([](Yuv c) { return static_cast<Label>((c.u / 8 + c.v / 8 + c.y / 32) % 3); });
-    return all;
-  }();
-  return made;
-}
-
 /// A picture at the very end of its memory, so that a sanitizer sees who reads beyond.
 struct Picture {
   std::vector<std::uint8_t> bytes;
@@ -216,11 +173,11 @@ TEST_P(SegmentOnTarget, EqualsThePlainStages) {
 
     // Several pictures and tables in turn: the background is learnt from the first ones.
     Segment segment;
-    auto lut = luts()[random() % luts().size()];
+    auto lut = test_luts()[random() % test_luts().size()];
     for (int k = 0; k < 3; ++k) {
       Picture picture(format, width, height, padding);
       picture.fill(random);
-      if (random() % 3 == 0) lut = luts()[random() % luts().size()];
+      if (random() % 3 == 0) lut = test_luts()[random() % test_luts().size()];
       const Image image = picture.image();
       plain.process(params, *lut, mask, image);
       segment.process(params, *lut, mask, image, runs, regions);
@@ -250,8 +207,8 @@ TEST_P(SegmentOnTarget, EqualsThePlainStagesAtEveryEdgeOfAMask) {
             {{left - 0.5, -1.0}, {right - 0.5, -1.0}, {right - 0.5, 9.0}, {left - 0.5, 9.0}}};
         const Mask masks[] = {Mask({{strip}, {}}), Mask({{}, {strip}})};
         for (const Mask& mask : masks) {
-          plain.process({}, *luts()[lut], mask, image);
-          segment.process({}, *luts()[lut], mask, image, runs, regions);
+          plain.process({}, *test_luts()[lut], mask, image);
+          segment.process({}, *test_luts()[lut], mask, image, runs, regions);
           ASSERT_EQ(difference(plain, runs, regions), "")
               << name_of(format) << " " << left << " .. " << right;
         }
@@ -279,7 +236,7 @@ TEST(Segment, ATableTakesForceWithTheNextFrame) {
   RegionList regions;
   for (int i = 0; i < 20; ++i) {
     const bool carpet_is_labelled = i % 2 == 1;
-    segment.process({}, *luts()[carpet_is_labelled ? 2 : 1], Mask(), image, runs, regions);
+    segment.process({}, *test_luts()[carpet_is_labelled ? 2 : 1], Mask(), image, runs, regions);
     ASSERT_EQ(regions.regions.size(), carpet_is_labelled ? 1U : 0U) << "frame " << i;
   }
 }
@@ -297,7 +254,7 @@ TEST(Segment, AllocatesNothingOnceItRuns) {
   RegionList regions;
   const auto run = [&](std::size_t frames) {
     for (std::size_t i = 0; i < frames; ++i)
-      segment.process({}, *luts()[1 + i / 100 % 2], mask, images[i % images.size()], runs, regions);
+      segment.process({}, *test_luts()[1 + i / 100 % 2], mask, images[i % images.size()], runs, regions);
   };
   run(200);
   const std::uint64_t before = allocation_count();
@@ -318,8 +275,8 @@ TEST(Segment, SharesAPictureBetweenThreads) {
     Segment::Params params;
     params.threads = 1 + i / 10 % 4;
     params.runs.max_runs = i % 2 == 0 ? 65'536 : 900;
-    plain.process(params, *luts()[1], Mask(), image);
-    segment.process(params, *luts()[1], Mask(), image, runs, regions);
+    plain.process(params, *test_luts()[1], Mask(), image);
+    segment.process(params, *test_luts()[1], Mask(), image, runs, regions);
     ASSERT_EQ(difference(plain, runs, regions), "") << i;
   }
 }
