@@ -2,6 +2,23 @@
 #include "pipeline/camera_pipeline.h"
 
 namespace sslv {
+namespace {
+
+/// Empties what stages make but keeps its memory: what a changed stack makes no more must not be taken from
+/// the frame that lay in the slot before.
+void forget_results(Frame& frame) {
+  frame.labels.width = frame.labels.height = 0;
+  frame.runs.width = frame.runs.height = 0;
+  frame.runs.runs.clear();
+  frame.runs.capped = false;
+  frame.regions.regions.clear();
+  frame.regions.begin = {};
+  frame.regions.capped = false;
+  frame.robots.robots.clear();
+  frame.balls.balls.clear();
+}
+
+}  // namespace
 
 CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup)
     : camera_id_(camera_id), sink_(sink), setup_(std::move(setup)) {}
@@ -13,6 +30,7 @@ const Frame& CameraPipeline::process(Image image, double t_capture_s,
   Frame& frame = current_ ? *current_ : spare_;
   frame.info = {camera_id_, next_number_++, t_capture_s, t_capture_camera_s};
   frame.image = std::move(image);
+  forget_results(frame);
   setup->pipeline->run(frame, setup->world, sink_, setup->parameters);
 
   frames_.fetch_add(1, std::memory_order_relaxed);

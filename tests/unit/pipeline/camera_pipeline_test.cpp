@@ -88,6 +88,23 @@ TEST(CameraPipeline, ANewSetupTakesForceWithTheNextFrame) {
   EXPECT_EQ(camera.counters().balls, 3u);
 }
 
+TEST(CameraPipeline, WhatTheStackMakesNoMoreIsNotLeftFromEarlierFrames) {
+  CountingSink sink;
+  CameraPipeline camera(0, sink, setup_of({"segment", "mark"}, {{"mark", {{"balls", 3}}}}));
+  std::vector<std::uint8_t> pixels(8 * 4 * 2);
+  const auto picture = [&] {
+    return Image({pixels.data(), 8, 4, 16, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
+  };
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(camera.process(picture(), 0, {}).runs.width, 8);
+  camera.change(setup_of({}));
+  for (int i = 0; i < 20; ++i) {
+    const Frame& frame = camera.process(picture(), 0, {});
+    EXPECT_EQ(frame.runs.width, 0);
+    EXPECT_TRUE(frame.balls.balls.empty());
+  }
+  EXPECT_EQ(camera.counters().balls, 0u);
+}
+
 TEST(CameraPipeline, ViewersThatHoldEverythingCostNoDetection) {
   CountingSink sink;
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
