@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "image/image.h"
+#include "vision/regions.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace sslv {
+
+/// Draws runs for people: RGB24, one pixel for each cell, in the labels' display colours. The picture lies in
+/// `buffer`, which is reused.
+ImageView draw_label_picture(const RunList& runs, std::vector<std::uint8_t>& buffer);
+
+}  // namespace sslv
