@@ -7,6 +7,7 @@
 #include "detections_json.h"
 #include "routes.h"
 #include "status.h"
+#include "vision/label_picture.h"
 
 #include <algorithm>
 #include <utility>
@@ -126,13 +127,20 @@ std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t new
   if (!newest) return std::nullopt;
   auto hold = std::make_shared<const Hold>(Hold{std::move(running), std::move(newest->value)});
   const Frame& frame = *hold->frame;
-  return View{newest->version,
-              hold,
-              frame.image.view(),
-              camera_id,
-              frame.info.number,
-              frame.info.t_capture_s,
-              detections_json(frame.robots, frame.balls)};
+  View view{newest->version,
+            hold,
+            frame.image.view(),
+            camera_id,
+            frame.info.number,
+            frame.info.t_capture_s,
+            detections_json(frame.robots, frame.balls),
+            {}};
+  if (frame.runs.width > 0) {
+    view.draw_labels = [hold](std::vector<std::uint8_t>& buffer) {
+      return draw_label_picture(hold->frame->runs, buffer);
+    };
+  }
+  return view;
 }
 
 WebHost Daemon::make_web_host() {

@@ -2,6 +2,7 @@
 #include "image/jpeg.h"
 #include "web/api.h"
 #include "web/http.h"
+#include "web/picture.h"
 
 #include <algorithm>
 #include <limits>
@@ -26,6 +27,15 @@ int query_number(const httplib::Request& request, const std::string& name, int f
   return read_whole_number(name, request.get_param_value(name), min, max);
 }
 
+PictureKind query_picture(const httplib::Request& request) {
+  const std::string name = request.has_param("picture") ? request.get_param_value("picture") : "camera";
+  for (const auto& choice : kPictureChoices) {
+    if (choice.name == name) return choice.value;
+  }
+  throw HttpError(
+      400, "picture: \"" + name.substr(0, 40) + "\" is not allowed; expected \"camera\" or \"labels\"");
+}
+
 }  // namespace
 
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
@@ -33,10 +43,13 @@ void get_snapshot(const WebHost& host, const httplib::Request& request, httplib:
   const std::uint32_t id = camera_id(host, request);
   const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
   const int quality = query_number(request, "quality", 85, 1, 100);
+  const PictureKind wished = query_picture(request);
   const std::optional<View> view = host.wait_view(id, 0, std::chrono::milliseconds(0));
   if (!view) throw HttpError(503, "camera " + std::to_string(id) + " has no picture yet");
+  std::vector<std::uint8_t> buffer;
+  const Picture picture = picture_of(*view, wished, buffer);
   JpegEncoder encoder;
-  const std::span<const std::uint8_t> jpeg = encoder.encode(view->image, width, quality);
+  const std::span<const std::uint8_t> jpeg = encoder.encode(picture.image, width, quality);
   response.set_content(reinterpret_cast<const char*>(jpeg.data()), jpeg.size(), "image/jpeg");
 }
 

@@ -28,8 +28,10 @@ std::chrono::steady_clock::duration interval_of(double per_second) {
 /// The messages of one view, each made when it is first asked for and then shared.
 class Messages {
  public:
-  Messages(const View& view, JpegEncoder& encoder, std::atomic<std::uint64_t>& jpegs_encoded)
-      : view_(view), encoder_(encoder), jpegs_encoded_(jpegs_encoded) {}
+  /// `drawing`: where the labelled picture is drawn, reused from view to view.
+  Messages(const View& view, JpegEncoder& encoder, std::vector<std::uint8_t>& drawing,
+           std::atomic<std::uint64_t>& jpegs_encoded)
+      : view_(view), encoder_(encoder), drawing_(drawing), jpegs_encoded_(jpegs_encoded) {}
 
   CameraFeed::Message detections() {
     if (!detections_) {
@@ -42,25 +44,35 @@ class Messages {
   }
 
   CameraFeed::Message preview(const PreviewWish& wish) {
-    const int width = std::min(wish.width, view_.image.width);
+    const Picture& picture = picture_for(wish);
+    const int width = std::min(wish.width, picture.image.width);
     for (const Preview& made : previews_) {
-      if (made.width == width && made.quality == wish.quality) return made.message;
+      if (made.picture == picture.kind && made.width == width && made.quality == wish.quality)
+        return made.message;
     }
-    const std::span<const std::uint8_t> jpeg = encoder_.encode(view_.image, width, wish.quality);
+    const std::span<const std::uint8_t> jpeg = encoder_.encode(picture.image, width, wish.quality);
     ++jpegs_encoded_;
     Json data = header();
+    data["picture"] = name_of(picture.kind);
     data["width"] = view_.image.width;
     data["height"] = view_.image.height;
     data.update(view_.detections);
-    previews_.push_back({width, wish.quality, preview_message(to_text(data), jpeg)});
+    previews_.push_back({picture.kind, width, wish.quality, preview_message(to_text(data), jpeg)});
     return previews_.back().message;
   }
 
  private:
   struct Preview {
+    PictureKind picture;
     int width, quality;
     CameraFeed::Message message;
   };
+
+  const Picture& picture_for(const PreviewWish& wish) {
+    if (wish.picture == PictureKind::kCamera) return camera_picture_;
+    if (!labelled_picture_) labelled_picture_ = picture_of(view_, wish.picture, drawing_);
+    return *labelled_picture_;
+  }
 
   Json header() const {
     return {{"camera", view_.camera_id}, {"frame", view_.frame_number}, {"t_capture", view_.t_capture_s}};
@@ -78,8 +90,11 @@ class Messages {
 
   const View& view_;
   JpegEncoder& encoder_;
+  std::vector<std::uint8_t>& drawing_;
   std::atomic<std::uint64_t>& jpegs_encoded_;
   CameraFeed::Message detections_;
+  const Picture camera_picture_{PictureKind::kCamera, view_.image};
+  std::optional<Picture> labelled_picture_;  // the camera's where nothing is labelled
   std::vector<Preview> previews_;
 };
 
@@ -184,14 +199,16 @@ void CameraFeed::put_off(std::uint32_t frame_number) {
   }
 }
 
-void CameraFeed::deliver(const View& view, const std::vector<Delivery>& deliveries, JpegEncoder& encoder) {
-  Messages messages(view, encoder, jpegs_encoded_);
+void CameraFeed::deliver(const View& view, const std::vector<Delivery>& deliveries, JpegEncoder& encoder,
+                         std::vector<std::uint8_t>& drawing) {
+  Messages messages(view, encoder, drawing, jpegs_encoded_);
   for (const Delivery& to : deliveries) to.sink(to.wish ? messages.preview(*to.wish) : messages.detections());
 }
 
 void CameraFeed::run(const std::stop_token& stop) {
   become_background_thread(("view" + std::to_string(camera_id_)).c_str());
   JpegEncoder encoder;
+  std::vector<std::uint8_t> drawing;
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     const std::optional<Clock::time_point> due = next_due();
@@ -217,7 +234,7 @@ void CameraFeed::run(const std::stop_token& stop) {
     const std::vector<Delivery> deliveries = take_due(*view);
     lock.unlock();
     try {
-      deliver(*view, deliveries, encoder);
+      deliver(*view, deliveries, encoder, drawing);
     } catch (const std::exception& error) {
       log::warning("web: no picture of camera {} for viewers: {}", camera_id_, error.what());
       put_off(view->frame_number);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "web/host.h"
+#include "web/picture.h"
 
 #include <atomic>
 #include <chrono>
@@ -24,12 +25,13 @@ struct PreviewWish {
   int width = 640;   // px, at most
   int quality = 70;  // of the JPEG, 1..100
   double fps = 30;   // at most
+  PictureKind picture = PictureKind::kCamera;
 };
 
 /// One camera's pictures and detections on their way to the viewers. A thread of its own takes a view when a
-/// viewer is due for one, encodes it once for every size and quality wanted, and hands it to the viewers. It
-/// sleeps while nobody is due, so that without viewers nothing is encoded or even looked at. All members may
-/// be called from any thread.
+/// viewer is due for one, encodes it once for every picture, size and quality wanted, and hands it to the
+/// viewers. It sleeps while nobody is due, so that without viewers nothing is encoded or even looked at. All
+/// members may be called from any thread.
 class CameraFeed {
  public:
   using ViewerId = std::uint64_t;
@@ -74,7 +76,8 @@ class CameraFeed {
 
   void run(const std::stop_token& stop);
   void put_off(std::uint32_t frame_number);
-  void deliver(const View& view, const std::vector<Delivery>& deliveries, JpegEncoder& encoder);
+  void deliver(const View& view, const std::vector<Delivery>& deliveries, JpegEncoder& encoder,
+               std::vector<std::uint8_t>& drawing);
 
   // With mutex_ held:
   Watcher* find(ViewerId viewer, bool preview);

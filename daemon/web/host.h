@@ -24,6 +24,10 @@ struct View {
   std::uint32_t frame_number = 0;
   double t_capture_s = 0;
   Json detections;  // {"robots": [...], "balls": [...]} as docs/api.md has them
+
+  /// Draws the labelled picture into the buffer, where it then lies; not set when the camera's stack makes no
+  /// runs.
+  std::function<ImageView(std::vector<std::uint8_t>& buffer)> draw_labels;
 };
 
 /// All that the web server needs of the daemon. Every member must be set, and is called from several threads

@@ -41,12 +41,14 @@ struct PreviewParams {
   int width = PreviewWish{}.width;
   int quality = PreviewWish{}.quality;
   double fps = PreviewWish{}.fps;
+  PictureKind picture = PreviewWish{}.picture;
   static constexpr auto fields() {
     using P = PreviewParams;
     return std::tuple{number("camera", &P::camera, 0, kMaxCameraId, "", "camera id"),
                       number("width", &P::width, 1, 16384, "px", "pictures are scaled down to it"),
                       number("quality", &P::quality, 1, 100, "", "of the JPEG"),
-                      number("fps", &P::fps, 0.01, 1000.0, "Hz", "at most that many pictures")};
+                      number("fps", &P::fps, 0.01, 1000.0, "Hz", "at most that many pictures"),
+                      choice("picture", &P::picture, kPictureChoices, "what to see")};
   }
 };
 
@@ -176,7 +178,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     } else if (key == "preview") {
       const auto wanted = read_message<PreviewParams>(value, path);
       const auto camera = static_cast<std::uint32_t>(wanted.camera);
-      hub_.feed(camera).start_preview(id_, {wanted.width, wanted.quality, wanted.fps},
+      hub_.feed(camera).start_preview(id_, {wanted.width, wanted.quality, wanted.fps, wanted.picture},
                                       sink({Topic::Kind::kPreview, camera}));
     } else if (key == "ack") {
       const auto ack = read_message<AckParams>(value, path);

@@ -18,6 +18,7 @@ namespace sslv {
 class FakeHost {
  public:
   static constexpr int kWidth = 64, kHeight = 48;
+  static constexpr int kLabelsWidth = 32, kLabelsHeight = 24;
 
   /// `robots` stands in the place of the list of robots. `hold` is let go together with the frame.
   void publish(std::uint32_t frame_number, const Json& robots = Json::array(),
@@ -28,9 +29,21 @@ class FakeHost {
     view->frame_number = frame_number;
     view->t_capture_s = 0.5 + frame_number;
     view->detections = {{"robots", robots}, {"balls", Json::array()}};
+    if (makes_runs_) {
+      view->draw_labels = [this](std::vector<std::uint8_t>& buffer) {
+        ++drawings_;
+        buffer.assign(std::size_t{3} * kLabelsWidth * kLabelsHeight, 200);
+        return ImageView{buffer.data(), kLabelsWidth, kLabelsHeight, 3 * kLabelsWidth, PixelFormat::kRgb24};
+      };
+    }
     views_.put(std::move(view));
   }
 
+  /// From the next frame on.
+  void make_no_runs() { makes_runs_ = false; }
+
+  /// How often a labelled picture was drawn.
+  int drawings() const { return drawings_; }
   /// How often a view was waited for.
   int looks() const { return looks_; }
   /// Who made the last patch.
@@ -70,6 +83,8 @@ class FakeHost {
  private:
   std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 100);
   Latest<std::shared_ptr<const View>> views_;
+  bool makes_runs_ = true;
+  std::atomic<int> drawings_ = 0;
   std::atomic<int> looks_ = 0;
   mutable std::mutex mutex_;
   std::string last_author_;

@@ -120,6 +120,24 @@ TEST_F(RouterTest, WritesFromOtherSitesAreRefused) {
   EXPECT_EQ(ask("GET", "/api/settings", "", foreign).status, 200);
 }
 
+TEST_F(RouterTest, SnapshotsAreOfTheCameraOrItsLabels) {
+  daemon_.publish(1);
+  const Answer camera = ask("GET", "/api/cameras/0/snapshot.jpg?picture=camera");
+  EXPECT_EQ(camera.body, ask("GET", "/api/cameras/0/snapshot.jpg").body);
+  EXPECT_EQ(daemon_.drawings(), 0);
+  const Answer labels = ask("GET", "/api/cameras/0/snapshot.jpg?picture=labels");
+  EXPECT_THAT(labels.body, StartsWith("\xff\xd8\xff"));
+  EXPECT_NE(labels.body, camera.body);
+  EXPECT_EQ(daemon_.drawings(), 1);
+  const Answer refused = ask("GET", "/api/cameras/0/snapshot.jpg?picture=regions");
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_THAT(refused.body, HasSubstr("picture: \\\"regions\\\" is not allowed"));
+
+  daemon_.make_no_runs();
+  daemon_.publish(2);
+  EXPECT_EQ(ask("GET", "/api/cameras/0/snapshot.jpg?picture=labels").body, camera.body);
+}
+
 TEST_F(RouterTest, SnapshotsAreJpegs) {
   EXPECT_EQ(ask("GET", "/api/cameras/0/snapshot.jpg").status, 503);
   daemon_.publish(1);

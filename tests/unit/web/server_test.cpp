@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <turbojpeg.h>
 #include <unistd.h>
 
 namespace sslv {
@@ -206,6 +207,14 @@ class Viewer {
 
   Client client_;
 };
+
+std::pair<int, int> size_of(const std::string& jpeg) {
+  const std::unique_ptr<void, decltype(&tjDestroy)> reader(tjInitDecompress(), &tjDestroy);
+  int width = 0, height = 0, subsampling = 0, colorspace = 0;
+  tjDecompressHeader3(reader.get(), reinterpret_cast<const unsigned char*>(jpeg.data()), jpeg.size(), &width,
+                      &height, &subsampling, &colorspace);
+  return {width, height};
+}
 
 class ServerTest : public testing::Test {
  protected:
@@ -460,6 +469,7 @@ TEST_F(ServerTest, MessagesThatAreNotUnderstoodAreAnsweredWithAnError) {
   EXPECT_THAT(answer_to(R"({"preview": {"camera": 5}})"), HasSubstr("no camera 5"));
   EXPECT_THAT(answer_to(R"({"preview": {"camera": 0, "quality": 0}})"), HasSubstr("/preview/quality: 0"));
   EXPECT_THAT(answer_to(R"({"preview": {"camera": 0, "colour": 1}})"), HasSubstr("/preview/colour: no such"));
+  EXPECT_THAT(answer_to(R"({"preview": {"camera": 0, "picture": "x"}})"), HasSubstr("/preview/picture: "));
   EXPECT_THAT(answer_to(R"({"ack": {"camera": 0, "frame": -1}})"), HasSubstr("/ack/frame: -1"));
   EXPECT_THAT(answer_to(R"({"stop_preview": "all"})"), HasSubstr("/stop_preview"));
   EXPECT_THAT(answer_to(std::string(10'000, '[')), HasSubstr("deeper"));
@@ -507,9 +517,63 @@ TEST_F(ServerTest, APictureComesWithItsDetections) {
   const Viewer::Picture picture = viewer.read_picture();
   EXPECT_EQ(
       to_text(picture.header),
-      R"({"camera":0,"frame":5,"t_capture":5.5,"width":64,"height":48,"robots":[{"id":3}],"balls":[]})");
+      R"({"camera":0,"frame":5,"t_capture":5.5,"picture":"camera","width":64,"height":48,"robots":[{"id":3}],"balls":[]})");
   EXPECT_THAT(picture.jpeg, StartsWith("\xff\xd8\xff"));
   EXPECT_THAT(picture.jpeg, testing::EndsWith("\xff\xd9"));
+}
+
+TEST_F(ServerTest, ALabelledPictureComesToThoseWhoAskForIt) {
+  Viewer plain(server_.port()), labels(server_.port());
+  daemon_.publish(1);
+  plain.send(R"({"preview": {"camera": 0, "fps": 1000}})");
+  EXPECT_EQ(plain.read_picture().header["picture"], "camera");
+  EXPECT_EQ(daemon_.drawings(), 0);
+
+  // Wider than its cells: no picture is scaled up. The header's size stays that of the camera's picture.
+  labels.send(R"({"preview": {"camera": 0, "width": 50, "picture": "labels", "fps": 1000}})");
+  const Viewer::Picture picture = labels.read_picture();
+  EXPECT_EQ(picture.header["picture"], "labels");
+  EXPECT_EQ(picture.header["width"], 64);
+  EXPECT_EQ(picture.header["height"], 48);
+  EXPECT_EQ(size_of(picture.jpeg), std::pair(32, 24));
+  EXPECT_EQ(daemon_.drawings(), 1);
+
+  labels.send(R"({"preview": {"camera": 0, "width": 50, "picture": "camera", "fps": 1000}})");
+  labels.acknowledge(1);
+  EXPECT_EQ(labels.read_picture().header["picture"], "camera");
+  EXPECT_EQ(daemon_.drawings(), 1);
+}
+
+TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
+  daemon_.publish(1);
+  std::vector<std::unique_ptr<Viewer>> viewers;
+  for (const int width : {32, 33, 40, 50, 64, 640}) {  // all the same once not scaled up
+    viewers.push_back(std::make_unique<Viewer>(server_.port()));
+    viewers.back()->send(R"({"preview": {"camera": 0, "fps": 1000, "picture": "labels", "width": )" +
+                         std::to_string(width) + "}}");
+    viewers.back()->read_picture();
+  }
+  const int drawings = daemon_.drawings();
+  const std::uint64_t encoded = server_.stats().jpegs_encoded;
+  // All are due for the next frame when it comes: an acknowledgement is read before what is sent after it.
+  for (const auto& viewer : viewers) {
+    viewer->acknowledge(1);
+    viewer->synchronise();
+  }
+  daemon_.publish(2);
+  for (const auto& viewer : viewers) EXPECT_EQ(viewer->read_picture().header["frame"], 2);
+  EXPECT_LE(daemon_.drawings(), drawings + 2);
+  EXPECT_LE(server_.stats().jpegs_encoded, encoded + 2);
+}
+
+TEST_F(ServerTest, WithoutRunsTheCamerasPictureComesInstead) {
+  Viewer viewer(server_.port());
+  daemon_.make_no_runs();
+  daemon_.publish(1);
+  viewer.send(R"({"preview": {"camera": 0, "picture": "labels"}})");
+  const Viewer::Picture picture = viewer.read_picture();
+  EXPECT_EQ(picture.header["picture"], "camera");
+  EXPECT_EQ(size_of(picture.jpeg), std::pair(64, 48));
 }
 
 TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
