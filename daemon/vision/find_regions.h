@@ -38,18 +38,24 @@ class FindRegions {
   void process(const Params& params, const RunList& runs, RegionList& regions) noexcept;
 
  private:
-  /// Sums over the runs of a region, kept at its root run. Coordinates in cells.
-  struct Sums {
-    std::uint32_t parent;
+  /// A region as it grows; of two that turn out to be one, the earlier takes the other in. Coordinates in
+  /// cells.
+  struct Growing {
+    std::uint32_t parent;  // itself, or the region that took it in
+    std::uint32_t first_run;
+    std::uint64_t x, y;  // sums over the cells; x: twice that, so that it stays whole
     std::uint32_t cells;
-    std::uint64_t x, y;  // x: twice the sum, so that it stays whole
-    std::uint16_t left, top, right, bottom;
+    std::uint16_t left, top, right, bottom;  // box, inclusive
   };
-  std::uint32_t root_of(std::uint32_t run);
-  void join(std::uint32_t a, std::uint32_t b);
+  void connect(const RunList& runs, int reach);
+  void sort_keys();
+  std::uint32_t root_of(std::uint32_t region);
+  std::uint32_t join(std::uint32_t a, std::uint32_t b);
 
-  std::vector<Sums> sums_;
-  std::vector<Region> unsorted_;
+  std::vector<Growing> growing_;          // in the order of their first runs
+  std::vector<std::uint32_t> region_of_;  // for each run, a region that is or was taken in by its own
+  // What sorts, and the region's place in growing_:
+  std::vector<std::uint64_t> keys_, sorted_keys_;
 };
 
 }  // namespace sslv

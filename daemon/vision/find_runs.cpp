@@ -7,6 +7,7 @@ void FindRuns::process(const Params& params, const LabelImage& labels, RunList& 
   out.width = labels.width;
   out.height = labels.height;
   out.cell_px = labels.cell_px;
+  out.runs.reserve(static_cast<std::size_t>(params.max_runs));
   out.runs.clear();
   out.capped = false;
   const auto max_runs = static_cast<std::size_t>(params.max_runs);
