@@ -5,12 +5,14 @@
 #include "byte_sum.h"
 #include "config.h"
 #include "ctl/bench.h"
+#include "support/simd_target.h"
 #include "three_passes.h"
 #include "vision/segment.h"
-#include "vision/segment_kernel.h"
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -20,7 +22,6 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <hwy/highway.h>
 
 namespace sslv::bench {
 namespace {
@@ -60,15 +61,15 @@ std::size_t cache_bytes() {
   return largest;
 }
 
-/// Pictures to go through in turn: copies of few, for a cold start more than any cache holds.
+/// Pictures to go through in turn, copies of few: for a cold start more than any cache holds.
 class Pictures {
  public:
-  Pictures(const Recording& drawn, bool cold) : first_(drawn.views.front()) {
+  Pictures(const Recording& drawn, bool cold) {
     const std::size_t bytes = drawn.buffers.front().size();
     const std::size_t count = cold ? cache_bytes() * 3 / 2 / bytes + 1 : 1;
     for (std::size_t i = 0; i < count; ++i) {
       buffers_.push_back(drawn.buffers[i % drawn.buffers.size()]);
-      ImageView view = first_;
+      ImageView view = drawn.views.front();
       view.data = buffers_.back().data();
       images_.emplace_back(view, nullptr, nullptr, nullptr);
     }
@@ -77,7 +78,6 @@ class Pictures {
   std::size_t bytes() const { return buffers_.front().size(); }
 
  private:
-  ImageView first_;
   std::vector<std::vector<std::uint8_t>> buffers_;
   std::vector<Image> images_;
   std::size_t at_ = 0;
@@ -134,20 +134,29 @@ Recording random_bytes(const Recording& from) {
 
 /// Instruction sets to measure: the best of this CPU and, as most field PCs have that, AVX2.
 std::vector<std::int64_t> targets() {
-  std::vector<std::int64_t> chosen;
-  const std::int64_t all = hwy::SupportedTargets();
-  chosen.push_back(all & -all);  // a lower bit is a better target
-  if ((all & HWY_AVX2) != 0 && chosen.front() != HWY_AVX2) chosen.push_back(HWY_AVX2);
+  const std::vector<std::int64_t> all = cpu_targets();
+  std::vector<std::int64_t> chosen{all.front()};
+  if (all.front() != HWY_AVX2 && std::count(all.begin(), all.end(), HWY_AVX2) > 0) chosen.push_back(HWY_AVX2);
   return chosen;
 }
-void use_target(std::int64_t target) {
-  hwy::SetSupportedTargetsForTest(target);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+
+using MakePictures = std::function<Pictures()>;
+
+/// The pictures of the benchmark that runs at present: those of all would not fit into memory.
+Pictures& pictures_of(const std::string& kind, const MakePictures& make) {
+  static std::string made_for;
+  static std::unique_ptr<Pictures> made;
+  if (made_for != kind) {
+    made.reset();
+    made = std::make_unique<Pictures>(make());
+    made_for = kind;
+  }
+  return *made;
 }
 
 void time_segment(benchmark::State& state, std::int64_t target, const Segment::Params& params,
                   Pictures& pictures) {
-  use_target(target);
+  const OnlyTarget only(target);
   Segment segment;
   const Mask mask;
   RunList runs;
@@ -157,7 +166,6 @@ void time_segment(benchmark::State& state, std::int64_t target, const Segment::P
   state.counters["runs"] = static_cast<double>(runs.runs.size());
   state.counters["regions"] = static_cast<double>(regions.regions.size());
   state.counters["capped"] = runs.capped || regions.capped;
-  use_target(0);
 }
 
 void time_three_passes(benchmark::State& state, Pictures& pictures) {
@@ -172,31 +180,59 @@ void time_byte_sum(benchmark::State& state, Pictures& pictures) {
 }
 
 /// Registers what is measured for one kind of picture, under names "kind/what".
-void add(const std::string& kind, const Recording& drawn, bool cold, const Segment::Params& params) {
-  const auto pictures = std::make_shared<Pictures>(drawn, cold);
-  const auto configure = [](benchmark::internal::Benchmark* one) {
-    one->Unit(benchmark::kMicrosecond)
+void add(const std::string& kind, const MakePictures& make, const Segment::Params& params) {
+  const auto time = [&](const std::string& what, auto run) {
+    benchmark::RegisterBenchmark((kind + "/" + what).c_str(),
+                                 [=](benchmark::State& state) { run(state, pictures_of(kind, make)); })
+        ->Unit(benchmark::kMicrosecond)
         ->MinTime(0.03)
         ->Repetitions(7)
-        ->ReportAggregatesOnly(false)
         ->UseRealTime();
   };
   for (const std::int64_t target : targets()) {
-    configure(benchmark::RegisterBenchmark(
-        fmt::format("{}/segment {}", kind, hwy::TargetName(target)).c_str(),
-        [=](benchmark::State& state) { time_segment(state, target, params, *pictures); }));
+    time("segment " + name_of_target(target),
+         [=](benchmark::State& state, Pictures& pictures) { time_segment(state, target, params, pictures); });
   }
-  configure(benchmark::RegisterBenchmark((kind + "/three passes").c_str(), [=](benchmark::State& state) {
-    time_three_passes(state, *pictures);
-  }));
-  configure(benchmark::RegisterBenchmark((kind + "/byte sum").c_str(),
-                                         [=](benchmark::State& state) { time_byte_sum(state, *pictures); }));
+  if (params.threads == 1) {
+    time("three passes", time_three_passes);
+    time("byte sum", time_byte_sum);
+  }
+}
+
+/// How long the longest of many frames takes while the table is edited ten times a second, and without: a
+/// table that another thread has made is swapped in between two frames.
+void print_worst_frames() {
+  constexpr int kFrames = 1500, kFramesPerEdit = 7;
+  std::cout << "\n| picture | table | median us | p99 us | worst us |\n|---|---|---|---|---|\n";
+  const auto other = make_lut(demo().cameras[1].colors, "");
+  for (const Size size : kSizes) {
+    Pictures pictures(scene(PixelFormat::kUyvy, size), false);
+    for (const bool edited : {false, true}) {
+      Segment segment;
+      RunList runs;
+      RegionList regions;
+      std::vector<double> us;
+      for (int i = -100; i < kFrames; ++i) {
+        const Lut& lut = edited && i / kFramesPerEdit % 2 == 0 ? *other : *demo_lut();
+        const Image& image = pictures.next();
+        const auto before = std::chrono::steady_clock::now();
+        segment.process({}, lut, Mask(), image, runs, regions);
+        const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
+        if (i >= 0) us.push_back(took.count());
+      }
+      std::sort(us.begin(), us.end());
+      std::cout << fmt::format("| uyvy {} | {} | {:.1f} | {:.1f} | {:.1f} |\n", bench::name_of(size),
+                               edited ? "another every 7th frame" : "the same", us[us.size() / 2],
+                               us[us.size() * 99 / 100], us.back());
+    }
+  }
 }
 
 /// Shows progress as usual and keeps the least time of every benchmark.
 class Reporter : public benchmark::ConsoleReporter {
  public:
   void ReportRuns(const std::vector<Run>& runs) override {
+    benchmark::ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration) continue;
       const std::string name = run.run_name.function_name;
@@ -211,12 +247,15 @@ class Reporter : public benchmark::ConsoleReporter {
   }
 
   void print_table() const {
+    if (order_.empty()) return;
     std::cout << "\n| picture | what | us | x faster than three passes | x reading the bytes "
                  "|\n|---|---|---|---|---|\n";
     for (const std::string& name : order_) {
       const std::size_t slash = name.find('/');
       const std::string kind = name.substr(0, slash), what = name.substr(slash + 1);
-      const auto passes = least_us_.find(kind + "/three passes"), sum = least_us_.find(kind + "/byte sum");
+      const std::string compared = kind.substr(0, kind.find(", 2 threads"));
+      const auto passes = least_us_.find(compared + "/three passes"),
+                 sum = least_us_.find(compared + "/byte sum");
       const double us = least_us_.at(name);
       const auto ratio = [&](auto found, bool inverse) {
         if (found == least_us_.end()) return std::string("-");
@@ -240,25 +279,35 @@ int main(int argc, char** argv) {
   using namespace sslv::bench;
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 64;
-  Segment::Params unlimited;
-  unlimited.runs.max_runs = 4'000'000;
-  unlimited.regions.max_regions = 1'000'000;
+  Segment::Params uncapped, two_threads;
+  uncapped.runs.max_runs = 4'000'000;
+  uncapped.regions.max_regions = 1'000'000;
+  two_threads.threads = 2;
   for (const PixelFormat format : kFormats) {
     for (const Size size : kSizes) {
-      const Recording drawn = scene(format, size);
       const std::string kind = fmt::format("{} {}", sslv::name_of(format), bench::name_of(size));
-      add(kind + " warm", drawn, false, {});
-      add(kind + " cold", drawn, true, {});
-      if (size.width != 2448) continue;
-      add(kind + " 1 % speckle", speckled(drawn, 0.01), false, {});
-      add(kind + " 50 % speckle", speckled(drawn, 0.5), false, unlimited);
-      add(kind + " 50 % speckle, capped", speckled(drawn, 0.5), false, {});
-      add(kind + " random bytes", random_bytes(drawn), false, unlimited);
-      add(kind + " random bytes, capped", random_bytes(drawn), false, {});
+      const auto pictures = [=](bool cold) { return [=] { return Pictures(scene(format, size), cold); }; };
+      add(kind + " warm", pictures(false), {});
+      add(kind + " cold", pictures(true), {});
+      if (size.width != kSizes[2].width) continue;
+      add(kind + " warm, 2 threads", pictures(false), two_threads);
+      add(kind + " cold, 2 threads", pictures(true), two_threads);
+      const auto changed = [=](auto change) {
+        return [=] { return Pictures(change(scene(format, size)), false); };
+      };
+      const auto speckle = [=](double share) {
+        return changed([=](const Recording& drawn) { return speckled(drawn, share); });
+      };
+      add(kind + " 1 % speckle", speckle(0.01), {});
+      add(kind + " 50 % speckle, no cap", speckle(0.5), uncapped);
+      add(kind + " 50 % speckle", speckle(0.5), {});
+      add(kind + " random bytes, no cap", changed(random_bytes), uncapped);
+      add(kind + " random bytes", changed(random_bytes), {});
     }
   }
   Reporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   reporter.print_table();
+  print_worst_frames();
   return 0;
 }
