@@ -12,31 +12,6 @@
 namespace sslv {
 namespace {
 
-/// Copies of the first `count` pictures (all for 0) of a source.
-Recording record(Source& source, int count) {
-  Recording recording;
-  while (count == 0 || static_cast<int>(recording.views.size()) < count) {
-    CapturedImage captured;
-    std::string problem;
-    const CaptureStatus status = source.next(captured, problem, std::chrono::seconds(10));
-    if (status == CaptureStatus::kEnd) break;
-    if (status == CaptureStatus::kLost) throw CaptureError(problem);
-    if (status != CaptureStatus::kImage) continue;
-    ImageView view = captured.image.view();
-    const auto row_bytes =
-        static_cast<std::size_t>(view.width) * static_cast<std::size_t>(bytes_per_pixel(view.format));
-    auto& buffer = recording.buffers.emplace_back(row_bytes * static_cast<std::size_t>(view.height));
-    for (int y = 0; y < view.height; ++y) {
-      std::copy_n(view.row(y), row_bytes, buffer.data() + static_cast<std::size_t>(y) * row_bytes);
-    }
-    view.data = buffer.data();
-    view.stride_bytes = static_cast<std::ptrdiff_t>(row_bytes);
-    recording.views.push_back(view);
-  }
-  if (recording.views.empty()) throw CaptureError("the input holds no frame to time");
-  return recording;
-}
-
 StageTiming summary_of(std::string stage, std::vector<double> us) {
   std::sort(us.begin(), us.end());
   return {std::move(stage), us.front(), us[us.size() / 2], us[std::min(us.size() - 1, us.size() * 99 / 100)]};
@@ -84,6 +59,30 @@ CameraCalibration scaled(CameraCalibration calibration, int width, int height) {
 }
 
 }  // namespace
+
+Recording record(Source& source, int count) {
+  Recording recording;
+  while (count == 0 || static_cast<int>(recording.views.size()) < count) {
+    CapturedImage captured;
+    std::string problem;
+    const CaptureStatus status = source.next(captured, problem, std::chrono::seconds(10));
+    if (status == CaptureStatus::kEnd) break;
+    if (status == CaptureStatus::kLost) throw CaptureError(problem);
+    if (status != CaptureStatus::kImage) continue;
+    ImageView view = captured.image.view();
+    const auto row_bytes =
+        static_cast<std::size_t>(view.width) * static_cast<std::size_t>(bytes_per_pixel(view.format));
+    auto& buffer = recording.buffers.emplace_back(row_bytes * static_cast<std::size_t>(view.height));
+    for (int y = 0; y < view.height; ++y) {
+      std::copy_n(view.row(y), row_bytes, buffer.data() + static_cast<std::size_t>(y) * row_bytes);
+    }
+    view.data = buffer.data();
+    view.stride_bytes = static_cast<std::ptrdiff_t>(row_bytes);
+    recording.views.push_back(view);
+  }
+  if (recording.views.empty()) throw CaptureError("the input holds no frame to time");
+  return recording;
+}
 
 Recording draw_frames(const Config& config, std::size_t camera_index, PixelFormat format, int width,
                       int height, int frames, const Json& options) {

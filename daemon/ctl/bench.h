@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capture/source.h"
 #include "config.h"
 #include "image/image.h"
 
@@ -27,6 +28,9 @@ struct Recording {
   std::vector<std::vector<std::uint8_t>> buffers;
   std::vector<ImageView> views;
 };
+
+/// Copies of a source's first `count` pictures, of all for 0. Throws CaptureError when there is none.
+Recording record(Source& source, int count);
 
 /// What the simulator draws for a camera with a sensor of that size and format: its calibration is scaled
 /// with the picture. `options` go over those of the camera's source.

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fused stage against the plain ones on pictures as cameras send them: drawn ones, and a real photograph.
+#include "cameras.h"
+#include "ctl/bench.h"
+#include "support/segment_check.h"
+#include "support/simd_target.h"
+#include "support/test_data.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+Config sample(const char* file) {
+  std::ifstream in(std::string(SSLV_SOURCE_DIR) + file);
+  return read_config(Json::parse(in));
+}
+
+void expect_equal_on(const Recording& recording, const Lut& lut, const Mask& mask) {
+  PlainSegmentation plain;
+  RunList runs;
+  RegionList regions;
+  for (const std::int64_t target : cpu_targets()) {
+    const OnlyTarget only(target);
+    Segment segment;
+    std::size_t found = 0;
+    for (const ImageView& view : recording.views) {
+      const Image image(view, nullptr, nullptr, nullptr);
+      plain.process({}, lut, mask, image);
+      segment.process({}, lut, mask, image, runs, regions);
+      ASSERT_EQ(difference(plain, runs, regions), "") << name_of_target(target) << " " << name_of(view.format)
+                                                      << " " << view.width << " x " << view.height;
+      found += regions.regions.size();
+    }
+    EXPECT_GT(found, 0u) << name_of(recording.views.front().format);
+  }
+}
+
+TEST(SegmentScenes, EqualThePlainStagesInEveryFormat) {
+  const Config demo = sample("/config/demo.json");
+  const auto lut = make_lut(demo.cameras[0].colors, "");
+  const Mask masks[] = {Mask(), Mask({{{{{30, 20}, {700, 60}, {760, 400}, {90, 560}}}}, {}})};
+  for (const PixelFormat format :
+       {PixelFormat::kUyvy, PixelFormat::kYuyv, PixelFormat::kRgb24, PixelFormat::kBgr24,
+        PixelFormat::kBayerRg8, PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8}) {
+    const Recording recording = draw_frames(demo, 0, format, 780, 580, 2, {{"noise_sigma", 6}});
+    for (const Mask& mask : masks) expect_equal_on(recording, *lut, mask);
+  }
+}
+
+TEST(SegmentScenes, EqualThePlainStagesOnARealPhotograph) {
+  const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
+  if (!std::filesystem::exists(photo)) GTEST_SKIP() << "no " << photo.string();
+  const Config config = sample("/tests/golden/ssl_blue6.json");
+  const auto lut = make_lut(config.cameras[0].colors, "");
+  const Backend& files = find_backend("files", "");
+  const Json options{{"path", photo.string()}, {"frame_rate_hz", 0}, {"loop", false}};
+  const auto source = files.open(files.complete(options, ""), {0, Scene{}});
+  expect_equal_on(record(*source, 1), *lut, Mask());
+}
+
+}  // namespace
+}  // namespace sslv
