@@ -89,15 +89,18 @@ void JpegEncoder::fail() const {
   throw std::runtime_error(std::string("JPEG: ") + tjGetErrorStr2(handle_));
 }
 
-std::span<const std::uint8_t> JpegEncoder::encode(const ImageView& image, int max_width, int quality) {
+std::span<const std::uint8_t> JpegEncoder::encode(const ImageView& image, int max_width, int quality,
+                                                  Chroma chroma) {
   const int width = std::clamp(max_width, 1, image.width);
   const int height = height_for(image, width);
   if (is_yuv422(image.format)) return encode_yuv422(image, width, height, quality);
 
   const bool grey = image.format == PixelFormat::kMono8;
   const int tj_format = grey ? TJPF_GRAY : image.format == PixelFormat::kBgr24 ? TJPF_BGR : TJPF_RGB;
+  const int subsampling = grey ? TJSAMP_GRAY : chroma == Chroma::kFull ? TJSAMP_444 : TJSAMP_420;
   if (width == image.width && !is_bayer(image.format)) {
-    return encode_packed(image.data, width, height, static_cast<int>(image.stride_bytes), tj_format, quality);
+    return encode_packed(image.data, width, height, static_cast<int>(image.stride_bytes), tj_format,
+                         subsampling, quality);
   }
   const int colors = grey ? 1 : 3;
   scaled_.resize(static_cast<std::size_t>(width) * height * colors);
@@ -112,7 +115,7 @@ std::span<const std::uint8_t> JpegEncoder::encode(const ImageView& image, int ma
     shrink([&](int y) { return image.row(y); }, image.width * colors, image.height, height,
            std::span(channels).first(colors));
   }
-  return encode_packed(scaled_.data(), width, height, width * colors, tj_format, quality);
+  return encode_packed(scaled_.data(), width, height, width * colors, tj_format, subsampling, quality);
 }
 
 void JpegEncoder::shrink_bayer(const ImageView& image, int width, int height) {
@@ -165,8 +168,8 @@ std::span<const std::uint8_t> JpegEncoder::encode_yuv422(const ImageView& image,
 }
 
 std::span<const std::uint8_t> JpegEncoder::encode_packed(const std::uint8_t* data, int width, int height,
-                                                         int stride_bytes, int tj_format, int quality) {
-  const int subsampling = tj_format == TJPF_GRAY ? TJSAMP_GRAY : TJSAMP_420;
+                                                         int stride_bytes, int tj_format, int subsampling,
+                                                         int quality) {
   reserve_jpeg(width, height, subsampling);
   unsigned char* out = jpeg_.data();
   unsigned long size = jpeg_.size();

@@ -9,6 +9,10 @@
 
 namespace sslv {
 
+/// How finely a JPEG keeps the colour of RGB and Bayer pictures: at half the size, as photographs have it, or
+/// in full for drawings, whose edges would bleed otherwise.
+enum class Chroma : std::uint8_t { kHalved, kFull };
+
 /// Makes JPEGs for viewers. Keeps its buffers, so use one for many pictures; one thread at a time.
 class JpegEncoder {
  public:
@@ -20,7 +24,8 @@ class JpegEncoder {
   /// The picture as a JPEG file in colour (mono8: in grey), scaled down before encoding to at most
   /// `max_width` pixels, at least 1; never scaled up. `quality` 1..100. The bytes hold until the next call.
   /// Throws std::runtime_error with the library's reason for a picture it does not take.
-  std::span<const std::uint8_t> encode(const ImageView& image, int max_width, int quality);
+  std::span<const std::uint8_t> encode(const ImageView& image, int max_width, int quality,
+                                       Chroma chroma = Chroma::kHalved);
 
  private:
   /// One colour of the rows to be scaled and the plane it goes to.
@@ -34,7 +39,7 @@ class JpegEncoder {
   void shrink(Row&& row, int row_bytes, int height, int out_height, std::span<const Channel> channels);
 
   std::span<const std::uint8_t> encode_packed(const std::uint8_t* data, int width, int height,
-                                              int stride_bytes, int tj_format, int quality);
+                                              int stride_bytes, int tj_format, int subsampling, int quality);
   std::span<const std::uint8_t> encode_yuv422(const ImageView& image, int width, int height, int quality);
   void shrink_bayer(const ImageView& image, int width, int height);
   void reserve_jpeg(int width, int height, int subsampling);

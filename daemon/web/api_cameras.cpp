@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "image/jpeg.h"
 #include "web/api.h"
 #include "web/http.h"
 #include "web/picture.h"
@@ -49,7 +48,7 @@ void get_snapshot(const WebHost& host, const httplib::Request& request, httplib:
   std::vector<std::uint8_t> buffer;
   const Picture picture = picture_of(*view, wished, buffer);
   JpegEncoder encoder;
-  const std::span<const std::uint8_t> jpeg = encoder.encode(picture.image, width, quality);
+  const std::span<const std::uint8_t> jpeg = encoder.encode(picture.image, width, quality, picture.chroma);
   response.set_content(reinterpret_cast<const char*>(jpeg.data()), jpeg.size(), "image/jpeg");
 }
 

@@ -2,7 +2,6 @@
 #include "web/camera_feed.h"
 
 #include "base/log.h"
-#include "image/jpeg.h"
 #include "web/background.h"
 #include "web/http.h"
 
@@ -50,7 +49,8 @@ class Messages {
       if (made.picture == picture.kind && made.width == width && made.quality == wish.quality)
         return made.message;
     }
-    const std::span<const std::uint8_t> jpeg = encoder_.encode(picture.image, width, wish.quality);
+    const std::span<const std::uint8_t> jpeg =
+        encoder_.encode(picture.image, width, wish.quality, picture.chroma);
     ++jpegs_encoded_;
     Json data = header();
     data["picture"] = name_of(picture.kind);
@@ -93,7 +93,7 @@ class Messages {
   std::vector<std::uint8_t>& drawing_;
   std::atomic<std::uint64_t>& jpegs_encoded_;
   CameraFeed::Message detections_;
-  const Picture camera_picture_{PictureKind::kCamera, view_.image};
+  const Picture camera_picture_ = picture_of(view_, PictureKind::kCamera, drawing_);
   std::optional<Picture> labelled_picture_;  // the camera's where nothing is labelled
   std::vector<Preview> previews_;
 };

@@ -18,8 +18,6 @@
 
 namespace sslv {
 
-class JpegEncoder;
-
 /// What a viewer wants to see of a camera.
 struct PreviewWish {
   int width = 640;   // px, at most

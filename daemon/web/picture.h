@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/params.h"
+#include "image/jpeg.h"
 #include "web/host.h"
 
 #include <array>
@@ -27,13 +28,15 @@ constexpr std::string_view name_of(PictureKind kind) {
 struct Picture {
   PictureKind kind;
   ImageView image;
+  Chroma chroma;  // to be encoded with
 };
 
 /// The picture of a view that is wished for, or the camera's where nothing is labelled. A labelled one is
 /// drawn into `buffer`.
 inline Picture picture_of(const View& view, PictureKind wished, std::vector<std::uint8_t>& buffer) {
-  if (wished == PictureKind::kLabels && view.draw_labels) return {wished, view.draw_labels(buffer)};
-  return {PictureKind::kCamera, view.image};
+  if (wished == PictureKind::kLabels && view.draw_labels)
+    return {wished, view.draw_labels(buffer), Chroma::kFull};
+  return {PictureKind::kCamera, view.image, Chroma::kHalved};
 }
 
 }  // namespace sslv

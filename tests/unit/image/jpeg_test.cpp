@@ -160,6 +160,23 @@ TEST(Jpeg, SmallerQualityIsSmallerFile) {
   EXPECT_LT(encoder.encode(picture.view, 384, 30).size(), fine);
 }
 
+/// Columns of red and grey, a pixel wide each.
+TEST(Jpeg, FullChromaKeepsEdges) {
+  constexpr Rgb kRed{255, 0, 0}, kGrey{80, 80, 80};
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < 16 * 16; ++i) {
+    const Rgb color = i % 2 ? kGrey : kRed;
+    bytes.insert(bytes.end(), {color.r, color.g, color.b});
+  }
+  const ImageView picture{bytes.data(), 16, 16, 48, PixelFormat::kRgb24};
+  JpegEncoder encoder;
+  const Decoded full = decode(encoder.encode(picture, 16, 95, Chroma::kFull));
+  EXPECT_LE(difference(full.at(8, 8), kRed), 20);
+  EXPECT_LE(difference(full.at(9, 8), kGrey), 20);
+  const Decoded halved = decode(encoder.encode(picture, 16, 95, Chroma::kHalved));
+  EXPECT_GT(difference(halved.at(9, 8), kGrey), 60);
+}
+
 /// White bars on a bayer sensor of any order stay white up to the edge: the mirrored border keeps the
 /// pattern.
 TEST(Jpeg, BayerBordersKeepTheirColour) {
