@@ -173,7 +173,12 @@ function measure(camera) {
     return [data[at], data[at + 1], data[at + 2]];
   };
   let green = 0;
-  for (let i = 0; i < data.length; i += 4) if (data[i + 1] > data[i] + 12 && data[i + 1] > data[i + 2] + 12) green++;
+  let darkGrey = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    const [r, g, b] = [data[i], data[i + 1], data[i + 2]];
+    if (g > r + 12 && g > b + 12) green++;
+    if (Math.max(r, g, b) < 70 && Math.max(r, g, b) - Math.min(r, g, b) < 12) darkGrey++;
+  }
 
   const robots = [...canvas.parentElement.querySelectorAll('[data-testid="overlay-robot"]')].map((mark) => {
     const ring = mark.querySelector('.ring').getAttribute('d').split('Z')[0];
@@ -200,7 +205,10 @@ function measure(camera) {
       bright.beside += (grey(x - beside, y - beside) + grey(x + beside, y + beside)) / 2 / samples;
     }
   }
-  return { frame: Number(canvas.dataset.frame), width, height, green: green / (width * height), robots, lines: bright.on - bright.beside };
+  return {
+    frame: Number(canvas.dataset.frame), width, height, green: green / (width * height), darkGrey: darkGrey / (width * height), robots,
+    lines: bright.on - bright.beside,
+  };
 }
 
 const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 40 };
@@ -228,6 +236,9 @@ async function everyRobotIsMarked(page, selector) {
     },
     [selector, everyRobot.join()]);
 }
+
+/** Waits until the shown picture is of that kind, "camera" or "labels". */
+const pictureIs = (page, camera, kind) => page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-picture="${kind}"]`);
 
 async function accessible(page, what) {
   await page.evaluate(axeSource);
@@ -408,6 +419,56 @@ describe('panel', () => {
     await attached(byId('overlay-lines'));
   }));
 
+  it('shows how every pixel is labelled', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
+    await pictureIs(page, 0, 'camera');
+    const camera = await page.evaluate(measure, 0);
+    assert.ok(camera.green > 0.3 && camera.darkGrey < 0.1, `carpet ${camera.green}, dark grey ${camera.darkGrey}`);
+
+    await page.click(byId('layer-labels'));
+    await pictureIs(page, 0, 'labels');
+    await page.waitForFunction((mark) => document.querySelectorAll(mark).length > 2, byId('overlay-robot'));
+    const labels = await page.evaluate(measure, 0);
+    assert.ok(labels.green < 0.03 && labels.darkGrey > 0.9, `green ${labels.green}, dark grey ${labels.darkGrey}`);
+    assertTeamColours(labels); // the dots are there, where the detections are drawn
+    assert.ok(labels.robots.some(({ colour }) => colour));
+    await page.waitForSelector(byId('overlay-lines'), { state: 'attached' });
+    await page.waitForSelector(`${byId('camera-picture-0')}[aria-label="Live colour labels of camera 0"]`);
+
+    // Enlarged, cells stay squares; the camera's picture stays smooth.
+    const rendering = () => page.evaluate((selector) => getComputedStyle(document.querySelector(selector)).imageRendering, byId('camera-picture-0'));
+    await page.click('button[aria-label="Zoom in"]');
+    await page.waitForSelector('canvas.pixelated');
+    assert.equal(await rendering(), 'pixelated');
+
+    await page.keyboard.press('h');
+    await pictureIs(page, 0, 'camera');
+    assert.ok((await page.evaluate(measure, 0)).green > 0.3);
+    assert.equal(await rendering(), 'auto');
+    await page.keyboard.press('h');
+    await pictureIs(page, 0, 'labels');
+    await page.keyboard.press('4');
+    await pictureIs(page, 0, 'camera');
+    assert.ok((await page.evaluate(measure, 0)).green > 0.3);
+    assert.equal(await page.getAttribute(byId('layer-labels'), 'aria-pressed'), 'false');
+  }));
+
+  it('says why the labels asked for do not come', withPage(DESKTOP, '#/camera/1', {}, async (page) => {
+    await pictureIs(page, 1, 'camera');
+    await page.click(byId('freeze'));
+    await page.click(byId('layer-labels'));
+    await page.waitForSelector(`${byId('picture-note')}:has-text("Unfreeze to see the labels")`);
+    await page.click(byId('freeze'));
+    await pictureIs(page, 1, 'labels');
+    await page.waitForSelector(byId('picture-note'), { state: 'detached' });
+
+    const { settings: { cameras } } = await (await fetch(address('api/settings'))).json();
+    await patch({ op: 'replace', path: '/cameras/1/stack', value: [] });
+    await pictureIs(page, 1, 'camera');
+    await page.waitForSelector(`${byId('picture-note')}:has-text("The stack makes no labels")`);
+    await patch({ op: 'replace', path: '/cameras/1/stack', value: cameras[1].stack });
+    await pictureIs(page, 1, 'labels');
+  }));
+
   it('freezes, zooms, tells about a robot and goes on', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
     await picturesGoOn(page, 0);
     await page.waitForSelector(byId('robot-target'));
@@ -443,6 +504,16 @@ describe('panel', () => {
     const bytes = readFileSync(await download.path());
     assert.deepEqual([...bytes.subarray(0, 3), ...bytes.subarray(-2)], [0xff, 0xd8, 0xff, 0xff, 0xd9], 'a whole JPEG');
     assert.ok(bytes.length > 20_000, `${bytes.length} bytes`);
+
+    await page.keyboard.press('4');
+    await pictureIs(page, 1, 'labels');
+    const [labels] = await Promise.all([page.waitForEvent('download'), page.click(byId('still'))]);
+    assert.match(labels.suggestedFilename(), /^camera-1-labels-.*\.jpg$/);
+    const size = await page.evaluate(async (jpeg) => {
+      const { width, height } = await createImageBitmap(new Blob([new Uint8Array(jpeg)], { type: 'image/jpeg' }));
+      return [width, height];
+    }, [...readFileSync(await labels.path())]);
+    assert.deepEqual(size, [780, 580]);
   }));
 
   it('tells about a tapped robot on a phone', withPage(PHONE, '#/camera/0', phone, async (page) => {

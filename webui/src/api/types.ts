@@ -126,8 +126,14 @@ export interface Detections {
   balls: Ball[];
 }
 
+/** The camera's own picture, or what its colour table made of it. */
+export type PictureKind = 'camera' | 'labels';
+
 /** Header of a preview picture: the detections are those of this very frame. */
 export interface PreviewHeader extends Detections {
+  /** Not always the one asked for: where nothing is labelled the camera's comes. */
+  picture: PictureKind;
+  /** Size of the camera's picture, whichever comes. */
   width: number;
   height: number;
 }
@@ -137,6 +143,7 @@ export interface PreviewRequest {
   width: number;
   quality: number;
   fps: number;
+  picture: PictureKind;
 }
 
 export type Topic = 'status' | 'detections';

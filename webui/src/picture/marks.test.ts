@@ -12,7 +12,7 @@ function seen(x: number, y: number, orientation = 0, id = 0) {
   return robot({ id, x, y, orientation, pixel_x: pixel.x, pixel_y: pixel.y });
 }
 const header = (robots: ReturnType<typeof seen>[]) =>
-  ({ camera: 0, frame: 1, t_capture: 0, width: 780, height: 580, robots, balls: [] });
+  ({ camera: 0, frame: 1, t_capture: 0, picture: 'camera' as const, width: 780, height: 580, robots, balls: [] });
 
 describe('marks', () => {
   it('draws a robot looking along +x to the right in a picture laid as the field lies', () => {

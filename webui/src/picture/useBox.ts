@@ -43,6 +43,11 @@ export function useBox(frame: Ref<Size>, picture: () => Size, view: () => View) 
   });
 }
 
+/** Whether a JPEG of this width is shown larger than it is, on a screen of so many device pixels per CSS pixel. */
+export function isEnlarged(jpegWidth: number, cameraWidth: number, scale: number, ratio: number): boolean {
+  return cameraWidth * scale * ratio > jpegWidth;
+}
+
 /** JPEG widths worth asking for: few steps, so that a resized window does not ask anew with every pixel. */
 const WIDTHS = [240, 320, 480, 640, 800, 1024, 1280, 1600, 2048];
 
