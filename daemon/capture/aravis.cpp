@@ -35,7 +35,7 @@ struct Options {
   PixelFormatOrAuto pixel_format;
   int width = 0, height = 0, offset_x = 0, offset_y = 0;
   std::optional<double> frame_rate_hz, exposure_us, gain;
-  int buffers = 16;
+  int buffers = 8;
   int packet_size = 0;
   int socket_buffer_bytes = 4 << 20;
   double silence_s = 2;

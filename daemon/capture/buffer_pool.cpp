@@ -7,7 +7,7 @@
 namespace sslv {
 
 struct BufferPool::Buffer {
-  std::vector<std::uint8_t> bytes;
+  std::unique_ptr<std::uint8_t[]> bytes;  // what is never lent never takes real memory
   std::atomic<bool> free{true};
   std::shared_ptr<Buffers> keeps;  // while lent: the pool's memory stays
 };
@@ -19,7 +19,7 @@ struct BufferPool::Buffers {
 BufferPool::BufferPool(std::size_t buffers, std::size_t bytes_each) : buffers_(std::make_shared<Buffers>()) {
   for (std::size_t i = 0; i < buffers; ++i) {
     buffers_->all.push_back(std::make_unique<Buffer>());
-    buffers_->all.back()->bytes.resize(bytes_each);
+    buffers_->all.back()->bytes = std::make_unique_for_overwrite<std::uint8_t[]>(bytes_each);
   }
 }
 
@@ -28,7 +28,7 @@ Image BufferPool::take(const ImageView& layout, std::uint8_t*& bytes) noexcept {
     if (!buffer->free.load(std::memory_order_acquire)) continue;
     buffer->free.store(false, std::memory_order_relaxed);
     buffer->keeps = buffers_;
-    bytes = buffer->bytes.data();
+    bytes = buffer->bytes.get();
     ImageView view = layout;
     view.data = bytes;
     return {view, nullptr, buffer.get(), &give_back};
