@@ -24,6 +24,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Cells looked at together: one bit each in a 64-bit word.
 constexpr int kBlock = 64;
+/// Blocks looked at together, also a bit each.
+constexpr int kGroup = 64;
 /// At most this many cells of a block are looked up one by one; with more, all of them are.
 constexpr int kFewCandidates = 24;
 /// Bytes ahead of which memory is asked for.
@@ -358,7 +360,6 @@ class Search {
 
 #if HWY_TARGET != HWY_SCALAR
   void search_blocks(const std::uint8_t* row, int begin, int end) {
-    constexpr int kGroup = 64;  // blocks: one bit each
     const int last = (end + kBlock - 1) / kBlock;
     int done = begin;
     for (int group = begin / kBlock; group < last; group += kGroup) {
@@ -366,15 +367,44 @@ class Search {
       std::uint64_t odd = odd_blocks(row, group, blocks);
       result_.blocks += static_cast<std::size_t>(blocks);
       result_.odd_blocks += static_cast<std::size_t>(std::popcount(odd));
+      if (has_second_box_) odd = not_in_second_box(row, group, odd);
+      // All blocks go through one step before any goes through the next: steps without branches overlap.
+      std::uint64_t candidates[kGroup];
+      std::uint64_t mixed = 0;
       for (; odd != 0; odd &= odd - 1) {
-        const int x = (group + std::countr_zero(odd)) * kBlock;
-        const int from = std::max(x, begin), to = std::min(x + kBlock, end);
+        const int i = std::countr_zero(odd), at = place_of(group + i);
+        const int from = std::max((group + i) * kBlock, begin), to = std::min((group + i + 1) * kBlock, end);
+        candidates[i] = find_candidates(row + static_cast<std::ptrdiff_t>(at) * Format::kBytes) &
+                        ~std::uint64_t{0} << (from - at) & ~std::uint64_t{0} >> (kBlock - (to - at));
+        mixed |= static_cast<std::uint64_t>(candidates[i] != 0) << i;
+      }
+      for (; mixed != 0; mixed &= mixed - 1) {
+        const int i = std::countr_zero(mixed);
+        const int from = std::max((group + i) * kBlock, begin), to = std::min((group + i + 1) * kBlock, end);
         if (done < from) out_.set(done, background_);
-        search_block(row, std::min(x, width_ - kBlock), from, to);
+        look_up_block(row, place_of(group + i), from, to, candidates[i]);
         done = to;
       }
     }
     if (done < end) out_.set(done, background_);
+  }
+
+  /// Where a block is read: that at the right edge further left, wholly within the row.
+  HWY_INLINE int place_of(int block) const {
+    return std::min(block * kBlock, width_ - kBlock);
+  }
+
+  /// Those of the `odd` blocks from number `first` on that do not lie wholly in the second box.
+  HWY_INLINE std::uint64_t not_in_second_box(const std::uint8_t* row, int first, std::uint64_t odd) {
+    const BoxTest<Format> box = second_box_;
+    std::uint64_t outside = 0;
+    for (std::uint64_t left = odd; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      const std::uint8_t* block = row + static_cast<std::ptrdiff_t>(place_of(first + i)) * Format::kBytes;
+      outside |= static_cast<std::uint64_t>(box.outside(block, stride_)) << i;
+    }
+    result_.in_second_box += static_cast<std::size_t>(std::popcount(odd ^ outside));
+    return outside;
   }
 
   /// One bit for each block from number `first` on: whether it is not wholly in the box.
@@ -419,20 +449,10 @@ class Search {
     return Format::kChromas == kBlock ? ~clear : ~doubled(clear);
   }
 
-  /// Cells [from, to) of the block at x.
-  HWY_INLINE void search_block(const std::uint8_t* row, int x, int from, int to) {
+  /// Cells [from, to) of the block that is read at x and has `candidates`.
+  HWY_INLINE void look_up_block(const std::uint8_t* row, int x, int from, int to, std::uint64_t candidates) {
     const std::uint8_t* block = row + static_cast<std::ptrdiff_t>(x) * Format::kBytes;
-    if (has_second_box_ && !second_box_.outside(block, stride_)) {
-      ++result_.in_second_box;
-      out_.set(from, background_);
-      return;
-    }
-    std::uint64_t candidates = find_candidates(block);
-    candidates &= ~std::uint64_t{0} << (from - x) & ~std::uint64_t{0} >> (kBlock - (to - x));
-    const int count = std::popcount(candidates);
-    if (count == 0) {
-      out_.set(from, background_);
-    } else if (count <= kFewCandidates) {
+    if (std::popcount(candidates) <= kFewCandidates) {
       look_up_candidates(block, x, from, to, candidates);
     } else if (to - from == kBlock) {
       alignas(64) Label buffer[kBlock + kBlock];
