@@ -14,6 +14,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <random>
@@ -26,6 +27,7 @@
 namespace sslv::bench {
 namespace {
 
+constexpr const char* kTwoThreads = ", 2 threads";
 constexpr int kDrawn = 4;  // different pictures of each kind
 
 struct Size {
@@ -235,39 +237,44 @@ class Reporter : public benchmark::ConsoleReporter {
     benchmark::ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration) continue;
-      const std::string name = run.run_name.function_name;
-      const double us = run.GetAdjustedRealTime();
-      const auto [at, is_new] = least_us_.try_emplace(name, us);
-      if (is_new) {
-        order_.push_back(name);
-      } else {
-        at->second = std::min(at->second, us);
-      }
+      const std::string& name = run.run_name.function_name;
+      const std::string kind = name.substr(0, name.find('/'));
+      if (std::find(kinds_.begin(), kinds_.end(), kind) == kinds_.end()) kinds_.push_back(kind);
+      double& least = least_us_.try_emplace(name, run.GetAdjustedRealTime()).first->second;
+      least = std::min(least, run.GetAdjustedRealTime());
     }
   }
 
+  /// As it stands in docs/benchmarks.md.
   void print_table() const {
-    if (order_.empty()) return;
-    std::cout << "\n| picture | what | us | x faster than three passes | x reading the bytes "
-                 "|\n|---|---|---|---|---|\n";
-    for (const std::string& name : order_) {
-      const std::size_t slash = name.find('/');
-      const std::string kind = name.substr(0, slash), what = name.substr(slash + 1);
-      const std::string compared = kind.substr(0, kind.find(", 2 threads"));
-      const auto passes = least_us_.find(compared + "/three passes"),
-                 sum = least_us_.find(compared + "/byte sum");
-      const double us = least_us_.at(name);
-      const auto ratio = [&](auto found, bool inverse) {
-        if (found == least_us_.end()) return std::string("-");
-        return fmt::format("{:.2f}", inverse ? us / found->second : found->second / us);
-      };
-      std::cout << fmt::format("| {} | {} | {:.1f} | {} | {} |\n", kind, what, us, ratio(passes, false),
-                               ratio(sum, true));
+    if (kinds_.empty()) return;
+    std::cout << "\n| picture | three passes | reading |";
+    for (const std::int64_t target : targets())
+      std::cout << fmt::format(" {} | x faster | x reading |", name_of_target(target));
+    std::cout << "\n|---|---|---|";
+    for (std::size_t i = 0; i < targets().size(); ++i) std::cout << "---|---|---|";
+    std::cout << '\n';
+    for (const std::string& kind : kinds_) {
+      // With threads it is compared with one thread's three passes.
+      const std::string single = kind.substr(0, kind.find(kTwoThreads));
+      const double passes = least(single + "/three passes"), reading = least(single + "/byte sum");
+      std::cout << fmt::format("| {} | {:.0f} | {:.0f} |", kind, passes, reading);
+      for (const std::int64_t target : targets()) {
+        const double us = least(kind + "/segment " + name_of_target(target));
+        std::cout << fmt::format(" {:.0f} | {:.1f} | {:.2f} |", us, passes / us, us / reading);
+      }
+      std::cout << '\n';
     }
   }
 
  private:
-  std::vector<std::string> order_;
+  /// NaN for what a filter left out.
+  double least(const std::string& name) const {
+    const auto found = least_us_.find(name);
+    return found == least_us_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+  }
+
+  std::vector<std::string> kinds_;  // in the order of their registration
   std::map<std::string, double> least_us_;
 };
 
@@ -290,8 +297,8 @@ int main(int argc, char** argv) {
       add(kind + " warm", pictures(false), {});
       add(kind + " cold", pictures(true), {});
       if (size.width != kSizes[2].width) continue;
-      add(kind + " warm, 2 threads", pictures(false), two_threads);
-      add(kind + " cold, 2 threads", pictures(true), two_threads);
+      add(kind + " warm" + kTwoThreads, pictures(false), two_threads);
+      add(kind + " cold" + kTwoThreads, pictures(true), two_threads);
       const auto changed = [=](auto change) {
         return [=] { return Pictures(change(scene(format, size)), false); };
       };
