@@ -12,7 +12,7 @@ rules='
   geometry          base
   vision            base image geometry
   capture           base image geometry vision/patterns.h vision/label.h
-  pipeline/frame.h  image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/patterns.h vision/regions.h
+  pipeline/frame.h  image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
   pipeline          base image geometry vision
   net               base image/frame_info.h geometry vision/detections.h proto
   settings          base
