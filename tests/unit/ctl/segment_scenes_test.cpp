@@ -41,11 +41,11 @@ void expect_equal_on(const Recording& recording, const Lut& lut, const Mask& mas
 TEST(SegmentScenes, EqualThePlainStagesInEveryFormat) {
   const Config demo = sample("/config/demo.json");
   const auto lut = make_lut(demo.cameras[0].colors, "");
-  const Mask masks[] = {Mask(), Mask({{{{{30, 20}, {700, 60}, {760, 400}, {90, 560}}}}, {}})};
+  const Mask masks[] = {Mask(), Mask({{{{{15, 10}, {350, 30}, {380, 200}, {45, 280}}}}, {}})};
   for (const PixelFormat format :
        {PixelFormat::kUyvy, PixelFormat::kYuyv, PixelFormat::kRgb24, PixelFormat::kBgr24,
         PixelFormat::kBayerRg8, PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8}) {
-    const Recording recording = draw_frames(demo, 0, format, 780, 580, 2, {{"noise_sigma", 6}});
+    const Recording recording = draw_frames(demo, 0, format, 390, 290, 2, {{"noise_sigma", 6}});
     for (const Mask& mask : masks) expect_equal_on(recording, *lut, mask);
   }
 }
