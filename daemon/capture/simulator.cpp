@@ -120,6 +120,26 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
   };
   check_ids("robots_yellow", options.robots_yellow, "first_yellow_id", options.first_yellow_id);
   check_ids("robots_blue", options.robots_blue, "first_blue_id", options.first_blue_id);
+
+  const int robots = options.robots_yellow + options.robots_blue;
+  const auto check = [&](bool allowed, std::string_view key, int value, const std::string& why) {
+    if (!allowed) throw SettingsError(fmt::format("{}/{}: {} is not allowed{}", path, key, value, why));
+  };
+  const bool scattered = options.placement == SimulatorPlacement::kScatter;
+  check(options.touching % 2 == 0, "touching", options.touching, "; expected an even number");
+  check(scattered || options.touching == 0, "touching", options.touching,
+        " with placement paths; expected 0, or placement scatter");
+  check(scattered || options.hidden_balls == 0, "hidden_balls", options.hidden_balls,
+        " with placement paths; expected 0, or placement scatter");
+  check(options.touching <= robots, "touching", options.touching,
+        fmt::format(" with {} robots; expected no more than these", robots));
+  check(options.hidden_balls <= options.balls, "hidden_balls", options.hidden_balls,
+        fmt::format(" with {} balls; expected no more than these", options.balls));
+  check(options.touching + options.hidden_balls <= robots, "hidden_balls", options.hidden_balls,
+        fmt::format(" with {} robots, {} of them touching; expected no more than touch none", robots,
+                    options.touching));
+  check(options.covered_dots <= robots, "covered_dots", options.covered_dots,
+        fmt::format(" with {} robots; expected no more than these", robots));
   return options;
 }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numbers>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 namespace sslv {
@@ -36,7 +37,7 @@ Scene checked(const SimulatorOptions& options, const SourceContext& context) {
 
 SimulatedWorld world_of(const SimulatorOptions& options, const SourceContext& context) {
   try {
-    return {options, context.scene.field, context.scene.robot_height_mm};
+    return {options, context.scene.field, context.scene.robot_height_mm, &*context.scene.camera};
   } catch (const SettingsError& error) {
     throw CaptureError(fmt::format("camera {}: {}", context.camera_id, error.what()));
   }
@@ -58,7 +59,8 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
       layout_{nullptr, options.width, options.height,
               static_cast<std::ptrdiff_t>(options.width) * bytes_per_pixel(options.pixel_format),
               options.pixel_format},
-      background_(renderer_.background()),
+      background_(renderer_.background(options.placement == SimulatorPlacement::kPaths ? world_.at(0)
+                                                                                       : SimulatedScene())),
       light_(background_),
       clean_background_(sensor_.picture_bytes()),
       moments_(options.exposure_ms > 0 ? SimulatorRenderer::kMaxMoments : 1) {
@@ -80,11 +82,7 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
 }
 
 void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
-  const auto count = static_cast<double>(moments_.size());
-  for (std::size_t i = 0; i < moments_.size(); ++i) {
-    const double share = (static_cast<double>(i) + 0.5) / count - 0.5;
-    moments_[i] = world_.at(t_s + share * options_.exposure_ms * 1e-3);
-  }
+  world_.expose(t_s, options_.exposure_ms * 1e-3, moments_);
   renderer_.draw(moments_, light_, boxes_);
   for (const PixelBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());
   sensor_.add_noise(clean_.data(), picture);
@@ -121,13 +119,39 @@ bool SimulatedCamera::fully_visible(const Eigen::Vector3d& center_mm, double rad
   const Eigen::Vector3d& eye = scene_.camera->position_mm();
   for (const SimulatedRobot& robot : scene.robots) {
     if (robot.height_mm <= center_mm.z()) continue;
-    // Where the line of sight passes through the plane of the other robot's top.
+    // How near to the other robot the line of sight comes below the plane of its top.
     const double share = (robot.height_mm - center_mm.z()) / (eye.z() - center_mm.z());
-    const Eigen::Vector2d seen_through = (center_mm + share * (eye - center_mm)).head<2>();
-    const double distance = (seen_through - Eigen::Vector2d(robot.x_mm, robot.y_mm)).norm();
+    const Eigen::Vector2d along = share * (eye - center_mm).head<2>();
+    const Eigen::Vector2d from = center_mm.head<2>() - Eigen::Vector2d(robot.x_mm, robot.y_mm);
+    const double t = std::clamp(-from.dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
+    const double distance = (from + t * along).norm();
     if (distance < scene_.field.max_robot_radius + radius_mm) return false;
   }
   return true;
+}
+
+/// Of a ball's disc, or of a robot's `top`, by points of it; 1 only when it is fully visible.
+double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double radius_mm,
+                                      const SimulatedScene& scene, const SimulatedRobot* top) const {
+  if (fully_visible(center_mm, radius_mm, scene)) return 1;
+  constexpr double kMost = 0.999;  // something of it is or may be missing
+  const auto is_visible = [&](const Eigen::Vector3d& point) {
+    const auto pixel = scene_.camera->project(point);
+    return pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 && pixel->x() <= options_.width - 0.5 &&
+           pixel->y() <= options_.height - 0.5 &&
+           std::none_of(scene.robots.begin(), scene.robots.end(), [&](const SimulatedRobot& robot) {
+             return hides(robot, scene_.field.max_robot_radius, point, scene_.camera->position_mm());
+           });
+  };
+  const Eigen::Rotation2Dd turn(top != nullptr ? top->orientation_rad : 0);
+  int points = 0, visible = 0;
+  for (const Eigen::Vector2d& p : points_of_disc()) {
+    if (top != nullptr && p.x() > kRobotFrontPerRadius) continue;
+    const Eigen::Vector2d offset_mm = radius_mm * (turn * p);
+    ++points;
+    visible += is_visible(center_mm + Eigen::Vector3d(offset_mm.x(), offset_mm.y(), 0));
+  }
+  return std::min(kMost, static_cast<double>(visible) / points);
 }
 
 Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
@@ -147,13 +171,16 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
     const Eigen::Vector3d center(robot.x_mm, robot.y_mm, robot.height_mm);
     const auto pixel = pixel_of(center);
     if (!pixel) continue;
+    const double share = visible_share(center, scene_.field.max_robot_radius, scene, &robot);
     out["robots"].push_back({{"team", name_of(robot.team)},
                              {"id", robot.id},
                              {"x", robot.x_mm},
                              {"y", robot.y_mm},
                              {"orientation", robot.orientation_rad},
                              {"height", robot.height_mm},
-                             {"visible", fully_visible(center, scene_.field.max_robot_radius, scene)},
+                             {"covered_dot", robot.covered_dot ? Json(*robot.covered_dot) : Json()},
+                             {"visible", share == 1},
+                             {"visible_share", share},
                              {"pixel_x", pixel->x()},
                              {"pixel_y", pixel->y()}});
   }
@@ -161,9 +188,11 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
     const Eigen::Vector3d center(ball.x_mm, ball.y_mm, scene_.field.ball_radius);
     const auto pixel = pixel_of(center);
     if (!pixel) continue;
+    const double share = visible_share(center, scene_.field.ball_radius, scene, nullptr);
     out["balls"].push_back({{"x", ball.x_mm},
                             {"y", ball.y_mm},
-                            {"visible", fully_visible(center, scene_.field.ball_radius, scene)},
+                            {"visible", share == 1},
+                            {"visible_share", share},
                             {"pixel_x", pixel->x()},
                             {"pixel_y", pixel->y()}});
   }

@@ -19,7 +19,7 @@
 namespace sslv {
 
 /// One simulated camera: the bytes it gives at any time, and the truth about them. The field is drawn once; a
-/// frame redraws only what lies around robots and balls, then adds noise. Memory: 14 bytes a pixel and more.
+/// frame redraws only what lies around things, then adds noise. Memory: 14 bytes a pixel and more.
 class SimulatedCamera {
  public:
   /// The camera is that of context.scene. Throws CaptureError, in one line: no calibration, one for pictures
@@ -36,14 +36,18 @@ class SimulatedCamera {
 
   SimulatedScene scene_at(double t_s) const { return world_.at(t_s); }
 
-  /// {"frame", "t", "robots": [{"team", "id", "x", "y", "orientation", "height", "visible", "pixel_x",
-  /// "pixel_y"}], "balls": [{"x", "y", "visible", "pixel_x", "pixel_y"}]} with the names and units of
-  /// docs/api.md. "visible": all of the robot's top, or of the ball, is in the picture and not hidden by a
-  /// robot. Things out of sight are left out.
+  /// {"frame", "t", "robots": [{"team", "id", "x", "y", "orientation", "height", "covered_dot", "visible",
+  /// "visible_share", "pixel_x", "pixel_y"}], "balls": [{"x", "y", "visible", "visible_share", "pixel_x",
+  /// "pixel_y"}]} with the names and units of docs/api.md. "visible": all of the robot's top, or of the ball,
+  /// is in the picture and not hidden by a robot, nor nearly so. "visible_share": how much of it is in the
+  /// picture and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in the
+  /// pattern table), or null. Things out of sight are left out.
   Json truth(const std::string& frame, double t_s) const;
 
  private:
   bool fully_visible(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene) const;
+  double visible_share(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene,
+                       const SimulatedRobot* top) const;
 
   SimulatorOptions options_;
   Scene scene_;

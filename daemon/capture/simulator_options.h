@@ -4,9 +4,19 @@
 #include "base/params.h"
 #include "capture/pixel_format_choice.h"
 
+#include <array>
+#include <cstdint>
 #include <tuple>
 
 namespace sslv {
+
+/// Where things are from picture to picture.
+enum class SimulatorPlacement : std::uint8_t {
+  kPaths,    // in endless smooth motion
+  kScatter,  // at new random places in each picture
+};
+inline constexpr std::array<Choice<SimulatorPlacement>, 2> kSimulatorPlacementChoices{
+    {{"paths", SimulatorPlacement::kPaths}, {"scatter", SimulatorPlacement::kScatter}}};
 
 /// The simulator's lines in a camera's "source".
 struct SimulatorOptions {
@@ -16,6 +26,13 @@ struct SimulatorOptions {
   int robots_yellow = 6, robots_blue = 6;
   int first_yellow_id = 0, first_blue_id = 0;
   int balls = 1;
+  SimulatorPlacement placement = SimulatorPlacement::kPaths;
+  int touching = 0;
+  double touching_gap_mm = 1;
+  int hidden_balls = 0;
+  double hidden_share = 0.5;
+  int covered_dots = 0;
+  int distractors = 0;
   double speed = 1;
   int seed = 1;
   double noise_sigma = 2;
@@ -40,10 +57,23 @@ struct SimulatorOptions {
                "the yellow robots' ids count up from here"),
         number("first_blue_id", &O::first_blue_id, 0, 15, "", "the blue robots' ids count up from here"),
         number("balls", &O::balls, 0, 10, "", "balls on the field"),
+        choice("placement", &O::placement, kSimulatorPlacementChoices,
+               "paths: everything moves on; scatter: everything is elsewhere in each picture"),
+        number("touching", &O::touching, 0, 22, "",
+               "robots that stand in pairs; an even number, scatter only"),
+        number("touching_gap_mm", &O::touching_gap_mm, 0.0, 50.0, "mm", "gap between the robots of a pair"),
+        number("hidden_balls", &O::hidden_balls, 0, 10, "",
+               "how many of the balls a robot hides from this camera in part; scatter only"),
+        number("hidden_share", &O::hidden_share, 0.0, 0.9, "", "how much of such a ball is hidden"),
+        number("covered_dots", &O::covered_dots, 0, 32, "", "robots with one side dot painted over"),
+        number("distractors", &O::distractors, 0, 60, "",
+               "coloured things on the carpet that are neither robots nor balls"),
         number("speed", &O::speed, 0.0, 10.0, "", "factor on all motion; 0: nothing moves"),
         number("seed", &O::seed, 0, 1'000'000, "",
                "another seed, other paths; cameras of one field share it"),
-        number("noise_sigma", &O::noise_sigma, 0.0, 30.0, "", "noise of each sample, in 8-bit grey levels"),
+        number(
+            "noise_sigma", &O::noise_sigma, 0.0, 30.0, "",
+            "noise of each red, green and blue value before a YUV camera mixes them, in 8-bit grey levels"),
         number("light", &O::light, 0.05, 3.0, "", "brightness; 1: well exposed"),
         number("gradient", &O::gradient, 0.0, 1.0, "", "fraction by which the right side is darker"),
         number("vignette", &O::vignette, 0.0, 1.0, "", "fraction by which the corners are darker"),

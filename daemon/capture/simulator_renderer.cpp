@@ -19,8 +19,8 @@ struct Paint {
   float r, g, b;
 };
 constexpr Paint kCarpet{30, 92, 62}, kLine{205, 205, 200}, kFloor{92, 88, 84}, kRobotTop{24, 24, 27},
-    kBall{238, 108, 32};
-constexpr std::array<Paint, label::kCount> kPrints{{
+    kRobotSide{34, 34, 38}, kBall{238, 108, 32};
+constexpr std::array<Paint, paint::kCount> kPrints{{
     {24, 24, 27},     // clear
     {30, 92, 62},     // field
     {238, 108, 32},   // orange
@@ -31,8 +31,14 @@ constexpr std::array<Paint, label::kCount> kPrints{{
     {108, 212, 62},   // green
     {205, 205, 200},  // white
     {24, 24, 27},     // black
+    {200, 30, 35},    // red
+    {120, 50, 160},   // purple
+    {130, 90, 60},    // brown
+    {224, 172, 140},  // skin
 }};
-constexpr float kFrontPerRadius = 55.0F / 90.0F;  // the flat front of a robot
+
+constexpr float kMarginPx = 0.75F;  // a pixel's corners are a little less far from its centre
+constexpr auto kEverywhere = [](int /*x*/, int /*y*/) { return true; };
 
 using Vec2 = Eigen::Vector2f;
 
@@ -73,12 +79,6 @@ PixelBox join(const PixelBox& a, const PixelBox& b) {
           std::max(a.bottom, b.bottom)};
 }
 
-double lowest_mm(const SimulatedScene& scene) {
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const SimulatedRobot& robot : scene.robots) lowest = std::min(lowest, robot.height_mm);
-  return lowest;
-}
-
 /// To a LightPicture's channel: rounded, and no more than it can hold.
 std::uint16_t channel_value(float steps) {
   const float up = std::min(steps, 65535.0F) + 0.5F;
@@ -91,6 +91,7 @@ std::uint16_t channel_value(float steps) {
 struct SimulatorRenderer::Shape {
   Eigen::Vector2d center_mm;
   float cos = 1, sin = 0;
+  Vec2 eye{0, 0};  // above this point of its own frame is the camera
 
   Vec2 into(const Vec2& v) const { return {cos * v.x() + sin * v.y(), -sin * v.x() + cos * v.y()}; }
 };
@@ -104,10 +105,40 @@ struct SimulatorRenderer::Footprint {
 
   /// Share of the pixel inside a disc.
   float in_disc(const Vec2& from_center, float radius) const {
-    const float r = std::max(from_center.norm(), 1e-6F);
-    if (r >= radius + reach) return 0;
-    if (r <= radius - reach) return 1;
+    const float r2 = from_center.squaredNorm();
+    if (r2 >= (radius + reach) * (radius + reach)) return 0;
+    if (reach <= radius && r2 <= (radius - reach) * (radius - reach)) return 1;
+    const float r = std::max(std::sqrt(r2), 1e-6F);
     return covered(radius - r, from_center.dot(dx) / r, from_center.dot(dy) / r);
+  }
+  /// Share of the pixel whose line of sight, which runs from `p` to `q` in the plan, meets a robot's outline.
+  float in_outline(const Vec2& p, const Vec2& q, float radius, float front) const {
+    const Vec2 d = q - p;
+    const auto round = [&](float t) { return (p + t * d).norm() - radius; };
+    const auto flat = [&](float t) { return p.x() + t * d.x() - front; };
+    // How far outside both edges it stays at least is the least of the greater of the two distances. Each has
+    // its own least one somewhere; between these the distances are equal.
+    const float roundest = std::clamp(-p.dot(d) / std::max(d.squaredNorm(), 1e-6F), 0.0F, 1.0F);
+    const Vec2 nearest = p + roundest * d;
+    const float r2 = nearest.squaredNorm();
+    if (r2 >= (radius + reach) * (radius + reach)) return 0;
+    if (reach <= radius && r2 <= (radius - reach) * (radius - reach) && nearest.x() <= front - reach)
+      return 1;
+    const float flattest = d.x() < 0 ? 1 : 0;
+    if (flat(flattest) >= reach) return 0;
+    float t = flattest;
+    if (round(roundest) >= flat(roundest)) {
+      t = roundest;
+    } else if (round(flattest) > flat(flattest)) {
+      float flat_greater = roundest;
+      for (int i = 0; i < 8; ++i) {
+        const float middle = (flat_greater + t) / 2;
+        (round(middle) > flat(middle) ? t : flat_greater) = middle;
+      }
+    }
+    if (round(t) < flat(t)) return below(0, flat(t), Vec2(1, 0));
+    const Vec2 outwards = (p + t * d).normalized();
+    return below(0, round(t), outwards);
   }
   /// Share of the pixel where v < limit; `v` and its change per mm along the plane's axes are given.
   float below(float limit, float v, const Vec2& gradient) const {
@@ -118,6 +149,12 @@ struct SimulatorRenderer::Footprint {
     if (std::abs(v) >= half_width + reach) return 0;
     return below(half_width, v, gradient) - below(-half_width, v, gradient);
   }
+};
+
+struct SimulatorRenderer::Spot {
+  PixelBox box;  // also beyond the picture; empty when the camera cannot see there
+  Vec2 middle;
+  float reach_px;  // all of the disc is nearer to the middle
 };
 
 struct SimulatorRenderer::Coat {
@@ -196,7 +233,7 @@ float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footpri
   return share;
 }
 
-LightPicture SimulatorRenderer::background() const {
+LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
   LightPicture picture(options_.width, options_.height);
   constexpr int kBlock = 16;  // pixels of a row that share a footprint
   for (int y = 0; y < picture.height; ++y) {
@@ -218,47 +255,64 @@ LightPicture SimulatorRenderer::background() const {
       out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain));
     }
   }
+  for (const SimulatedDistractor& distractor : scene.distractors) draw_distractor(distractor, picture);
   return picture;
 }
 
-/// Pixels that may show a flat disc; empty when it is out of sight.
-PixelBox SimulatorRenderer::box_around(const Eigen::Vector3d& center_mm, double radius_mm) const {
-  constexpr int kPoints = 16;
-  double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
-  for (int i = 0; i < kPoints; ++i) {
-    const double angle = i * 2 * std::numbers::pi / kPoints;
-    const auto pixel =
-        camera_.project(center_mm + radius_mm * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0));
+SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const {
+  // An octagon round the disc.
+  static const auto corners = [] {
+    std::array<Eigen::Vector3d, 8> out;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const double angle = static_cast<double>(i) * std::numbers::pi / 4;
+      out[i] = Eigen::Vector3d(std::cos(angle), std::sin(angle), 0) / std::cos(std::numbers::pi / 8);
+    }
+    return out;
+  }();
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  double left = kFar, top = kFar, right = -kFar, bottom = -kFar;
+  Spot spot{{}, Vec2::Zero(), 0};
+  const auto middle = camera_.project(center_mm);
+  if (middle) spot.middle = middle->cast<float>();
+  for (const Eigen::Vector3d& corner : corners) {
+    const auto pixel = camera_.project(center_mm + radius_mm * corner);
+    if (!middle || !pixel) spot.reach_px = std::numeric_limits<float>::infinity();
     if (!pixel) continue;
     left = std::min(left, pixel->x());
     right = std::max(right, pixel->x());
     top = std::min(top, pixel->y());
     bottom = std::max(bottom, pixel->y());
+    spot.reach_px = std::max(spot.reach_px, (pixel->cast<float>() - spot.middle).norm() + kMarginPx);
   }
-  const auto clamped = [](double value, int size) {
-    return static_cast<int>(std::clamp<double>(value, 0, size));
-  };
-  // One pixel of margin for the polygon's and one for the pixels' own width.
-  return {clamped(left - 2, options_.width), clamped(top - 2, options_.height),
-          clamped(right + 3, options_.width), clamped(bottom + 3, options_.height)};
+  const auto whole = [](double value) { return static_cast<int>(std::clamp(value, -1e6, 1e6)); };
+  spot.box = {whole(std::ceil(left - kMarginPx)), whole(std::ceil(top - kMarginPx)),
+              whole(std::floor(right + kMarginPx) + 1), whole(std::floor(bottom + kMarginPx) + 1)};
+  return spot;
 }
 
-template <class CoatOf>
+PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
+  return {std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, options_.width),
+          std::min(box.bottom, options_.height)};
+}
+
+template <class CoatOf, class MayShow>
 void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes,
-                              const CoatOf& coat_of, LightPicture& picture) const {
+                              const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture) const {
   const float weight = 1 / static_cast<float>(shapes.size());
   const Footprint plane =
       footprint_at({0.5 * (box.left + box.right - 1), 0.5 * (box.top + box.bottom - 1)}, height_mm);
+  // It changes little over a box, and only the width of soft edges depends on it.
+  boost::container::static_vector<Footprint, kMaxMoments> footprints;
+  for (const Shape& shape : shapes) footprints.emplace_back(shape.into(plane.dx), shape.into(plane.dy));
   const auto red = static_cast<float>(options_.red_gain), blue = static_cast<float>(options_.blue_gain);
   for (int y = box.top; y < box.bottom; ++y) {
     for (int x = box.left; x < box.right; ++x) {
+      if (!may_show(x, y)) continue;
       const auto p = camera_.unproject(Eigen::Vector2d(x, y), height_mm);
       if (!p) continue;
       Coat coat;
-      for (const Shape& shape : shapes) {
-        // The footprint changes little over a box, and only the width of soft edges depends on it.
-        coat_of(shape.into((*p - shape.center_mm).cast<float>()),
-                Footprint(shape.into(plane.dx), shape.into(plane.dy)), coat);
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        coat_of(shapes[i].into((*p - shapes[i].center_mm).cast<float>()), footprints[i], shapes[i], coat);
       }
       if (coat.opacity <= 0) continue;
       const float light = light_at(x, y) * weight * LightPicture::kPerGrey;
@@ -274,32 +328,83 @@ void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<c
   }
 }
 
+/// Returns the box it drew in, which may be empty.
+PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightPicture& picture) const {
+  const auto a = static_cast<float>(d.length_mm / 2), b = static_cast<float>(d.width_mm / 2);
+  const PixelBox box = in_picture(spot_of({d.x_mm, d.y_mm, 0}, std::hypot(a, b)).box);
+  if (box.empty()) return box;
+  const Shape shape{
+      {d.x_mm, d.y_mm}, static_cast<float>(std::cos(d.turn_rad)), static_cast<float>(std::sin(d.turn_rad))};
+  const auto share_of = [&](const Vec2& p, const Footprint& footprint) {
+    switch (d.shape) {
+      case SimulatedDistractor::Shape::kEllipse: {
+        // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
+        const Vec2 scaled(p.x() / a, p.y() / b);
+        const float r = std::max(scaled.norm(), 1e-6F);
+        return footprint.below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
+      }
+      case SimulatedDistractor::Shape::kRectangle:
+        return footprint.in_strip(a, p.x(), Vec2(1, 0)) * footprint.in_strip(b, p.y(), Vec2(0, 1));
+      case SimulatedDistractor::Shape::kTriangle: {
+        // The base lies at -a, the tip at a.
+        const Vec2 side = Vec2(b, 2 * a).normalized(), other(side.x(), -side.y());
+        const float limit = side.x() * a;
+        return footprint.below(a, -p.x(), Vec2(-1, 0)) * footprint.below(limit, p.dot(side), side) *
+               footprint.below(limit, p.dot(other), other);
+      }
+    }
+    return 0.0F;
+  };
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    const float share = share_of(p, footprint);
+    coat.add(kPrints[d.paint], share);
+    coat.opacity += share;
+  };
+  paint(box, 0, {&shape, 1}, coat_of, kEverywhere, picture);
+  return box;
+}
+
 void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std::size_t index,
                                    LightPicture& picture, Boxes& boxes) const {
   const SimulatedRobot& robot = moments.front().robots[index];
   const auto radius = static_cast<float>(field_.max_robot_radius);
-  const float front = radius * kFrontPerRadius;
+  const float front = radius * static_cast<float>(kRobotFrontPerRadius);
   const float center_radius = static_cast<float>(patterns_.center_diameter_mm) / 2;
   const float dot_radius = static_cast<float>(patterns_.dot_diameter_mm) / 2;
   const Paint& team = kPrints[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
+  const Eigen::Vector3d& eye = camera_.position_mm();
+  if (eye.z() <= robot.height_mm) return;  // no top to be seen
+  const auto down = static_cast<float>(robot.height_mm / (eye.z() - robot.height_mm));
   const auto code = std::find_if(patterns_.codes.begin(), patterns_.codes.end(),
                                  [&](const PatternTable::Code& c) { return c.id == robot.id; });
 
   boost::container::static_vector<Shape, kMaxMoments> shapes;
-  PixelBox box{options_.width, options_.height, 0, 0};
+  PixelBox box{};
+  Spot top{}, foot{};
   for (const SimulatedScene& moment : moments) {
     const SimulatedRobot& r = moment.robots[index];
-    shapes.push_back({{r.x_mm, r.y_mm},
-                      static_cast<float>(std::cos(r.orientation_rad)),
-                      static_cast<float>(std::sin(r.orientation_rad))});
-    box = join(box, box_around({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius));
+    Shape& shape = shapes.emplace_back(Shape{{r.x_mm, r.y_mm},
+                                             static_cast<float>(std::cos(r.orientation_rad)),
+                                             static_cast<float>(std::sin(r.orientation_rad))});
+    shape.eye = shape.into((eye.head<2>() - shape.center_mm).cast<float>());
+    top = spot_of({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius);
+    foot = spot_of({r.x_mm, r.y_mm, 0}, field_.max_robot_radius);
+    box = join(box, join(top.box, foot.box));
   }
+  box = in_picture(box);
   if (box.empty()) return;
   boxes.push_back(box);
 
-  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, Coat& coat) {
-    const float top = footprint.in_disc(p, radius) * footprint.below(front, p.x(), Vec2(1, 0));
-    if (top <= 0) return;
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& shape, Coat& coat) {
+    float lid = footprint.in_disc(p, radius);
+    if (lid > 0 && p.x() > front - footprint.reach) lid *= footprint.below(front, p.x(), Vec2(1, 0));
+    // The line of sight goes on from the top's plane to the floor.
+    const float body = lid < 1 ? footprint.in_outline(p, p + down * (p - shape.eye), radius, front) : 1;
+    if (lid <= 0) {
+      coat.add(kRobotSide, body);
+      coat.opacity += body;
+      return;
+    }
     float printed = 0;
     const auto print = [&](const Vec2& from_center, float dot_radius_mm, const Paint& paint) {
       const float share = footprint.in_disc(from_center, dot_radius_mm);
@@ -310,49 +415,87 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
     for (std::size_t dot = 0; dot < patterns_.dots.size(); ++dot) {
       const Vec2 center(static_cast<float>(patterns_.dots[dot].x_mm),
                         static_cast<float>(patterns_.dots[dot].y_mm));
-      print(p - center, dot_radius, kPrints[code->colors[dot]]);
+      const bool is_covered = robot.covered_dot == static_cast<int>(dot);
+      print(p - center, dot_radius, is_covered ? kRobotTop : kPrints[code->colors[dot]]);
     }
     // Dots lie inside the outline, so what they leave of the top's share is black, also where both edges
     // cross a pixel.
-    coat.add(kRobotTop, std::max(0.0F, top - printed));
-    coat.opacity += std::max(top, std::min(printed, 1.0F));
+    coat.add(kRobotTop, std::max(0.0F, lid - printed));
+    const float above = std::max(lid, std::min(printed, 1.0F));
+    coat.add(kRobotSide, std::max(0.0F, body - above));
+    coat.opacity += std::max(above, body);
   };
-  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, picture);
+  // Much of a box that lies askew shows nothing of a robot that stands still.
+  const Vec2 along = foot.middle - top.middle;
+  const float length2 = std::max(along.squaredNorm(), 1e-6F);
+  const float reach_px =
+      shapes.size() > 1 ? std::numeric_limits<float>::infinity() : std::max(top.reach_px, foot.reach_px);
+  const auto may_show = [&](int x, int y) {
+    const Vec2 from_top = Vec2(static_cast<float>(x), static_cast<float>(y)) - top.middle;
+    const float t = std::clamp(from_top.dot(along) / length2, 0.0F, 1.0F);
+    return (from_top - t * along).squaredNorm() <= reach_px * reach_px;
+  };
+  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture);
 }
 
 void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::size_t index,
                                   LightPicture& picture, Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
   boost::container::static_vector<Shape, kMaxMoments> shapes;
-  PixelBox box{options_.width, options_.height, 0, 0};
+  PixelBox box{};
   for (const SimulatedScene& moment : moments) {
     const SimulatedBall& ball = moment.balls[index];
     shapes.push_back({{ball.x_mm, ball.y_mm}});
-    box = join(box, box_around({ball.x_mm, ball.y_mm, field_.ball_radius}, field_.ball_radius));
+    box = join(box, spot_of({ball.x_mm, ball.y_mm, field_.ball_radius}, field_.ball_radius).box);
   }
+  box = in_picture(box);
   if (box.empty()) return;
   boxes.push_back(box);
 
-  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, Coat& coat) {
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
     const float share = footprint.in_disc(p, radius);
     // Lit from above: brightest where its surface is level.
     const float level = std::sqrt(std::max(0.0F, 1 - p.squaredNorm() / (radius * radius)));
     coat.add(kBall, share * (0.7F + 0.35F * level));
     coat.opacity += share;
   };
-  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, picture);
+  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
 }
 
 void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPicture& picture,
                              Boxes& boxes) const noexcept {
   boxes.clear();
   const SimulatedScene& scene = moments.front();
-  for (std::size_t i = 0; i < scene.balls.size(); ++i) draw_ball(moments, i, picture, boxes);
-  // A higher top hides a lower one. There are two heights, one for each team.
-  const double lowest = lowest_mm(scene);
-  for (const bool higher : {false, true}) {
-    for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-      if ((scene.robots[i].height_mm > lowest) == higher) draw_robot(moments, i, picture, boxes);
+  if (options_.placement == SimulatorPlacement::kScatter) {
+    for (const SimulatedDistractor& distractor : scene.distractors) {
+      const PixelBox box = draw_distractor(distractor, picture);
+      if (!box.empty()) boxes.push_back(box);
+    }
+  }
+  // Of two things the one nearer to the camera's foot can hide the other. For discs, nearer is the one to
+  // which the tangent is shorter.
+  struct Thing {
+    double tangent2_mm2;
+    std::size_t index;
+    bool is_robot;
+  };
+  boost::container::static_vector<Thing, SimulatedScene::kMaxRobots + SimulatedScene::kMaxBalls> things;
+  const auto add = [&](const auto& list, double radius_mm, bool is_robot) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const Eigen::Vector2d from_foot =
+          Eigen::Vector2d(list[i].x_mm, list[i].y_mm) - camera_.position_mm().head<2>();
+      things.push_back({from_foot.squaredNorm() - radius_mm * radius_mm, i, is_robot});
+    }
+  };
+  add(scene.balls, field_.ball_radius, false);
+  add(scene.robots, field_.max_robot_radius, true);
+  std::sort(things.begin(), things.end(),
+            [](const Thing& a, const Thing& b) { return a.tangent2_mm2 > b.tangent2_mm2; });
+  for (const Thing& thing : things) {
+    if (thing.is_robot) {
+      draw_robot(moments, thing.index, picture, boxes);
+    } else {
+      draw_ball(moments, thing.index, picture, boxes);
     }
   }
 }

@@ -40,6 +40,18 @@ struct FloatYuv {
         v(0.713267F * (rgb[0] - y) + 128) {}
 };
 
+/// Where the samples of two pixels lie in a YUV picture's unit of 4 bytes; U and V are theirs in common.
+struct YuvUnit {
+  std::size_t y0, u, y1, v;
+};
+constexpr YuvUnit yuv_unit(PixelFormat format) {
+  return format == PixelFormat::kUyvy ? YuvUnit{1, 0, 3, 2} : YuvUnit{0, 1, 2, 3};
+}
+
+bool is_yuv(PixelFormat format) {
+  return format == PixelFormat::kUyvy || format == PixelFormat::kYuyv;
+}
+
 /// Channel (0 red, 1 green, 2 blue) of each pixel of a 2x2 quad, row by row.
 std::array<int, 4> bayer_channels(PixelFormat format) {
   switch (format) {
@@ -53,7 +65,7 @@ std::array<int, 4> bayer_channels(PixelFormat format) {
 }  // namespace
 
 SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t stream)
-    : options_(options), random_(scatter(stream)) {
+    : options_(options), noise_unit_(is_yuv(options.pixel_format) ? 4 : 1), random_(scatter(stream)) {
   const double sigma = options.blur_sigma_px;
   double sum = 0;
   const int radius = static_cast<int>(std::ceil(3 * sigma));
@@ -65,11 +77,28 @@ SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t 
 
   if (options.noise_sigma > 0) {
     const auto row_samples = picture_bytes() / static_cast<std::size_t>(options.height);
-    noise_.resize(kNoiseEntries + row_samples);
-    for (std::int8_t& entry : noise_) {
-      entry = static_cast<std::int8_t>(
-          std::clamp<long>(std::lround(options.noise_sigma * random_.normal()), -127, 127));
-    }
+    fill_noise(kNoiseEntries + row_samples);
+  }
+}
+
+void SimulatorSensor::fill_noise(std::size_t entries) {
+  noise_.resize(entries);
+  const auto entry = [](double noise) {
+    return static_cast<std::int8_t>(std::clamp<long>(std::lround(noise), -127, 127));
+  };
+  if (noise_unit_ == 1) {
+    for (std::int8_t& e : noise_) e = entry(options_.noise_sigma * random_.normal());
+    return;
+  }
+  const YuvUnit unit = yuv_unit(options_.pixel_format);
+  for (std::size_t i = 0; i + noise_unit_ <= entries; i += noise_unit_) {
+    std::array<float, 6> rgb;
+    for (float& channel : rgb) channel = static_cast<float>(options_.noise_sigma * random_.normal());
+    const FloatYuv left(rgb.data()), right(rgb.data() + 3);
+    noise_[i + unit.y0] = entry(left.y);
+    noise_[i + unit.y1] = entry(right.y);
+    noise_[i + unit.u] = entry(0.5 * (left.u + right.u) - 128);
+    noise_[i + unit.v] = entry(0.5 * (left.v + right.v) - 128);
   }
 }
 
@@ -111,13 +140,13 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
   switch (options_.pixel_format) {
     case PixelFormat::kUyvy:
     case PixelFormat::kYuyv: {
-      const int luma = options_.pixel_format == PixelFormat::kUyvy ? 1 : 0, chroma = 1 - luma;
+      const YuvUnit unit = yuv_unit(options_.pixel_format);
       for (int x = 0; x < width; x += 2, rgb += 6, out += 4) {
         const FloatYuv left(rgb), right(rgb + 3);
-        out[luma] = byte(left.y);
-        out[luma + 2] = byte(right.y);
-        out[chroma] = byte(0.5F * (left.u + right.u));
-        out[chroma + 2] = byte(0.5F * (left.v + right.v));
+        out[unit.y0] = byte(left.y);
+        out[unit.y1] = byte(right.y);
+        out[unit.u] = byte(0.5F * (left.u + right.u));
+        out[unit.v] = byte(0.5F * (left.v + right.v));
       }
       return;
     }
@@ -177,7 +206,8 @@ void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) 
   }
   const auto row_samples = picture_bytes() / static_cast<std::size_t>(options_.height);
   for (int y = 0; y < options_.height; ++y, clean += row_samples, noisy += row_samples) {
-    add_saturated(clean, noise_.data() + random_.bits() % kNoiseEntries, noisy, row_samples);
+    const std::size_t from = random_.bits() % (kNoiseEntries / noise_unit_) * noise_unit_;
+    add_saturated(clean, noise_.data() + from, noisy, row_samples);
   }
 }
 

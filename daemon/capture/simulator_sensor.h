@@ -26,17 +26,20 @@ class SimulatorSensor {
   /// Writes the bytes of `box`, which must be in whole units of the pixel format, without noise.
   void develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture);
 
-  /// Every sample gets noise of its own, new in each call.
+  /// Every sample gets noise, new in each call. That of YUV pictures is what remains of noise in red, green
+  /// and blue when they are mixed, so that it is weaker in the colours and correlated with the luma's.
   void add_noise(const std::uint8_t* clean, std::uint8_t* noisy);
 
  private:
   void blur_row(const LightPicture& light, const PixelBox& box, int y, float* out) const;
+  void fill_noise(std::size_t entries);
   void write_row(const float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const;
 
   SimulatorOptions options_;
   std::vector<float> kernel_;  // one half of the blur from its middle; sums to 1 with the other half
   std::vector<float> rows_, line_;
-  std::vector<std::int8_t> noise_;
+  std::vector<std::int8_t> noise_;  // rows take it from a random place on
+  std::size_t noise_unit_;          // which is a multiple of this
   SimulatorRandom random_;
 };
 

@@ -21,21 +21,25 @@ struct Thing {
   std::string team;
   int id = 0;
   double x_mm = 0, y_mm = 0, orientation_rad = 0;
-  bool visible = true;  // of the truth only
+  double visible_share = 1;  // of the truth only
 };
 struct FrameThings {
   std::vector<Thing> robots, balls;
 };
 using Frames = std::map<std::string, FrameThings>;
 
+double visible_share_of(const Json& thing) {
+  return thing.value("visible_share", thing.value("visible", true) ? 1.0 : 0.0);
+}
+
 FrameThings things_of(const Json& line) {
   FrameThings out;
   for (const Json& robot : line.at("robots")) {
     out.robots.push_back({robot.at("team"), robot.at("id"), robot.at("x"), robot.at("y"),
-                          robot.at("orientation"), robot.value("visible", true)});
+                          robot.at("orientation"), visible_share_of(robot)});
   }
   for (const Json& ball : line.at("balls")) {
-    out.balls.push_back({"", 0, ball.at("x"), ball.at("y"), 0, ball.value("visible", true)});
+    out.balls.push_back({"", 0, ball.at("x"), ball.at("y"), 0, visible_share_of(ball)});
   }
   return out;
 }
@@ -87,18 +91,18 @@ std::vector<Pair> match(const std::vector<Thing>& detections, const std::vector<
 
 /// Counts one frame's things of a kind and returns the pairs whose errors count.
 std::vector<Pair> count(const std::vector<Thing>& detections, const std::vector<Thing>& truth,
-                        FoundCounts& counts) {
+                        double min_visible_share, FoundCounts& counts) {
+  const auto is_expected = [&](const Thing& t) { return t.visible_share >= min_visible_share; };
   const std::vector<Pair> pairs = match(detections, truth);
   std::vector<Pair> found;
   for (const Pair& pair : pairs) {
     if (pair.detection->id != pair.truth->id) {
       ++counts.wrong_id;
-    } else if (pair.truth->visible) {
+    } else if (is_expected(*pair.truth)) {
       found.push_back(pair);
     }
   }
-  counts.expected += static_cast<std::size_t>(
-      std::count_if(truth.begin(), truth.end(), [](const Thing& t) { return t.visible; }));
+  counts.expected += static_cast<std::size_t>(std::count_if(truth.begin(), truth.end(), is_expected));
   counts.found += found.size();
   counts.invented += detections.size() - pairs.size();
   return found;
@@ -144,7 +148,7 @@ double FoundCounts::precision() const {
   return share(found, found + wrong_id + invented);
 }
 
-Score score(std::istream& detections, std::istream& truth) {
+Score score(std::istream& detections, std::istream& truth, const ScoreOptions& options) {
   const Frames detected = read_frames(detections, "detections"), true_frames = read_frames(truth, "truth");
   Score out;
   std::vector<double> position_mm, orientation_deg, ball_mm;
@@ -155,13 +159,14 @@ Score score(std::istream& detections, std::istream& truth) {
       continue;
     }
     ++out.frames_compared;
-    for (const Pair& pair : count(found->second.robots, expected.robots, out.robots)) {
+    for (const Pair& pair :
+         count(found->second.robots, expected.robots, options.min_visible_share, out.robots)) {
       position_mm.push_back(pair.distance_mm);
       const double turn_rad =
           std::remainder(pair.detection->orientation_rad - pair.truth->orientation_rad, 2 * std::numbers::pi);
       orientation_deg.push_back(std::abs(turn_rad) * 180 / std::numbers::pi);
     }
-    for (const Pair& pair : count(found->second.balls, expected.balls, out.balls))
+    for (const Pair& pair : count(found->second.balls, expected.balls, options.min_visible_share, out.balls))
       ball_mm.push_back(pair.distance_mm);
   }
   for (const auto& [frame, things] : detected) {
@@ -173,11 +178,12 @@ Score score(std::istream& detections, std::istream& truth) {
   return out;
 }
 
-Score score_files(const std::string& detections_file, const std::string& truth_file) {
+Score score_files(const std::string& detections_file, const std::string& truth_file,
+                  const ScoreOptions& options) {
   std::ifstream detections(detections_file), truth(truth_file);
   if (!detections) throw std::runtime_error("cannot read " + detections_file);
   if (!truth) throw std::runtime_error("cannot read " + truth_file);
-  return score(detections, truth);
+  return score(detections, truth, options);
 }
 
 Json score_json(const Score& score) {

@@ -16,9 +16,13 @@ struct ErrorStatistics {
   double mean = 0, rms = 0, p95 = 0, max = 0;
 };
 
-/// Things of one kind over all compared frames. A partly visible one may be found or not: neither counts.
+struct ScoreOptions {
+  double min_visible_share = 1;  // a true thing of which less shows may be found or not: neither counts
+};
+
+/// Things of one kind over all compared frames.
 struct FoundCounts {
-  std::size_t expected = 0;  // fully visible in the truth
+  std::size_t expected = 0;  // visible enough in the truth
   std::size_t found = 0;     // of these, with the right id
   std::size_t wrong_id =
       0;  // robots at a true robot's place, of its team, with another id; also at partly visible ones
@@ -40,12 +44,14 @@ struct Score {
 
 /// Compares detections with the truth, both one JSON object a line as `process` and `simulate` write them, by
 /// frame name. A detection stands for the true robot of its team, or ball, nearest to it within 100 mm;
-/// nearest pairs go first. Throws std::runtime_error, naming stream and line, for what is not such a line or
-/// a frame that comes twice.
-Score score(std::istream& detections, std::istream& truth);
+/// nearest pairs go first. How much of a true thing shows is its "visible_share", where that is missing 1 or
+/// 0 after "visible". Throws std::runtime_error, naming stream and line, for what is not such a line or a
+/// frame that comes twice.
+Score score(std::istream& detections, std::istream& truth, const ScoreOptions& options = {});
 
 /// The same for two files; throws std::runtime_error as well when one cannot be read.
-Score score_files(const std::string& detections_file, const std::string& truth_file);
+Score score_files(const std::string& detections_file, const std::string& truth_file,
+                  const ScoreOptions& options = {});
 
 /// The members of Score by their names, with recall and precision.
 Json score_json(const Score& score);

@@ -2,6 +2,7 @@
 #include "capture/simulator_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -364,6 +365,259 @@ TEST(SimulatedCamera, CutAndHiddenThingsAreNotVisible) {
   }
   EXPECT_GT(cut, 10);
   EXPECT_GT(hidden, 3);  // by robots between them and the camera
+}
+
+TEST(SimulatedCamera, VisibleShareIsWhatThePictureHolds) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = 0;
+  options.balls = 10;
+  const SourceContext context = context_of(options);
+  SimulatedCamera camera(options, context, league_patterns());
+  constexpr double kRadiusPx = 21.5 * 600 / (4000 - 21.5);
+  int cut = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Json truth = camera.truth("f", kTimeS + i);
+    for (const Json& ball : truth["balls"]) {
+      const double share = ball["visible_share"];
+      EXPECT_EQ(share == 1, ball["visible"].get<bool>());
+      const Eigen::Vector2d p = pixel_of(ball);
+      std::array<double, 4> inside{p.x() + 0.5, p.y() + 0.5, 779.5 - p.x(), 579.5 - p.y()};
+      std::sort(inside.begin(), inside.end());
+      if (inside[1] < kRadiusPx) continue;  // a corner
+      const double d = std::clamp(inside[0] / kRadiusPx, -1.0, 1.0);
+      EXPECT_NEAR(share, 1 - (std::acos(d) - d * std::sqrt(1 - d * d)) / std::numbers::pi, 0.03);
+      cut += share > 0 && share < 0.9;
+    }
+  }
+  EXPECT_GT(cut, 5);
+}
+
+SimulatorOptions scattered_options() {
+  SimulatorOptions options = plain_options();
+  options.placement = SimulatorPlacement::kScatter;
+  return options;
+}
+
+/// Tilted, and near enough that a ball is 20 pixels wide.
+SourceContext close_up_of(const SimulatorOptions& options) {
+  SourceContext context = context_of(options, 0.35);
+  CameraCalibration calibration = context.scene.camera->calibration();
+  calibration.focal_length = 2000;
+  context.scene.camera.emplace(calibration);
+  return context;
+}
+
+std::array<int, 3> color_at(const Picture& picture, int width, const Eigen::Vector2d& pixel) {
+  const auto at = static_cast<std::size_t>(3 * (std::lround(pixel.y()) * width + std::lround(pixel.x())));
+  return {picture[at], picture[at + 1], picture[at + 2]};
+}
+
+TEST(SimulatedCamera, HidesBallsByTheWantedShare) {
+  for (const double hidden : {0.3, 0.5, 0.8}) {
+    SCOPED_TRACE(hidden);
+    SimulatorOptions options = scattered_options();
+    options.hidden_balls = options.balls = 2;
+    options.hidden_share = hidden;
+    const SourceContext context = close_up_of(options);
+    const CameraModel& model = *context.scene.camera;
+    SimulatedCamera camera(options, context, league_patterns());
+    int checked = 0;
+    for (int slot = 0; slot < 8; ++slot) {
+      const double t_s = slot / 60.0;
+      const Picture picture = draw(camera, t_s);
+      const Json truth = camera.truth("", t_s);
+      ASSERT_EQ(truth["balls"].size(), 2U);
+      for (const Json& ball : truth["balls"]) {
+        EXPECT_NEAR(ball["visible_share"], 1 - hidden, 0.05);
+        EXPECT_FALSE(ball["visible"]);
+        // Its orange pixels.
+        const Eigen::Vector2d middle = pixel_of(ball), place(ball["x"], ball["y"]);
+        int pixels = 0, orange = 0;
+        for (int y = static_cast<int>(middle.y()) - 20; y <= middle.y() + 20; ++y) {
+          for (int x = static_cast<int>(middle.x()) - 20; x <= middle.x() + 20; ++x) {
+            const auto at = model.unproject(Eigen::Vector2d(x, y), 21.5);
+            if ((*at - place).norm() > 21) continue;
+            const auto [r, g, b] = color_at(picture, options.width, Eigen::Vector2d(x, y));
+            ++pixels;
+            orange += r > 90 && r > 2 * b;
+          }
+        }
+        EXPECT_GT(pixels, 200);
+        EXPECT_NEAR(static_cast<double>(orange) / pixels, 1 - hidden, 0.06);
+        ++checked;
+      }
+    }
+    EXPECT_EQ(checked, 16);
+  }
+}
+
+TEST(SimulatedCamera, DrawsTheSidesOfRobots) {
+  SimulatorOptions options = plain_options();
+  const SourceContext context = context_of(options, 0.2);
+  const CameraModel& model = *context.scene.camera;
+  const Eigen::Vector2d foot = model.position_mm().head<2>();
+  SimulatedCamera camera(options, context, league_patterns());
+  int checked = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Picture picture = draw(camera, kTimeS + i);
+    const Json truth = camera.truth("", kTimeS + i);
+    for (const Json& robot : truth["robots"]) {
+      if (!robot["visible"].get<bool>()) continue;
+      // The floor under it, on the camera's side, is hidden by the side and not by the top.
+      const Eigen::Vector2d center = place_of(robot).head<2>(), to_foot = foot - center;
+      if (to_foot.norm() < 1900) continue;
+      const Eigen::Vector2d under = center + 40 * to_foot.normalized();
+      const auto pixel = model.project({under.x(), under.y(), 0});
+      if (pixel->minCoeff() < 1 || pixel->x() > 778 || pixel->y() > 578) continue;
+      EXPECT_EQ(color_at(picture, options.width, *pixel), (std::array<int, 3>{34, 34, 38}));
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 5);
+}
+
+TEST(SimulatedCamera, SaysWhenNothingCanHideBalls) {
+  SimulatorOptions options = scattered_options();
+  options.hidden_balls = 1;
+  options.hidden_share = 0.9;
+  SourceContext context = context_of(options);
+  CameraCalibration straight_down = context.scene.camera->calibration();
+  straight_down.focal_length = 4000;
+  context.scene.camera.emplace(straight_down);
+  std::string problem;
+  try {
+    const SimulatedCamera camera(options, context, league_patterns());
+  } catch (const CaptureError& error) {
+    problem = error.what();
+  }
+  EXPECT_EQ(problem,
+            "camera 0: hidden_balls: 1, each hidden by 90 % from this camera, are not allowed on a field of "
+            "9000 x 6000 mm; expected fewer or less hidden ones");
+}
+
+TEST(SimulatedCamera, ACoveredDotIsBlack) {
+  SimulatorOptions options = scattered_options();
+  options.width = 1560;
+  options.height = 1160;
+  options.covered_dots = 6;
+  const SourceContext context = context_of(options, 0.1, 0.1);
+  SimulatedCamera camera(options, context, league_patterns());
+  int covered = 0, shown = 0;
+  for (int slot = 0; slot < 4; ++slot) {
+    const Picture picture = draw(camera, slot / 60.0);
+    const Json truth = camera.truth("", slot / 60.0);
+    for (const Json& robot : truth["robots"]) {
+      if (!robot["visible"].get<bool>()) continue;
+      for (std::size_t dot = 0; dot < 4; ++dot) {
+        const auto& place = league_patterns().dots[dot];
+        const Eigen::Vector2d turned =
+            Eigen::Rotation2Dd(robot["orientation"].get<double>()) * Eigen::Vector2d(place.x_mm, place.y_mm);
+        const auto pixel =
+            context.scene.camera->project(place_of(robot) + Eigen::Vector3d(turned.x(), turned.y(), 0));
+        const auto color = color_at(picture, options.width, *pixel);
+        if (robot["covered_dot"] == dot) {
+          EXPECT_EQ(color, (std::array<int, 3>{24, 24, 27}));
+          ++covered;
+        } else {
+          EXPECT_GT(std::max(color[0], color[1]), 150);
+          ++shown;
+        }
+      }
+    }
+  }
+  EXPECT_GT(covered, 4);
+  EXPECT_GT(shown, 40);
+}
+
+TEST(SimulatedCamera, DrawsDistractorsInTheirSizes) {
+  for (const auto placement : {SimulatorPlacement::kPaths, SimulatorPlacement::kScatter}) {
+    SimulatorOptions options = plain_options();
+    options.placement = placement;
+    options.robots_yellow = options.robots_blue = options.balls = 0;
+    options.seed = 5;
+    const SourceContext context = context_of(options, 0.2);
+    const CameraModel& model = *context.scene.camera;
+    SimulatedCamera empty(options, context, league_patterns());
+    options.distractors = 20;
+    SimulatedCamera camera(options, context, league_patterns());
+    const Picture background = draw(empty, 0);
+    int checked = 0;
+    for (int slot = 0; slot < 5; ++slot) {
+      const Picture picture = draw(camera, slot / 60.0);
+      const SimulatedScene scene = camera.scene_at(slot / 60.0);
+      for (const SimulatedDistractor& thing : scene.distractors) {
+        const double reach_mm = std::hypot(thing.length_mm, thing.width_mm) / 2 + 20;
+        const auto middle = model.project({thing.x_mm, thing.y_mm, 0});
+        const bool alone = std::all_of(
+            scene.distractors.begin(), scene.distractors.end(), [&](const SimulatedDistractor& other) {
+              const double apart_mm = std::hypot(other.x_mm - thing.x_mm, other.y_mm - thing.y_mm);
+              return &other == &thing || apart_mm > 2 * reach_mm + 180;
+            });
+        if (!alone || std::min(thing.length_mm, thing.width_mm) < 30 || !middle || middle->minCoeff() < 40 ||
+            middle->x() > options.width - 40 || middle->y() > options.height - 40) {
+          continue;
+        }
+        const auto inside = color_at(picture, options.width, *middle);
+        double area_mm2 = 0;
+        for (int y = static_cast<int>(middle->y()) - 40; y < middle->y() + 39; ++y) {
+          for (int x = static_cast<int>(middle->x()) - 40; x < middle->x() + 39; ++x) {
+            const Eigen::Vector2d pixel(x, y);
+            const auto place = model.unproject(pixel, 0);
+            if ((*place - Eigen::Vector2d(thing.x_mm, thing.y_mm)).norm() > reach_mm) continue;
+            const auto now = color_at(picture, options.width, pixel);
+            const auto before = color_at(background, options.width, pixel);
+            double changed = 0, most = 0;
+            for (std::size_t c = 0; c < 3; ++c) {
+              changed += std::abs(now[c] - before[c]);
+              most += std::abs(inside[c] - before[c]);
+            }
+            area_mm2 += changed / most * model.mm2_per_px(pixel, 0);
+          }
+        }
+        const double box_mm2 = thing.length_mm * thing.width_mm;
+        const double expected_mm2 = thing.shape == SimulatedDistractor::Shape::kRectangle ? box_mm2
+                                    : thing.shape == SimulatedDistractor::Shape::kTriangle
+                                        ? box_mm2 / 2
+                                        : box_mm2 * std::numbers::pi / 4;
+        EXPECT_NEAR(area_mm2 / expected_mm2, 1, 0.1)
+            << thing.length_mm << " x " << thing.width_mm << " shape " << static_cast<int>(thing.shape);
+        ++checked;
+      }
+    }
+    EXPECT_GT(checked, 3);
+  }
+}
+
+TEST(SimulatedCamera, SmearsScatteredThingsAboutTheTruth) {
+  SimulatorOptions options = scattered_options();
+  options.robots_yellow = options.robots_blue = 0;
+  options.balls = 3;
+  const SourceContext context = context_of(options);
+  const double kCarpetRed = 40;
+  for (const double exposure_ms : {0.0, 40.0}) {
+    options.exposure_ms = exposure_ms;
+    SimulatedCamera camera(options, context, league_patterns());
+    int checked = 0;
+    double red = 0;
+    for (int slot = 0; slot < 10; ++slot) {
+      const Picture picture = draw(camera, slot / 60.0);
+      const Json truth = camera.truth("", slot / 60.0);
+      for (const Json& ball : truth["balls"]) {
+        const Eigen::Vector2d pixel = pixel_of(ball);
+        if (pixel.minCoeff() < 20 || pixel.x() > 760 || pixel.y() > 560) continue;
+        const auto redness = [&](int x, int y) {
+          const auto color = color_at(picture, options.width, Eigen::Vector2d(x, y));
+          return color[0] > 1.3 * color[2] ? std::max(0.0, color[0] - kCarpetRed) : 0;  // no white lines
+        };
+        EXPECT_LT((centroid(pixel, 14, redness) - pixel).norm(), 1);
+        red += color_at(picture, options.width, pixel)[0];
+        ++checked;
+      }
+    }
+    EXPECT_GT(checked, 5);
+    // The way is twice the ball's width.
+    EXPECT_NEAR(red / checked, exposure_ms > 0 ? 145 : 238, 25);
+  }
 }
 
 std::string error_of(const SimulatorOptions& options, const SourceContext& context,

@@ -4,6 +4,7 @@
 #include "image/color.h"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -142,6 +143,36 @@ TEST(SimulatorSensor, ABoxDevelopsAsInTheWholePicture) {
       sensor.develop(light, reached, picture.data());
     }
     EXPECT_EQ(picture, whole) << name_of(format);
+  }
+}
+
+TEST(SimulatorSensor, YuvNoiseIsThatOfTheColoursItIsMixedFrom) {
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kYuyv}) {
+    SCOPED_TRACE(std::string(name_of(format)));
+    SimulatorOptions options = options_of(format);
+    options.width = options.height = 256;
+    options.noise_sigma = 10;
+    SimulatorSensor sensor(options, 0);
+    const std::vector<std::uint8_t> clean(sensor.picture_bytes(), 128);
+    std::vector<std::uint8_t> noisy(clean.size());
+    sensor.add_noise(clean.data(), noisy.data());
+    const std::size_t y0 = format == PixelFormat::kUyvy ? 1 : 0, u0 = 1 - y0;
+    double y = 0, u = 0, v = 0, y_u = 0, y_y = 0;
+    for (std::size_t i = 0; i < noisy.size(); i += 4) {
+      const auto at = [&](std::size_t sample) { return noisy[i + sample] - 128.0; };
+      y += (at(y0) * at(y0) + at(y0 + 2) * at(y0 + 2)) / 2;
+      u += at(u0) * at(u0);
+      v += at(u0 + 2) * at(u0 + 2);
+      y_u += at(y0) * at(u0);
+      y_y += at(y0) * at(y0 + 2);
+    }
+    const auto units = static_cast<double>(noisy.size()) / 4;
+    // A mean of two pixels' chroma, each a weighted sum of its colours.
+    EXPECT_NEAR(std::sqrt(y / units), 6.69, 0.15);
+    EXPECT_NEAR(std::sqrt(u / units), 4.41, 0.1);
+    EXPECT_NEAR(std::sqrt(v / units), 4.65, 0.1);
+    EXPECT_NEAR(y_u / units, -9.4, 1.2);  // blue pulls U up and the others, most of Y, pull it down
+    EXPECT_NEAR(y_y / units, 0, 1.5);
   }
 }
 

@@ -119,6 +119,19 @@ TEST(Simulator, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(error_of({{"width", 781}, {"pixel_format", "rgb24"}}), "no error");
   EXPECT_EQ(error_of({{"robots_blue", 7}, {"first_blue_id", 10}}),
             "/cameras/0/source/robots_blue: 7 is not allowed with first_blue_id 10; expected ids up to 15");
+  EXPECT_EQ(error_of({{"touching", 3}, {"placement", "scatter"}}),
+            "/cameras/0/source/touching: 3 is not allowed; expected an even number");
+  EXPECT_EQ(
+      error_of({{"touching", 2}}),
+      "/cameras/0/source/touching: 2 is not allowed with placement paths; expected 0, or placement scatter");
+  EXPECT_EQ(error_of({{"hidden_balls", 2}, {"placement", "scatter"}}),
+            "/cameras/0/source/hidden_balls: 2 is not allowed with 1 balls; expected no more than these");
+  EXPECT_EQ(
+      error_of({{"hidden_balls", 1}, {"touching", 12}, {"placement", "scatter"}}),
+      "/cameras/0/source/hidden_balls: 1 is not allowed with 12 robots, 12 of them touching; expected no "
+      "more than touch none");
+  EXPECT_EQ(error_of({{"covered_dots", 13}}),
+            "/cameras/0/source/covered_dots: 13 is not allowed with 12 robots; expected no more than these");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -111,6 +112,28 @@ TEST(Score, PartlyVisibleThingsMayBeFoundOrNot) {
   // But they must not be called by a wrong name.
   EXPECT_EQ(scored(frame("a", robot("blue", 4, 30, 0, 0), "") + frame("b", "", ""), truth).robots.wrong_id,
             1U);
+}
+
+TEST(Score, ExpectsWhatShowsEnough) {
+  const auto showing = [](double x, bool visible, double share) {
+    return Json{{"x", x}, {"y", 0}, {"visible", visible}, {"visible_share", share}}.dump();
+  };
+  const std::string truth =
+      frame("a", "",
+            showing(0, true, 1) + "," + showing(1000, false, 0.6) + "," + showing(2000, false, 0.4) + "," +
+                ball(3000, 0) + "," + ball(4000, 0, false));  // the last two of an older simulator
+  const std::string detections = frame("a", "", ball(0, 0) + "," + ball(1001, 0) + "," + ball(2002, 0));
+  const auto balls_with = [&](double min_visible_share) {
+    std::istringstream d(detections), t(truth);
+    const Score s = score(d, t, {min_visible_share});
+    EXPECT_EQ(s.balls.invented, 0U);
+    EXPECT_EQ(s.ball_position_mm.count, s.balls.found);
+    return std::pair{s.balls.expected, s.balls.found};
+  };
+  EXPECT_EQ(balls_with(1), (std::pair<std::size_t, std::size_t>{2, 1}));
+  EXPECT_EQ(balls_with(0.5), (std::pair<std::size_t, std::size_t>{3, 2}));
+  EXPECT_EQ(balls_with(0.4), (std::pair<std::size_t, std::size_t>{4, 3}));
+  EXPECT_EQ(scored(detections, truth).balls.expected, 2U);
 }
 
 TEST(Score, NamesFramesThatOneSideLacks) {
