@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/lut_from_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv {
+namespace {
+
+using Color = Eigen::Vector3f;  // red, green, blue; unlike Rgb it may lie outside the cube
+
+constexpr float kToleranceShare = 0.07F, kToleranceGrey = 1.5F;
+constexpr float kLeastNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than what a sample averages
+constexpr float kLimit = 4;                            // in tolerances
+// Most of a picture is background, so that wins when in doubt. Factors are on the distance in tolerances,
+// handicaps on its square.
+constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kEdgeHandicap = 0.2F;
+
+float brightness(const Color& color) {
+  return color.sum() / 3;
+}
+
+Color in_cube(const Color& color) {
+  return color.cwiseMax(0).cwiseMin(255);
+}
+
+/// A colour in weak, middling and strong light.
+struct Curve {
+  static constexpr std::size_t kKnots = 3;
+  std::array<Color, kKnots> knots;
+};
+
+std::vector<Color> colors_of(std::span<const ColorSample> samples, Label label) {
+  std::vector<Color> colors;
+  for (const ColorSample& sample : samples) {
+    if (sample.label == label) colors.emplace_back(sample.color.r, sample.color.g, sample.color.b);
+  }
+  return colors;
+}
+
+/// Through at least one colour.
+Curve curve_through(std::vector<Color> colors) {
+  std::sort(colors.begin(), colors.end(),
+            [](const Color& a, const Color& b) { return brightness(a) < brightness(b); });
+  Curve curve;
+  for (std::size_t k = 0; k < Curve::kKnots; ++k) {
+    // Thirds; of fewer than three samples some count twice.
+    const std::size_t n = colors.size(), begin = std::min(k * n / Curve::kKnots, n - 1);
+    const std::size_t end = std::max((k + 1) * n / Curve::kKnots, begin + 1);
+    Color sum = Color::Zero();
+    for (std::size_t i = begin; i < end; ++i) sum += colors[i];
+    curve.knots[k] = sum / static_cast<float>(end - begin);
+  }
+  return curve;
+}
+
+std::optional<Curve> curve_of(std::span<const ColorSample> samples, Label label) {
+  const std::vector<Color> colors = colors_of(samples, label);
+  if (colors.empty()) return {};
+  return curve_through(colors);
+}
+
+/// What a pixel sees that lies partly on the one and partly on the other. Shares above 1 lie beyond `b`.
+Curve blend(const Curve& a, const Curve& b, float share_of_b) {
+  Curve out;
+  for (std::size_t k = 0; k < Curve::kKnots; ++k) {
+    out.knots[k] = in_cube(a.knots[k] + share_of_b * (b.knots[k] - a.knots[k]));
+  }
+  return out;
+}
+
+float squared_distance(const Color& color, const Color& from, const Color& to) {
+  const Color step = to - from;
+  const float along = (color - from).dot(step) / std::max(step.squaredNorm(), 1e-6F);
+  return (color - from - std::clamp(along, 0.0F, 1.0F) * step).squaredNorm();
+}
+
+/// How far samples lie off their label's curve (rms of one component across it): the noise of a sample, and
+/// what prints of one name differ by.
+float spread_of(std::span<const ColorSample> samples) {
+  float sum = 0, degrees_of_freedom = 0;
+  for (std::size_t i = 0; i < label::kCount; ++i) {
+    const auto label = static_cast<Label>(i);
+    const std::vector<Color> colors = colors_of(samples, label);
+    if (label == label::kClear || colors.size() <= Curve::kKnots) continue;
+    const auto knots = curve_through(colors).knots;
+    for (const Color& color : colors) {
+      float least = std::min(squared_distance(color, 0.5F * knots.front(), knots.front()),
+                             squared_distance(color, knots.back(), 1.5F * knots.back()));
+      for (std::size_t k = 1; k < Curve::kKnots; ++k) {
+        least = std::min(least, squared_distance(color, knots[k - 1], knots[k]));
+      }
+      sum += least;
+    }
+    degrees_of_freedom += 2 * static_cast<float>(colors.size() - Curve::kKnots);
+  }
+  return degrees_of_freedom > 0 ? std::sqrt(sum / degrees_of_freedom) : 0;
+}
+
+/// A straight part of what a label may look like.
+struct Piece {
+  Color from, step;  // step: from one end to the other
+  float tolerance_from, tolerance_step;
+  float factor, handicap;  // on the distance in tolerances, and on its square
+  Label label;
+};
+
+class Pieces {
+ public:
+  explicit Pieces(float noise) : tolerance_grey_(kToleranceGrey + noise) {}
+
+  void add_color(const Color& low, const Curve& curve, const Color& high, Label label) {
+    add(low, curve, high, {1, kColorHandicap, label});
+  }
+  void add_background(const Color& low, const Curve& curve, const Color& high, Label label) {
+    add(low, curve, high, {kBackgroundFactor, 0, label});
+  }
+  void add_background(const Curve& curve, Label label) {
+    add_background(0.7F * curve.knots.front(), curve, in_cube(1.08F * curve.knots.back()), label);
+  }
+  void add_background(const Color& from, const Color& to, Label label) {
+    add(from, to, {kBackgroundFactor, 0, label});
+  }
+  /// What lies between two surfaces; the surfaces themselves go first.
+  void add_edge(const Color& from, const Color& to) {
+    add(from, to, {kBackgroundFactor, kEdgeHandicap, label::kClear});
+  }
+  const std::vector<Piece>& list() const { return list_; }
+
+ private:
+  struct Kind {
+    float factor, handicap;
+    Label label;
+  };
+  float tolerance(const Color& color) const { return tolerance_grey_ + kToleranceShare * brightness(color); }
+  void add(const Color& from, const Color& to, const Kind& kind) {
+    const float from_tolerance = tolerance(from);
+    list_.push_back({from, to - from, from_tolerance, tolerance(to) - from_tolerance, kind.factor,
+                     kind.handicap, kind.label});
+  }
+  /// The curve, with a piece added at either end.
+  void add(const Color& low, const Curve& curve, const Color& high, const Kind& kind) {
+    add(low, curve.knots.front(), kind);
+    for (std::size_t k = 1; k < Curve::kKnots; ++k) add(curve.knots[k - 1], curve.knots[k], kind);
+    add(curve.knots.back(), high, kind);
+  }
+
+  float tolerance_grey_;
+  std::vector<Piece> list_;
+};
+
+/// Brightest over darkest.
+float light_range(const Curve& curve) {
+  return brightness(curve.knots.back()) / std::max(brightness(curve.knots.front()), 1.0F);
+}
+
+Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels background) {
+  const auto named = [&](Label label) {
+    return background == BackgroundLabels::kNamed ? label : label::kClear;
+  };
+  const auto field = curve_of(samples, label::kField), white = curve_of(samples, label::kWhite),
+             black = curve_of(samples, label::kBlack);
+  const float field_range = field ? light_range(*field) : 1;
+  Pieces out(std::max(kLeastNoise, kNoisePerSpread * spread_of(samples)));
+  for (std::size_t i = 0; i < label::kCount; ++i) {
+    const auto label = static_cast<Label>(i);
+    if (label == label::kField || label == label::kWhite || label == label::kBlack) continue;
+    if (label == label::kClear) {
+      // These may be different things: no line leads from one to another.
+      for (const Color& color : colors_of(samples, label)) {
+        out.add_background(0.7F * color, in_cube(1.08F * color), label);
+      }
+      continue;
+    }
+    const auto curve = curve_of(samples, label);
+    if (!curve) continue;
+    // The carpet was seen in all lights, a print perhaps not: then its samples may be the brightest there
+    // are, or the darkest.
+    const float unseen = std::max(1.0F, field_range / light_range(*curve));
+    const Color darkest = curve->knots.front() / unseen;
+    const Color dark = black ? black->knots.front() : Color::Zero();
+    out.add_color(dark + 0.55F * (darkest - dark), *curve,
+                  in_cube(std::max(1.3F, unseen) * curve->knots.back()), label);
+  }
+
+  if (field) out.add_background(*field, named(label::kField));
+  if (white) out.add_background(*white, named(label::kWhite));
+  if (black) {
+    out.add_background(Color::Zero(), *black, 1.08F * black->knots.back(), named(label::kBlack));
+  }
+  if (field && white) {
+    for (const float share : {0.25F, 0.5F, 0.75F}) {
+      out.add_background(blend(*field, *white, share), label::kClear);
+    }
+    // A sample from a line a pixel or two wide is itself a blend, so real white may lie beyond.
+    out.add_background(blend(*field, *white, 1.5F), named(label::kWhite));
+  }
+  const auto add_edges = [&](const std::optional<Curve>& beside_black) {
+    if (!beside_black || !black) return;
+    for (std::size_t k = 0; k < Curve::kKnots; ++k) {
+      const Color step = beside_black->knots[k] - black->knots[k];
+      out.add_edge(black->knots[k] + 0.2F * step, black->knots[k] + 0.8F * step);
+    }
+  };
+  add_edges(field);
+  add_edges(white);
+  return out;
+}
+
+/// The table's cells are looked at in blocks of 4x4x4, so that only the pieces near a block are measured
+/// cell by cell.
+constexpr int kBlockSide = 4, kCellLevels = 256 >> Lut::kBits;
+constexpr std::size_t kBlockCells = kBlockSide * kBlockSide * kBlockSide;
+
+/// Colours of a block's cells: those of its middle, and each cell's difference from it.
+struct Block {
+  std::array<float, kBlockCells> r, g, b;
+};
+
+/// RGB for YUV without bounds: noise takes colours out of the cube.
+Color rgb_of(float y, float u, float v) {
+  u -= 128;
+  v -= 128;
+  return {y + 1.402F * v, y - 0.344136F * u - 0.714136F * v, y + 1.772F * u};
+}
+
+/// The middle of a block or cell that is so many levels wide.
+float middle(int i, int levels) {
+  return static_cast<float>(i * levels) + static_cast<float>(levels - 1) / 2;
+}
+
+Block offsets_in_block() {
+  Block out;
+  constexpr int kLevels = kBlockSide * kCellLevels;
+  const Color center = rgb_of(middle(0, kLevels), middle(0, kLevels), middle(0, kLevels));
+  std::size_t i = 0;
+  for (int u = 0; u < kBlockSide; ++u) {
+    for (int v = 0; v < kBlockSide; ++v) {
+      for (int y = 0; y < kBlockSide; ++y, ++i) {
+        const Color offset =
+            rgb_of(middle(y, kCellLevels), middle(u, kCellLevels), middle(v, kCellLevels)) - center;
+        out.r[i] = offset.x();
+        out.g[i] = offset.y();
+        out.b[i] = offset.z();
+      }
+    }
+  }
+  return out;
+}
+
+struct Nearness {
+  float distance, tolerance;
+};
+
+Nearness nearness(const Piece& piece, const Color& color) {
+  const float length2 = std::max(piece.step.squaredNorm(), 1e-6F);
+  const float along = std::clamp((color - piece.from).dot(piece.step) / length2, 0.0F, 1.0F);
+  return {(color - piece.from - along * piece.step).norm(),
+          piece.tolerance_from + along * piece.tolerance_step};
+}
+
+/// Replaces what is nearer than the best so far. The loop has a fixed length and no branches, so that
+/// compilers use vector instructions.
+void measure(const Piece& piece, const Color& center, const Block& offsets,
+             std::array<float, kBlockCells>& best, std::array<std::int32_t, kBlockCells>& labels) {
+  const Color start = center - piece.from;
+  const float sr = start.x(), sg = start.y(), sb = start.z();
+  const float dr = piece.step.x(), dg = piece.step.y(), db = piece.step.z();
+  const float per_length2 = 1 / std::max(piece.step.squaredNorm(), 1e-6F);
+  const float factor2 = piece.factor * piece.factor, handicap = piece.handicap;
+  const float tolerance_from = piece.tolerance_from, tolerance_step = piece.tolerance_step;
+  const std::int32_t label = piece.label;
+  for (std::size_t i = 0; i < kBlockCells; ++i) {
+    const float r = sr + offsets.r[i], g = sg + offsets.g[i], b = sb + offsets.b[i];
+    float along = (r * dr + g * dg + b * db) * per_length2;
+    along = along < 0 ? 0 : along;
+    along = along > 1 ? 1 : along;
+    const float er = r - along * dr, eg = g - along * dg, eb = b - along * db;
+    const float unit = tolerance_from + along * tolerance_step;
+    const float distance2 = (er * er + eg * eg + eb * eb) * factor2 / (unit * unit) + handicap;
+    const bool nearer = distance2 < best[i];
+    best[i] = nearer ? distance2 : best[i];
+    labels[i] = nearer ? label : labels[i];
+  }
+}
+
+}  // namespace
+
+Lut lut_from_samples(std::span<const ColorSample> samples, BackgroundLabels background) {
+  const Pieces pieces = pieces_of(samples, background);
+  const Block offsets = offsets_in_block();
+  float radius = 0;
+  for (std::size_t i = 0; i < kBlockCells; ++i) {
+    radius = std::max(radius, Color(offsets.r[i], offsets.g[i], offsets.b[i]).norm());
+  }
+  // The nearest point of a piece moves no further than the colour does, and its tolerance less than this.
+  const float tolerance_change = kToleranceShare * radius;
+
+  std::vector<Label> table(Lut::kEntries, label::kClear);
+  std::vector<std::pair<float, const Piece*>> near;  // the least squared distance that a cell may have
+  std::array<float, kBlockCells> best{};
+  std::array<std::int32_t, kBlockCells> labels{};
+  constexpr int kBlocks = (1 << Lut::kBits) / kBlockSide, kLevels = kBlockSide * kCellLevels;
+  for (int u = 0; u < kBlocks; ++u) {
+    for (int v = 0; v < kBlocks; ++v) {
+      for (int y = 0; y < kBlocks; ++y) {
+        const Color center = rgb_of(middle(y, kLevels), middle(u, kLevels), middle(v, kLevels));
+        near.clear();
+        float reach = kLimit * kLimit;  // no cell's nearest piece is further than this
+        bool colored = false;
+        for (const Piece& piece : pieces.list()) {
+          const Nearness n = nearness(piece, center);
+          const float low = std::max(0.0F, n.distance - radius) / (n.tolerance + tolerance_change);
+          const float high = (n.distance + radius) / (n.tolerance - tolerance_change);
+          const float factor2 = piece.factor * piece.factor;
+          const float least = factor2 * low * low + piece.handicap;
+          const float most = factor2 * high * high + piece.handicap;
+          if (least >= reach) continue;
+          reach = std::min(reach, most);
+          near.emplace_back(least, &piece);
+        }
+        std::erase_if(near, [&](const auto& entry) { return entry.first > reach; });
+        for (const auto& entry : near) colored = colored || entry.second->label != label::kClear;
+        if (!colored) continue;
+
+        best.fill(kLimit * kLimit);
+        labels.fill(label::kClear);
+        for (const auto& entry : near) measure(*entry.second, center, offsets, best, labels);
+        std::size_t i = 0;
+        for (int du = 0; du < kBlockSide; ++du) {
+          for (int dv = 0; dv < kBlockSide; ++dv) {
+            const auto level = [](int block, int cell) {
+              return static_cast<std::uint8_t>((block * kBlockSide + cell) * kCellLevels);
+            };
+            const std::size_t at = Lut::index_yuv(level(y, 0), level(u, du), level(v, dv));
+            for (int dy = 0; dy < kBlockSide; ++dy, ++i) {
+              table[at + static_cast<std::size_t>(dy)] = static_cast<Label>(labels[i]);
+            }
+          }
+        }
+      }
+    }
+  }
+  return Lut(std::move(table));
+}
+
+}  // namespace sslv
