@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
 #include "capture/source.h"
+#include "ctl/accuracy.h"
 #include "ctl/bench.h"
 #include "ctl/client.h"
 #include "ctl/process.h"
@@ -250,16 +251,43 @@ int run(CLI::App& app, int argc, char** argv) {
     };
   });
 
-  std::string detections_file, truth_file;
-  CLI::App* score_command = app.add_subcommand("score", "compare detections with the truth");
-  score_command->add_option("--detections", detections_file, "file that `process` wrote")->required();
-  score_command->add_option("--truth", truth_file, "truth.jsonl that `simulate` wrote")->required();
-  score_command->add_flag("--json", as_json, "as JSON");
+  std::string detections_file, truth_file, suite_file;
+  AccuracyOptions suite_options;
+  bool as_markdown = false;
+  CLI::App* score_command = app.add_subcommand(
+      "score", "compare detections with the truth, or run a suite of conditions and compare them all");
+  CLI::Option* detections =
+      score_command->add_option("--detections", detections_file, "file that `process` wrote");
+  CLI::Option* truth = score_command->add_option("--truth", truth_file, "truth.jsonl that `simulate` wrote");
+  CLI::Option* suite = score_command->add_option("--suite", suite_file,
+                                                 "file of conditions, such as tests/golden/accuracy.json");
+  detections->needs(truth);
+  truth->needs(detections);
+  suite->excludes(detections)->excludes(truth);
+  score_command->add_option("--only", suite_options.only, "conditions of the suite, by name")->needs(suite);
+  score_command->add_option("--frames", suite_options.frames, "pictures for each condition")
+      ->check(CLI::Range(1, 100000))
+      ->needs(suite);
+  CLI::Option* markdown =
+      score_command->add_flag("--markdown", as_markdown, "the suite's tables as Markdown")->needs(suite);
+  score_command->add_flag("--json", as_json, "as JSON")->excludes(markdown);
   score_command->callback([&] {
+    if (suite_file.empty() && detections_file.empty()) {
+      throw CLI::ValidationError("score", "needs --suite, or --detections and --truth");
+    }
     act = [&] {
-      const Score result = score_files(detections_file, truth_file);
-      std::cout << (as_json ? score_json(result).dump(2) + "\n" : score_text(result));
-      return EXIT_SUCCESS;
+      if (suite_file.empty()) {
+        const Score result = score_files(detections_file, truth_file);
+        std::cout << (as_json ? score_json(result).dump(2) + "\n" : score_text(result));
+        return EXIT_SUCCESS;
+      }
+      suite_options.done = [](const AccuracyRow& row) {
+        std::cerr << row.condition << ", " << row.pixel_format
+                  << (row.failures.empty() ? "\n" : ": FAILED\n");
+      };
+      const AccuracyReport report = run_accuracy_suite(read_accuracy_suite(suite_file), suite_options);
+      std::cout << (as_json ? accuracy_json(report).dump(2) + "\n" : accuracy_text(report, as_markdown));
+      return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
     };
   });
 

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The accuracy suite: simulated pictures under named conditions, detected and compared with the truth. A file
+// says what the conditions are and how good the result must be (tests/golden/accuracy.json).
+
+#include "base/json.h"
+#include "base/params.h"
+#include "ctl/score.h"
+#include "geometry/camera_model.h"
+#include "geometry/field.h"
+#include "vision/lut_from_samples.h"
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+/// A field and the camera over it; the picture has the size that the calibration names.
+struct AccuracyField {
+  FieldSize size;
+  CameraCalibration calibration;
+  int frames = 40;
+  static constexpr auto fields() {
+    using F = AccuracyField;
+    return std::tuple{
+        group("size", &F::size, "sizes of the playing field"),
+        group("calibration", &F::calibration, "of the camera, and the size of its pictures"),
+        number("frames", &F::frames, 1, 100'000, "", "pictures for each condition"),
+    };
+  }
+};
+
+/// The worst result that is good enough; what is null is not looked at.
+struct AccuracyLimits {
+  std::optional<double> recall, position_rms_mm, orientation_rms_deg;
+  std::optional<int> wrong_id, invented;
+  std::optional<double> ball_recall, ball_precision, ball_rms_mm;
+  static constexpr auto fields() {
+    using L = AccuracyLimits;
+    return std::tuple{
+        number("recall", &L::recall, 0.0, 1.0, "", "least share of the visible robots found"),
+        number("wrong_id", &L::wrong_id, 0, 1'000'000, "", "most robots with a wrong id"),
+        number("invented", &L::invented, 0, 1'000'000, "", "most robots that are none"),
+        number("position_rms_mm", &L::position_rms_mm, 0.0, 1000.0, "mm", "largest error of position"),
+        number("orientation_rms_deg", &L::orientation_rms_deg, 0.0, 180.0, "deg",
+               "largest error of orientation"),
+        number("ball_recall", &L::ball_recall, 0.0, 1.0, "", "least share of the visible balls found"),
+        number("ball_precision", &L::ball_precision, 0.0, 1.0, "", "least share of the found balls that are"),
+        number("ball_rms_mm", &L::ball_rms_mm, 0.0, 1000.0, "mm", "largest error of a ball's position"),
+    };
+  }
+};
+
+/// One line of the suite for each of its pixel formats.
+struct AccuracyCondition {
+  std::string name;
+  std::string field;
+  std::vector<std::string> pixel_formats{"uyvy"};
+  std::optional<double> px_per_mm;
+  Json source = Json::object();
+  double robot_height = 140;
+  Json teams = Json::object();
+  Json stages = Json::object();
+  std::optional<double> min_visible_share;
+  Json must = Json::object();
+  static constexpr auto fields() {
+    using C = AccuracyCondition;
+    return std::tuple{
+        text("name", &C::name, "for people and --only"),
+        text("field", &C::field, "one of the suite's fields"),
+        names("pixel_formats", &C::pixel_formats, "each is a line of the table"),
+        number("px_per_mm", &C::px_per_mm, 0.01, 10.0, "px/mm",
+               "the camera is scaled to this resolution on the floor in its middle; null: it is not"),
+        object("source", &C::source, "the simulator's options, over those of the suite"),
+        number("robot_height", &C::robot_height, 20.0, 1000.0, "mm", "height of the patterns of both teams"),
+        object("teams", &C::teams, "settings of the teams"),
+        object("stages", &C::stages, "parameters of the stages"),
+        number("min_visible_share", &C::min_visible_share, 0.0, 1.0, "",
+               "what is hidden more than this need not be found; null: whatever is partly hidden"),
+        object("must", &C::must, "how good the result must be, over the suite's"),
+    };
+  }
+};
+
+struct AccuracySuite {
+  std::string file;
+  Json source = Json::object(), must = Json::object();
+  Json named_fields = Json::object();
+  std::vector<AccuracyCondition> conditions;
+  static constexpr auto fields() {
+    using S = AccuracySuite;
+    return std::tuple{
+        object("source", &S::source, "the simulator's options in every condition"),
+        object("must", &S::must, "how good the result must be in every condition"),
+        object("fields", &S::named_fields, "fields with their cameras, by name"),
+        list("conditions", &S::conditions, "what is to be tried"),
+    };
+  }
+};
+
+/// Reads a suite and checks all of it. Throws SettingsError, beginning with the file's name and the key.
+AccuracySuite read_accuracy_suite(const std::string& file);
+
+/// What became of one condition in one pixel format.
+struct AccuracyRow {
+  std::string condition, pixel_format;
+  double px_per_mm;  // on the floor in the middle of the picture
+  Score score;
+  std::vector<std::string> failures;  // what is worse than it must be, for people
+};
+
+/// How often detections of one confidence were right: robots with the right id, balls where one is.
+struct Reliability {
+  static constexpr std::size_t kBins = 10;  // 0 - 0.1, ..., 0.9 - 1
+  struct Bin {
+    std::size_t count = 0, right = 0;
+  };
+  std::array<Bin, kBins> robots, balls;
+};
+
+struct AccuracyReport {
+  std::vector<AccuracyRow> rows;
+  Reliability reliability;
+
+  bool passed() const;
+};
+
+struct AccuracyOptions {
+  std::vector<std::string> only;  // names of conditions; empty: all
+  std::optional<int> frames;      // of every condition, instead of what its field says
+  /// Called after each row.
+  std::function<void(const AccuracyRow&)> done = [](const AccuracyRow&) {};
+};
+
+/// Runs the camera's usual stack over simulated pictures of each condition and scores it. The colour table is
+/// made by lut_from_samples from what an admin might have clicked at in two other pictures under the same
+/// condition: eight places for each label, spread over the picture. The same suite gives the same report.
+/// Throws SettingsError for a name of `only` that is not in the suite, CaptureError when the simulator cannot
+/// draw a condition.
+AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOptions& options);
+
+/// Tables for people, plain or as Markdown; rows that are not as good as they must be are marked, and named
+/// below.
+std::string accuracy_text(const AccuracyReport& report, bool markdown);
+Json accuracy_json(const AccuracyReport& report);
+
+}  // namespace sslv
