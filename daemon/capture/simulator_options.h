@@ -31,6 +31,7 @@ struct SimulatorOptions {
   double touching_gap_mm = 1;
   int hidden_balls = 0;
   double hidden_share = 0.5;
+  double ball_gloss = 0;
   int covered_dots = 0;
   int distractors = 0;
   double speed = 1;
@@ -65,6 +66,9 @@ struct SimulatorOptions {
         number("hidden_balls", &O::hidden_balls, 0, 10, "",
                "how many of the balls a robot hides from this camera in part; scatter only"),
         number("hidden_share", &O::hidden_share, 0.0, 0.9, "", "how much of such a ball is hidden"),
+        number("ball_gloss", &O::ball_gloss, 0.0, 1.0, "",
+               "shine of the balls under a lamp at one side: 0: dull, lit evenly from above; 1: with an "
+               "overexposed spot, a dark side and a shadow"),
         number("covered_dots", &O::covered_dots, 0, 32, "", "robots with one side dot painted over"),
         number("distractors", &O::distractors, 0, 60, "",
                "coloured things on the carpet that are neither robots nor balls"),

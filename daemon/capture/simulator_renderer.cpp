@@ -19,7 +19,9 @@ struct Paint {
   float r, g, b;
 };
 constexpr Paint kCarpet{30, 92, 62}, kLine{205, 205, 200}, kFloor{92, 88, 84}, kRobotTop{24, 24, 27},
-    kRobotSide{34, 34, 38}, kBall{238, 108, 32};
+    kRobotSide{34, 34, 38}, kBall{238, 108, 32}, kLampSpot{260, 255, 235};
+/// Towards the lamp of `ball_gloss`, of length 1.
+const Eigen::Vector3f kLampDirection = Eigen::Vector3f(0.5F, 0.35F, 1).normalized();
 constexpr std::array<Paint, paint::kCount> kPrints{{
     {24, 24, 27},     // clear
     {30, 92, 62},     // field
@@ -370,7 +372,6 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   const auto radius = static_cast<float>(field_.max_robot_radius);
   const float front = radius * static_cast<float>(kRobotFrontPerRadius);
   const float center_radius = static_cast<float>(patterns_.center_diameter_mm) / 2;
-  const float dot_radius = static_cast<float>(patterns_.dot_diameter_mm) / 2;
   const Paint& team = kPrints[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
   const Eigen::Vector3d& eye = camera_.position_mm();
   if (eye.z() <= robot.height_mm) return;  // no top to be seen
@@ -416,7 +417,8 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
       const Vec2 center(static_cast<float>(patterns_.dots[dot].x_mm),
                         static_cast<float>(patterns_.dots[dot].y_mm));
       const bool is_covered = robot.covered_dot == static_cast<int>(dot);
-      print(p - center, dot_radius, is_covered ? kRobotTop : kPrints[code->colors[dot]]);
+      print(p - center, static_cast<float>(patterns_.dots[dot].diameter_mm) / 2,
+            is_covered ? kRobotTop : kPrints[code->colors[dot]]);
     }
     // Dots lie inside the outline, so what they leave of the top's share is black, also where both edges
     // cross a pixel.
@@ -438,25 +440,64 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture);
 }
 
+/// The ball's shadow on the carpet: a darker ellipse away from the lamp.
+void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
+                                    LightPicture& picture, Boxes& boxes) const {
+  const auto radius = static_cast<float>(field_.ball_radius);
+  const Vec2 away = -kLampDirection.head<2>() / kLampDirection.z() * radius;
+  boost::container::static_vector<Shape, kMaxMoments> shapes;
+  PixelBox box{};
+  for (const SimulatedScene& moment : moments) {
+    const SimulatedBall& ball = moment.balls[index];
+    const Eigen::Vector2d middle = Eigen::Vector2d(ball.x_mm, ball.y_mm) + away.cast<double>();
+    shapes.push_back({middle});
+    box = join(box, spot_of({middle.x(), middle.y(), 0}, field_.ball_radius).box);
+  }
+  box = in_picture(box);
+  if (box.empty()) return;
+  boxes.push_back(box);
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    coat.opacity += 0.4F * gloss * footprint.in_disc(p, radius);
+  };
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+}
+
 void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::size_t index,
                                   LightPicture& picture, Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
+  const Eigen::Vector3d& eye = camera_.position_mm();
+  Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // from the camera
   boost::container::static_vector<Shape, kMaxMoments> shapes;
   PixelBox box{};
   for (const SimulatedScene& moment : moments) {
     const SimulatedBall& ball = moment.balls[index];
     shapes.push_back({{ball.x_mm, ball.y_mm}});
-    box = join(box, spot_of({ball.x_mm, ball.y_mm, field_.ball_radius}, field_.ball_radius).box);
+    sight = (Eigen::Vector3d(ball.x_mm, ball.y_mm, field_.ball_radius) - eye).normalized().cast<float>();
+    if (sight.z() >= 0) return;
+    box = join(box, spot_of({ball.x_mm, ball.y_mm, field_.ball_radius}, radius / -sight.z()).box);
   }
   box = in_picture(box);
   if (box.empty()) return;
   boxes.push_back(box);
 
+  const auto gloss = static_cast<float>(options_.ball_gloss);
+  if (gloss > 0) draw_shadow(moments, index, gloss, picture, boxes);
+  const Eigen::Vector3f halfway = (kLampDirection - sight).normalized();  // mirrors the lamp into the camera
+  // A ray that meets the plane of the ball's centre at p passes the centre at |p - n (n p)|; n, its
+  // direction, hardly changes over a ball.
   const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
-    const float share = footprint.in_disc(p, radius);
-    // Lit from above: brightest where its surface is level.
-    const float level = std::sqrt(std::max(0.0F, 1 - p.squaredNorm() / (radius * radius)));
-    coat.add(kBall, share * (0.7F + 0.35F * level));
+    const Eigen::Vector3f nearest = Eigen::Vector3f(p.x(), p.y(), 0) - sight * sight.head<2>().dot(p);
+    const float distance = std::max(nearest.norm(), 1e-6F);
+    const Vec2 outwards = nearest.head<2>() / distance;
+    const float share = covered(radius - distance, outwards.dot(footprint.dx), outwards.dot(footprint.dy));
+    const float depth = std::sqrt(std::max(0.0F, radius * radius - distance * distance));
+    const Eigen::Vector3f normal = (nearest - sight * depth) / radius;
+    // Lit evenly from above: brightest where its surface is level.
+    const float even = 0.7F + 0.35F * std::max(0.0F, normal.z());
+    const float lamp = 0.5F + 0.6F * std::max(0.0F, normal.dot(kLampDirection));
+    const float spot = gloss * std::pow(std::max(0.0F, normal.dot(halfway)), 8.0F);
+    coat.add(kBall, share * (even + gloss * (lamp - even)));
+    coat.add(kLampSpot, share * spot);
     coat.opacity += share;
   };
   paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);

@@ -24,7 +24,7 @@ class SimulatorRenderer {
  public:
   static constexpr std::size_t kMaxMoments = 8;
   using Boxes =
-      boost::container::static_vector<PixelBox, SimulatedScene::kMaxRobots + SimulatedScene::kMaxBalls +
+      boost::container::static_vector<PixelBox, SimulatedScene::kMaxRobots + 2 * SimulatedScene::kMaxBalls +
                                                     SimulatedScene::kMaxDistractors>;
 
   /// `patterns` must have every id that will be drawn.
@@ -57,6 +57,8 @@ class SimulatorRenderer {
   PixelBox draw_distractor(const SimulatedDistractor& distractor, LightPicture& picture) const;
   void draw_robot(std::span<const SimulatedScene> moments, std::size_t index, LightPicture& picture,
                   Boxes& boxes) const;
+  void draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
+                   LightPicture& picture, Boxes& boxes) const;
   void draw_ball(std::span<const SimulatedScene> moments, std::size_t index, LightPicture& picture,
                  Boxes& boxes) const;
   template <class CoatOf, class MayShow>
