@@ -85,6 +85,15 @@ struct NamesField {
   std::string_view help;
 };
 
+/// A std::vector<int>, no number twice.
+template <class P>
+struct NumbersField {
+  std::string_view key;
+  std::vector<int> P::*member;
+  int min, max;
+  std::string_view help;
+};
+
 /// A closed interval [low, high] of integers, written as a JSON array of two.
 template <class P>
 struct RangeField {
@@ -143,6 +152,11 @@ constexpr auto list(std::string_view key, std::vector<S> P::*member, std::string
 template <class P>
 constexpr auto names(std::string_view key, std::vector<std::string> P::*member, std::string_view help) {
   return NamesField<P>{key, member, help};
+}
+template <class P>
+constexpr auto numbers(std::string_view key, std::vector<int> P::*member, int min, int max,
+                       std::string_view help) {
+  return NumbersField<P>{key, member, min, max, help};
 }
 template <class P>
 constexpr auto range(std::string_view key, std::array<int, 2> P::*member, int min, int max,

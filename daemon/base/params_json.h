@@ -147,6 +147,20 @@ void read_field(P& params, const RangeField<P>& field, const Json& json, const s
 }
 
 template <class P>
+void read_field(P& params, const NumbersField<P>& field, const Json& json, const std::string& path) {
+  if (!json.is_array()) refuse(path, json, "a list of whole numbers");
+  std::vector<int> values;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::string here = path + "/" + std::to_string(i);
+    const int value = read_number<int>(json[i], here, field.min, field.max, "");
+    if (std::find(values.begin(), values.end(), value) != values.end())
+      refuse(here, json[i], "each number once");
+    values.push_back(value);
+  }
+  params.*field.member = std::move(values);
+}
+
+template <class P>
 void read_field(P& params, const PointListField<P>& field, const Json& json, const std::string& path) {
   if (!json.is_array() || json.size() < field.min_points)
     refuse(path, json, "a list of at least " + std::to_string(field.min_points) + " points [x, y]");
@@ -250,6 +264,10 @@ Json write_field(const P& params, const NamesField<P>& field) {
   return params.*field.member;
 }
 template <class P>
+Json write_field(const P& params, const NumbersField<P>& field) {
+  return params.*field.member;
+}
+template <class P>
 Json write_field(const P& params, const RangeField<P>& field) {
   return params.*field.member;
 }
@@ -321,6 +339,12 @@ Json field_schema(const ListField<P, S>&) {
 template <class P>
 Json field_schema(const NamesField<P>&) {
   return {{"type", "array"}, {"items", {{"type", "string"}}}};
+}
+template <class P>
+Json field_schema(const NumbersField<P>& field) {
+  return {{"type", "array"},
+          {"items", {{"type", "integer"}, {"minimum", field.min}, {"maximum", field.max}}},
+          {"uniqueItems", true}};
 }
 template <class P>
 Json field_schema(const RangeField<P>& field) {

@@ -93,13 +93,16 @@ std::optional<Eigen::Vector2d> CameraModel::unproject(const Eigen::Vector2d& pix
 }
 
 double CameraModel::mm2_per_px(const Eigen::Vector2d& pixel, double height_mm) const {
-  const auto left = unproject(pixel - Eigen::Vector2d(0.5, 0), height_mm);
-  const auto right = unproject(pixel + Eigen::Vector2d(0.5, 0), height_mm);
-  const auto top = unproject(pixel - Eigen::Vector2d(0, 0.5), height_mm);
-  const auto bottom = unproject(pixel + Eigen::Vector2d(0, 0.5), height_mm);
-  if (!left || !right || !top || !bottom) return 0;
-  const Eigen::Vector2d dx = *right - *left, dy = *bottom - *top;
-  return std::abs(dx.x() * dy.y() - dx.y() * dy.x());
+  const auto direction = ray(pixel);
+  if (!direction) return 0;
+  const double along = (height_mm - position_mm_.z()) / direction->z();
+  if (!(along > 0) || !std::isfinite(along)) return 0;
+  // The lens' map grows areas by (1 + d r^2)(1 + 3 d r^2); a plane at a distance, seen at an angle, shows
+  // along^2 / |cos| of a unit of the undistorted picture, whose rays have length 1 along the optical axis.
+  const double f = calibration_.focal_length, d = calibration_.distortion;
+  const double x = (pixel.x() - calibration_.principal_point_x) / f,
+               y = (pixel.y() - calibration_.principal_point_y) / f, r2 = x * x + y * y;
+  return along * along / std::abs(direction->z()) * (1 + d * r2) * (1 + 3 * d * r2) / (f * f);
 }
 
 }  // namespace sslv

@@ -5,6 +5,7 @@
 #include "geometry/field.h"
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,6 +21,8 @@ struct Scene {
   FieldSize field;
   std::optional<CameraModel> camera;  // none before calibration: nothing can be located then
   std::array<double, 2> robot_height_mm{140, 140};
+  /// Ids that play, by Team; none set: not known.
+  std::array<std::bitset<256>, 2> roster{};
 
   double height_of(Team team) const { return robot_height_mm[static_cast<std::size_t>(team)]; }
 };
