@@ -88,7 +88,12 @@ World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut>
   auto scene = std::make_shared<Scene>();
   scene->field = config.field;
   if (camera.calibration) scene->camera.emplace(*camera.calibration, camera_path(i) + "/calibration");
-  scene->robot_height_mm = {config.teams.yellow.robot_height, config.teams.blue.robot_height};
+  for (const auto& [team, settings] :
+       {std::pair{Team::kYellow, &config.teams.yellow}, {Team::kBlue, &config.teams.blue}}) {
+    const auto index = static_cast<std::size_t>(team);
+    scene->robot_height_mm[index] = settings->robot_height;
+    for (const int id : settings->ids) scene->roster[index].set(static_cast<std::size_t>(id));
+  }
 
   std::shared_ptr<const PatternTable> patterns;
   if (config.patterns_file.empty()) {

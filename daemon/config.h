@@ -22,9 +22,14 @@ namespace sslv {
 struct TeamSettings {
   std::string name;
   double robot_height = 140;
+  std::vector<int> ids;
   static constexpr auto fields() {
     return std::tuple{
         text("name", &TeamSettings::name, "as the game controller spells it"),
+        numbers(
+            "ids", &TeamSettings::ids, 0, 255,
+            "ids of the robots that play, if known: a robot with a hidden dot is then reported when only one "
+            "of them fits. Others are still reported when all their dots are seen"),
         number("robot_height", &TeamSettings::robot_height, 20.0, 1000.0, "mm",
                "height of the pattern above the floor"),
     };

@@ -15,7 +15,9 @@ void forget_results(Frame& frame) {
   frame.regions.begin = {};
   frame.regions.capped = false;
   frame.robots.robots.clear();
+  frame.robots.capped = false;
   frame.balls.balls.clear();
+  frame.balls.capped = false;
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ const Frame& CameraPipeline::process(Image image, double t_capture_s,
   setup->pipeline->run(frame, setup->world, sink_, setup->parameters);
 
   frames_.fetch_add(1, std::memory_order_relaxed);
-  if (frame.runs.capped || frame.regions.capped) capped_.fetch_add(1, std::memory_order_relaxed);
+  if (frame.runs.capped || frame.regions.capped || frame.robots.capped || frame.balls.capped)
+    capped_.fetch_add(1, std::memory_order_relaxed);
   robots_.store(static_cast<std::uint32_t>(frame.robots.robots.size()), std::memory_order_relaxed);
   balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
   if (current_) {

@@ -2,42 +2,62 @@
 #pragma once
 
 #include "base/params.h"
+#include "image/image.h"
+#include "vision/ball_fit.h"
+#include "vision/confidence.h"
 #include "vision/detections.h"
+#include "vision/lut.h"
 #include "vision/regions.h"
 
 #include <tuple>
+#include <vector>
 
 namespace sslv {
 
-/// Finds balls: orange blobs of a ball's size and shape on the field that are not part of a robot.
+/// Finds balls: regions of the ball's colour say where to look; what there is, is read from the picture's own
+/// samples by fitting a sphere (BallFitter). Size, roundness, colour and surroundings give the confidence. What
+/// lies on a robot's top is part of its pattern; what a robot hides of a ball is left out of the fit.
 class DetectBalls {
  public:
   struct Params {
-    double min_area_ratio = 0.3;
-    double max_area_ratio = 2.0;
-    double max_aspect = 2.2;
+    double min_area_ratio = 0.15;
+    double max_area_ratio = 3.0;
     double max_outside_mm = 300;
-    double robot_radius_mm = 45;
+    double on_robot_mm = 8;
+    double min_confidence = 0.5;
     int max_balls = 20;
+    double blur_px = 0.55;
+    int max_fits = 200;
     static constexpr auto fields() {
       return std::tuple{
           number("min_area_ratio", &Params::min_area_ratio, 0.0, 1.0, "",
-                 "smallest ball, as a share of its true area"),
+                 "smallest region looked at, as a share of a ball's true area"),
           number("max_area_ratio", &Params::max_area_ratio, 1.0, 20.0, "",
-                 "largest ball, as a multiple of its true area"),
-          number("max_aspect", &Params::max_aspect, 1.0, 10.0, "", "longest box, long side over short side"),
+                 "largest region looked at, as a multiple of a ball's true area"),
           number("max_outside_mm", &Params::max_outside_mm, 0.0, 10'000.0, "mm",
                  "how far outside the touch and goal lines a ball may lie"),
-          number("robot_radius_mm", &Params::robot_radius_mm, 0.0, 200.0, "mm",
-                 "an orange blob this near to a robot's centre is part of its pattern"),
+          number("on_robot_mm", &Params::on_robot_mm, -100.0, 100.0, "mm",
+                 "a region further than this inside a robot's outline is part of the robot; less than 0: also "
+                 "what is so near outside"),
+          number("min_confidence", &Params::min_confidence, 0.0, 1.0, "", "balls below it are not reported"),
           number("max_balls", &Params::max_balls, 1, 1'000, "", "report at most so many, the best ones"),
+          number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
+          number("max_fits", &Params::max_fits, 1, 100'000, "",
+                 "looks at no more regions than this in one picture, the largest ones (some 5 us each); frames "
+                 "that had more to look at are counted"),
       };
     }
   };
 
-  /// Without a calibrated camera the result is empty.
-  void process(const Params& params, const Scene& scene, const RegionList& regions, const RobotList& robots,
-               BallList& balls) noexcept;
+  /// Without a calibrated camera, or in a picture without colours, the result is empty.
+  void process(const Params& params, const Scene& scene, const Lut& lut, const Image& image,
+               const RegionList& regions, const RobotList& robots, BallList& balls) noexcept;
+
+  /// `area_ratio` is the region's area over that of a ball.
+  static BallEvidence evidence_of(const BallFit& fit, const Lut& lut, double radius_mm, double area_ratio);
+
+ private:
+  BallFitter fitter_;
 };
 
 }  // namespace sslv

@@ -2,18 +2,36 @@
 #include "vision/detect_robots.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
-#include <span>
 
 namespace sslv {
 namespace {
 
-constexpr std::array kCenterLabel{label::kYellow, label::kBlue};  // by Team
-
-/// Blobs around one centre that are tried as side dots; more would be clutter.
+/// A side dot's region this far from its place is not taken for it, when looking where to start.
+constexpr double kNearMm = 16;
+/// Regions around one centre that are tried as side dots; more would be clutter.
 constexpr std::size_t kMaxNear = 24;
+/// How much nearer than the second likeliest a colour must be to count as proven: PatternDotFit::margin.
+constexpr double kLeastMargin = 0.05;
+/// A dot whose colour lies further from the table's than this many times their spread is something else: a
+/// sticker, a hand.
+/// The two teams' colours lie further apart than two side dots' may, and yellow turns to orange in dim light.
+constexpr double kMostOff = 1.6, kMostCenterOff = 2.5;
+constexpr int kFewPasses = 2, kManyPasses = 5;
+constexpr double kDuplicateShare = 0.25;
+/// What was seen in the last pictures is the same robot within these.
+constexpr double kSamePlaceMm = 60, kSameHeadingRad = 0.5;
+
+using Ids = std::bitset<256>;
+
+/// std::hypot, but for its care about overflow, which takes longer than the rest.
+double distance(double dx, double dy) {
+  return std::sqrt(dx * dx + dy * dy);
+}
 
 double disc_area_mm2(double diameter_mm) {
   return std::numbers::pi * diameter_mm * diameter_mm / 4;
@@ -24,175 +42,368 @@ std::optional<Eigen::Vector2d> place_of(const Region& region, const CameraModel&
                                         double area_mm2, const DetectRobots::Params& params) {
   const Eigen::Vector2d pixel(region.x_px, region.y_px);
   const double ratio = region.area_px * camera.mm2_per_px(pixel, height_mm) / area_mm2;
-  if (ratio < params.min_area_ratio || ratio > params.max_area_ratio) return std::nullopt;
+  if (!(ratio >= params.min_area_ratio && ratio <= params.max_area_ratio)) return std::nullopt;
   return camera.unproject(pixel, height_mm);
-}
-
-struct Pose {
-  double x_mm, y_mm, angle_rad, rms_mm;
-};
-
-/// Rotation and shift that lay the pattern (centre and dots) over the blobs with the least squared error
-/// (Umeyama 1991, in the plane, without scale).
-Pose fit_pose(std::span<const PatternDot> model, std::span<const PatternDot> seen) {
-  const auto n = static_cast<double>(model.size());
-  PatternDot model_mean{0, 0}, seen_mean{0, 0};
-  for (std::size_t i = 0; i < model.size(); ++i) {
-    model_mean = {model_mean.x_mm + model[i].x_mm / n, model_mean.y_mm + model[i].y_mm / n};
-    seen_mean = {seen_mean.x_mm + seen[i].x_mm / n, seen_mean.y_mm + seen[i].y_mm / n};
-  }
-  double dot = 0, cross = 0;
-  for (std::size_t i = 0; i < model.size(); ++i) {
-    const double mx = model[i].x_mm - model_mean.x_mm, my = model[i].y_mm - model_mean.y_mm;
-    const double sx = seen[i].x_mm - seen_mean.x_mm, sy = seen[i].y_mm - seen_mean.y_mm;
-    dot += mx * sx + my * sy;
-    cross += mx * sy - my * sx;
-  }
-  const double angle = std::atan2(cross, dot), c = std::cos(angle), s = std::sin(angle);
-  Pose pose{seen_mean.x_mm - (c * model_mean.x_mm - s * model_mean.y_mm),
-            seen_mean.y_mm - (s * model_mean.x_mm + c * model_mean.y_mm), angle, 0};
-  double squares = 0;
-  for (std::size_t i = 0; i < model.size(); ++i) {
-    const double ex = pose.x_mm + c * model[i].x_mm - s * model[i].y_mm - seen[i].x_mm;
-    const double ey = pose.y_mm + s * model[i].x_mm + c * model[i].y_mm - seen[i].y_mm;
-    squares += ex * ex + ey * ey;
-  }
-  pose.rms_mm = std::sqrt(squares / n);
-  return pose;
 }
 
 }  // namespace
 
 void DetectRobots::process(const Params& params, const Scene& scene, const PatternTable& patterns,
+                           const Lut& lut, const FrameInfo& info, const Image& image,
                            const RegionList& regions, RobotList& out) noexcept {
   out.robots.clear();
   candidates_.clear();
-  if (!scene.camera || patterns.dots.size() > kMaxDots) return;
+  explained_.assign(regions.regions.size(), 0);
+  fitter_.reset_count();
+  if (!scene.camera || image.view().empty()) return;
+  const Frame frame{image.view(), *scene.camera, patterns, lut, params.blur_px};
+  const double now_s = info.t_capture_s;
+  memory_.forget(now_s, params.memory_ms * 1e-3);
+
   double dots_height_mm = std::numeric_limits<double>::quiet_NaN();
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const double height_mm = scene.height_of(team);
-    if (height_mm != dots_height_mm) collect_dots(params, scene, height_mm, patterns, regions);
+    const bool same_dots = height_mm == dots_height_mm;
+    if (!same_dots) collect_dots(params, frame, height_mm, regions);
     dots_height_mm = height_mm;
-    for (const Region& region : regions.of(kCenterLabel[static_cast<std::size_t>(team)])) {
-      const auto place =
-          place_of(region, *scene.camera, height_mm, disc_area_mm2(patterns.center_diameter_mm), params);
-      if (!place) continue;
-      const auto index = static_cast<std::size_t>(&region - regions.regions.data());
-      fit_around(params, scene, patterns, team, {place->x(), place->y(), region.label, index});
-    }
+    search_from_centers(params, frame, team, height_mm, regions);
   }
-  choose(patterns, out);
+  // Whatever side dots are left: robots whose centre dot no region shows.
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    const double height_mm = scene.height_of(team);
+    if (team == Team::kBlue && height_mm == scene.height_of(Team::kYellow)) break;
+    if (height_mm != dots_height_mm) collect_dots(params, frame, height_mm, regions);
+    dots_height_mm = height_mm;
+    search_from_side_dots(params, frame, height_mm);
+  }
+  search_from_memory(params, frame, scene, now_s);
+  choose(params, frame, scene, now_s, out);
+  out.capped = !time_left(params);
+  if (params.memory_ms > 0) memory_.remember(out, now_s);
 }
 
-void DetectRobots::collect_dots(const Params& params, const Scene& scene, double height_mm,
-                                const PatternTable& patterns, const RegionList& regions) {
+void DetectRobots::collect_dots(const Params& params, const Frame& frame, double height_mm,
+                                const RegionList& regions) {
   dots_.clear();
-  for (const Label label : patterns.side_colors) {
+  // Dots of different sizes are all taken for the mean one here: the areas' limits are wide.
+  double area_mm2 = 0;
+  for (const PatternDot& dot : frame.patterns.dots)
+    area_mm2 += disc_area_mm2(dot.diameter_mm) / static_cast<double>(frame.patterns.dots.size());
+  for (const Label label : frame.patterns.side_colors) {
     for (const Region& region : regions.of(label)) {
-      const auto place =
-          place_of(region, *scene.camera, height_mm, disc_area_mm2(patterns.dot_diameter_mm), params);
-      if (!place) continue;
-      dots_.push_back(
-          {place->x(), place->y(), label, static_cast<std::size_t>(&region - regions.regions.data())});
+      const auto place = place_of(region, frame.camera, height_mm, area_mm2, params);
+      if (place)
+        dots_.push_back({place->x(), place->y(), static_cast<std::size_t>(&region - regions.regions.data())});
+    }
+  }
+  std::sort(dots_.begin(), dots_.end(), [](const Dot& a, const Dot& b) { return a.x_mm < b.x_mm; });
+}
+
+std::vector<DetectRobots::Dot>::iterator DetectRobots::first_dot_right_of(double x_mm) {
+  return std::lower_bound(dots_.begin(), dots_.end(), x_mm,
+                          [](const Dot& dot, double x) { return dot.x_mm < x; });
+}
+
+/// Side dots at a found robot's places are no hint of another.
+void DetectRobots::explain_dots(const PatternTable& patterns, const Candidate& found) {
+  const double c = std::cos(found.fit.pose.angle_rad), s = std::sin(found.fit.pose.angle_rad);
+  for (std::size_t i = 0; i < patterns.dots.size(); ++i) {
+    const PatternDot& dot = patterns.dots[i];
+    const double x_mm = found.fit.pose.x_mm + c * dot.x_mm - s * dot.y_mm;
+    const double y_mm = found.fit.pose.y_mm + s * dot.x_mm + c * dot.y_mm;
+    const double within_mm = dot.diameter_mm / 2;
+    for (auto near = first_dot_right_of(x_mm - within_mm);
+         near != dots_.end() && near->x_mm < x_mm + within_mm; ++near) {
+      if (distance(near->x_mm - x_mm, near->y_mm - y_mm) < within_mm) explained_[near->region] = 1;
     }
   }
 }
 
-void DetectRobots::fit_around(const Params& params, const Scene& scene, const PatternTable& patterns,
-                              Team team, const Dot& center) {
-  double reach_mm = 0;
-  for (const PatternDot& dot : patterns.dots) reach_mm = std::max(reach_mm, std::hypot(dot.x_mm, dot.y_mm));
-  reach_mm += params.max_dot_error_mm;
-  near_.clear();
-  for (const Dot& dot : dots_) {
-    if (near_.size() == kMaxNear) break;
-    if (dot.region != center.region &&
-        std::hypot(dot.x_mm - center.x_mm, dot.y_mm - center.y_mm) < reach_mm) {
-      near_.push_back(dot);
-    }
+/// The turn of the pattern about a centre at which most of its side dots lie on regions, and the pose that
+/// fits those and the centre best.
+DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x_mm, double y_mm) {
+  using Point = std::complex<double>;
+  std::array<Point, kMaxNear> near;  // from the centre
+  std::size_t count = 0;
+  const double reach_mm = patterns.reach_mm + kNearMm;
+  for (auto dot = first_dot_right_of(x_mm - reach_mm);
+       dot != dots_.end() && dot->x_mm < x_mm + reach_mm && count < kMaxNear; ++dot) {
+    const Point at(dot->x_mm - x_mm, dot->y_mm - y_mm);
+    if (std::norm(at) < reach_mm * reach_mm) near[count++] = at;
   }
-  const std::size_t dot_count = patterns.dots.size();
-  if (near_.size() < dot_count) return;
-
-  // Every blob in turn is taken for every dot, which gives the heading; the others must then be where the
-  // pattern has them. One dot alone would do only if it were seen without error.
-  Candidate best{};
-  best.rms_mm = params.max_rms_mm;
-  for (const Dot& start : near_) {
-    for (const PatternDot& as : patterns.dots) {
-      const double distance = std::hypot(start.x_mm - center.x_mm, start.y_mm - center.y_mm);
-      if (std::abs(distance - std::hypot(as.x_mm, as.y_mm)) > params.max_dot_error_mm) continue;
-      const double turn =
-          std::atan2(start.y_mm - center.y_mm, start.x_mm - center.x_mm) - std::atan2(as.y_mm, as.x_mm);
-      try_heading(params, scene, patterns, team, center, turn, best);
-    }
+  const std::size_t sides = patterns.dots.size();
+  std::array<Point, PatternTable::kMaxDots> place_of_dot;
+  std::array<double, PatternTable::kMaxDots> length_of_dot;
+  for (std::size_t i = 0; i < sides; ++i) {
+    place_of_dot[i] = {patterns.dots[i].x_mm, patterns.dots[i].y_mm};
+    length_of_dot[i] = std::sqrt(std::norm(place_of_dot[i]));
   }
-  if (best.rms_mm < params.max_rms_mm) candidates_.push_back(best);
-}
-
-void DetectRobots::try_heading(const Params& params, const Scene& scene, const PatternTable& patterns,
-                               Team team, const Dot& center, double turn_rad, Candidate& best) const {
-  const std::size_t dot_count = patterns.dots.size();
-  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
-  std::array<PatternDot, kMaxDots + 1> model{}, seen{};
-  std::array<std::size_t, kMaxDots> used{};
-  std::array<Label, kMaxDots> colors{};
-  seen[0] = {center.x_mm, center.y_mm};
-  for (std::size_t i = 0; i < dot_count; ++i) {
-    const double x = center.x_mm + c * patterns.dots[i].x_mm - s * patterns.dots[i].y_mm;
-    const double y = center.y_mm + s * patterns.dots[i].x_mm + c * patterns.dots[i].y_mm;
-    const Dot* nearest = nullptr;
-    double nearest_mm = params.max_dot_error_mm;
-    for (const Dot& dot : near_) {
-      const auto others = std::span(used).first(i);
-      const double away_mm = std::hypot(dot.x_mm - x, dot.y_mm - y);
-      if (away_mm < nearest_mm && std::find(others.begin(), others.end(), dot.region) == others.end()) {
-        nearest = &dot;
-        nearest_mm = away_mm;
+  int most = 0;
+  double least_error = 0;
+  Point turn_dots(0, 0), shift(0, 0);  // of the best arrangement
+  double matched_weight = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double length = std::sqrt(std::norm(near[i]));
+    for (std::size_t dot = 0; dot < sides; ++dot) {
+      if (std::abs(length - length_of_dot[dot]) > kNearMm || length == 0) continue;
+      const Point turn = near[i] * std::conj(place_of_dot[dot]) / (length_of_dot[dot] * length);
+      int matched = 0;
+      double error = 0;
+      Point sum_turn(0, 0), sum_seen(0, 0), sum_model(0, 0);
+      for (std::size_t other = 0; other < sides; ++other) {
+        const Point place = turn * place_of_dot[other];
+        double nearest = kNearMm * kNearMm;
+        const Point* seen = nullptr;
+        for (std::size_t k = 0; k < count; ++k) {
+          const double distance = std::norm(near[k] - place);
+          if (distance < nearest) {
+            nearest = distance;
+            seen = &near[k];
+          }
+        }
+        if (seen == nullptr) continue;
+        ++matched;
+        error += nearest;
+        sum_turn += *seen * std::conj(place_of_dot[other]);
+        sum_seen += *seen;
+        sum_model += place_of_dot[other];
+      }
+      if (matched > most || (matched == most && error < least_error)) {
+        most = matched;
+        least_error = error;
+        // Least squares with the centre itself as one more point, at 0 in both (Umeyama 1991, no scale).
+        matched_weight = 1.0 / (matched + 1);
+        turn_dots = sum_turn - sum_seen * std::conj(sum_model) * matched_weight;
+        turn_dots = std::abs(turn_dots) > 0 ? turn_dots / std::abs(turn_dots) : turn;
+        shift = (sum_seen - turn_dots * sum_model) * matched_weight;
       }
     }
-    if (!nearest) return;
-    used[i] = nearest->region;
-    colors[i] = nearest->label;
-    model[i + 1] = patterns.dots[i];
-    seen[i + 1] = {nearest->x_mm, nearest->y_mm};
   }
-  const auto code =
-      std::find_if(patterns.codes.begin(), patterns.codes.end(), [&](const PatternTable::Code& candidate) {
-        return std::equal(candidate.colors.begin(), candidate.colors.end(), colors.begin());
-      });
-  if (code == patterns.codes.end()) return;
-  const Pose pose = fit_pose(std::span(model).first(dot_count + 1), std::span(seen).first(dot_count + 1));
-  if (pose.rms_mm >= best.rms_mm) return;
-  const double height_mm = scene.height_of(team);
-  const auto pixel = scene.camera->project({pose.x_mm, pose.y_mm, height_mm});
-  if (!pixel) return;
-  // A first measure only: 1 for a perfect fit, 0 at the rms limit.
-  const double confidence = 1 - pose.rms_mm / params.max_rms_mm;
-  best = {
-      {team, code->id, pose.x_mm, pose.y_mm, pose.angle_rad, height_mm, pixel->x(), pixel->y(), confidence},
-      pose.rms_mm,
-      used,
-      center.region};
+  if (most == 0) return {{x_mm, y_mm, 0}, 0};
+  return {{x_mm + shift.real(), y_mm + shift.imag(), std::arg(turn_dots)}, most};
 }
 
-void DetectRobots::choose(const PatternTable& patterns, RobotList& out) {
-  std::sort(candidates_.begin(), candidates_.end(),
-            [](const Candidate& a, const Candidate& b) { return a.rms_mm < b.rms_mm; });
-  taken_.clear();
-  const auto is_taken = [&](std::size_t region) {
-    return std::find(taken_.begin(), taken_.end(), region) != taken_.end();
+void DetectRobots::search_from_centers(const Params& params, const Frame& frame, Team team, double height_mm,
+                                       const RegionList& regions) {
+  const Label color = frame.patterns.team_colors[static_cast<std::size_t>(team)];
+  const double area_mm2 = disc_area_mm2(frame.patterns.center_diameter_mm);
+  const auto search = [&](Label label, int least_matched) {
+    for (const Region& region : regions.of(label)) {
+      const auto place = place_of(region, frame.camera, height_mm, area_mm2, params);
+      if (!place) continue;
+      if (!time_left(params)) return;
+      search_around(params, frame, place->x(), place->y(), height_mm, least_matched);
+    }
   };
-  for (const Candidate& candidate : candidates_) {
-    const auto used = std::span(candidate.used).first(patterns.dots.size());
-    if (is_taken(candidate.center_region) || std::any_of(used.begin(), used.end(), is_taken)) continue;
-    const bool known = std::any_of(out.robots.begin(), out.robots.end(), [&](const Robot& other) {
-      return other.team == candidate.robot.team && other.id == candidate.robot.id;
+  search(color, 0);
+  // In dim light yellow reads as orange. So does every ball, but that has no side dots around it.
+  if (color == label::kYellow) search(label::kOrange, 1);
+}
+
+void DetectRobots::search_around(const Params& params, const Frame& frame, double x_mm, double y_mm,
+                                 double height_mm, int least_matched) {
+  const int all = static_cast<int>(frame.patterns.dots.size()) + 1;
+  const Start start = arrange(frame.patterns, x_mm, y_mm);
+  if (start.matched < least_matched) return;
+  Candidate best{};
+  if (start.matched + 1 == all) {
+    best = examine(params, frame, start.pose, height_mm, kFewPasses);
+    if (best.proven_dots == all) return keep(frame.patterns, best);
+  }
+  // Regions do not tell: the picture itself must.
+  const auto center = fitter_.fit_center(frame, x_mm, y_mm, height_mm);
+  if (!center.seen) return;
+  const auto try_start = [&](const PatternPose& pose) {
+    const Candidate candidate = examine(params, frame, pose, height_mm, kManyPasses);
+    if (candidate.proven_dots > best.proven_dots ||
+        (candidate.proven_dots == best.proven_dots && candidate.confidence > best.confidence)) {
+      best = candidate;
+    }
+    return best.proven_dots == all;
+  };
+  if (start.matched >= 2 && start.matched + 1 < all &&
+      try_start({center.x_mm, center.y_mm, start.pose.angle_rad}))
+    return keep(frame.patterns, best);
+  std::array<double, PatternFitter::kMostHeadings> headings;
+  const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, headings);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (try_start({center.x_mm, center.y_mm, headings[i]})) break;
+  }
+  keep(frame.patterns, best);
+}
+
+void DetectRobots::search_from_side_dots(const Params& params, const Frame& frame, double height_mm) {
+  const PatternTable& patterns = frame.patterns;
+  const double reach_mm = 2 * patterns.reach_mm;
+  constexpr std::size_t kMostTries = 8;  // of one dot
+  for (std::size_t i = 0; i < dots_.size() && time_left(params); ++i) {
+    std::size_t tries = 0;
+    for (std::size_t k = i + 1; k < dots_.size() && dots_[k].x_mm < dots_[i].x_mm + reach_mm; ++k) {
+      if (explained_[dots_[i].region] != 0) break;
+      if (explained_[dots_[k].region] != 0) continue;
+      const double dx = dots_[k].x_mm - dots_[i].x_mm, dy = dots_[k].y_mm - dots_[i].y_mm;
+      const double apart_mm = distance(dx, dy);
+      if (apart_mm > reach_mm) continue;
+      for (std::size_t a = 0; a < patterns.dots.size(); ++a) {
+        for (std::size_t b = 0; b < patterns.dots.size(); ++b) {
+          const double mx = patterns.dots[b].x_mm - patterns.dots[a].x_mm,
+                       my = patterns.dots[b].y_mm - patterns.dots[a].y_mm;
+          if (a == b || std::abs(distance(mx, my) - apart_mm) > 0.5 * kNearMm) continue;
+          const double angle = std::atan2(dy, dx) - std::atan2(my, mx), c = std::cos(angle),
+                       s = std::sin(angle);
+          const double x_mm = dots_[i].x_mm - c * patterns.dots[a].x_mm + s * patterns.dots[a].y_mm;
+          const double y_mm = dots_[i].y_mm - s * patterns.dots[a].x_mm - c * patterns.dots[a].y_mm;
+          const Start start = arrange(patterns, x_mm, y_mm);
+          if (start.matched < 3 || tries++ >= kMostTries) continue;
+          const Candidate candidate = examine(params, frame, start.pose, height_mm, kManyPasses);
+          keep(patterns, candidate);
+          if (explained_[dots_[i].region] != 0) a = b = patterns.dots.size();
+        }
+      }
+    }
+  }
+}
+
+void DetectRobots::search_from_memory(const Params& params, const Frame& frame, const Scene& scene,
+                                      double now_s) {
+  for (const RobotMemory::Entry& entry : memory_.entries()) {
+    if (!time_left(params)) return;
+    const PatternPose expected = entry.at(now_s);
+    const bool found = std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
+      return distance(candidate.fit.pose.x_mm - expected.x_mm, candidate.fit.pose.y_mm - expected.y_mm) <
+             kSamePlaceMm;
     });
-    if (known) continue;
-    taken_.push_back(candidate.center_region);
-    taken_.insert(taken_.end(), used.begin(), used.end());
-    out.robots.push_back(candidate.robot);
+    if (found) continue;
+    const double height_mm = scene.height_of(entry.team);
+    Candidate candidate = examine(params, frame, expected, height_mm, kManyPasses);
+    if (candidate.proven_dots < static_cast<int>(frame.patterns.dots.size())) {
+      const auto center = fitter_.fit_center(frame, expected.x_mm, expected.y_mm, height_mm);
+      if (center.seen) {
+        search_around(params, frame, center.x_mm, center.y_mm, height_mm, 0);
+        continue;
+      }
+    }
+    keep(frame.patterns, candidate);
+  }
+}
+
+DetectRobots::Candidate DetectRobots::examine(const Params& params, const Frame& frame,
+                                              const PatternPose& start, double height_mm, int most_passes) {
+  Candidate out{};
+  out.fit = fitter_.fit(frame, start, height_mm, most_passes);
+  out.height_mm = height_mm;
+  if (out.fit.seen == 0 || out.fit.rms_mm > params.max_rms_mm) return out;
+  const auto is_proven = [](const PatternDotFit& dot, double most_off) {
+    return dot.seen && dot.margin > kLeastMargin && dot.off < most_off;
+  };
+  RobotEvidence evidence;
+  evidence.least_sure = std::numeric_limits<double>::infinity();
+  const auto count = [&](const PatternDotFit& dot) {
+    evidence.least_sure = std::min(evidence.least_sure, dot.margin * dot.snr);
+    ++out.proven_dots;
+  };
+  const PatternDotFit& center = out.fit.dots[PatternFit::kCenter];
+  if (is_proven(center, kMostCenterOff)) {
+    out.team = center.color == frame.patterns.team_colors[0] ? Team::kYellow : Team::kBlue;
+    count(center);
+  }
+  for (std::size_t i = 0; i < frame.patterns.dots.size(); ++i) {
+    out.proven[i] = is_proven(out.fit.dots[i], kMostOff);
+    if (out.proven[i]) count(out.fit.dots[i]);
+  }
+  evidence.rms_mm = out.fit.rms_mm;
+  evidence.least_r2 = out.fit.least_r2;
+  evidence.mean_r2 = out.fit.mean_r2;
+  evidence.unproven = static_cast<int>(frame.patterns.dots.size()) + 1 - out.proven_dots;
+  out.confidence = confidence_of(evidence);
+  return out;
+}
+
+/// With more than one dot unproven nothing can come of it.
+void DetectRobots::keep(const PatternTable& patterns, const Candidate& candidate) {
+  const int all = static_cast<int>(patterns.dots.size()) + 1;
+  if (candidate.proven_dots + 1 < all || candidate.proven_dots < 3) return;
+  candidates_.push_back(candidate);
+  if (candidate.proven_dots == all) explain_dots(patterns, candidate);
+}
+
+void DetectRobots::choose(const Params& params, const Frame& frame, const Scene& scene, double now_s,
+                          RobotList& out) {
+  const PatternTable& patterns = frame.patterns;
+  const std::size_t sides = patterns.dots.size();
+  order_.clear();
+  chosen_.clear();
+  for (const Candidate& candidate : candidates_) order_.push_back(&candidate);
+  std::sort(order_.begin(), order_.end(), [](const Candidate* a, const Candidate* b) {
+    return a->proven_dots != b->proven_dots ? a->proven_dots > b->proven_dots : a->confidence > b->confidence;
+  });
+  // Two robots never share a dot.
+  const auto share_a_dot = [&](const Candidate& a, const Candidate& b) {
+    const double reach_px = 2 * patterns.reach_mm * a.fit.px_per_mm;
+    if (distance(a.fit.pixel_x - b.fit.pixel_x, a.fit.pixel_y - b.fit.pixel_y) > 1.2 * reach_px) return false;
+    const double within_px = 0.5 * patterns.center_diameter_mm * a.fit.px_per_mm;
+    const auto dot_at = [&](std::size_t i) { return i == sides ? PatternFit::kCenter : i; };
+    for (std::size_t i = 0; i <= sides; ++i) {
+      for (std::size_t k = 0; k <= sides; ++k) {
+        const PatternDotFit &one = a.fit.dots[dot_at(i)], &other = b.fit.dots[dot_at(k)];
+        if (one.seen && other.seen &&
+            distance(one.pixel_x - other.pixel_x, one.pixel_y - other.pixel_y) < within_px)
+          return true;
+      }
+    }
+    return false;
+  };
+  std::array<Ids, 2> taken;
+  for (const Candidate* candidate : order_) {
+    const bool shares = std::any_of(chosen_.begin(), chosen_.end(),
+                                    [&](const Candidate* other) { return share_a_dot(*candidate, *other); });
+    if (shares) continue;
+    const auto remembered = std::find_if(
+        memory_.entries().begin(), memory_.entries().end(), [&](const RobotMemory::Entry& entry) {
+          const PatternPose expected = entry.at(now_s);
+          const PatternPose& pose = candidate->fit.pose;
+          return (!candidate->team || *candidate->team == entry.team) &&
+                 distance(expected.x_mm - pose.x_mm, expected.y_mm - pose.y_mm) < kSamePlaceMm &&
+                 std::abs(std::remainder(expected.angle_rad - pose.angle_rad, 2 * std::numbers::pi)) <
+                     kSameHeadingRad;
+        });
+    const bool is_remembered = remembered != memory_.entries().end();
+    if (!candidate->team && !is_remembered) continue;
+    const Team team = candidate->team ? *candidate->team : remembered->team;
+    const auto team_index = static_cast<std::size_t>(team);
+
+    Ids possible;
+    for (const PatternTable::Code& code : patterns.codes) {
+      bool fits = true;
+      for (std::size_t i = 0; i < sides; ++i)
+        fits = fits && (!candidate->proven[i] || candidate->fit.dots[i].color == code.colors[i]);
+      if (fits) possible.set(static_cast<std::size_t>(code.id));
+    }
+    if (possible.count() > 1) {
+      possible &= ~taken[team_index];
+      if (scene.roster[team_index].any()) possible &= scene.roster[team_index];
+      if (possible.count() > 1 && is_remembered) {
+        Ids last;
+        last.set(static_cast<std::size_t>(remembered->id));
+        possible &= last;
+      }
+    }
+    if (possible.count() != 1) continue;
+    // The plane of the other team's height would give another place.
+    if (candidate->height_mm != scene.height_of(team)) continue;
+    const auto id = static_cast<int>(possible._Find_first());
+    double confidence = candidate->confidence;
+    if (taken[team_index].test(static_cast<std::size_t>(id))) {
+      if (params.duplicates == Duplicates::kDrop) continue;
+      confidence *= kDuplicateShare;
+    } else if (confidence < params.min_confidence) {
+      continue;
+    }
+    taken[team_index].set(static_cast<std::size_t>(id));
+    chosen_.push_back(candidate);
+    const PatternFit& fit = candidate->fit;
+    out.robots.push_back({team, id, fit.pose.x_mm, fit.pose.y_mm, fit.pose.angle_rad, candidate->height_mm,
+                          fit.pixel_x, fit.pixel_y, confidence});
   }
   std::sort(out.robots.begin(), out.robots.end(),
             [](const Robot& a, const Robot& b) { return a.confidence > b.confidence; });

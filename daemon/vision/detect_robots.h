@@ -2,73 +2,120 @@
 #pragma once
 
 #include "base/params.h"
+#include "image/frame_info.h"
+#include "image/image.h"
+#include "vision/confidence.h"
 #include "vision/detections.h"
+#include "vision/lut.h"
+#include "vision/pattern_fit.h"
 #include "vision/patterns.h"
 #include "vision/regions.h"
+#include "vision/robot_memory.h"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <tuple>
 #include <vector>
 
 namespace sslv {
 
-/// Finds robots: a blob of a team's colour and size with side dots at the pattern's places around it. Works
-/// in field millimetres on the plane of the team's height; the pose is the least-squares fit of the pattern
-/// to all dots. A robot is reported only with every dot proven: with all codes in use, a missing dot leaves
-/// more than one id.
+/// Finds robots. Regions of the teams' and dots' colours say where to look; where exactly and what there is,
+/// is read from the picture's own samples by fitting every dot (PatternFitter), all in field coordinates on
+/// the plane of the team's height. A robot is reported only when its id is proven: with all codes of a table
+/// in use, that takes every dot, or one less when the roster, the other robots or the memory leave one id
+/// only.
 class DetectRobots {
  public:
+  enum class Duplicates { kDrop, kKeep };
+  static constexpr std::array<Choice<Duplicates>, 2> kDuplicatesChoices{
+      {{"drop", Duplicates::kDrop}, {"keep", Duplicates::kKeep}}};
+
   struct Params {
-    double min_area_ratio = 0.35;
-    double max_area_ratio = 2.2;
-    double max_dot_error_mm = 14;
-    double max_rms_mm = 8;
+    double min_area_ratio = 0.2;
+    double max_area_ratio = 2.5;
+    double max_rms_mm = 6;
+    double min_confidence = 0.6;
+    Duplicates duplicates = Duplicates::kDrop;
+    double memory_ms = 100;
+    double blur_px = 0.55;
+    int max_disc_fits = 3000;
     static constexpr auto fields() {
       return std::tuple{
           number("min_area_ratio", &Params::min_area_ratio, 0.0, 1.0, "",
-                 "smallest dot, as a share of its true area"),
+                 "smallest region looked at, as a share of a dot's true area"),
           number("max_area_ratio", &Params::max_area_ratio, 1.0, 10.0, "",
-                 "largest dot, as a multiple of its true area"),
-          number("max_dot_error_mm", &Params::max_dot_error_mm, 1.0, 50.0, "mm",
-                 "how far a side dot may lie from its place"),
-          number("max_rms_mm", &Params::max_rms_mm, 0.5, 30.0, "mm", "largest rms error of a whole pattern"),
+                 "largest region looked at, as a multiple of a dot's true area"),
+          number("max_rms_mm", &Params::max_rms_mm, 0.5, 30.0, "mm",
+                 "largest rms distance of the dots from their places in a pattern"),
+          number("min_confidence", &Params::min_confidence, 0.0, 1.0, "", "robots below it are not reported"),
+          choice(
+              "duplicates", &Params::duplicates, kDuplicatesChoices,
+              "a second robot with the id of another of its team: drop it, or keep it with a quarter of its "
+              "confidence"),
+          number("memory_ms", &Params::memory_ms, 0.0, 2000.0, "ms",
+                 "how long a robot's last place helps to find it again; it never changes where it is "
+                 "reported. 0: each picture by itself"),
+          number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
+          number("max_disc_fits", &Params::max_disc_fits, 100, 1'000'000, "",
+                 "looks at no more dots than this in one picture (about 1 us each); frames that had more to "
+                 "look at are counted"),
       };
     }
   };
 
-  /// Without a calibrated camera the result is empty. One id is reported at most once a team: the better fit.
-  void process(const Params& params, const Scene& scene, const PatternTable& patterns,
-               const RegionList& regions, RobotList& robots) noexcept;
+  /// Without a calibrated camera, or in a picture without colours, the result is empty.
+  void process(const Params& params, const Scene& scene, const PatternTable& patterns, const Lut& lut,
+               const FrameInfo& info, const Image& image, const RegionList& regions,
+               RobotList& robots) noexcept;
 
  private:
-  static constexpr std::size_t kMaxDots = 16;
-  /// A blob that may be a dot, seen on the plane of a team's height.
+  /// A region that may be a side dot, seen on the plane of a team's height.
   struct Dot {
     double x_mm, y_mm;
-    Label label;
-    std::size_t region;  // identity, to give a dot to one robot only
+    std::size_t region;
   };
-  /// A pattern laid over blobs.
+  /// A pattern found in the picture.
   struct Candidate {
-    Robot robot;
-    double rms_mm;
-    std::array<std::size_t, kMaxDots> used;  // regions of the side dots
-    std::size_t center_region;
+    PatternFit fit;
+    double height_mm;
+    std::optional<Team> team;                         // proven by the centre dot
+    std::array<bool, PatternTable::kMaxDots> proven;  // side dots whose colour is
+    int proven_dots;                                  // of them, and the centre
+    double confidence;
   };
+  /// A place and heading to try.
+  struct Start {
+    PatternPose pose;
+    int matched;  // side dots that regions lie at
+  };
+  using Frame = PatternFitter::Frame;
 
-  void collect_dots(const Params& params, const Scene& scene, double height_mm, const PatternTable& patterns,
-                    const RegionList& regions);
-  void fit_around(const Params& params, const Scene& scene, const PatternTable& patterns, Team team,
-                  const Dot& center);
-  /// Replaces `best` when the pattern, turned so about the centre, fits better.
-  void try_heading(const Params& params, const Scene& scene, const PatternTable& patterns, Team team,
-                   const Dot& center, double turn_rad, Candidate& best) const;
-  void choose(const PatternTable& patterns, RobotList& robots);
+  void collect_dots(const Params& params, const Frame& frame, double height_mm, const RegionList& regions);
+  std::vector<Dot>::iterator first_dot_right_of(double x_mm);
+  void explain_dots(const PatternTable& patterns, const Candidate& found);
+  Start arrange(const PatternTable& patterns, double x_mm, double y_mm);
+  void search_from_centers(const Params& params, const Frame& frame, Team team, double height_mm,
+                           const RegionList& regions);
+  void search_around(const Params& params, const Frame& frame, double x_mm, double y_mm, double height_mm,
+                     int least_matched);
+  void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);
+  void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, double now_s);
+  bool time_left(const Params& params) const { return fitter_.discs_fitted() < params.max_disc_fits; }
 
-  std::vector<Dot> dots_, near_;
+  /// Fits the pattern and judges it.
+  Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
+                    int most_passes);
+  void keep(const PatternTable& patterns, const Candidate& candidate);
+  void choose(const Params& params, const Frame& frame, const Scene& scene, double now_s, RobotList& robots);
+
+  PatternFitter fitter_;
+  RobotMemory memory_;
+  std::vector<Dot> dots_;                // by x
+  std::vector<std::uint8_t> explained_;  // of each region: a robot found already has it as a side dot
   std::vector<Candidate> candidates_;
-  std::vector<std::size_t> taken_;
+  std::vector<const Candidate*> order_, chosen_;
 };
 
 }  // namespace sslv

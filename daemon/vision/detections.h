@@ -29,9 +29,11 @@ struct Ball {
 /// Both sorted by falling confidence. Distinct types, so that each is a part of a frame by itself.
 struct RobotList {
   std::vector<Robot> robots;
+  bool capped = false;  // there was more to look at than the time allows: the frame is flagged
 };
 struct BallList {
   std::vector<Ball> balls;
+  bool capped = false;
 };
 
 }  // namespace sslv

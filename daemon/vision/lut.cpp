@@ -94,6 +94,45 @@ void summarise_rgb_chroma(LutTable& table) {
   store(chroma, table.chroma);
 }
 
+/// Every other colour each way is enough for a mean. Bright colours count more: the shares of dark ones are
+/// vague.
+std::array<Lut::Shares, label::kCount> shares_of(const LutTable& rgb) {
+  struct Sums {
+    std::array<double, 3> color{};
+    double squares = 0;  // of the shares' lengths, times the brightness
+  };
+  std::array<Sums, label::kCount> sums;
+  for (std::size_t r = 0; r < kSide; r += 2) {
+    for (std::size_t b = 0; b < kSide; b += 2) {
+      for (std::size_t g = 0; g < kSide; g += 2) {
+        const Label label = rgb.labels[LutTable::index(middle(r), middle(b), middle(g))];
+        if (label == label::kClear) continue;
+        const std::array<double, 3> color{static_cast<double>(middle(r)), static_cast<double>(middle(g)),
+                                          static_cast<double>(middle(b))};
+        double squares = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          sums[label].color[c] += color[c];
+          squares += color[c] * color[c];
+        }
+        sums[label].squares += squares / (color[0] + color[1] + color[2]);
+      }
+    }
+  }
+  std::array<Lut::Shares, label::kCount> out;
+  for (std::size_t label = 0; label < out.size(); ++label) {
+    const auto& [color, squares] = sums[label];
+    const double weight = color[0] + color[1] + color[2];
+    if (weight <= 0) continue;
+    double length2 = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[label].mean[c] = color[c] / weight;
+      length2 += out[label].mean[c] * out[label].mean[c];
+    }
+    out[label].spread = std::sqrt(std::max(0.0, squares / weight - length2));
+  }
+  return out;
+}
+
 }  // namespace
 
 Lut::Lut() : Lut(std::vector<Label>(kEntries, label::kClear)) {}
@@ -118,6 +157,7 @@ Lut::Lut(std::vector<Label> yuv) {
   for (LutTable* table : {&yuv_, &rgb_}) summarise_blocks(*table);
   summarise_yuv_chroma(yuv_);
   summarise_rgb_chroma(rgb_);
+  shares_ = shares_of(rgb_);
 }
 
 std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::string& path) {

@@ -44,6 +44,10 @@ struct LutTable {
 /// defined over YUV; an RGB twin is derived from it once, so that RGB and Bayer pixels need no conversion.
 class Lut {
  public:
+  struct Shares {
+    std::array<double, 3> mean{1.0 / 3, 1.0 / 3, 1.0 / 3};
+    double spread = 0;
+  };
   static constexpr int kBits = LutTable::kBits;
   static constexpr std::size_t kEntries = LutTable::kEntries;
 
@@ -59,6 +63,12 @@ class Lut {
   Label of_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) const { return yuv_.of(u, v, y); }
   Label of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) const { return rgb_.of(r, b, g); }
 
+  /// Mean shares of red, green and blue (with sum 1) among the label's colours: what stays of a colour when
+  /// the light changes. Equal shares for a label without colours.
+  const std::array<double, 3>& shares(Label label) const { return shares_[label].mean; }
+  /// How far the label's colours lie from that: root mean square distance.
+  double share_spread(Label label) const { return shares_[label].spread; }
+
   const LutTable& yuv() const { return yuv_; }
   const LutTable& rgb() const { return rgb_; }
 
@@ -68,6 +78,7 @@ class Lut {
 
  private:
   LutTable yuv_, rgb_;
+  std::array<Shares, label::kCount> shares_;
   std::uint64_t id_;
 };
 

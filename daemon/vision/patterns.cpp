@@ -5,7 +5,10 @@
 #include "vision/league_patterns_json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -14,10 +17,6 @@ namespace {
 
 /// Two dots of a pattern that lie closer than this after a turn cannot be told apart reliably.
 constexpr double kSamePlaceMm = 12;
-
-double positive(const Json& json, const std::string& path, double max) {
-  return read_number<double>(json, path, 1.0, max, "mm");
-}
 
 /// The codes seen from every turn that puts all dots onto dots: `same[i]` is the dot that dot i comes to lie
 /// on.
@@ -58,6 +57,108 @@ void refuse_look_alikes(const PatternTable& table, const std::string& path) {
   }
 }
 
+struct Key {
+  std::string_view name;
+  bool needed;
+};
+constexpr std::array kKeys{
+    Key{"//", false},           Key{"name", true},          Key{"center_diameter_mm", true},
+    Key{"dot_diameter_mm", true}, Key{"dots", true},          Key{"codes", true},
+    Key{"team_colors", false},  Key{"top_radius_mm", false}, Key{"top_front_mm", false},
+};
+
+void check_keys(const Json& json, const std::string& path) {
+  if (!json.is_object()) refuse(path, json, "an object");
+  std::string known;
+  for (const Key& key : kKeys) {
+    if (key.needed && !json.contains(key.name)) {
+      throw SettingsError(fmt::format("{}/{}: is missing", path, key.name));
+    }
+    if (key.name != "//") known += (known.empty() ? "" : ", ") + std::string(key.name);
+  }
+  for (const auto& item : json.items()) {
+    const bool is_known =
+        std::any_of(kKeys.begin(), kKeys.end(), [&](const Key& key) { return key.name == item.key(); });
+    if (!is_known) {
+      throw SettingsError(fmt::format("{}/{}: no such parameter; known: {}", path, item.key(), known));
+    }
+  }
+}
+
+double millimetres(const Json& json, const std::string& path, double min, double max) {
+  return read_number<double>(json, path, min, max, "mm");
+}
+
+Label color_of(const Json& json, const std::string& path) {
+  const auto label = json.is_string() ? label_named(json.get<std::string>()) : std::nullopt;
+  if (!label || *label == label::kClear) refuse(path, json, "a colour's name");
+  return *label;
+}
+
+std::vector<PatternDot> dots_of(const Json& dots, double diameter_mm, const std::string& path) {
+  if (!dots.is_array() || dots.size() < 2 || dots.size() > PatternTable::kMaxDots)
+    refuse(path, dots, "2 .. 16 places [x, y] or [x, y, diameter]");
+  std::vector<PatternDot> out;
+  for (std::size_t i = 0; i < dots.size(); ++i) {
+    const std::string here = fmt::format("{}/{}", path, i);
+    const Json& dot = dots[i];
+    if (!dot.is_array() || dot.size() < 2 || dot.size() > 3) refuse(here, dot, "[x, y] or [x, y, diameter] in mm");
+    out.push_back({millimetres(dot[0], here + "/0", -500, 500), millimetres(dot[1], here + "/1", -500, 500),
+                   dot.size() == 3 ? millimetres(dot[2], here + "/2", 1, 500) : diameter_mm});
+  }
+  return out;
+}
+
+/// Fills reach_mm and gap_mm, and refuses dots that would hide each other or stand over the rim.
+void measure(PatternTable& table, const std::string& path) {
+  table.gap_mm = 1000;
+  const PatternDot center{0, 0, table.center_diameter_mm};
+  for (std::size_t i = 0; i < table.dots.size(); ++i) {
+    const PatternDot& dot = table.dots[i];
+    const double out_mm = std::hypot(dot.x_mm, dot.y_mm) + dot.diameter_mm / 2;
+    table.reach_mm = std::max(table.reach_mm, out_mm);
+    if (out_mm > table.top_radius_mm || dot.x_mm + dot.diameter_mm / 2 > table.top_front_mm) {
+      throw SettingsError(fmt::format("{}/dots/{}: stands over the rim of the top (top_radius_mm {}, top_front_mm {})",
+                                      path, i, table.top_radius_mm, table.top_front_mm));
+    }
+    for (std::size_t j = 0; j <= i; ++j) {
+      const PatternDot& other = j == 0 ? center : table.dots[j - 1];
+      const double gap_mm = std::hypot(dot.x_mm - other.x_mm, dot.y_mm - other.y_mm) -
+                            (dot.diameter_mm + other.diameter_mm) / 2;
+      if (gap_mm < 0) {
+        throw SettingsError(fmt::format("{}/dots/{}: overlaps {}", path, i,
+                                        j == 0 ? "the centre dot" : fmt::format("dot {}", j - 1)));
+      }
+      table.gap_mm = std::min(table.gap_mm, gap_mm);
+    }
+  }
+}
+
+void collect_rings(PatternTable& table) {
+  for (const PatternDot& dot : table.dots) {
+    const double radius_mm = std::hypot(dot.x_mm, dot.y_mm);
+    auto ring = std::find_if(table.rings.begin(), table.rings.end(), [&](const PatternTable::Ring& r) {
+      return std::abs(r.radius_mm - radius_mm) < dot.diameter_mm / 8;
+    });
+    if (ring == table.rings.end())
+      ring = table.rings.insert(ring, {radius_mm, 0.2 * dot.diameter_mm, {}, {}});
+    ring->dot_angles_rad.push_back(std::atan2(dot.y_mm, dot.x_mm));
+  }
+  for (PatternTable::Ring& ring : table.rings) {
+    auto& angles = ring.dot_angles_rad;
+    std::sort(angles.begin(), angles.end());
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+      const double next = i + 1 < angles.size() ? angles[i + 1] : angles[0] + 2 * std::numbers::pi;
+      const double middle = (angles[i] + next) / 2;
+      const double x_mm = ring.radius_mm * std::cos(middle), y_mm = ring.radius_mm * std::sin(middle);
+      const bool on_dot = std::any_of(table.dots.begin(), table.dots.end(), [&](const PatternDot& dot) {
+        return std::hypot(x_mm - dot.x_mm, y_mm - dot.y_mm) < dot.diameter_mm / 2 + ring.spread_mm;
+      });
+      if (!on_dot && x_mm + ring.spread_mm < table.top_front_mm) ring.gap_angles_rad.push_back(middle);
+    }
+  }
+}
+
 }  // namespace
 
 PatternTable parse_patterns(const std::string& json_text, const std::string& path) {
@@ -67,32 +168,29 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
   } catch (const Json::exception& error) {
     throw SettingsError(fmt::format("{}: {}", path, error.what()));
   }
-  if (!json.is_object()) refuse(path, json, "an object");
-  for (const char* key : {"name", "center_diameter_mm", "dot_diameter_mm", "dots", "codes"}) {
-    if (!json.contains(key)) throw SettingsError(fmt::format("{}/{}: is missing", path, key));
-  }
-  for (const auto& item : json.items()) {
-    if (item.key() != "//" && item.key() != "name" && item.key() != "center_diameter_mm" &&
-        item.key() != "dot_diameter_mm" && item.key() != "dots" && item.key() != "codes") {
-      throw SettingsError(fmt::format(
-          "{}/{}: no such parameter; known: name, center_diameter_mm, dot_diameter_mm, dots, codes", path,
-          item.key()));
-    }
-  }
+  check_keys(json, path);
   PatternTable table;
   if (!json["name"].is_string()) refuse(path + "/name", json["name"], "a text");
   table.name = json["name"].get<std::string>();
-  table.center_diameter_mm = positive(json["center_diameter_mm"], path + "/center_diameter_mm", 500);
-  table.dot_diameter_mm = positive(json["dot_diameter_mm"], path + "/dot_diameter_mm", 500);
-
-  const Json& dots = json["dots"];
-  if (!dots.is_array() || dots.size() < 2 || dots.size() > 16)
-    refuse(path + "/dots", dots, "2 .. 16 places [x, y]");
-  for (std::size_t i = 0; i < dots.size(); ++i) {
-    const std::string here = fmt::format("{}/dots/{}", path, i);
-    if (!dots[i].is_array() || dots[i].size() != 2) refuse(here, dots[i], "[x, y] in mm");
-    table.dots.push_back({read_number<double>(dots[i][0], here + "/0", -500.0, 500.0, "mm"),
-                          read_number<double>(dots[i][1], here + "/1", -500.0, 500.0, "mm")});
+  table.center_diameter_mm = millimetres(json["center_diameter_mm"], path + "/center_diameter_mm", 1, 500);
+  if (json.contains("top_radius_mm"))
+    table.top_radius_mm = millimetres(json["top_radius_mm"], path + "/top_radius_mm", 1, 1000);
+  // A top without a flat front ends where the circle does.
+  table.top_front_mm = json.contains("top_front_mm")
+                           ? millimetres(json["top_front_mm"], path + "/top_front_mm", 1, 1000)
+                           : table.top_radius_mm;
+  table.dots = dots_of(json["dots"], millimetres(json["dot_diameter_mm"], path + "/dot_diameter_mm", 1, 500),
+                       path + "/dots");
+  measure(table, path);
+  collect_rings(table);
+  if (json.contains("team_colors")) {
+    const Json& colors = json["team_colors"];
+    const std::string here = path + "/team_colors";
+    if (!colors.is_object() || colors.size() != 2 || !colors.contains("yellow") || !colors.contains("blue"))
+      refuse(here, colors, "{\"yellow\": colour, \"blue\": colour}");
+    table.team_colors = {color_of(colors["yellow"], here + "/yellow"), color_of(colors["blue"], here + "/blue")};
+    if (table.team_colors[0] == table.team_colors[1])
+      throw SettingsError(fmt::format("{}: both teams have the same colour", here));
   }
 
   const Json& codes = json["codes"];
@@ -109,12 +207,10 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
       refuse(here + "/colors", colors, fmt::format("{} colours, one for each dot", table.dots.size()));
     }
     for (std::size_t dot = 0; dot < colors.size(); ++dot) {
-      const auto label = colors[dot].is_string() ? label_named(colors[dot].get<std::string>()) : std::nullopt;
-      if (!label || *label == label::kClear)
-        refuse(fmt::format("{}/colors/{}", here, dot), colors[dot], "a colour's name");
-      code.colors.push_back(*label);
-      if (std::find(table.side_colors.begin(), table.side_colors.end(), *label) == table.side_colors.end()) {
-        table.side_colors.push_back(*label);
+      const Label label = color_of(colors[dot], fmt::format("{}/colors/{}", here, dot));
+      code.colors.push_back(label);
+      if (std::find(table.side_colors.begin(), table.side_colors.end(), label) == table.side_colors.end()) {
+        table.side_colors.push_back(label);
       }
     }
     for (const auto& other : table.codes) {

@@ -125,7 +125,7 @@ TEST(Score, ExpectsWhatShowsEnough) {
   const std::string detections = frame("a", "", ball(0, 0) + "," + ball(1001, 0) + "," + ball(2002, 0));
   const auto balls_with = [&](double min_visible_share) {
     std::istringstream d(detections), t(truth);
-    const Score s = score(d, t, {min_visible_share});
+    const Score s = score(d, t, {1, min_visible_share});
     EXPECT_EQ(s.balls.invented, 0U);
     EXPECT_EQ(s.ball_position_mm.count, s.balls.found);
     return std::pair{s.balls.expected, s.balls.found};

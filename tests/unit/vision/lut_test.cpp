@@ -77,6 +77,50 @@ TEST(Lut, NamesAnUnknownLabel) {
               AllOf(HasSubstr("/cameras/0/colors/classes/1/label: \"purple\""), HasSubstr("pink")));
 }
 
+TEST(Lut, SharesAreThoseOfALabelsColours) {
+  ColorSettings colors;
+  colors.classes = {{"orange", {60, 255}, {108, 147}, {34, 1000}},
+                    {"blue", {20, 255}, {320, 380}, {40, 1000}}};
+  const auto lut = make_lut(colors, "");
+  for (const Label label : {label::kOrange, label::kBlue}) {
+    const auto& shares = lut->shares(label);
+    EXPECT_NEAR(shares[0] + shares[1] + shares[2], 1, 1e-9);
+  }
+  EXPECT_GT(lut->shares(label::kOrange)[0], lut->shares(label::kOrange)[1]);
+  EXPECT_GT(lut->shares(label::kOrange)[1], lut->shares(label::kOrange)[2]);
+  EXPECT_GT(lut->shares(label::kBlue)[2], 0.4);
+  EXPECT_GT(lut->share_spread(label::kOrange), 0.01);
+  EXPECT_LT(lut->share_spread(label::kOrange), 0.2);
+  for (const double share : lut->shares(label::kPink))
+    EXPECT_NEAR(share, 1.0 / 3, 1e-9) << "a label without colours";
+  EXPECT_EQ(lut->share_spread(label::kPink), 0);
+}
+
+TEST(Lut, SharesStayWhenTheLightChanges) {
+  // One colour in all its shades, and a table of the upper half of them.
+  const auto shades = [](double darkest) {
+    std::vector<Label> labels(Lut::kEntries);
+    for (int i = 0; i < 1000; ++i) {
+      const double light = darkest + (1 - darkest) * i / 1000;
+      const auto byte = [&](double value) { return static_cast<std::uint8_t>(value * light); };
+      for (int near = 0; near < 27; ++near) {
+        const Yuv c = to_yuv({byte(224), byte(66), byte(150)});
+        const auto off = [](std::uint8_t value, int by) {
+          return static_cast<std::uint8_t>(value + 2 * (by - 1));
+        };
+        labels[Lut::index_yuv(off(c.y, near % 3), off(c.u, near / 3 % 3), off(c.v, near / 9))] = label::kPink;
+      }
+    }
+    return Lut(std::move(labels)).shares(label::kPink);
+  };
+  const auto all = shades(0.2), bright = shades(0.6);
+  const std::array<double, 3> expected{224.0 / 440, 66.0 / 440, 150.0 / 440};
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(all[c], expected[c], 0.02) << c;
+    EXPECT_NEAR(bright[c], expected[c], 0.02) << c;
+  }
+}
+
 TEST_F(LutFile, ComesBackAsWritten) {
   ColorSettings colors;
   colors.classes = {{"orange", {0, 255}, {90, 160}, {30, 1000}}};

@@ -3,6 +3,10 @@
 
 #include "base/error.h"
 
+#include <algorithm>
+#include <array>
+#include <string>
+
 #include <gmock/gmock.h>
 
 namespace sslv {
@@ -57,6 +61,105 @@ TEST(Patterns, NamesWhatIsWrong) {
           R"({"name": "lab", "center_diameter_mm": 30, "dot_diameter_mm": 20, "dots": [[40, 0], [-40, 0]],
       "codes": [{"id": 1, "colors": ["pink", "cyan"]}, {"id": 1, "colors": ["pink", "pink"]}]})"),
       HasSubstr("id 1 stands there twice"));
+}
+
+// ---- sizes
+
+/// A table of two dots with more keys; `dots` and `keys` are JSON.
+std::string table(const std::string& dots, const std::string& keys = "") {
+  return R"({"name": "lab", "center_diameter_mm": 50, "dot_diameter_mm": 40, "dots": )" + dots + keys +
+         R"(, "codes": [{"id": 1, "colors": ["pink", "cyan"]}]})";
+}
+
+TEST(Patterns, TheLeaguesSizes) {
+  const PatternTable& league = league_patterns();
+  EXPECT_EQ(league.top_radius_mm, 90);
+  EXPECT_EQ(league.top_front_mm, 55);
+  EXPECT_EQ(league.team_colors, (std::array{label::kYellow, label::kBlue}));
+  EXPECT_NEAR(league.reach_mm, 85, 0.01);
+  EXPECT_NEAR(league.gap_mm, 20, 0.01);  // from the centre dot to any other
+  ASSERT_EQ(league.rings.size(), 1u);
+  EXPECT_NEAR(league.rings[0].radius_mm, 65, 0.01);
+  EXPECT_EQ(league.rings[0].dot_angles_rad.size(), 4u);
+  EXPECT_TRUE(std::is_sorted(league.rings[0].dot_angles_rad.begin(), league.rings[0].dot_angles_rad.end()));
+  // Behind and at both sides; the gap ahead would be beyond the flat front.
+  EXPECT_EQ(league.rings[0].gap_angles_rad.size(), 3u);
+}
+
+TEST(Patterns, DotsMayDifferInSize) {
+  const PatternTable lab = parse_patterns(table("[[60, 0, 30], [-60, 0]]"), "lab.json");
+  EXPECT_EQ(lab.dots[0].diameter_mm, 30);
+  EXPECT_EQ(lab.dots[1].diameter_mm, 40);
+  EXPECT_NEAR(lab.reach_mm, 80, 1e-9);
+  EXPECT_NEAR(lab.gap_mm, 60 - 25 - 20, 1e-9);
+}
+
+TEST(Patterns, TheTopIsRoundUnlessItSaysOtherwise) {
+  const PatternTable round =
+      parse_patterns(table("[[60, 0], [-60, 0]]", R"(, "top_radius_mm": 85)"), "lab.json");
+  EXPECT_EQ(round.top_radius_mm, 85);
+  EXPECT_EQ(round.top_front_mm, 85);
+  const PatternTable flat = parse_patterns(
+      table("[[0, 60], [0, -60]]", R"(, "top_radius_mm": 85, "top_front_mm": 50)"), "lab.json");
+  EXPECT_EQ(flat.top_front_mm, 50);
+}
+
+TEST(Patterns, TeamsMayHaveOtherColours) {
+  const PatternTable lab = parse_patterns(
+      table("[[60, 0], [-60, 0]]", R"(, "team_colors": {"yellow": "orange", "blue": "white"})"), "lab.json");
+  EXPECT_EQ(lab.team_colors, (std::array{label::kOrange, label::kWhite}));
+}
+
+TEST(Patterns, RingsHoldTheDotsThatAreAboutAsFarOut) {
+  const PatternTable lab = parse_patterns(
+      R"({"name": "lab", "center_diameter_mm": 30, "dot_diameter_mm": 20, "dots": [[40, 0], [-42, 0], [0, 70]],
+          "codes": [{"id": 1, "colors": ["pink", "cyan", "pink"]}]})",
+      "lab.json");
+  ASSERT_EQ(lab.rings.size(), 2u);
+  EXPECT_EQ(lab.rings[0].dot_angles_rad.size(), 2u);
+  EXPECT_EQ(lab.rings[0].gap_angles_rad.size(), 2u);
+  EXPECT_NEAR(lab.rings[1].radius_mm, 70, 1e-9);
+  EXPECT_GT(lab.rings[1].spread_mm, 0);
+  EXPECT_LT(lab.rings[1].spread_mm, 10);
+}
+
+TEST(Patterns, NamesDotsThatOverlap) {
+  EXPECT_THAT(error_of(table("[[60, 0], [62, 30]]")),
+              AllOf(HasSubstr("lab.json/dots/1"), HasSubstr("overlaps dot 0")));
+  EXPECT_THAT(error_of(table("[[60, 0], [-40, 0]]")),
+              AllOf(HasSubstr("lab.json/dots/1"), HasSubstr("overlaps the centre dot")));
+  EXPECT_THAT(error_of(table("[[50, 0, 60], [-60, 0]]")),
+              AllOf(HasSubstr("lab.json/dots/0"), HasSubstr("overlaps the centre dot")));
+  EXPECT_EQ(error_of(table("[[45, 0], [-45, 0]]")), "no error") << "dots that touch do not overlap";
+}
+
+TEST(Patterns, NamesDotsThatStandOverTheRim) {
+  EXPECT_THAT(error_of(table("[[60, 0], [-75, 0]]")), AllOf(HasSubstr("lab.json/dots/1"), HasSubstr("rim")));
+  EXPECT_THAT(error_of(table("[[0, 60], [50, 0]]", R"(, "top_front_mm": 55)")),
+              AllOf(HasSubstr("lab.json/dots/1"), HasSubstr("rim"), HasSubstr("55")));
+  EXPECT_THAT(error_of(table("[[60, 0], [-60, 0]]", R"(, "top_radius_mm": 70)")),
+              AllOf(HasSubstr("lab.json/dots/0"), HasSubstr("70")));
+}
+
+TEST(Patterns, NamesWhatIsWrongWithSizesAndColours) {
+  EXPECT_THAT(error_of(table("[[60, 0, 0], [-60, 0]]")), HasSubstr("lab.json/dots/0/2"));
+  EXPECT_THAT(error_of(table("[[60, 0, 30, 1], [-60, 0]]")), HasSubstr("lab.json/dots/0"));
+  EXPECT_THAT(error_of(table("[[60], [-60, 0]]")), HasSubstr("lab.json/dots/0"));
+  EXPECT_THAT(error_of(table("[[60, 0], [-60, 0]]", R"(, "top_radius_mm": 0)")),
+              HasSubstr("lab.json/top_radius_mm"));
+  EXPECT_THAT(error_of(table("[[60, 0], [-60, 0]]", R"(, "top_front_mm": "far")")),
+              HasSubstr("lab.json/top_front_mm"));
+  EXPECT_THAT(error_of(table("[[60, 0], [-60, 0]]", R"(, "team_colors": {"yellow": "yellow"})")),
+              HasSubstr("lab.json/team_colors"));
+  EXPECT_THAT(
+      error_of(table("[[60, 0], [-60, 0]]", R"(, "team_colors": {"yellow": "mauve", "blue": "blue"})")),
+      HasSubstr("lab.json/team_colors/yellow"));
+  EXPECT_THAT(
+      error_of(table("[[60, 0], [-60, 0]]", R"(, "team_colors": {"yellow": "blue", "blue": "blue"})")),
+      AllOf(HasSubstr("lab.json/team_colors"), HasSubstr("same colour")));
+  EXPECT_THAT(
+      error_of(table("[[60, 0], [-60, 0]]", R"(, "top_width_mm": 3)")),
+      AllOf(HasSubstr("lab.json/top_width_mm"), HasSubstr("top_radius_mm"), HasSubstr("team_colors")));
 }
 
 }  // namespace

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "geometry/camera_model.h"
+#include "image/image.h"
+#include "vision/detections.h"
+
+#include <array>
+#include <memory>
+#include <span>
+
+namespace sslv {
+
+/// What the picture says about a ball.
+struct BallFit {
+  bool ok = false;
+  double x_mm = 0, y_mm = 0;  // of its centre, one radius above the floor
+  double sigma_mm = 0;        // standard deviation of that, for the samples' noise alone
+  double moved_mm = 0;        // from where the fit began
+  double r2 = 0;              // share of the samples' variance that a ball there explains
+  double snr = 0;             // contrast over one sample's noise, all channels together
+  double radius_mm = 0;       // the radius that would fit best
+  double radius_sigma_mm = 0;
+  double clear_share = 0;         // of the samples around it: carpet, and not line, robot or other things
+  double visible_share = 0;       // of the ball's own samples: not hidden by a robot
+  std::array<double, 3> color{};  // red, green and blue of its middle
+  double contrast = 0;  // difference of that from the carpet's, as a share of it (lengths of vectors)
+};
+
+/// Fits the picture of a ball on the carpet: the silhouette of a sphere (by each sample's ray's distance from
+/// its centre), shaded by light from any side, to the raw samples of each colour plane. Samples around it
+/// that are not like the carpet (lines, other robots) and samples that a robot hides are left out.
+class BallFitter {
+ public:
+  /// What stays the same for a frame. All must outlive its use.
+  struct Frame {
+    const ImageView& image;
+    const CameraModel& camera;
+    double radius_mm;                        // of the ball
+    std::span<const Robot> robots;           // that may hide it
+    double robot_radius_mm, robot_front_mm;  // their outline
+    double blur_px;
+  };
+
+  BallFitter();
+  ~BallFitter();
+
+  /// Starts at (x, y) on the plane of its centre, good to about the radius. Allocates nothing.
+  BallFit fit(const Frame& frame, double x_mm, double y_mm) noexcept;
+
+ private:
+  struct Look;
+  BallFit fit_from(const Frame& frame, double x_mm, double y_mm) noexcept;
+  bool read(const Frame& frame, Look& look, BallFit& out) noexcept;
+  void leave_out_odd(const Look& look, BallFit& out) noexcept;
+
+  struct Group;  // planes that share their samples' places
+  std::array<std::unique_ptr<Group>, 3> groups_;
+};
+
+}  // namespace sslv

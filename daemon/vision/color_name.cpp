@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/color_name.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace sslv {
+namespace {
+
+using Shares = std::array<double, 3>;
+
+Shares shares_of(const std::array<double, 3>& contrast) {
+  Shares out{};
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) sum += out[i] = std::max(0.0, contrast[i]);
+  for (double& share : out) share = sum > 0 ? share / sum : 1.0 / 3;
+  return out;
+}
+
+double squared_distance(const Shares& a, const Shares& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+/// A purer colour of the same hue is no further away: it is the same print with less white in its light.
+double distance_unless_purer(const Shares& seen, const Shares& known) {
+  Shares away, purer;  // from the known colour; from grey to the known colour
+  double along = 0, length2 = 0, distance2 = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    away[i] = seen[i] - known[i];
+    purer[i] = known[i] - 1.0 / 3;
+    along += away[i] * purer[i];
+    length2 += purer[i] * purer[i];
+    distance2 += away[i] * away[i];
+  }
+  if (along > 0 && length2 > 0) distance2 -= along * along / length2;
+  return std::sqrt(std::max(0.0, distance2));
+}
+
+}  // namespace
+
+ColorName name_color(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
+                     const Lut& lut, std::span<const Label> allowed) noexcept {
+  ColorName out;
+  const Shares seen = shares_of(contrast);
+  double best = 1e9, second = 1e9;
+  Label best_color = label::kClear, second_color = label::kClear;
+  for (const Label label : allowed) {
+    const double distance = squared_distance(seen, lut.shares(label));
+    if (distance < best) {
+      second = best;
+      second_color = best_color;
+      best = distance;
+      best_color = label;
+    } else if (distance < second) {
+      second = distance;
+      second_color = label;
+    }
+  }
+  out.color = best_color;
+  out.margin = 1;
+  constexpr double kLeastSpread = 0.02;
+  out.off = distance_unless_purer(seen, lut.shares(best_color)) /
+            std::max(lut.share_spread(best_color), kLeastSpread);
+  if (second_color != label::kClear) {
+    // Along the line between the two: 0 in its middle, 1 at the best one.
+    const double apart = squared_distance(lut.shares(best_color), lut.shares(second_color));
+    out.margin = apart > 0 ? (second - best) / apart : 0;
+  }
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
+  };
+  const Label in_table = lut.of_rgb(byte(color[0]), byte(color[1]), byte(color[2]));
+  const bool contradicts =
+      in_table != best_color && std::find(allowed.begin(), allowed.end(), in_table) != allowed.end();
+  if (contradicts) out.margin = -out.margin;
+  return out;
+}
+
+}  // namespace sslv

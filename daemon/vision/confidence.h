@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace sslv {
+
+// How likely a detection is right. Both are logistic regressions, fitted to what the detectors find in
+// simulated pictures of all the conditions in docs/accuracy.md, where the truth is known: among detections
+// with confidence c, about c are right. Results lie in [0, 1] and are never NaN.
+
+/// What speaks for a pattern being that robot.
+struct RobotEvidence {
+  double least_sure = 0;  // of the proven dots: the least margin times snr of a colour (PatternDotFit)
+  double rms_mm = 0;      // as PatternFit
+  double least_r2 = 0, mean_r2 = 0;
+  int unproven = 0;  // dots that are not proven: their colours follow from what else is known
+};
+double confidence_of(const RobotEvidence& evidence) noexcept;
+
+/// What speaks for a region being a ball.
+struct BallEvidence {
+  double r2 = 0;           // as BallFit
+  double contrast = 1;     // as BallFit
+  double radius_off = 0;   // distance of the best radius from the true one, over 3 % of it and its deviation
+  double moved_share = 0;  // distance between region and fit over the radius
+  double area_ratio = 1;   // the region's area over that of the ball's visible part
+  double clear_share = 1;  // as BallFit
+  double visible_share = 1;  // as BallFit
+  bool is_orange = true;     // no other of the table's colours is nearer to the fitted one
+  double color_off = 0;      // as ColorName
+};
+double confidence_of(const BallEvidence& evidence) noexcept;
+
+}  // namespace sslv

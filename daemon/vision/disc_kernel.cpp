@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled once for each instruction set: Highway includes this file again and again.
+#include "vision/disc_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "vision/disc_kernel.cpp"
+// As for segment_kernel.cpp.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace sslv {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Floats = hn::CappedTag<float, PlaneSamples::kPad>;
+using Vector = hn::Vec<Floats>;
+
+/// 1 / sqrt(x) to about 22 bits.
+HWY_INLINE Vector InverseSqrt(Vector x) {
+  const Floats d;
+  const Vector guess = hn::ApproximateReciprocalSqrt(x);
+  return hn::Mul(guess, hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 1.5F)));
+}
+
+/// Values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from `bytes`, the
+/// first sample's group of bytes. (Gather instructions would do the same, but are slow where CPUs have had to
+/// be mended.)
+template <int kPlanes>
+HWY_INLINE void LoadValues(const SampleGrid& grid, const std::uint8_t* HWY_RESTRICT bytes, std::size_t at,
+                           PlaneSamples& samples) {
+  const Floats d;
+  const hn::RebindToSigned<Floats> di;
+  const auto store = [&](auto integers, std::size_t plane) {
+    hn::StoreU(hn::ConvertTo(d, integers), d, samples.value[plane].data() + at);
+  };
+  if constexpr (kPlanes == 1) {  // every second byte
+    const hn::Rebind<std::uint16_t, Floats> d16;
+    const auto pairs = hn::LoadU(d16, reinterpret_cast<const std::uint16_t*>(bytes));
+    store(
+        hn::PromoteTo(di, grid.offset[0] == 0 ? hn::And(pairs, hn::Set(d16, 255)) : hn::ShiftRight<8>(pairs)),
+        0);
+  } else if constexpr (kPlanes == 2) {  // two of every four bytes
+    const auto fours = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(bytes));
+    for (std::size_t p = 0; p < 2; ++p) {
+      store(hn::And(hn::ShiftRightSame(fours, 8 * grid.offset[p]), hn::Set(di, 255)), p);
+    }
+  } else {  // three bytes
+    const hn::Rebind<std::uint8_t, Floats> d8;
+    hn::Vec<decltype(d8)> byte[3];
+    hn::LoadInterleaved3(d8, bytes, byte[0], byte[1], byte[2]);
+    for (std::size_t p = 0; p < 3; ++p) store(hn::PromoteTo(di, byte[grid.offset[p]]), p);
+  }
+}
+
+template <int kPlanes>
+void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
+                const SampleGrid& grid, PlaneSamples& samples) {
+  const Floats d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  int count = samples.count;
+  // The circle is an ellipse of pixels: uu du^2 + 2 uv du dv + vv dv^2 = radius^2. First order will do: half
+  // a pixel is added on all sides, and what is too far out is left to the sums.
+  const float uu = patch.xu * patch.xu + patch.yu * patch.yu, uv = patch.xu * patch.xv + patch.yu * patch.yv;
+  const float det = patch.xu * patch.yv - patch.xv * patch.yu;
+  const float chord2 = radius * radius / uu;
+  const float slant = uv / uu, narrowing = det * det / (uu * uu);
+  const float half_height = std::sqrt(chord2 / narrowing) + 0.5F;
+  const float middle_u = patch.u0 + (patch.yv * x - patch.xv * y) / det;
+  const float middle_v = patch.v0 + (patch.xu * y - patch.yu * x) / det;
+  const int rows = (image.height - grid.first_y + grid.step_y - 1) / grid.step_y;
+  const int columns = (image.width - grid.first_x + grid.step_x - 1) / grid.step_x;
+  const float per_x = 1 / static_cast<float>(grid.step_x), per_y = 1 / static_cast<float>(grid.step_y);
+  const float first_x = static_cast<float>(grid.first_x) + grid.middle_x;
+  const auto up = [](float value) { return static_cast<int>(std::ceil(value)); };
+  const float top = (middle_v - static_cast<float>(grid.first_y)) * per_y;
+  const int row_begin = std::max(0, up(top - half_height * per_y));
+  const int row_end = std::min(rows, up(top + half_height * per_y));
+  // A disc for which there is no room is looked at in every n-th row.
+  const float most = 4 * half_height * std::sqrt(chord2) * per_x * per_y;
+  const int row_step = 1 + static_cast<int>(2 * most / PlaneSamples::kMax);
+
+  constexpr int kPixels = 512;  // of a row at once
+  // As many vectors for every row: loops of changing length cost more than the samples read for nothing,
+  // which the next row overwrites.
+  const int widest = std::min(kPixels, up((2 * std::sqrt(chord2) + 1) * per_x) + 1);
+  const int vectors = (widest + lanes - 1) / lanes;
+  std::uint8_t copy[4 * (kPixels + PlaneSamples::kPad)];
+  const Vector step_u = hn::Set(d, static_cast<float>(grid.step_x * lanes));
+  const Vector ramp_u = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<float>(grid.step_x)));
+  const std::ptrdiff_t row_bytes = std::ptrdiff_t{image.width} * bytes_per_pixel(image.format);
+  const std::uint8_t* const image_end = image.row(image.height - 1) + row_bytes;
+  for (int row = row_begin; row < row_end; row += row_step) {
+    const int row_y = grid.first_y + row * grid.step_y;
+    const float dv = static_cast<float>(row_y) - middle_v;
+    const float half = std::sqrt(std::max(0.0F, chord2 - narrowing * dv * dv)) + 0.5F;
+    const float middle = middle_u - slant * dv - first_x;
+    const int begin = std::max(0, up((middle - half) * per_x));
+    const int end = std::min({columns, up((middle + half) * per_x), begin + widest});
+    if (begin >= end || count + vectors * lanes > PlaneSamples::kMax) continue;
+    const std::uint8_t* bytes = image.row(row_y) + std::ptrdiff_t{begin} * grid.bytes_per_step;
+    const std::ptrdiff_t wanted = std::ptrdiff_t{vectors} * lanes * grid.bytes_per_step;
+    if (image_end - bytes < wanted) {  // whole vectors would reach beyond the picture
+      std::memcpy(copy, bytes, static_cast<std::size_t>(image_end - bytes));
+      bytes = copy;
+    }
+    const Vector v = hn::Set(d, static_cast<float>(row_y) - patch.v0);
+    Vector u = hn::Add(hn::Set(d, first_x + static_cast<float>(begin * grid.step_x) - patch.u0), ramp_u);
+    for (int i = 0; i < vectors * lanes; i += lanes) {
+      const auto at = static_cast<std::size_t>(count + i);
+      hn::StoreU(u, d, samples.u.data() + at);
+      hn::StoreU(v, d, samples.v.data() + at);
+      u = hn::Add(u, step_u);
+      LoadValues<kPlanes>(grid, bytes + i * grid.bytes_per_step, at, samples);
+    }
+    count += end - begin;
+  }
+  samples.planes = kPlanes;
+  samples.count = count;
+  // What fills the last vector lies far away and so counts for nothing.
+  hn::StoreU(hn::Set(d, 1e5F), d, samples.u.data() + count);
+  hn::StoreU(hn::Zero(d), d, samples.v.data() + count);
+  for (std::size_t p = 0; p < kPlanes; ++p) hn::StoreU(hn::Zero(d), d, samples.value[p].data() + count);
+  hn::StoreU(hn::Zero(d), d, samples.keep.data() + count);
+}
+
+void ReadSamples(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
+                 const SampleGrid& grid, PlaneSamples& samples) {
+  switch (grid.planes) {
+    case 1: return ReadPlanes<1>(patch, x, y, radius, image, grid, samples);
+    case 2: return ReadPlanes<2>(patch, x, y, radius, image, grid, samples);
+    default: return ReadPlanes<3>(patch, x, y, radius, image, grid, samples);
+  }
+}
+
+/// A patch with its numbers in all lanes.
+struct PatchVectors {
+  Vector xu, xv, xuu, xuv, xvv, yu, yv, yuu, yuv, yvv;
+  explicit PatchVectors(const KernelPatch& p) {
+    const auto all = [](float value) { return hn::Set(Floats(), value); };
+    xu = all(p.xu), xv = all(p.xv), xuu = all(p.xuu), xuv = all(p.xuv), xvv = all(p.xvv);
+    yu = all(p.yu), yv = all(p.yv), yuu = all(p.yuu), yuv = all(p.yuv), yvv = all(p.yvv);
+  }
+  HWY_INLINE Vector X(Vector u, Vector v) const {
+    return hn::MulAdd(u, hn::MulAdd(xuu, u, hn::MulAdd(xuv, v, xu)), hn::Mul(v, hn::MulAdd(xvv, v, xv)));
+  }
+  HWY_INLINE Vector Y(Vector u, Vector v) const {
+    return hn::MulAdd(u, hn::MulAdd(yuu, u, hn::MulAdd(yuv, v, yu)), hn::Mul(v, hn::MulAdd(yvv, v, yv)));
+  }
+};
+
+/// What an edge covers of samples: the integral of the triweight kernel (35/32)(1 - z^2)^3, which is near a
+/// Gaussian of sigma 1/3 but exactly flat beyond 1; `z` is cut to -1 .. 1.
+HWY_INLINE Vector Covered(Vector z, Vector z2) {
+  const Floats d;
+  const auto all = [&](float value) { return hn::Set(d, value); };
+  const Vector cubic =
+      hn::MulAdd(z2, hn::MulAdd(z2, hn::MulAdd(z2, all(-1.0F / 7), all(0.6F)), all(-1)), all(1));
+  return hn::MulAdd(hn::Mul(z, all(35.0F / 32)), cubic, all(0.5F));
+}
+HWY_INLINE Vector Slope(Vector z2) {
+  const Floats d;
+  const Vector w = hn::Sub(hn::Set(d, 1), z2);
+  return hn::Mul(hn::Mul(w, w), hn::Mul(w, hn::Set(d, 35.0F / 32)));
+}
+
+template <int kPlanes, bool kWide>
+DiscSums SumDiscPlanes(const DiscTemplate& disc, const PlaneSamples& samples) {
+  const Floats d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto all = [&](float value) { return hn::Set(d, value); };
+  const PatchVectors patch(disc.patch);
+  const Vector cx = all(disc.x), cy = all(disc.y);
+  const Vector outer2 = all(disc.outer_radius * disc.outer_radius);
+  const Vector ox = all(disc.outline_x), oy = all(disc.outline_y);
+  const Vector oc = all(disc.outline_cos), os = all(disc.outline_sin);
+  const Vector outline2 = all(disc.outline_radius * disc.outline_radius), front = all(disc.outline_front);
+  // Variance of the edge: the lens' blur and the sample's own width (a box: width^2 / 12).
+  const float mm2 = std::abs(disc.patch.xu * disc.patch.yv - disc.patch.xv * disc.patch.yu);
+  const float round2 = (disc.blur_px * disc.blur_px + 1.0F / 12) * mm2;
+  const Vector round = all(round2), wide = all((disc.wide_px * disc.wide_px - 1) / 12);
+  // A blurred circle shrinks by s^2 / 2R.
+  const Vector radius = all(disc.radius), half_curve = all(0.5F / disc.radius);
+  const Vector even_radius = all(disc.radius - round2 * 0.5F / disc.radius);
+  const Vector even_inverse_w = all(1 / (3 * std::sqrt(round2)));
+  const Vector zero = hn::Zero(d), one = all(1), third = all(1.0F / 3);
+
+  Vector xx = zero, xy = zero, yy = zero, xt = zero, yt = zero, sx = zero, sy = zero, tt = zero, st = zero,
+         n = zero;
+  Vector px[kPlanes], py[kPlanes], pt[kPlanes], p1[kPlanes], p2[kPlanes];
+  for (int p = 0; p < kPlanes; ++p) px[p] = py[p] = pt[p] = p1[p] = p2[p] = zero;
+
+  for (int i = 0; i < samples.count; i += lanes) {
+    const auto at = static_cast<std::size_t>(i);
+    const Vector u = hn::Load(d, samples.u.data() + at), v = hn::Load(d, samples.v.data() + at);
+    const Vector x = patch.X(u, v), y = patch.Y(u, v);
+    const Vector rx = hn::Sub(x, cx), ry = hn::Sub(y, cy);
+    const Vector r2 = hn::MulAdd(rx, rx, hn::MulAdd(ry, ry, all(1e-6F)));
+    const Vector from_x = hn::Sub(x, ox), from_y = hn::Sub(y, oy);
+    const Vector ahead = hn::MulAdd(from_x, oc, hn::Mul(from_y, os));
+    const auto inside = hn::And(hn::And(hn::Lt(r2, outer2), hn::Lt(ahead, front)),
+                                hn::Lt(hn::MulAdd(from_x, from_x, hn::Mul(from_y, from_y)), outline2));
+    const Vector inverse_r = InverseSqrt(r2), r = hn::Mul(r2, inverse_r);
+    const Vector nx = hn::Mul(rx, inverse_r), ny = hn::Mul(ry, inverse_r);
+    Vector edge = even_radius, inverse_w = even_inverse_w;
+    if constexpr (kWide) {
+      // Millimetres a pixel measures sideways across the edge.
+      const Vector across = hn::MulAdd(patch.xu, nx, hn::Mul(patch.yu, ny));
+      const Vector s2 = hn::MulAdd(wide, hn::Mul(across, across), round);
+      edge = hn::NegMulAdd(s2, half_curve, radius);
+      inverse_w = hn::Mul(third, InverseSqrt(s2));
+    }
+    const Vector z = hn::Min(one, hn::Max(hn::Neg(one), hn::Mul(hn::Sub(edge, r), inverse_w)));
+    const Vector z2 = hn::Mul(z, z);
+    const Vector cover = hn::IfThenElseZero(inside, Covered(z, z2));
+    const Vector slope = hn::IfThenElseZero(inside, hn::Mul(Slope(z2), inverse_w));
+    const Vector dx = hn::Mul(slope, nx), dy = hn::Mul(slope, ny);
+
+    xx = hn::MulAdd(dx, dx, xx);
+    xy = hn::MulAdd(dx, dy, xy);
+    yy = hn::MulAdd(dy, dy, yy);
+    xt = hn::MulAdd(dx, cover, xt);
+    yt = hn::MulAdd(dy, cover, yt);
+    sx = hn::Add(sx, dx);
+    sy = hn::Add(sy, dy);
+    tt = hn::MulAdd(cover, cover, tt);
+    st = hn::Add(st, cover);
+    n = hn::Add(n, hn::IfThenElseZero(inside, one));
+    for (int p = 0; p < kPlanes; ++p) {
+      const Vector value =
+          hn::IfThenElseZero(inside, hn::Load(d, samples.value[static_cast<std::size_t>(p)].data() + at));
+      px[p] = hn::MulAdd(dx, value, px[p]);
+      py[p] = hn::MulAdd(dy, value, py[p]);
+      pt[p] = hn::MulAdd(cover, value, pt[p]);
+      p1[p] = hn::Add(p1[p], value);
+      p2[p] = hn::MulAdd(value, value, p2[p]);
+    }
+  }
+  const auto total = [&](Vector sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); };
+  DiscSums out{total(xx), total(xy), total(yy), total(xt), total(yt), total(sx),
+               total(sy), total(tt), total(st), total(n),  {}};
+  for (int p = 0; p < kPlanes; ++p) {
+    out.planes[static_cast<std::size_t>(p)] = {total(px[p]), total(py[p]), total(pt[p]), total(p1[p]),
+                                               total(p2[p])};
+  }
+  return out;
+}
+
+DiscSums SumDisc(const DiscTemplate& disc, const PlaneSamples& samples) {
+  switch (samples.planes) {
+    case 1: return SumDiscPlanes<1, false>(disc, samples);
+    case 2: return SumDiscPlanes<2, true>(disc, samples);
+    default: return SumDiscPlanes<3, false>(disc, samples);
+  }
+}
+
+template <int kPlanes>
+BallSums SumBallPlanes(const BallTemplate& ball, const PlaneSamples& samples) {
+  const Floats d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto all = [&](float value) { return hn::Set(d, value); };
+  const PatchVectors patch(ball.patch);
+  const Vector cx = all(ball.x), cy = all(ball.y), radius = all(ball.radius);
+  const Vector mxx = all(ball.mxx), mxy = all(ball.mxy), myy = all(ball.myy);
+  const Vector outer2 = all(ball.outer_radius * ball.outer_radius);
+  const Vector blur2 = all(ball.blur_px * ball.blur_px + 1.0F / 12);
+  const Vector wide2 = all(ball.blur_px * ball.blur_px + ball.wide_px * ball.wide_px / 12);
+  const Vector half_curve = all(0.5F / ball.radius), inverse_radius = all(1 / ball.radius);
+  const Vector zero = hn::Zero(d), one = all(1), third = all(1.0F / 3);
+
+  Vector products[kBallColumns][kBallColumns], with[kPlanes][kBallColumns], square[kPlanes];
+  for (auto& row : products) {
+    for (Vector& sum : row) sum = zero;
+  }
+  for (int p = 0; p < kPlanes; ++p) {
+    for (Vector& sum : with[p]) sum = zero;
+    square[p] = zero;
+  }
+  for (int i = 0; i < samples.count; i += lanes) {
+    const auto at = static_cast<std::size_t>(i);
+    const Vector u = hn::Load(d, samples.u.data() + at), v = hn::Load(d, samples.v.data() + at);
+    const Vector rx = hn::Sub(patch.X(u, v), cx), ry = hn::Sub(patch.Y(u, v), cy);
+    const Vector gx = hn::MulAdd(mxx, rx, hn::Mul(mxy, ry)), gy = hn::MulAdd(mxy, rx, hn::Mul(myy, ry));
+    const Vector r2 = hn::Max(hn::MulAdd(gx, rx, hn::Mul(gy, ry)), all(1e-6F));
+    const auto inside = hn::And(hn::Lt(r2, outer2), hn::Gt(hn::Load(d, samples.keep.data() + at), zero));
+    const Vector inverse_r = InverseSqrt(r2), r = hn::Mul(r2, inverse_r);
+    const Vector nx = hn::Mul(gx, inverse_r), ny = hn::Mul(gy, inverse_r);
+    // Change of the distance over a pixel to the right and downwards.
+    const Vector right = hn::MulAdd(patch.xu, nx, hn::Mul(patch.yu, ny));
+    const Vector down = hn::MulAdd(patch.xv, nx, hn::Mul(patch.yv, ny));
+    const Vector s2 =
+        hn::MulAdd(wide2, hn::Mul(right, right), hn::MulAdd(blur2, hn::Mul(down, down), all(1e-6F)));
+    const Vector inverse_w = hn::Mul(third, InverseSqrt(s2));
+    const Vector edge = hn::NegMulAdd(s2, half_curve, radius);
+    const Vector z = hn::Min(one, hn::Max(hn::Neg(one), hn::Mul(hn::Sub(edge, r), inverse_w)));
+    const Vector z2 = hn::Mul(z, z);
+    const Vector cover = hn::IfThenElseZero(inside, Covered(z, z2));
+    const Vector slope = hn::IfThenElseZero(inside, hn::Mul(Slope(z2), inverse_w));
+    const Vector up =
+        hn::Sqrt(hn::Max(zero, hn::NegMulAdd(hn::Mul(r2, inverse_radius), inverse_radius, one)));
+    const Vector columns[kBallColumns] = {hn::Mul(slope, nx),
+                                          hn::Mul(slope, ny),
+                                          slope,
+                                          cover,
+                                          hn::Mul(cover, hn::Mul(rx, inverse_radius)),
+                                          hn::Mul(cover, hn::Mul(ry, inverse_radius)),
+                                          hn::Mul(cover, up),
+                                          hn::IfThenElseZero(inside, one)};
+    for (int a = 0; a < kBallColumns; ++a) {
+      for (int b = 0; b <= a; ++b) products[a][b] = hn::MulAdd(columns[a], columns[b], products[a][b]);
+    }
+    for (int p = 0; p < kPlanes; ++p) {
+      const Vector value =
+          hn::IfThenElseZero(inside, hn::Load(d, samples.value[static_cast<std::size_t>(p)].data() + at));
+      for (int a = 0; a < kBallColumns; ++a) with[p][a] = hn::MulAdd(columns[a], value, with[p][a]);
+      square[p] = hn::MulAdd(value, value, square[p]);
+    }
+  }
+  const auto total = [&](Vector sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); };
+  BallSums out;
+  for (std::size_t a = 0; a < kBallColumns; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) out.products[a][b] = total(products[a][b]);
+  }
+  for (std::size_t p = 0; p < kPlanes; ++p) {
+    for (std::size_t a = 0; a < kBallColumns; ++a) out.planes[p].with[a] = total(with[p][a]);
+    out.planes[p].square = total(square[p]);
+  }
+  return out;
+}
+
+BallSums SumBall(const BallTemplate& ball, const PlaneSamples& samples) {
+  switch (samples.planes) {
+    case 1: return SumBallPlanes<1>(ball, samples);
+    case 2: return SumBallPlanes<2>(ball, samples);
+    default: return SumBallPlanes<3>(ball, samples);
+  }
+}
+
+std::string_view KernelTarget() {
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sslv
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sslv {
+
+HWY_EXPORT(ReadSamples);
+HWY_EXPORT(SumDisc);
+HWY_EXPORT(SumBall);
+HWY_EXPORT(KernelTarget);
+
+void read_samples(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
+                  const SampleGrid& grid, PlaneSamples& samples) noexcept {
+  HWY_DYNAMIC_DISPATCH(ReadSamples)(patch, x, y, radius, image, grid, samples);
+}
+
+DiscSums sum_disc(const DiscTemplate& disc, const PlaneSamples& samples) noexcept {
+  return HWY_DYNAMIC_DISPATCH(SumDisc)(disc, samples);
+}
+
+BallSums sum_ball(const BallTemplate& ball, const PlaneSamples& samples) noexcept {
+  return HWY_DYNAMIC_DISPATCH(SumBall)(ball, samples);
+}
+
+std::string_view disc_kernel_target() {
+  return HWY_DYNAMIC_DISPATCH(KernelTarget)();
+}
+
+}  // namespace sslv
+#endif

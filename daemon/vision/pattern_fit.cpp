@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/pattern_fit.h"
+
+#include "vision/color_name.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include <Eigen/Dense>
+
+namespace sslv {
+namespace {
+
+// Thresholds of "there is a disc". The contrast of an empty place is some two or three of its deviations.
+constexpr double kLeastSignificance = 8, kLeastR2 = 0.2;
+/// Below this a sample's variance is that of rounding.
+constexpr double kLeastVariance = 0.5;
+/// Dots this far from their place are something else: while the pose is still coming, and in the end.
+constexpr double kFarFirstMm = 10, kFarMm = 8;
+/// Steps larger than these are followed by another.
+constexpr double kSmallStepMm = 3, kSmallTurnRad = 0.05;
+constexpr double kMostStepMm = 12, kMostTurnRad = 0.25;
+/// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred.
+constexpr double kRimMm = 12, kFrontRimMm = 7;
+/// Ring around a disc that is looked at: so many pixels, within these limits and half of the gap between
+/// dots.
+constexpr double kMarginPx = 2, kLeastMarginMm = 8, kMostMarginMm = 20;
+/// The top is black all over: what the other dots' surroundings say counts like so many samples of one's own.
+/// It matters where a dot is but a few pixels large.
+constexpr double kGroundWeight = 4;
+
+/// A place's three values in the picture's own colours, from the nearest samples.
+bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<float, 3>& out) {
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < image.width - 0.5 && pixel.y() < image.height - 0.5))
+    return false;
+  const int x = static_cast<int>(pixel.x() + 0.5), y = static_cast<int>(pixel.y() + 0.5);
+  const std::uint8_t* row = image.row(y);
+  if (is_yuv422(image.format)) {
+    const int luma = image.format == PixelFormat::kUyvy ? 1 : 0;
+    const std::uint8_t* pair = row + 2 * (x & ~1);
+    out = {static_cast<float>(row[2 * x + luma]), static_cast<float>(pair[1 - luma]),
+           static_cast<float>(pair[3 - luma])};
+  } else if (image.format == PixelFormat::kRgb24 || image.format == PixelFormat::kBgr24) {
+    for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(c)] = row[3 * x + c];
+  } else if (is_bayer(image.format)) {
+    // The nearest of each of the three kinds: in any 2x2 square there are all.
+    const int x0 = std::min(pixel.x() < x ? std::max(x - 1, 0) : x, image.width - 2);
+    const int y0 = std::min(pixel.y() < y ? std::max(y - 1, 0) : y, image.height - 2);
+    const bool red_odd_x = image.format == PixelFormat::kBayerGr8 || image.format == PixelFormat::kBayerBg8;
+    const bool red_odd_y = image.format == PixelFormat::kBayerGb8 || image.format == PixelFormat::kBayerBg8;
+    const int rx = x0 + ((x0 & 1) == (red_odd_x ? 1 : 0) ? 0 : 1),
+              ry = y0 + ((y0 & 1) == (red_odd_y ? 1 : 0) ? 0 : 1);
+    const int bx = 2 * x0 + 1 - rx, by = 2 * y0 + 1 - ry;
+    out = {static_cast<float>(image.row(ry)[rx]),
+           0.5F * static_cast<float>(image.row(ry)[bx] + image.row(by)[rx]),
+           static_cast<float>(image.row(by)[bx])};
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// Noise of one sample of each plane: what all discs together leave unexplained. That of one disc, of a dozen
+/// samples, may be small by chance.
+std::array<double, 3> common_variances(std::span<const DiscFit> discs) {
+  std::array<double, 3> out{};
+  for (std::size_t p = 0; p < 3; ++p) {
+    double left = 0, free = 0;
+    for (const DiscFit& disc : discs) {
+      if (!disc.ok) continue;
+      left += disc.planes[p].left;
+      free += disc.planes[p].free;
+    }
+    out[p] = std::max(free > 0 ? left / free : 0, kLeastVariance);
+  }
+  return out;
+}
+
+ExpectedDisc disc_at(const PatternTable& patterns, const PlanePatch& patch, const Eigen::Vector2d& place_mm,
+                     double diameter_mm) {
+  const double margin_mm = std::clamp(kMarginPx * patch.mm_per_px(), kLeastMarginMm, kMostMarginMm);
+  return {place_mm.x(), place_mm.y(), diameter_mm / 2, std::min(margin_mm, patterns.gap_mm / 2)};
+}
+
+}  // namespace
+
+PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double height_mm,
+                              int most_passes) noexcept {
+  const PatternTable& patterns = frame.patterns;
+  const std::size_t sides = patterns.dots.size();
+  PatternFit out;
+  out.pose = start;
+  const auto patch =
+      plane_patch(frame.camera, {start.x_mm, start.y_mm}, height_mm, patterns.reach_mm + kMostMarginMm);
+  if (!patch) return out;
+
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();  // x, y, angle since the start
+  // Of each dot, the centre first.
+  std::array<Eigen::Vector2d, PatternTable::kMaxDots + 1> arms;  // from the pattern's centre
+  std::array<DiscMeasure, PatternTable::kMaxDots + 1> measures;
+  std::array<DiscFit, PatternTable::kMaxDots + 1> discs;
+  const auto dot_at = [](std::size_t i) { return i == 0 ? PatternFit::kCenter : i - 1; };
+  for (int pass = 1;; ++pass) {
+    const double angle = start.angle_rad + moved.z(), c = std::cos(angle), s = std::sin(angle);
+    const DiscOutline outline{
+        moved.x(), moved.y(), c, s, patterns.top_radius_mm - kRimMm, patterns.top_front_mm - kFrontRimMm};
+    arms[0] = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i <= sides; ++i) {
+      double diameter_mm = patterns.center_diameter_mm;
+      if (i > 0) {
+        const PatternDot& dot = patterns.dots[i - 1];
+        arms[i] = {c * dot.x_mm - s * dot.y_mm, s * dot.x_mm + c * dot.y_mm};
+        diameter_mm = dot.diameter_mm;
+      }
+      measures[i] = meter_.measure(frame.image, *patch,
+                                   disc_at(patterns, *patch, moved.head<2>() + arms[i], diameter_mm), outline,
+                                   frame.blur_px);
+    }
+    discs_fitted_ += static_cast<int>(sides) + 1;
+    const auto ground = common_ground(std::span(measures).first(sides + 1));
+
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    out.seen = 0;
+    for (std::size_t i = 0; i <= sides; ++i) {
+      for (std::size_t p = 0; p < 3; ++p) measures[i].planes[p].add_ground(ground[p], kGroundWeight);
+      discs[i] = fit_disc(measures[i]);
+    }
+    const auto variances = common_variances(std::span(discs).first(sides + 1));
+    for (std::size_t i = 0; i <= sides; ++i) {
+      const DiscFit& disc = discs[i];
+      PatternDotFit& seen = out.dots[dot_at(i)];
+      double signal = 0, significance = 0;
+      for (std::size_t p = 0; p < 3; ++p) {
+        const double square = disc.planes[p].contrast * disc.planes[p].contrast / variances[p];
+        signal += square;
+        significance += square * disc.planes[p].spread;
+      }
+      seen.r2 = disc.r2;
+      seen.snr = std::sqrt(signal);
+      const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
+      seen.seen = disc.ok && brightness > 0 && significance > kLeastSignificance * kLeastSignificance &&
+                  disc.r2 > kLeastR2;
+      if (!seen.seen) continue;
+      const auto [dx, dy] = disc.offset_mm();
+      seen.seen = dx * dx + dy * dy < kFarFirstMm * kFarFirstMm;
+      if (!seen.seen) continue;
+      ++out.seen;
+      Eigen::Matrix2d information;
+      information << disc.n00, disc.n01, disc.n01, disc.n11;
+      Eigen::Matrix<double, 2, 3> by_pose;
+      by_pose << 1, 0, -arms[i].y(), 0, 1, arms[i].x();
+      normal += by_pose.transpose() * information * by_pose;
+      gradient += by_pose.transpose() * Eigen::Vector2d(disc.g0, disc.g1);
+    }
+    if (out.seen < 3) {
+      out.seen = 0;
+      return out;
+    }
+    Eigen::Vector3d step = normal.ldlt().solve(gradient);
+    const double length_mm = step.head<2>().norm();
+    if (length_mm > kMostStepMm) step.head<2>() *= kMostStepMm / length_mm;
+    step.z() = std::clamp(step.z(), -kMostTurnRad, kMostTurnRad);
+    moved += step;
+    const bool small = length_mm < kSmallStepMm && std::abs(step.z()) < kSmallTurnRad;
+    if (!small && pass < most_passes) continue;
+
+    // What each dot says about itself, seen from the final pose.
+    double squares = 0, sum_r2 = 0;
+    out.least_r2 = 1;
+    out.seen = 0;
+    for (std::size_t i = 0; i <= sides; ++i) {
+      PatternDotFit& seen = out.dots[dot_at(i)];
+      const Eigen::Vector2d place = patch->pixel + patch->to_pixel(moved.head<2>() + arms[i]);
+      seen.pixel_x = place.x();
+      seen.pixel_y = place.y();
+      if (!seen.seen) continue;
+      const auto [dx, dy] = discs[i].offset_mm();
+      seen.off_mm =
+          Eigen::Vector2d(dx - step.x() + step.z() * arms[i].y(), dy - step.y() - step.z() * arms[i].x())
+              .norm();
+      seen.seen = seen.off_mm < kFarMm;
+      if (!seen.seen) continue;
+      const ColorName name =
+          name_color(discs[i].contrast, discs[i].color, frame.lut,
+                     i == 0 ? std::span<const Label>(patterns.team_colors) : patterns.side_colors);
+      seen.color = name.color;
+      seen.margin = name.margin;
+      seen.off = name.off;
+      ++out.seen;
+      squares += seen.off_mm * seen.off_mm;
+      sum_r2 += seen.r2;
+      out.least_r2 = std::min(out.least_r2, seen.r2);
+    }
+    if (out.seen < 3) {
+      out.seen = 0;
+      return out;
+    }
+    out.rms_mm = std::sqrt(squares / out.seen);
+    out.mean_r2 = sum_r2 / out.seen;
+    out.pose = {start.x_mm + moved.x(), start.y_mm + moved.y(),
+                std::remainder(start.angle_rad + moved.z(), 2 * std::numbers::pi)};
+    const Eigen::Vector2d center = patch->pixel + patch->to_pixel(moved.head<2>());
+    out.pixel_x = center.x();
+    out.pixel_y = center.y();
+    out.px_per_mm = 1 / patch->mm_per_px();
+    return out;
+  }
+}
+
+PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm, double y_mm,
+                                                double height_mm) noexcept {
+  const PatternTable& patterns = frame.patterns;
+  const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.center_diameter_mm);
+  if (!patch) return {};
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+  Center out;
+  for (int pass = 0; pass < 2; ++pass) {
+    const DiscFit disc = fit_disc(
+        meter_.measure(frame.image, *patch, disc_at(patterns, *patch, moved, patterns.center_diameter_mm), {},
+                       frame.blur_px));
+    ++discs_fitted_;
+    const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
+    if (!disc.ok || brightness <= 0 || disc.r2 < kLeastR2) return out;
+    const auto [dx, dy] = disc.offset_mm();
+    Eigen::Vector2d step(dx, dy);
+    if (step.norm() > kMostStepMm) step *= kMostStepMm / step.norm();
+    moved += step;
+    out.r2 = disc.r2;
+  }
+  out.seen = moved.norm() < kMostStepMm;
+  out.x_mm = x_mm + moved.x();
+  out.y_mm = y_mm + moved.y();
+  return out;
+}
+
+std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
+                                         std::array<double, kMostHeadings>& angles_rad) noexcept {
+  const PatternTable& patterns = frame.patterns;
+  const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.reach_mm);
+  if (!patch) return 0;
+
+  constexpr std::size_t kTurns = 72;  // of 5 degrees
+  static const auto kDirections = [] {
+    std::array<Eigen::Vector2d, kTurns> out;
+    for (std::size_t i = 0; i < kTurns; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kTurns;
+      out[i] = {std::cos(angle), std::sin(angle)};
+    }
+    return out;
+  }();
+  // First order will do: samples are taken from the nearest pixel.
+  const double det = patch->xu * patch->yv - patch->xv * patch->yu;
+  Eigen::Matrix2d to_pixel;
+  to_pixel << patch->yv / det, -patch->xv / det, -patch->yu / det, patch->xu / det;
+  const auto value = [&](const Eigen::Vector2d& place_mm, std::array<float, 3>& out) {
+    return values_at(frame.image, patch->pixel + to_pixel * place_mm, out);
+  };
+  // The black: the median of a circle between the centre dot and the others.
+  const double black_mm = patterns.center_diameter_mm / 2 + patterns.gap_mm / 2;
+  std::array<std::array<float, kTurns>, 3> around;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kTurns; i += 2) {
+    std::array<float, 3> here;
+    if (!value(black_mm * kDirections[i], here)) continue;
+    for (std::size_t c = 0; c < 3; ++c) around[c][count] = here[c];
+    ++count;
+  }
+  if (count < kTurns / 4) return 0;
+  std::array<float, 3> black;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto middle = around[c].begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(around[c].begin(), middle, around[c].begin() + static_cast<std::ptrdiff_t>(count));
+    black[c] = *middle;
+  }
+
+  constexpr std::size_t kHeadings = 2 * kTurns;
+  std::array<float, kHeadings> sum{}, least, second, between{};
+  least.fill(1e9F);
+  second.fill(1e9F);
+  std::size_t gaps = 0;
+  for (const PatternTable::Ring& ring : patterns.rings) {
+    // How far each place on the ring is from the black.
+    std::array<float, kTurns> contrast;
+    for (std::size_t i = 0; i < kTurns; ++i) {
+      const Eigen::Vector2d middle = ring.radius_mm * kDirections[i], out = ring.spread_mm * kDirections[i],
+                            side(-out.y(), out.x());
+      std::array<float, 3> mean{};
+      int points = 0;
+      for (const Eigen::Vector2d& place :
+           {middle, Eigen::Vector2d(middle + out), Eigen::Vector2d(middle - out),
+            Eigen::Vector2d(middle + side), Eigen::Vector2d(middle - side)}) {
+        std::array<float, 3> here;
+        if (!value(place, here)) continue;
+        for (std::size_t c = 0; c < 3; ++c) mean[c] += here[c];
+        ++points;
+      }
+      float square = 0;
+      for (std::size_t c = 0; c < 3 && points > 0; ++c) {
+        const float difference = mean[c] / static_cast<float>(points) - black[c];
+        square += difference * difference;
+      }
+      contrast[i] = std::sqrt(square);
+    }
+    // What is brighter than dots must not outvote dim ones.
+    std::array<float, kTurns> sorted = contrast;
+    constexpr std::size_t kMost = kTurns * 4 / 5;
+    std::nth_element(sorted.begin(), sorted.begin() + kMost, sorted.end());
+    for (float& one : contrast) one = std::min(one, sorted[kMost]);
+
+    /// Contrast at an angle of the pattern, for every heading.
+    const auto for_headings = [&](double angle, const auto& use) {
+      const double turn = angle / (2 * std::numbers::pi);
+      const double start = (turn - std::floor(turn)) * kHeadings;
+      const auto first = static_cast<std::size_t>(start + 0.5);
+      for (std::size_t i = 0; i < kHeadings; ++i) {
+        const std::size_t at = (first + i) % kHeadings;
+        const float here =
+            at % 2 == 0 ? contrast[at / 2] : 0.5F * (contrast[at / 2] + contrast[(at / 2 + 1) % kTurns]);
+        use(i, here);
+      }
+    };
+    for (const double angle : ring.dot_angles_rad) {
+      for_headings(angle, [&](std::size_t i, float here) {
+        sum[i] += here;
+        second[i] = std::min(second[i], std::max(least[i], here));
+        least[i] = std::min(least[i], here);
+      });
+    }
+    for (const double angle : ring.gap_angles_rad)
+      for_headings(angle, [&](std::size_t i, float here) { between[i] += here; });
+    gaps += ring.gap_angles_rad.size();
+  }
+  std::array<float, kHeadings> scores;
+  for (std::size_t i = 0; i < kHeadings; ++i) {
+    scores[i] = sum[i] / static_cast<float>(patterns.dots.size()) + 0.5F * second[i] -
+                (gaps > 0 ? 1.5F * between[i] / static_cast<float>(gaps) : 0);
+  }
+  constexpr double kApartRad = 0.25;
+  constexpr float kLeastScore = 4;  // grey levels: less is noise on even ground
+  std::size_t found = 0;
+  while (found < kMostHeadings) {
+    const auto best = std::max_element(scores.begin(), scores.end());
+    if (*best < kLeastScore) break;
+    const auto at = static_cast<std::size_t>(best - scores.begin());
+    angles_rad[found++] = 2 * std::numbers::pi * static_cast<double>(at) / kHeadings;
+    const auto width = static_cast<std::size_t>(kApartRad / (2 * std::numbers::pi) * kHeadings);
+    for (std::size_t i = 0; i <= 2 * width; ++i) scores[(at + kHeadings + i - width) % kHeadings] = -1;
+  }
+  return found;
+}
+
+}  // namespace sslv

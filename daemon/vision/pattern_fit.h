@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "geometry/scene.h"
+#include "image/image.h"
+#include "vision/disc_fit.h"
+#include "vision/lut.h"
+#include "vision/pattern_pose.h"
+#include "vision/patterns.h"
+
+#include <array>
+#include <cstddef>
+
+namespace sslv {
+
+/// One dot of a pattern as the picture shows it.
+struct PatternDotFit {
+  bool seen = false;  // there is a disc at this place
+  double off_mm = 0;  // distance from its place in the fitted pattern
+  double r2 = 0;      // as DiscFit
+  double snr = 0;     // contrast over one sample's noise, all channels together
+  Label color = 0;    // the likeliest of the colours that a dot here may have
+  double off = 0;     // as ColorName
+  double margin = 0;  // 0: might as well be the second likeliest; 1: just as the table's colour; less than 0:
+                      // the colour table contradicts
+  double pixel_x = 0, pixel_y = 0;
+};
+
+/// A pattern laid over the picture.
+struct PatternFit {
+  static constexpr std::size_t kCenter = PatternTable::kMaxDots;  // the centre dot's place in `dots`
+
+  PatternPose pose;
+  double pixel_x = 0, pixel_y = 0;  // of the pattern's centre
+  double px_per_mm = 0;
+  std::array<PatternDotFit, PatternTable::kMaxDots + 1> dots;
+  int seen = 0;                      // dots, with the centre
+  double rms_mm = 0;                 // of the seen dots' distances from their places
+  double least_r2 = 0, mean_r2 = 0;  // of the seen dots
+};
+
+/// Lays a pattern over the picture: fits each of its dots as a disc (disc_fit.h) and from all of them that
+/// are there, weighted by what each of them knows, the pose: the least-squares estimate in field coordinates
+/// on the plane of the top.
+class PatternFitter {
+ public:
+  /// What stays the same for a frame. All must outlive its use.
+  struct Frame {
+    const ImageView& image;
+    const CameraModel& camera;
+    const PatternTable& patterns;
+    const Lut& lut;
+    double blur_px;
+  };
+
+  /// Starts at `start`, which should be good to some 5 mm; up to `most_passes` Gauss-Newton steps, fewer when
+  /// they have become small. Nothing (seen = 0) when fewer than three dots are there.
+  PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int most_passes) noexcept;
+
+  /// The centre dot alone.
+  struct Center {
+    bool seen = false;
+    double x_mm = 0, y_mm = 0, r2 = 0;
+  };
+  Center fit_center(const Frame& frame, double x_mm, double y_mm, double height_mm) noexcept;
+
+  /// Looks for side dots all around a centre. The likeliest headings are written to `angles_rad`, best first;
+  /// returns how many, 0 when there is nothing like the pattern. Needs neither regions nor colours: dots
+  /// differ from the black between them.
+  static constexpr std::size_t kMostHeadings = 3;
+  std::size_t find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
+                            std::array<double, kMostHeadings>& angles_rad) noexcept;
+
+  /// Discs fitted since the last reset: the measure of time spent.
+  int discs_fitted() const { return discs_fitted_; }
+  void reset_count() { discs_fitted_ = 0; }
+
+ private:
+  DiscMeter meter_;
+  int discs_fitted_ = 0;
+};
+
+}  // namespace sslv

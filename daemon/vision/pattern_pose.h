@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace sslv {
+
+/// A robot's place on the plane of its top.
+struct PatternPose {
+  double x_mm, y_mm, angle_rad;
+};
+
+}  // namespace sslv

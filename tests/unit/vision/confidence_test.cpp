@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/confidence.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity(),
+                 kNan = std::numeric_limits<double>::quiet_NaN();
+
+const RobotEvidence kGoodRobot{10, 0.3, 0.95, 0.97, 0};
+
+BallEvidence good_ball() {
+  BallEvidence e;
+  e.r2 = 0.98;
+  e.contrast = 0.8;
+  e.radius_off = 0.3;
+  e.moved_share = 0.05;
+  e.color_off = 0.2;
+  return e;
+}
+
+/// Confidence never rises (or never falls) while one number of the evidence grows.
+template <class Evidence>
+void expect_monotone(const Evidence& good, double Evidence::*field, const std::vector<double>& values,
+                     bool rises, const std::string& what) {
+  double last = rises ? -1 : 2;
+  for (const double value : values) {
+    Evidence e = good;
+    e.*field = value;
+    const double now = confidence_of(e);
+    EXPECT_GE(now, 0) << what;
+    EXPECT_LE(now, 1) << what;
+    if (rises) {
+      EXPECT_GE(now, last) << what << " " << value;
+    } else {
+      EXPECT_LE(now, last) << what << " " << value;
+    }
+    last = now;
+  }
+}
+
+TEST(Confidence, OfARobotFollowsWhatSpeaksForIt) {
+  EXPECT_GT(confidence_of(kGoodRobot), 0.95);
+  expect_monotone(kGoodRobot, &RobotEvidence::least_sure, {0, 0.01, 0.1, 1, 10, 1000}, true, "least_sure");
+  expect_monotone(kGoodRobot, &RobotEvidence::rms_mm, {0, 0.1, 0.5, 1, 3, 10, 100}, false, "rms_mm");
+  expect_monotone(kGoodRobot, &RobotEvidence::least_r2, {0, 0.2, 0.5, 0.8, 1}, true, "least_r2");
+  double last = 2;
+  for (int unproven = 0; unproven <= 4; ++unproven) {
+    RobotEvidence e = kGoodRobot;
+    e.unproven = unproven;
+    EXPECT_LE(confidence_of(e), last) << unproven;
+    last = confidence_of(e);
+  }
+}
+
+TEST(Confidence, OfABallFollowsWhatSpeaksForIt) {
+  EXPECT_GT(confidence_of(good_ball()), 0.95);
+  expect_monotone(good_ball(), &BallEvidence::r2, {-1, 0, 0.2, 0.5, 0.8, 0.95, 0.999, 1, 1.1}, true, "r2");
+  expect_monotone(good_ball(), &BallEvidence::contrast, {0, 0.1, 0.3, 0.7, 1, 2}, true, "contrast");
+  expect_monotone(good_ball(), &BallEvidence::radius_off, {0, 0.5, 1, 3, 10, 100}, false, "radius_off");
+  expect_monotone(good_ball(), &BallEvidence::moved_share, {0, 0.1, 0.3, 1, 5}, false, "moved_share");
+  expect_monotone(good_ball(), &BallEvidence::area_ratio, {0, 0.1, 0.5, 1}, true, "area_ratio up to one");
+  expect_monotone(good_ball(), &BallEvidence::area_ratio, {1, 1.2, 2, 5, 100}, false, "area_ratio from one");
+  expect_monotone(good_ball(), &BallEvidence::clear_share, {0, 0.3, 0.7, 1}, true, "clear_share");
+  expect_monotone(good_ball(), &BallEvidence::color_off, {0, 0.05, 0.1, 0.3, 1, 2, 5, 100}, false,
+                  "color_off");
+  BallEvidence yellow = good_ball();
+  yellow.is_orange = false;
+  EXPECT_LT(confidence_of(yellow), confidence_of(good_ball()));
+}
+
+TEST(Confidence, IsANumberWhateverTheEvidence) {
+  const std::vector<double> odd{kNan,   kInf, -kInf, 1e300,
+                                -1e300, 0,    -1,    std::numeric_limits<double>::denorm_min()};
+  for (const double value : odd) {
+    for (const auto field : {&RobotEvidence::least_sure, &RobotEvidence::rms_mm, &RobotEvidence::least_r2,
+                             &RobotEvidence::mean_r2}) {
+      RobotEvidence e = kGoodRobot;
+      e.*field = value;
+      const double confidence = confidence_of(e);
+      EXPECT_TRUE(confidence >= 0 && confidence <= 1) << confidence << " of " << value;
+    }
+    for (const auto field :
+         {&BallEvidence::r2, &BallEvidence::contrast, &BallEvidence::radius_off, &BallEvidence::moved_share,
+          &BallEvidence::area_ratio, &BallEvidence::clear_share, &BallEvidence::visible_share,
+          &BallEvidence::color_off}) {
+      BallEvidence e = good_ball();
+      e.*field = value;
+      const double confidence = confidence_of(e);
+      EXPECT_TRUE(confidence >= 0 && confidence <= 1) << confidence << " of " << value;
+    }
+  }
+  // Nothing at all speaks for nothing.
+  EXPECT_LT(confidence_of(RobotEvidence{}), 1);
+  EXPECT_LT(confidence_of(BallEvidence{}), 0.95);
+}
+
+TEST(Confidence, NotANumberSpeaksForNothing) {
+  RobotEvidence robot = kGoodRobot;
+  robot.rms_mm = kNan;
+  EXPECT_EQ(confidence_of(robot), 0);
+  BallEvidence ball = good_ball();
+  ball.moved_share = kNan;
+  EXPECT_EQ(confidence_of(ball), 0);
+}
+
+}  // namespace
+}  // namespace sslv

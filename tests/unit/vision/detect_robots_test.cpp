@@ -1,0 +1,672 @@
+// SPDX-License-Identifier: Apache-2.0
+// Robots in drawn pictures. Each test is a way in which vision systems in use have failed.
+#include "vision/detect_robots.h"
+
+#include "support/allocation_count.h"
+#include "support/drawn_scene.h"
+#include "vision/segment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr Rgb kTopColor{24, 24, 27};
+constexpr double kHeightMm = 140;
+const std::array kColorFormats{PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8};
+
+std::string name_of(const Robot& robot) {
+  return std::string(robot.team == Team::kBlue ? "blue " : "yellow ") + std::to_string(robot.id);
+}
+
+double turn_between(double a_rad, double b_rad) {
+  return std::abs(std::remainder(a_rad - b_rad, 2 * kPi));
+}
+
+const Robot* find(const std::vector<Robot>& robots, Team team, int id) {
+  const auto found = std::find_if(robots.begin(), robots.end(),
+                                  [&](const Robot& r) { return r.team == team && r.id == id; });
+  return found == robots.end() ? nullptr : &*found;
+}
+
+/// Whether what is reported is there.
+bool is_true(const Robot& robot, const DrawnScene& drawn, double within_mm, double within_rad) {
+  const auto& all = drawn.things().robots;
+  return std::any_of(all.begin(), all.end(), [&](const SimulatedRobot& r) {
+    return r.team == robot.team && r.id == robot.id &&
+           std::hypot(r.x_mm - robot.x_mm, r.y_mm - robot.y_mm) < within_mm &&
+           turn_between(r.orientation_rad, robot.orientation_rad) < within_rad;
+  });
+}
+
+void expect_nothing_wrong(const std::vector<Robot>& found, const DrawnScene& drawn, double within_mm = 3,
+                          double within_deg = 3) {
+  for (const Robot& robot : found) {
+    EXPECT_TRUE(is_true(robot, drawn, within_mm, within_deg * kDegree))
+        << name_of(robot) << " at " << robot.x_mm << ", " << robot.y_mm << " heading "
+        << robot.orientation_rad / kDegree << " confidence " << robot.confidence;
+  }
+}
+
+/// All robots of the scene and nothing else.
+void expect_all(const std::vector<Robot>& found, const DrawnScene& drawn, double within_mm,
+                double within_deg) {
+  EXPECT_EQ(found.size(), drawn.things().robots.size());
+  expect_nothing_wrong(found, drawn, within_mm, within_deg);
+  for (const SimulatedRobot& r : drawn.things().robots) {
+    EXPECT_NE(find(found, r.team, r.id), nullptr)
+        << (r.team == Team::kBlue ? "blue " : "yellow ") << r.id << " at " << r.x_mm << ", " << r.y_mm
+        << " heading " << r.orientation_rad / kDegree << " is missing";
+  }
+}
+
+/// A point of a robot's top, given in its own frame.
+Eigen::Vector2d on_top(const SimulatedRobot& robot, double ahead_mm, double left_mm) {
+  const double c = std::cos(robot.orientation_rad), s = std::sin(robot.orientation_rad);
+  return {robot.x_mm + c * ahead_mm - s * left_mm, robot.y_mm + s * ahead_mm + c * left_mm};
+}
+
+void cover_on_top(DrawnScene& drawn, const SimulatedRobot& robot, double ahead_mm, double left_mm,
+                  double radius_mm, Rgb color) {
+  const Eigen::Vector2d at = on_top(robot, ahead_mm, left_mm);
+  drawn.cover(at.x(), at.y(), robot.height_mm, radius_mm, color);
+}
+
+/// Every id of both teams, apart from each other, at random headings and not quite on a grid.
+void add_all_robots(DrawnScene& drawn, std::mt19937& random, int covered_dot = -1) {
+  std::uniform_real_distribution<double> angle(-kPi, kPi), off(-60, 60);
+  for (int i = 0; i < 32; ++i) {
+    const double x_mm = -50 + 2600.0 / 3 * (i / 8), y_mm = -1820 + 520.0 * (i % 8);
+    drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i / 2, x_mm + off(random), y_mm + off(random),
+                    angle(random), covered_dot);
+  }
+}
+
+/// The id whose code differs from this one's only at a dot.
+int twin_of(int id, std::size_t dot) {
+  const auto& codes = league_patterns().codes;
+  for (const auto& code : codes) {
+    bool only_there = code.id != id;
+    for (std::size_t i = 0; i < 4; ++i) {
+      only_there =
+          only_there && (code.colors[i] != codes[static_cast<std::size_t>(id)].colors[i]) == (i == dot);
+    }
+    if (only_there) return code.id;
+  }
+  return -1;
+}
+
+// ---- what is in plain sight
+
+class DetectRobotsIn : public ::testing::TestWithParam<PixelFormat> {};
+
+TEST_P(DetectRobotsIn, EveryIdOfBothTeamsAtAnyHeading) {
+  std::mt19937 random(1);
+  DrawnScene drawn(plain_options(GetParam(), 4));
+  for (int round = 0; round < 3; ++round) {
+    SCOPED_TRACE(round);
+    drawn.clear();
+    add_all_robots(drawn, random);
+    const auto found = drawn.robots().robots;
+    expect_all(found, drawn, 0.5, 0.5);
+    for (const Robot& robot : found) EXPECT_GT(robot.confidence, 0.95) << name_of(robot);
+  }
+}
+
+TEST_P(DetectRobotsIn, TeamsOfDifferentHeight) {
+  std::mt19937 random(2);
+  DrawnScene drawn(plain_options(GetParam(), 4), overhead_camera(), {120, 150});
+  add_all_robots(drawn, random);
+  const auto found = drawn.robots().robots;
+  expect_all(found, drawn, 0.5, 0.5);
+  for (const Robot& robot : found) EXPECT_EQ(robot.height_mm, robot.team == Team::kYellow ? 120 : 150);
+}
+
+TEST_P(DetectRobotsIn, AnObliqueView) {
+  DrawnScene drawn(plain_options(GetParam(), 4), oblique_camera());
+  for (int i = 0; i < 16; ++i) {
+    drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i, 300.0 + 450 * (i / 4),
+                    -1300.0 + 820 * (i % 4), 0.7 * i);
+  }
+  expect_all(drawn.robots().robots, drawn, 0.8, 0.8);
+}
+
+TEST_P(DetectRobotsIn, DimLight) {
+  std::mt19937 random(3);
+  SimulatorOptions options = plain_options(GetParam(), 4);
+  options.light = 0.3;
+  DrawnScene drawn(options);
+  add_all_robots(drawn, random);
+  expect_all(drawn.robots().robots, drawn, 1.5, 1.5);
+}
+
+TEST_P(DetectRobotsIn, ColouredLight) {
+  for (const auto& [red, blue] : {std::pair{1.4, 0.7}, std::pair{0.7, 1.4}}) {
+    SCOPED_TRACE(red);
+    std::mt19937 random(4);
+    SimulatorOptions options = plain_options(GetParam(), 4);
+    options.light = 0.7;
+    options.red_gain = red, options.blue_gain = blue;
+    DrawnScene drawn(options);
+    add_all_robots(drawn, random);
+    expect_all(drawn.robots().robots, drawn, 0.8, 0.8);
+  }
+}
+
+TEST_P(DetectRobotsIn, TouchingRobotsKeepTheirDots) {
+  // Pairs 1 mm apart, each in all its headings.
+  constexpr int kHeadings = 8, kPairs = 8;
+  const auto reach_mm = [](int heading) { return heading == 0 ? 55.0 : 90.0; };  // 0: the front touches
+  DrawnScene drawn(plain_options(GetParam(), 4));
+  int pair = 0;
+  for (int a = 0; a < kHeadings; ++a) {
+    for (int b = 0; b < kHeadings; ++b, ++pair) {
+      const int place = pair % kPairs;
+      const double x_mm = 0 + 600.0 * (place / 2), y_mm = place % 2 == 0 ? -900 : 700;
+      const double line = 0.37 * pair, apart_mm = reach_mm(a) + reach_mm(b) + 1;
+      // Both of one team, or one of each.
+      drawn.add_robot(Team::kBlue, 2 * place, x_mm, y_mm, line - a * kPi / 4);
+      drawn.add_robot(pair % 3 == 0 ? Team::kYellow : Team::kBlue, 2 * place + 1,
+                      x_mm + apart_mm * std::cos(line), y_mm + apart_mm * std::sin(line),
+                      line + kPi - b * kPi / 4);
+      if (place + 1 < kPairs) continue;
+      SCOPED_TRACE(pair);
+      expect_all(drawn.robots().robots, drawn, 1, 1);
+      drawn.clear();
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, DetectRobotsIn, ::testing::ValuesIn(kColorFormats),
+                         [](const auto& param) { return std::string(name_of(param.param)); });
+
+TEST(DetectRobots, ACrowdOfTouchingRobotsSharesNoDots) {
+  // As tight as round things can stand: dots of one robot are often as far apart as those of two.
+  DrawnScene drawn;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> angle(-kPi, kPi);
+  for (int i = 0; i < 25; ++i) {
+    const int row = i / 5, column = i % 5;
+    drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i / 2, 900 + 157.0 * row,
+                    -400 + 181.0 * column + (row % 2 == 0 ? 0 : 90.5), angle(random));
+  }
+  expect_all(drawn.robots().robots, drawn, 1, 1);
+}
+
+TEST(DetectRobots, DotsThatMergeIntoOneBlob) {
+  // Front to front with all dots green: two pairs of dots are but 2 mm apart.
+  DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
+  drawn.add_robot(Team::kBlue, 8, 1000, 0, 0);
+  drawn.add_robot(Team::kYellow, 8, 1112, 0, kPi);
+  const auto green = drawn.regions().of(label::kGreen);
+  const auto large = [](const Region& r) { return r.area_px > 10; };
+  ASSERT_LT(std::count_if(green.begin(), green.end(), large), 8) << "the picture is not as the test needs it";
+  expect_all(drawn.robots().robots, drawn, 1, 1);
+}
+
+TEST(DetectRobots, ADotThatIsSplitInTwoBlobs) {
+  for (std::size_t dot = 0; dot < 4; ++dot) {
+    SCOPED_TRACE(dot);
+    DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
+    drawn.add_robot(Team::kBlue, 8, 1300, 300, 0.4);
+    const SimulatedRobot& robot = drawn.things().robots[0];
+    const PatternDot& place = league_patterns().dots[dot];
+    const Eigen::Vector2d from = on_top(robot, place.x_mm - 22, place.y_mm),
+                          to = on_top(robot, place.x_mm + 22, place.y_mm);
+    drawn.cover_bar(from.x(), from.y(), to.x(), to.y(), kHeightMm, 10, kTopColor);
+    ASSERT_GT(drawn.regions().of(label::kGreen).size(), 4U) << "the picture is not as the test needs it";
+    expect_all(drawn.robots().robots, drawn, 2, 2);
+  }
+}
+
+TEST(DetectRobots, SpecksOfTheDotsColoursOnTheTopDoNoHarm) {
+  for (const double speck_mm : {4.0, 7.0, 10.0}) {
+    SCOPED_TRACE(speck_mm);
+    DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
+    for (int id = 0; id < 16; ++id) {
+      drawn.add_robot(id % 2 == 0 ? Team::kBlue : Team::kYellow, id, 500.0 * (id / 4),
+                      -1200.0 + 800 * (id % 4), 0.6 * id);
+    }
+    for (const SimulatedRobot& robot : drawn.things().robots) {
+      // In the gaps: behind, ahead, and at the sides.
+      cover_on_top(drawn, robot, -68, 0, speck_mm, paint_color(label::kPink));
+      cover_on_top(drawn, robot, 40, 3, speck_mm, paint_color(label::kGreen));
+      cover_on_top(drawn, robot, -10, 75, speck_mm, paint_color(label::kGreen));
+    }
+    expect_all(drawn.robots().robots, drawn, 2, 2);
+  }
+}
+
+// ---- what is not all to be seen
+
+/// Three dots leave two ids each time.
+void expect_no_guesses(PixelFormat format, double noise, unsigned seed) {
+  std::mt19937 random(seed);
+  DrawnScene drawn(plain_options(format, noise));
+  for (int dot = 0; dot < 4; ++dot) {
+    drawn.clear();
+    add_all_robots(drawn, random, dot);
+    SCOPED_TRACE(std::string(name_of(format)) + " noise " + std::to_string(noise) + " dot " +
+                 std::to_string(dot));
+    for (const Robot& robot : drawn.robots().robots) {
+      ADD_FAILURE() << "guessed " << name_of(robot) << " at " << robot.x_mm << ", " << robot.y_mm
+                    << " confidence " << robot.confidence
+                    << (is_true(robot, drawn, 3, 0.05) ? ", rightly" : ", wrongly");
+    }
+  }
+}
+
+TEST(DetectRobots, ACoveredSideDotIsNeverGuessed) {
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24}) {
+    for (unsigned seed = 1; seed <= 4; ++seed) expect_no_guesses(format, 2, seed);
+  }
+}
+
+TEST(DetectRobots, ACoveredSideDotIsNeverGuessedFromNoise) {
+  for (const double noise : {2.0, 4.0, 8.0}) {
+    for (unsigned seed = 0; seed < 4; ++seed) expect_no_guesses(PixelFormat::kBayerRg8, noise, seed);
+    expect_no_guesses(PixelFormat::kUyvy, noise, 6);
+  }
+}
+
+/// One dot of each robot under something whose middle lies `out` times as far from the robot's as the dot's.
+void expect_no_wrong_id(double radius_mm, double out, std::span<const Rgb> colors) {
+  std::mt19937 random(7);
+  DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
+  for (const Rgb color : colors) {
+    for (const PatternDot& dot : league_patterns().dots) {
+      drawn.clear();
+      add_all_robots(drawn, random);
+      const SimulatedScene things = drawn.things();
+      for (const SimulatedRobot& robot : things.robots)
+        cover_on_top(drawn, robot, out * dot.x_mm, out * dot.y_mm, radius_mm, color);
+      SCOPED_TRACE("under " + std::to_string(color.r) + ", " + std::to_string(color.g) + ", " +
+                   std::to_string(color.b));
+      expect_nothing_wrong(drawn.robots().robots, drawn, 5, 5);
+    }
+  }
+}
+constexpr std::array kHands{Rgb{224, 172, 140}, Rgb{120, 80, 60}, Rgb{60, 60, 70}};
+constexpr std::array kStickers{Rgb{224, 172, 140}, Rgb{200, 30, 35}, Rgb{205, 205, 200},
+                               Rgb{130, 90, 60},   Rgb{30, 92, 62},  Rgb{90, 90, 90}};
+
+TEST(DetectRobots, AHandOverADotNeverGivesAnotherId) {
+  expect_no_wrong_id(40, 1.2, kHands);
+}
+
+TEST(DetectRobots, AStickerOverADotNeverGivesAnotherId) {
+  expect_no_wrong_id(20.5, 1, kStickers);
+}
+
+TEST(DetectRobots, TheRosterTellsWhoHasACoveredDot) {
+  for (int id = 0; id < 16; ++id) {
+    const int dot = id % 4;
+    const int twin = twin_of(id, static_cast<std::size_t>(dot));
+    DrawnScene drawn;
+    drawn.add_robot(Team::kBlue, id, 1300, -500, 0.5 * id, dot);
+    auto& roster = drawn.scene().roster[static_cast<std::size_t>(Team::kBlue)];
+    roster.set(static_cast<std::size_t>(id));
+    expect_all(drawn.robots().robots, drawn, 1, 1);
+    if (twin < 0) continue;
+    roster.set(static_cast<std::size_t>(twin));
+    EXPECT_THAT(drawn.robots().robots, IsEmpty()) << "id " << id << " or " << twin;
+  }
+}
+
+TEST(DetectRobots, TheOtherRobotsTellWhoHasACoveredDot) {
+  // 6 but for its second dot is 12 or so: whoever that is, is seen elsewhere.
+  for (std::size_t dot = 0; dot < 4; ++dot) {
+    const int twin = twin_of(8, dot);
+    if (twin < 0) continue;
+    DrawnScene drawn;
+    drawn.add_robot(Team::kYellow, 8, 1300, -500, 2.1, static_cast<int>(dot));
+    drawn.add_robot(Team::kYellow, twin, 1300, 500, -1.1);
+    expect_all(drawn.robots().robots, drawn, 1, 1);
+  }
+}
+
+TEST(DetectRobots, MemoryTellsWhoHasACoveredDot) {
+  for (int id = 0; id < 16; ++id) {
+    DrawnScene before, after;
+    before.add_robot(Team::kYellow, id, 1300, -500, 0.5 * id);
+    after.add_robot(Team::kYellow, id, 1320, -490, 0.5 * id + 0.1, id % 4);
+    DetectRobots detector;
+    expect_all(before.robots_by(detector, 100).robots, before, 0.5, 0.5);
+    SCOPED_TRACE(id);
+    expect_all(after.robots_by(detector, 100.016).robots, after, 1, 1);
+  }
+}
+
+TEST(DetectRobots, MemoryFades) {
+  DrawnScene before, after;
+  before.add_robot(Team::kYellow, 6, 1300, -500, 0.5);
+  after.add_robot(Team::kYellow, 6, 1300, -500, 0.5, 1);
+  const auto found_after = [&](double pause_s, double memory_ms) {
+    DetectRobots detector;
+    DetectRobots::Params params;
+    params.memory_ms = memory_ms;
+    before.robots_by(detector, 100, params);
+    return after.robots_by(detector, 100 + pause_s, params).robots;
+  };
+  EXPECT_THAT(found_after(0.016, 100), SizeIs(1));
+  EXPECT_THAT(found_after(0.098, 100), SizeIs(1));
+  EXPECT_THAT(found_after(0.102, 100), IsEmpty());
+  EXPECT_THAT(found_after(0.016, 0), IsEmpty());
+  EXPECT_THAT(found_after(-1, 100), IsEmpty()) << "time went back";
+  EXPECT_THAT(found_after(0, 100), IsEmpty()) << "time stood still";
+}
+
+TEST(DetectRobots, MemoryOfOneRobotIsNotTakenForAnother) {
+  // The robot that was there has been replaced by another, two dots different, with one dot covered.
+  DrawnScene before, after;
+  before.add_robot(Team::kYellow, 8, 1300, -500, 0.5);
+  after.add_robot(Team::kYellow, 9, 1300, -500, 0.5, 1);
+  DetectRobots detector;
+  before.robots_by(detector, 100);
+  expect_nothing_wrong(after.robots_by(detector, 100.016).robots, after);
+}
+
+TEST(DetectRobots, MemoryNeverMovesARobot) {
+  // The same picture, with and without another one before it: bit by bit.
+  std::mt19937 random(8);
+  DrawnScene before(plain_options(PixelFormat::kUyvy, 4)), now(plain_options(PixelFormat::kUyvy, 4));
+  add_all_robots(now, random);
+  for (const SimulatedRobot& r : now.things().robots)
+    before.add_robot(r.team, r.id, r.x_mm + 15, r.y_mm - 20, r.orientation_rad + 0.15);
+  DetectRobots remembers;
+  before.robots_by(remembers, 100);
+  const auto with = now.robots_by(remembers, 100.016).robots, without = now.robots().robots;
+  ASSERT_EQ(with.size(), without.size());
+  ASSERT_THAT(with, SizeIs(32));
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_EQ(with[i].id, without[i].id);
+    EXPECT_EQ(with[i].x_mm, without[i].x_mm);
+    EXPECT_EQ(with[i].y_mm, without[i].y_mm);
+    EXPECT_EQ(with[i].orientation_rad, without[i].orientation_rad);
+    EXPECT_EQ(with[i].confidence, without[i].confidence);
+  }
+}
+
+/// With the centre dots under something: found by memory, and nothing without.
+void expect_memory_without_centre(Rgb color) {
+  for (const PixelFormat format : kColorFormats) {
+    SCOPED_TRACE(name_of(format));
+    DrawnScene before(plain_options(format)), after(plain_options(format));
+    for (DrawnScene* drawn : {&before, &after}) {
+      drawn->add_robot(Team::kBlue, 3, 700, 800, 0.9);
+      drawn->add_robot(Team::kYellow, 12, 1800, -600, -2.3);
+    }
+    for (const SimulatedRobot& robot : after.things().robots) cover_on_top(after, robot, 0, 0, 26, color);
+    DetectRobots detector;
+    expect_all(before.robots_by(detector, 5).robots, before, 0.5, 0.5);
+    expect_all(after.robots_by(detector, 5.016).robots, after, 1, 1);
+    EXPECT_THAT(after.robots().robots, IsEmpty()) << "nothing tells the team";
+  }
+}
+
+TEST(DetectRobots, ABlackCentreDotNeedsMemory) {
+  expect_memory_without_centre(kTopColor);
+}
+
+TEST(DetectRobots, AWhiteCentreDotNeedsMemory) {
+  expect_memory_without_centre(paint_color(label::kWhite));
+}
+
+TEST(DetectRobots, ACentreDotWhoseRegionIsTooLargeIsFoundFromItsSideDots) {
+  // Something blue lies before it and is one region with it.
+  for (int id = 0; id < 16; ++id) {
+    DrawnScene drawn;
+    drawn.add_robot(Team::kBlue, id, 1300, 400, 0.8 * id);
+    cover_on_top(drawn, drawn.things().robots[0], 57, 0, 33, paint_color(label::kBlue));
+    ASSERT_THAT(drawn.regions().of(label::kBlue), SizeIs(1));
+    ASSERT_GT(drawn.regions().of(label::kBlue)[0].area_px, 2.5 * 62)
+        << "the picture is not as the test needs it";
+    SCOPED_TRACE(id);
+    expect_all(drawn.robots().robots, drawn, 3, 3);
+  }
+}
+
+TEST(DetectRobots, HalfOutOfThePictureIsRightOrNotReported) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> angle(-kPi, kPi);
+  for (const PixelFormat format : kColorFormats) {
+    DrawnScene drawn(plain_options(format, 4));
+    const auto at = [&](double u, double v) { return *drawn.scene().camera->unproject({u, v}, kHeightMm); };
+    for (int step = 0; step < 4; ++step) {
+      // All round, ever further out; the corners too.
+      drawn.clear();
+      const double in_px = 14 - 5.0 * step;
+      std::vector<Eigen::Vector2d> places;
+      for (int i = 0; i < 8; ++i) {
+        const double u = 60 + 92.0 * i, v = 60 + 70.0 * i;
+        places.push_back(at(u, in_px));
+        places.push_back(at(u, 579 - in_px));
+        if (i == 7) continue;
+        places.push_back(at(in_px, v));
+        places.push_back(at(779 - in_px, v));
+      }
+      int number = 0;
+      for (const Eigen::Vector2d& p : places) {
+        drawn.add_robot(number % 2 == 0 ? Team::kBlue : Team::kYellow, number / 2, p.x(), p.y(),
+                        angle(random));
+        ++number;
+      }
+      SCOPED_TRACE(std::string(name_of(format)) + " step " + std::to_string(step));
+      expect_nothing_wrong(drawn.robots().robots, drawn);
+    }
+    // Side dots, and centres, in the very corners: nobody reads outside.
+    for (const double in_px : {0.0, 5.0, 11.0, 14.0}) {
+      drawn.clear();
+      int id = 0;
+      for (const double u : {in_px, 779 - in_px}) {
+        for (const double v : {in_px, 579 - in_px}) {
+          const Eigen::Vector2d p = at(u, v);
+          drawn.add_robot(Team::kBlue, id++, p.x(), p.y(), angle(random));
+        }
+      }
+      SCOPED_TRACE(std::string(name_of(format)) + " corners " + std::to_string(in_px));
+      expect_nothing_wrong(drawn.robots().robots, drawn);
+    }
+  }
+}
+
+// ---- what is there twice
+
+TEST(DetectRobots, TwoRobotsNeverShareADot) {
+  // A centre dot and three side dots lie beside a robot so that one of its own completes them.
+  for (std::size_t own = 0; own < 4; ++own) {
+    for (std::size_t other = 0; other < 4; ++other) {
+      DrawnScene drawn;
+      drawn.add_robot(Team::kBlue, 8, 1300, 0, 0.3);
+      const SimulatedRobot robot = drawn.things().robots[0];
+      const auto& dots = league_patterns().dots;
+      const Eigen::Vector2d shared = on_top(robot, dots[own].x_mm, dots[own].y_mm);
+      // The phantom looks so that its dot `other` lies towards the robot.
+      const double towards = std::atan2(robot.y_mm - shared.y(), robot.x_mm - shared.x());
+      const double heading = towards + kPi - std::atan2(dots[other].y_mm, dots[other].x_mm) + kPi;
+      const double c = std::cos(heading), s = std::sin(heading);
+      const Eigen::Vector2d center = shared - Eigen::Vector2d(c * dots[other].x_mm - s * dots[other].y_mm,
+                                                              s * dots[other].x_mm + c * dots[other].y_mm);
+      const SimulatedRobot phantom{Team::kBlue, 8, center.x(), center.y(), heading, kHeightMm};
+      // Its black top, where the robot is not.
+      cover_on_top(drawn, phantom, 0, 0, 44, kTopColor);
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (i == other) continue;
+        cover_on_top(drawn, phantom, dots[i].x_mm, dots[i].y_mm, 29, kTopColor);
+      }
+      cover_on_top(drawn, phantom, 0, 0, 25, paint_color(label::kYellow));
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (i != other)
+          cover_on_top(drawn, phantom, dots[i].x_mm, dots[i].y_mm, 20, paint_color(label::kGreen));
+      }
+      EXPECT_LE(drawn.robots().robots.size(), 1U) << own << " is " << other;
+    }
+  }
+}
+
+TEST(DetectRobots, AnIdIsReportedOncePerTeam) {
+  DrawnScene drawn;
+  drawn.add_robot(Team::kBlue, 5, 500, 500, 1.0);
+  drawn.add_robot(Team::kBlue, 5, 1500, 500, 1.0);
+  drawn.add_robot(Team::kYellow, 5, 1500, -500, 1.0);
+  EXPECT_THAT(drawn.robots().robots, SizeIs(2));
+
+  DetectRobots::Params params;
+  params.duplicates = DetectRobots::Duplicates::kKeep;
+  const auto all = drawn.robots(params).robots;
+  ASSERT_THAT(all, SizeIs(3));
+  expect_nothing_wrong(all, drawn, 0.5, 0.5);
+  EXPECT_EQ(all[2].team, Team::kBlue);
+  EXPECT_LE(all[2].confidence, 0.25);
+  EXPECT_GT(all[1].confidence, 0.95);
+}
+
+// ---- what is no robot, no colour, no calibration
+
+TEST(DetectRobots, ConfidenceIsANumberFromZeroToOneAndFallsInTheList) {
+  std::mt19937 random(10);
+  DetectRobots::Params params;
+  params.min_confidence = 0;
+  params.max_rms_mm = 30;
+  params.min_area_ratio = 0;
+  for (const double noise : {0.0, 4.0, 25.0}) {
+    DrawnScene drawn(plain_options(PixelFormat::kUyvy, noise));
+    add_all_robots(drawn, random);
+    const auto found = drawn.robots(params).robots;
+    EXPECT_THAT(found, Not(IsEmpty()));
+    double last = 1;
+    for (const Robot& robot : found) {
+      EXPECT_GE(robot.confidence, 0);
+      EXPECT_LE(robot.confidence, last);
+      last = robot.confidence;
+    }
+  }
+}
+
+TEST(DetectRobots, NothingWithoutACalibration) {
+  DrawnScene drawn;
+  drawn.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
+  EXPECT_THAT(drawn.robots().robots, SizeIs(1));
+  drawn.scene().camera.reset();
+  EXPECT_THAT(drawn.robots().robots, IsEmpty());
+}
+
+TEST(DetectRobots, NothingInAPictureWithoutColours) {
+  DrawnScene drawn(plain_options(PixelFormat::kMono8));
+  drawn.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
+  EXPECT_THAT(drawn.robots().robots, IsEmpty());
+  // Nor with regions from elsewhere, or a memory of what was there.
+  DrawnScene colored;
+  colored.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
+  DetectRobots detector;
+  ASSERT_THAT(colored.robots_by(detector, 1).robots, SizeIs(1));
+  RobotList out;
+  FrameInfo info;
+  info.t_capture_s = 1.016;
+  detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), info, drawn.image(), colored.regions(),
+                   out);
+  EXPECT_THAT(out.robots, IsEmpty());
+}
+
+TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
+  for (const PixelFormat format : kColorFormats) {
+    SimulatorOptions options = plain_options(format);
+    options.width = 390, options.height = 290;
+    DrawnScene small(options);
+    small.add_robot(Team::kBlue, 9, 1300, 1000, 1.0);
+    small.add_robot(Team::kYellow, 2, 2000, 30, 1.0);
+    EXPECT_LE(small.robots().robots.size(), 2U);
+    // Regions and memory of a larger picture.
+    DrawnScene large(plain_options(format));
+    std::mt19937 random(11);
+    add_all_robots(large, random);
+    DetectRobots detector;
+    large.robots_by(detector, 1);
+    RobotList out;
+    FrameInfo info;
+    info.t_capture_s = 1.016;
+    detector.process({}, small.scene(), league_patterns(), small.lut(), info, small.image(), large.regions(),
+                     out);
+    EXPECT_LE(out.robots.size(), 2U);
+  }
+}
+
+/// A picture of 4 px squares in the prints' colours, thousands of them.
+class Confetti {
+ public:
+  explicit Confetti(unsigned seed) : bytes_(780 * 580 * 3) {
+    std::mt19937 random(seed);
+    constexpr std::array kLabels{label::kOrange, label::kYellow, label::kBlue,  label::kPink,
+                                 label::kGreen,  label::kWhite,  label::kBlack, label::kField};
+    for (std::size_t y = 0; y < 580; y += 4) {
+      for (std::size_t x = 0; x < 780; x += 4) {
+        const Rgb c = paint_color(kLabels[random() % kLabels.size()]);
+        for (std::size_t i = 0; i < 16; ++i) {
+          std::uint8_t* out = bytes_.data() + ((y + i / 4) * 780 + x + i % 4) * 3;
+          out[0] = c.r, out[1] = c.g, out[2] = c.b;
+        }
+      }
+    }
+  }
+  Image image() const {
+    return {{bytes_.data(), 780, 580, 780 * 3, PixelFormat::kRgb24}, nullptr, nullptr, nullptr};
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
+  DrawnScene drawn;  // for its camera and colours
+  Segment segment;
+  DetectRobots detector;
+  RunList runs;
+  RegionList regions;
+  RobotList out;
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    const Confetti confetti(seed);
+    const Image image = confetti.image();
+    segment.process({}, drawn.lut(), Mask(), image, runs, regions);
+    ASSERT_GT(regions.regions.size(), 3000U);
+    for (const int most : {100, 3000}) {
+      DetectRobots::Params params;
+      params.max_disc_fits = most;
+      const auto process = [&](double t_s) {
+        FrameInfo info;
+        info.t_capture_s = t_s;
+        detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), info, image, regions, out);
+      };
+      process(1);
+      EXPECT_TRUE(out.capped) << most;
+      const std::uint64_t before = allocation_count();
+      process(1.016);
+      if (counts_allocations()) {
+        EXPECT_EQ(allocation_count() - before, 0U) << most;
+      }
+      for (const Robot& robot : out.robots) ADD_FAILURE() << "there is no " << name_of(robot);
+    }
+  }
+}
+
+TEST(DetectRobots, AnOrdinaryPictureIsNotCapped) {
+  std::mt19937 random(12);
+  DrawnScene drawn;
+  add_all_robots(drawn, random);
+  EXPECT_FALSE(drawn.robots().capped);
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/robot_memory.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr double kPi = std::numbers::pi;
+
+Robot robot_at(Team team, int id, double x_mm, double y_mm, double angle_rad) {
+  return {team, id, x_mm, y_mm, angle_rad, 140, 0, 0, 1};
+}
+
+TEST(RobotMemory, ExpectsARobotWhereItStoodUntilItIsSeenTwice) {
+  RobotMemory memory;
+  EXPECT_THAT(memory.entries(), IsEmpty());
+  memory.remember({{robot_at(Team::kBlue, 4, 100, -200, 0.5)}}, 10);
+  ASSERT_THAT(memory.entries(), SizeIs(1));
+  const PatternPose expected = memory.entries()[0].at(10.1);
+  EXPECT_EQ(expected.x_mm, 100);
+  EXPECT_EQ(expected.y_mm, -200);
+  EXPECT_EQ(expected.angle_rad, 0.5);
+}
+
+TEST(RobotMemory, ThenWhereItDrives) {
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kBlue, 4, 100, -200, 0.5)}}, 10);
+  memory.remember({{robot_at(Team::kBlue, 4, 120, -230, 0.6)}}, 10.01);
+  ASSERT_THAT(memory.entries(), SizeIs(1));
+  const PatternPose expected = memory.entries()[0].at(10.03);
+  EXPECT_NEAR(expected.x_mm, 160, 1e-6);
+  EXPECT_NEAR(expected.y_mm, -290, 1e-6);
+  EXPECT_NEAR(expected.angle_rad, 0.8, 1e-6);
+}
+
+TEST(RobotMemory, TurnsTheShortWay) {
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kYellow, 1, 0, 0, kPi - 0.05)}}, 10);
+  memory.remember({{robot_at(Team::kYellow, 1, 0, 0, -kPi + 0.05)}}, 10.01);
+  const double expected = memory.entries()[0].at(10.02).angle_rad;
+  EXPECT_NEAR(std::remainder(expected - (-kPi + 0.15), 2 * kPi), 0, 1e-6);
+}
+
+TEST(RobotMemory, WhatWasPutElsewhereStandsThere) {
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0)}}, 10);
+  memory.remember({{robot_at(Team::kBlue, 4, 2000, 0, 2)}}, 10.016);
+  EXPECT_EQ(memory.entries()[0].at(10.1).x_mm, 2000);
+  EXPECT_EQ(memory.entries()[0].at(10.1).angle_rad, 2);
+}
+
+TEST(RobotMemory, KnowsTeamsAndIdsApart) {
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0), robot_at(Team::kYellow, 4, 500, 0, 0),
+                    robot_at(Team::kBlue, 5, 900, 0, 0)}},
+                  10);
+  EXPECT_THAT(memory.entries(), SizeIs(3));
+}
+
+TEST(RobotMemory, OfTwoWithTheSameIdTheBetterCounts) {
+  // Lists fall in confidence.
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0), robot_at(Team::kBlue, 4, 900, 0, 0)}}, 10);
+  memory.remember({{robot_at(Team::kBlue, 4, 1, 0, 0), robot_at(Team::kBlue, 4, 901, 0, 0)}}, 10.01);
+  ASSERT_THAT(memory.entries(), SizeIs(1));
+  EXPECT_EQ(memory.entries()[0].x_mm, 1);
+}
+
+TEST(RobotMemory, ForgetsWhatIsOld) {
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0)}}, 10);
+  memory.remember({{robot_at(Team::kBlue, 5, 900, 0, 0)}}, 10.05);
+  memory.forget(10.09, 0.1);
+  EXPECT_THAT(memory.entries(), SizeIs(2));
+  memory.forget(10.12, 0.1);
+  ASSERT_THAT(memory.entries(), SizeIs(1));
+  EXPECT_EQ(memory.entries()[0].id, 5);
+  memory.forget(10.12, 0);
+  EXPECT_THAT(memory.entries(), IsEmpty());
+}
+
+TEST(RobotMemory, ForgetsAllWhenTimeGoesBackOrStandsStill) {
+  for (const double now_s : {10.0, 9.9, -1e9}) {
+    RobotMemory memory;
+    memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0)}}, 10);
+    memory.forget(now_s, 0.1);
+    EXPECT_THAT(memory.entries(), IsEmpty()) << now_s;
+  }
+}
+
+TEST(RobotMemory, TwoPicturesOfOneMomentGiveNoSpeed) {
+  RobotMemory memory;
+  memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0)}}, 10);
+  memory.remember({{robot_at(Team::kBlue, 4, 5, 0, 0)}}, 10);
+  const PatternPose expected = memory.entries()[0].at(11);
+  EXPECT_TRUE(std::isfinite(expected.x_mm));
+  EXPECT_LE(std::abs(expected.x_mm), 5);
+}
+
+}  // namespace
+}  // namespace sslv
