@@ -92,7 +92,7 @@ Trial trial_of(const AccuracySuite& suite, std::size_t index, const std::string&
   }
   Trial out;
   out.px_per_mm = px_per_mm_of(field.calibration);
-  out.frames = field.frames;
+  out.frames = condition.frames.value_or(field.frames);
   out.limits = params_from_json<AccuracyLimits>(merged(suite.must, condition.must), path + "/must");
   out.source = simulator_options(
       merged(merged(suite.source, condition.source), Json{{"width", field.calibration.pixel_image_width},
@@ -105,7 +105,8 @@ Trial trial_of(const AccuracySuite& suite, std::size_t index, const std::string&
   read_params(out.config.teams, condition.teams, path + "/teams");
   CameraSettings& camera = out.config.cameras.emplace_back();
   camera.calibration = field.calibration;
-  camera.stages = complete_stage_settings(stage_table(), condition.stages, path + "/stages");
+  camera.stages =
+      complete_stage_settings(stage_table(), merged(suite.stages, condition.stages), path + "/stages");
   return out;
 }
 
@@ -229,14 +230,14 @@ class PlaceFinder {
           robot.at("y").get<double>() + std::sin(turn_rad) * x_mm + std::cos(turn_rad) * y_mm,
           robot.at("height"));
     };
-    const double dot_mm = patterns_.dot_diameter_mm / 2;
     add(robot.at("team") == "blue" ? label::kBlue : label::kYellow, on_top(0, 0),
         patterns_.center_diameter_mm / 2);
     for (std::size_t i = 0; i < patterns_.dots.size(); ++i) {
-      add(code->colors[i], on_top(patterns_.dots[i].x_mm, patterns_.dots[i].y_mm), dot_mm);
+      const PatternDot& dot = patterns_.dots[i];
+      add(code->colors[i], on_top(dot.x_mm, dot.y_mm), dot.diameter_mm / 2);
     }
     // Where the league's pattern leaves most room.
-    for (const double y_mm : {-45.0, 45.0}) add(label::kBlack, on_top(0, y_mm), dot_mm);
+    for (const double y_mm : {-45.0, 45.0}) add(label::kBlack, on_top(0, y_mm), patterns_.gap_mm);
   }
 
   void add_lines() {
@@ -448,7 +449,7 @@ Score run_trial(const Trial& trial, const AccuracyCondition& condition, int fram
     truth << expected.dump() << '\n';
   }
   ScoreOptions scoring;
-  if (condition.min_visible_share) scoring.min_visible_share = *condition.min_visible_share;
+  scoring.min_ball_share = condition.min_ball_share;
   return score(detections, truth, scoring);
 }
 

@@ -67,7 +67,8 @@ struct AccuracyCondition {
   double robot_height = 140;
   Json teams = Json::object();
   Json stages = Json::object();
-  std::optional<double> min_visible_share;
+  double min_ball_share = 1;
+  std::optional<int> frames;
   Json must = Json::object();
   static constexpr auto fields() {
     using C = AccuracyCondition;
@@ -81,8 +82,9 @@ struct AccuracyCondition {
         number("robot_height", &C::robot_height, 20.0, 1000.0, "mm", "height of the patterns of both teams"),
         object("teams", &C::teams, "settings of the teams"),
         object("stages", &C::stages, "parameters of the stages"),
-        number("min_visible_share", &C::min_visible_share, 0.0, 1.0, "",
-               "what is hidden more than this need not be found; null: whatever is partly hidden"),
+        number("min_ball_share", &C::min_ball_share, 0.0, 1.0, "",
+               "a ball of which less is in sight need not be found"),
+        number("frames", &C::frames, 1, 100'000, "", "pictures; null: as many as the field says"),
         object("must", &C::must, "how good the result must be, over the suite's"),
     };
   }
@@ -90,13 +92,14 @@ struct AccuracyCondition {
 
 struct AccuracySuite {
   std::string file;
-  Json source = Json::object(), must = Json::object();
+  Json source = Json::object(), stages = Json::object(), must = Json::object();
   Json named_fields = Json::object();
   std::vector<AccuracyCondition> conditions;
   static constexpr auto fields() {
     using S = AccuracySuite;
     return std::tuple{
         object("source", &S::source, "the simulator's options in every condition"),
+        object("stages", &S::stages, "parameters of the stages in every condition"),
         object("must", &S::must, "how good the result must be in every condition"),
         object("fields", &S::named_fields, "fields with their cameras, by name"),
         list("conditions", &S::conditions, "what is to be tried"),

@@ -160,13 +160,13 @@ Score score(std::istream& detections, std::istream& truth, const ScoreOptions& o
     }
     ++out.frames_compared;
     for (const Pair& pair :
-         count(found->second.robots, expected.robots, options.min_visible_share, out.robots)) {
+         count(found->second.robots, expected.robots, options.min_robot_share, out.robots)) {
       position_mm.push_back(pair.distance_mm);
       const double turn_rad =
           std::remainder(pair.detection->orientation_rad - pair.truth->orientation_rad, 2 * std::numbers::pi);
       orientation_deg.push_back(std::abs(turn_rad) * 180 / std::numbers::pi);
     }
-    for (const Pair& pair : count(found->second.balls, expected.balls, options.min_visible_share, out.balls))
+    for (const Pair& pair : count(found->second.balls, expected.balls, options.min_ball_share, out.balls))
       ball_mm.push_back(pair.distance_mm);
   }
   for (const auto& [frame, things] : detected) {

@@ -17,7 +17,8 @@ struct ErrorStatistics {
 };
 
 struct ScoreOptions {
-  double min_visible_share = 1;  // a true thing of which less shows may be found or not: neither counts
+  // A true robot or ball of which less shows may be found or not: neither counts.
+  double min_robot_share = 1, min_ball_share = 1;
 };
 
 /// Things of one kind over all compared frames.
