@@ -177,13 +177,13 @@ TEST_F(Daemon, TellsHowItIs) {
 
 TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
   const Json three = Json::array(
-      {{{"op", "replace"}, {"path", "/cameras/0/stages/detect_robots/max_rms_mm"}, {"value", 0.5}},
+      {{{"op", "replace"}, {"path", "/cameras/0/stages/detect_robots/min_confidence"}, {"value", 1.0}},
        {{"op", "replace"}, {"path", "/site"}, {"value", "Field B"}}});
   {
     RunningDaemon daemon(settings_file(settings_), state_);
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] >= 4; });
     EXPECT_EQ(daemon.patch(three)["saved"], true);
-    // No pattern fits to half a millimetre here: the robots are gone as soon as the change is live.
+    // Nothing is quite sure: the robots are gone as soon as the change is live.
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] <= 2; });
     daemon.process().send_signal(SIGKILL);
     daemon.process().wait_for_exit();
@@ -192,7 +192,7 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
   const Json settings = daemon.get("/api/settings");
   EXPECT_EQ(settings["revision"], 2);
   EXPECT_EQ(settings["settings"]["site"], "Field B");
-  EXPECT_EQ(settings["settings"]["cameras"][0]["stages"]["detect_robots"]["max_rms_mm"], 0.5);
+  EXPECT_EQ(settings["settings"]["cameras"][0]["stages"]["detect_robots"]["min_confidence"], 1.0);
 }
 
 TEST_F(Daemon, ARefusedChangeNamesItsKeyAndChangesNothing) {

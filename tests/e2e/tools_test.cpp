@@ -66,7 +66,7 @@ TEST_F(Tools, EveryRobotOfAFolderOfPicturesIsFound) {
   EXPECT_EQ(score["robots"]["precision"], 1.0);
   EXPECT_EQ(score["robots"]["wrong_id"], 0);
   EXPECT_EQ(score["balls"]["invented"], 0);
-  EXPECT_LT(score["robot_position_mm"]["mean"], 3);
+  EXPECT_LT(score["robot_position_mm"]["mean"], 0.2);
   EXPECT_GT(score["robot_position_mm"]["count"], 200);
 }
 
@@ -165,12 +165,21 @@ TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
     EXPECT_EQ(score[kind]["recall"], 1.0) << kind;
     EXPECT_EQ(score[kind]["precision"], 1.0) << kind;
   }
-  EXPECT_LT(score["robot_position_mm"]["max"], 4);
-  EXPECT_LT(score["robot_orientation_deg"]["max"], 3);
-  EXPECT_LT(score["ball_position_mm"]["max"], 6);
+  EXPECT_LT(score["robot_position_mm"]["max"], 1);
+  EXPECT_LT(score["robot_orientation_deg"]["max"], 1);
+  EXPECT_LT(score["ball_position_mm"]["max"], 3);
 }
 
-TEST(RealPhoto, SixRobotsWithTheirIds) {
+TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
+  // A part of `./run accuracy`, with the limits that stand in the suite.
+  const auto run =
+      run_to_end({SSLV_CTL, "score", "--suite", SSLV_SOURCE_DIR "/tests/golden/accuracy.json", "--frames",
+                  "12", "--only", "field A", "field A, Bayer", "field B, RGB", "noise 15", "light 0.3",
+                  "gradient to 10 %", "touching at 1 mm", "one dot covered"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+
+TEST(RealPhoto, SixRobotsWithTheirIdsAndTwoBalls) {
   const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
   if (!std::filesystem::exists(photo))
     GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
@@ -180,6 +189,7 @@ TEST(RealPhoto, SixRobotsWithTheirIds) {
   const Json found = Json::parse(run.output);
   const Json annotations = Json::parse(std::ifstream(test_data_folder() / "real/annotations.json"));
   ASSERT_EQ(found["robots"].size(), 6u);
+  double squares_px2 = 0;
   for (const Json& picture : annotations["images"]) {
     if (picture["image"] != "ssl_blue6_win.jpg") continue;
     for (const Json& truth : picture["robots"]) {
@@ -189,13 +199,22 @@ TEST(RealPhoto, SixRobotsWithTheirIds) {
       ASSERT_NE(robot, found["robots"].end()) << truth.dump();
       const double dx = robot->at("pixel_x").get<double>() - truth["center_px"][0].get<double>();
       const double dy = robot->at("pixel_y").get<double>() - truth["center_px"][1].get<double>();
-      // The truth itself is good to about 1.5 px and 5 degrees.
-      EXPECT_LT(std::hypot(dx, dy), 2.5) << truth.dump();
+      squares_px2 += (dx * dx + dy * dy) / 6;
       const double turn =
           robot->at("orientation").get<double>() * 180 / M_PI - truth["orientation_deg"].get<double>();
-      EXPECT_LT(std::abs(std::remainder(turn, 360)), 5) << truth.dump();
+      EXPECT_LT(std::abs(std::remainder(turn, 360)), 1.5) << truth.dump();
+    }
+    // Two orange balls, one of them at a post; a white and a brown one, a box, a wooden floor.
+    EXPECT_EQ(found["balls"].size(), picture["balls"].size()) << found["balls"].dump();
+    for (const Json& truth : picture["balls"]) {
+      const bool seen = std::any_of(found["balls"].begin(), found["balls"].end(), [&](const Json& ball) {
+        return std::hypot(ball["pixel_x"].get<double>() - truth["center_px"][0].get<double>(),
+                          ball["pixel_y"].get<double>() - truth["center_px"][1].get<double>()) < 4;
+      });
+      EXPECT_TRUE(seen) << truth.dump() << found["balls"].dump();
     }
   }
+  EXPECT_LT(std::sqrt(squares_px2), 1.0);
 }
 
 }  // namespace
