@@ -95,9 +95,9 @@ Json alerts_json(const StatusInput& input) {
     }
     if (camera->pipeline().counters().capped > 0) {
       add_alert(alerts, "warn",
-                fmt::format("Camera {} had {} frames with too many runs or regions", id,
+                fmt::format("Camera {} had {} frames with too much to look at", id,
                             camera->pipeline().counters().capped),
-                "Its colour table labels too much of the picture: narrow the colours.", id);
+                "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.", id);
     }
   }
   return alerts;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -19,8 +18,6 @@ constexpr double kWanderMm = 5;  // samples are read for a centre this far from 
 constexpr int kPasses = 4;
 /// With less of the ball in view, whatever there is fits.
 constexpr double kLeastVisible = 0.3;
-/// What the picture's edge cuts off must not be much: the rest looks like a smaller ball.
-constexpr double kLeastInPicture = 0.75, kLeastAround = 0.6;
 /// Fewer values than this, of all planes together, fit anything.
 constexpr int kLeastValues = 12;
 constexpr double kLeastVariance = 0.5;
@@ -161,10 +158,8 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
         hides.is_near(look.patch.field_mm.x(), look.patch.field_mm.y(), outer_mm + kWanderMm))
       hiding.push_back(hides);
   }
-  const double mm2_per_px = look.patch.mm_per_px() * look.patch.mm_per_px();
   const float radius2 = ball.radius * ball.radius, outer2 = ball.outer_radius * ball.outer_radius;
-  int on_ball = 0, visible = 0;              // values
-  double expected = 0, expected_around = 0;  // of them, and of samples around, were all of it in the picture
+  int on_ball = 0, visible = 0;  // values
   for (; look.groups < 3 && !look.planes.groups[look.groups].empty(); ++look.groups) {
     const auto& grids = look.planes.groups[look.groups];
     Group& group = *groups_[look.groups];
@@ -175,12 +170,8 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
     const auto count = static_cast<std::size_t>(samples.count);
     std::fill_n(samples.keep.begin(), count, 1.0F);
     group.ring_size = 0;
-    const double per_mm2 = static_cast<double>(grids.size()) * longest /
-                           (mm2_per_px * grids.front().step_x * grids.front().step_y);
-    expected += std::numbers::pi * radius2 * samples.planes * per_mm2;
     const float inner_mm = ball.radius + 0.9F * as_float(look.patch.mm_per_px()) * grids.front().wide_px;
     const float inner2 = inner_mm * inner_mm;
-    expected_around += std::numbers::pi * (outer2 - inner2) * per_mm2;
     for (std::size_t i = 0; i < count; ++i) {
       const float u = samples.u[i], v = samples.v[i];
       const float x = ball.patch.xu * u + ball.patch.xv * v, y = ball.patch.yu * u + ball.patch.yv * v;

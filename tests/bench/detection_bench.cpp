@@ -6,6 +6,7 @@
 #include "support/simd_target.h"
 #include "vision/detect_balls.h"
 #include "vision/detect_robots.h"
+#include "vision/disc_kernel.h"
 #include "vision/lut_from_samples.h"
 #include "vision/segment.h"
 
@@ -109,6 +110,16 @@ std::shared_ptr<const Lut> table() {
   return std::make_shared<const Lut>(lut_from_samples(samples));
 }
 
+/// Those of the CPU's that the fits are compiled for, best first.
+std::vector<std::int64_t> targets() {
+  std::vector<std::int64_t> out;
+  for (const std::int64_t target : cpu_targets()) {
+    const OnlyTarget only(target);
+    if (name_of_target(target) == disc_kernel_target()) out.push_back(target);
+  }
+  return out;
+}
+
 template <class Work>
 double median_us(std::size_t pictures, const Work& work) {
   std::vector<double> us;
@@ -127,14 +138,14 @@ double median_us(std::size_t pictures, const Work& work) {
 /// 12 robots, 60 dots, one pass from where regions' centroids would start.
 void bench_fits(const Lut& lut) {
   std::printf("\nFits of 12 robots (60 dots), by instruction set\n%-28s%-11s", "", "");
-  for (const std::int64_t target : cpu_targets()) std::printf("%10s", name_of_target(target).c_str());
+  for (const std::int64_t target : targets()) std::printf("%10s", name_of_target(target).c_str());
   std::printf("\n");
   for (const Setting& setting : kSettings) {
     const Scene scene = scene_of(setting);
     for (const PixelFormat format : kFormats) {
       const std::vector<Picture> pictures = draw(setting, format, scene, 6, 0);
       std::printf("%-28s%-11s", setting.name, std::string(name_of(format)).c_str());
-      for (const std::int64_t target : cpu_targets()) {
+      for (const std::int64_t target : targets()) {
         const OnlyTarget only(target);
         PatternFitter fitter;
         const double us = median_us(pictures.size(), [&](std::size_t i) {
