@@ -28,6 +28,8 @@ constexpr double kFarMm = 4;
 constexpr float kOddCarpet = 4.5F;
 constexpr float kLeastSpread = 2.5F;
 constexpr float kOddReachPx = 1.2F;
+/// One side of a ball differs from its middle by about this share of its contrast.
+constexpr float kShading = 0.3F;
 /// Shading by direction is a small part of the light: priors in units of one grey level squared.
 constexpr double kShadePrior = 0.5;
 
@@ -94,9 +96,16 @@ float as_float(double value) {
 
 struct BallFitter::Group {
   PlaneSamples samples;
-  static constexpr std::size_t kMostRing = 1024;
-  std::array<std::uint16_t, kMostRing> ring;  // samples around the ball, hidden ones not
-  std::size_t ring_size = 0;
+  /// Places of samples that no robot hides.
+  struct Places {
+    std::array<std::uint16_t, 1024> at;
+    std::size_t count = 0;
+    void add(std::size_t place) {
+      if (count < at.size()) at[count++] = static_cast<std::uint16_t>(place);
+    }
+    std::span<const std::uint16_t> all() const { return std::span(at).first(count); }
+  };
+  Places core, rim, ring;  // on the ball, just outside its silhouette, around it
 };
 
 /// One start of a fit.
@@ -169,7 +178,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
       read_samples(ball.patch, 0, 0, as_float((outer_mm + kWanderMm) * longest), frame.image, grid, samples);
     const auto count = static_cast<std::size_t>(samples.count);
     std::fill_n(samples.keep.begin(), count, 1.0F);
-    group.ring_size = 0;
+    group.core.count = group.rim.count = group.ring.count = 0;
     const float inner_mm = ball.radius + 0.9F * as_float(look.patch.mm_per_px()) * grids.front().wide_px;
     const float inner2 = inner_mm * inner_mm;
     for (std::size_t i = 0; i < count; ++i) {
@@ -186,9 +195,8 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
         visible += hidden ? 0 : samples.planes;
       } else if (r2 > inner2) {
         ++look.around;
-        if (!hidden && group.ring_size < Group::kMostRing)
-          group.ring[group.ring_size++] = static_cast<std::uint16_t>(i);
       }
+      if (!hidden) (r2 > inner2 ? group.ring : r2 > radius2 ? group.rim : group.core).add(i);
     }
   }
   out.visible_share = on_ball > 0 ? static_cast<double>(visible) / on_ball : 0;
@@ -204,7 +212,7 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
   int clear = 0;
   for (std::size_t g = 0; g < look.groups; ++g) {
     const Group& group = *groups_[g];
-    const auto ring = std::span(group.ring).first(group.ring_size);
+    const auto ring = group.ring.all();
     clear += static_cast<int>(ring.size());
     if (ring.size() < 5) continue;
     for (std::size_t p = 0; p < static_cast<std::size_t>(group.samples.planes); ++p) {
@@ -215,9 +223,21 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
       for (const std::uint16_t i : ring) distances.add(std::abs(value[i] - middle));
       // 1.48 times the median distance is sigma, were they normally distributed.
       const float limit = kOddCarpet * std::max(1.48F * distances.get(), kLeastSpread);
+      const auto leave_out = [&](std::size_t i) {
+        if (odd.size() < odd.capacity()) odd.push_back({group.samples.u[i], group.samples.v[i]});
+      };
       for (const std::uint16_t i : ring) {
-        if (std::abs(value[i] - middle) > limit && odd.size() < odd.capacity())
-          odd.push_back({group.samples.u[i], group.samples.v[i]});
+        if (std::abs(value[i] - middle) > limit) leave_out(i);
+      }
+      // At the silhouette there is ball, carpet or something between: what is not, is a line that runs under
+      // it.
+      Median inside;
+      for (const std::uint16_t i : group.core.all()) inside.add(value[i]);
+      if (group.core.count == 0) continue;
+      const float core = inside.get(), slack = limit + kShading * std::abs(core - middle);
+      const float low = std::min(middle, core) - slack, high = std::max(middle, core) + slack;
+      for (const std::uint16_t i : group.rim.all()) {
+        if (value[i] < low || value[i] > high) leave_out(i);
       }
     }
   }
@@ -235,8 +255,7 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
         });
         if (is_odd) samples.keep[i] = 0;
       }
-      for (const std::uint16_t i : std::span(group.ring).first(group.ring_size))
-        clear += samples.keep[i] != 0 ? 1 : 0;
+      for (const std::uint16_t i : group.ring.all()) clear += samples.keep[i] != 0 ? 1 : 0;
     }
   }
   out.clear_share = look.around > 0 ? static_cast<double>(clear) / look.around : 0;
