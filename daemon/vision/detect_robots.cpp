@@ -54,7 +54,8 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   out.robots.clear();
   candidates_.clear();
   explained_.assign(regions.regions.size(), 0);
-  fitter_.reset_count();
+  fitter_.reset_work();
+  work_ = 0;
   if (!scene.camera || image.view().empty()) return;
   const Frame frame{image.view(), *scene.camera, patterns, lut, params.blur_px};
   const double now_s = info.t_capture_s;
@@ -131,6 +132,8 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
     const Point at(dot->x_mm - x_mm, dot->y_mm - y_mm);
     if (std::norm(at) < reach_mm * reach_mm) near[count++] = at;
   }
+  const auto tried = static_cast<double>(count * patterns.dots.size());
+  work_ += 0.1 + tried * tried / 500;
   const std::size_t sides = patterns.dots.size();
   std::array<Point, PatternTable::kMaxDots> place_of_dot;
   std::array<double, PatternTable::kMaxDots> length_of_dot;
@@ -236,28 +239,32 @@ void DetectRobots::search_from_side_dots(const Params& params, const Frame& fram
   const PatternTable& patterns = frame.patterns;
   const double reach_mm = 2 * patterns.reach_mm;
   constexpr std::size_t kMostTries = 8;  // of one dot
-  for (std::size_t i = 0; i < dots_.size() && time_left(params); ++i) {
+  constexpr double kWorkOfAPair = 0.05;
+  for (std::size_t i = 0; i < dots_.size(); ++i) {
     std::size_t tries = 0;
     for (std::size_t k = i + 1; k < dots_.size() && dots_[k].x_mm < dots_[i].x_mm + reach_mm; ++k) {
-      if (explained_[dots_[i].region] != 0) break;
+      if (!time_left(params)) return;
+      if (explained_[dots_[i].region] != 0 || tries >= kMostTries) break;
       if (explained_[dots_[k].region] != 0) continue;
+      work_ += kWorkOfAPair;
       const double dx = dots_[k].x_mm - dots_[i].x_mm, dy = dots_[k].y_mm - dots_[i].y_mm;
       const double apart_mm = distance(dx, dy);
       if (apart_mm > reach_mm) continue;
+      const auto try_as = [&](const PatternDot& a, const PatternDot& b) {
+        const double mx = b.x_mm - a.x_mm, my = b.y_mm - a.y_mm;
+        if (std::abs(distance(mx, my) - apart_mm) > 0.5 * kNearMm) return;
+        // The turn that lays one pair over the other.
+        const double length2 = apart_mm * distance(mx, my);
+        const double c = (dx * mx + dy * my) / length2, s = (dy * mx - dx * my) / length2;
+        const Start start = arrange(patterns, dots_[i].x_mm - c * a.x_mm + s * a.y_mm,
+                                    dots_[i].y_mm - s * a.x_mm - c * a.y_mm);
+        if (start.matched < 3) return;
+        ++tries;
+        keep(patterns, examine(params, frame, start.pose, height_mm, kManyPasses));
+      };
       for (std::size_t a = 0; a < patterns.dots.size(); ++a) {
         for (std::size_t b = 0; b < patterns.dots.size(); ++b) {
-          const double mx = patterns.dots[b].x_mm - patterns.dots[a].x_mm,
-                       my = patterns.dots[b].y_mm - patterns.dots[a].y_mm;
-          if (a == b || std::abs(distance(mx, my) - apart_mm) > 0.5 * kNearMm) continue;
-          const double angle = std::atan2(dy, dx) - std::atan2(my, mx), c = std::cos(angle),
-                       s = std::sin(angle);
-          const double x_mm = dots_[i].x_mm - c * patterns.dots[a].x_mm + s * patterns.dots[a].y_mm;
-          const double y_mm = dots_[i].y_mm - s * patterns.dots[a].x_mm - c * patterns.dots[a].y_mm;
-          const Start start = arrange(patterns, x_mm, y_mm);
-          if (start.matched < 3 || tries++ >= kMostTries) continue;
-          const Candidate candidate = examine(params, frame, start.pose, height_mm, kManyPasses);
-          keep(patterns, candidate);
-          if (explained_[dots_[i].region] != 0) a = b = patterns.dots.size();
+          if (a != b && explained_[dots_[i].region] == 0) try_as(patterns.dots[a], patterns.dots[b]);
         }
       }
     }

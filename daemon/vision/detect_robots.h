@@ -40,7 +40,7 @@ class DetectRobots {
     Duplicates duplicates = Duplicates::kDrop;
     double memory_ms = 100;
     double blur_px = 0.55;
-    int max_disc_fits = 3000;
+    int max_work = 3000;
     static constexpr auto fields() {
       return std::tuple{
           number("min_area_ratio", &Params::min_area_ratio, 0.0, 1.0, "",
@@ -58,9 +58,10 @@ class DetectRobots {
                  "how long a robot's last place helps to find it again; it never changes where it is "
                  "reported. 0: each picture by itself"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
-          number("max_disc_fits", &Params::max_disc_fits, 100, 1'000'000, "",
-                 "looks at no more dots than this in one picture (about 1 us each); frames that had more to "
-                 "look at are counted"),
+          number(
+              "max_work", &Params::max_work, 100, 1'000'000, "",
+              "does no more than this for one picture: fitted dots, or other work that takes as long (about "
+              "1 us); frames that had more to look at are counted"),
       };
     }
   };
@@ -102,7 +103,7 @@ class DetectRobots {
                      int least_matched);
   void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);
   void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, double now_s);
-  bool time_left(const Params& params) const { return fitter_.discs_fitted() < params.max_disc_fits; }
+  bool time_left(const Params& params) const { return fitter_.work() + work_ < params.max_work; }
 
   /// Fits the pattern and judges it.
   Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
@@ -111,6 +112,7 @@ class DetectRobots {
   void choose(const Params& params, const Frame& frame, const Scene& scene, double now_s, RobotList& robots);
 
   PatternFitter fitter_;
+  double work_ = 0;  // besides that of the fitter, in the same measure
   RobotMemory memory_;
   std::vector<Dot> dots_;                // by x
   std::vector<std::uint8_t> explained_;  // of each region: a robot found already has it as a side dot

@@ -118,7 +118,7 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
                                    disc_at(patterns, *patch, moved.head<2>() + arms[i], diameter_mm), outline,
                                    frame.blur_px);
     }
-    discs_fitted_ += static_cast<int>(sides) + 1;
+    work_ += static_cast<double>(sides) + 1;
     const auto ground = common_ground(std::span(measures).first(sides + 1));
 
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -221,7 +221,7 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
     const DiscFit disc = fit_disc(
         meter_.measure(frame.image, *patch, disc_at(patterns, *patch, moved, patterns.center_diameter_mm), {},
                        frame.blur_px));
-    ++discs_fitted_;
+    work_ += 1;
     const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
     if (!disc.ok || brightness <= 0 || disc.r2 < kLeastR2) return out;
     const auto [dx, dy] = disc.offset_mm();
@@ -241,6 +241,7 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
   const PatternTable& patterns = frame.patterns;
   const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.reach_mm);
   if (!patch) return 0;
+  work_ += 6;
 
   constexpr std::size_t kTurns = 72;  // of 5 degrees
   static const auto kDirections = [] {

@@ -71,13 +71,13 @@ class PatternFitter {
   std::size_t find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
                             std::array<double, kMostHeadings>& angles_rad) noexcept;
 
-  /// Discs fitted since the last reset: the measure of time spent.
-  int discs_fitted() const { return discs_fitted_; }
-  void reset_count() { discs_fitted_ = 0; }
+  /// What was done since the last reset, in discs fitted, or as much time.
+  double work() const { return work_; }
+  void reset_work() { work_ = 0; }
 
  private:
   DiscMeter meter_;
-  int discs_fitted_ = 0;
+  double work_ = 0;
 };
 
 }  // namespace sslv

@@ -643,7 +643,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
     ASSERT_GT(regions.regions.size(), 3000U);
     for (const int most : {100, 3000}) {
       DetectRobots::Params params;
-      params.max_disc_fits = most;
+      params.max_work = most;
       const auto process = [&](double t_s) {
         FrameInfo info;
         info.t_capture_s = t_s;

@@ -149,9 +149,9 @@ TEST_P(PatternFitIn, CountsTheDiscsItLooksAt) {
   const auto frame = this->frame();
   const SimulatedRobot& robot = drawn_.things().robots[0];
   fitter_.fit(frame, {robot.x_mm, robot.y_mm, robot.orientation_rad}, kHeightMm, 1);
-  EXPECT_EQ(fitter_.discs_fitted(), 5);
-  fitter_.reset_count();
-  EXPECT_EQ(fitter_.discs_fitted(), 0);
+  EXPECT_EQ(fitter_.work(), 5);
+  fitter_.reset_work();
+  EXPECT_EQ(fitter_.work(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, PatternFitIn, ::testing::ValuesIn(kColorFormats),
