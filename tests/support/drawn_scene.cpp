@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/drawn_scene.h"
 
+#include "base/params_json.h"
 #include "capture/simulator_renderer.h"
 #include "vision/lut_from_samples.h"
 #include "vision/segment.h"
@@ -10,10 +11,12 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <string>
 #include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -112,6 +115,7 @@ Rgb paint_color(std::uint8_t paint) {
 DrawnScene::DrawnScene(const SimulatorOptions& options, const CameraCalibration& camera,
                        std::array<double, 2> robot_height_mm, const FieldSize& field)
     : options_(options), sensor_(options, 1), lut_(lut_for(options)) {
+  options_.placement = SimulatorPlacement::kScatter;  // draws distractors with the other things
   scene_.field = field;
   scene_.camera.emplace(camera);
   scene_.robot_height_mm = robot_height_mm;
@@ -131,7 +135,6 @@ void DrawnScene::add_ball(double x_mm, double y_mm) {
 
 void DrawnScene::add_thing(const SimulatedDistractor& thing) {
   things_.distractors.push_back(thing);
-  carpet_.reset();
   image_.reset();
 }
 
@@ -157,7 +160,6 @@ void DrawnScene::cover_bar(double x1_mm, double y1_mm, double x2_mm, double y2_m
 }
 
 void DrawnScene::clear() {
-  if (!things_.distractors.empty()) carpet_.reset();
   things_ = {};
   covers_.clear();
   image_.reset();
@@ -200,11 +202,26 @@ void DrawnScene::paint(const Cover& cover, LightPicture& picture) const {
   }
 }
 
+namespace {
+
+/// The field without things on it, drawn once for all scenes that share it: it takes longer than the rest.
+const LightPicture& carpet(const SimulatorRenderer& renderer, const SimulatorOptions& options,
+                           const Scene& scene) {
+  static std::map<std::string, LightPicture> carpets;
+  const std::string key =
+      fmt::format("{} {} {} {} {} {} {} ", options.width, options.height, options.light, options.gradient,
+                  options.vignette, options.red_gain, options.blue_gain) +
+      params_to_json(scene.camera->calibration()).dump() + params_to_json(scene.field).dump();
+  const auto known = carpets.find(key);
+  return known != carpets.end() ? known->second : carpets.emplace(key, renderer.background({})).first->second;
+}
+
+}  // namespace
+
 void DrawnScene::draw() {
   const CameraModel& camera = *scene_.camera;
   const SimulatorRenderer renderer(options_, scene_.field, camera, league_patterns());
-  if (!carpet_) carpet_ = renderer.background(things_);
-  LightPicture picture = *carpet_;
+  LightPicture picture = carpet(renderer, options_, scene_);
   SimulatorRenderer::Boxes boxes;
   renderer.draw({&things_, 1}, picture, boxes);
   for (const Cover& cover : covers_) paint(cover, picture);

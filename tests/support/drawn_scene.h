@@ -85,7 +85,6 @@ class DrawnScene {
   std::vector<Cover> covers_;
   SimulatorSensor sensor_;
   std::shared_ptr<const Lut> lut_;
-  std::optional<LightPicture> carpet_;
   std::unique_ptr<std::uint8_t[]> bytes_;
   std::optional<Image> image_;
   std::optional<RegionList> regions_;
