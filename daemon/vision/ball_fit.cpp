@@ -276,7 +276,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
   for (int pass = 1; pass <= kPasses; ++pass) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();  // x, y, radius
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    double explained = 0, total = 0, signal = 0;
+    double explained = 0, total = 0;
     std::size_t next = 0;
     for (std::size_t g = 0; g < look.groups; ++g) {
       ball.wide_px = look.planes.groups[g].front().wide_px;
@@ -316,7 +316,6 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
         const double edge = s[0];
         contrast[next] = edge + 0.7 * s[kShadeUp - kCover];
         color[next] = contrast[next] + s[kGround - kCover];
-        signal += contrast[next] * contrast[next] / variance;
         Eigen::Matrix3d moves;
         for (int a = 0; a < 3; ++a) {
           for (int b = 0; b < 3; ++b) moves(a, b) = product(a, b);
@@ -343,9 +342,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     out.ok = true;
     out.x_mm = x_mm + ball.x;
     out.y_mm = y_mm + ball.y;
-    out.sigma_mm = std::sqrt(places.inverse().trace());
     out.r2 = total > 0 ? std::max(0.0, explained / total) : 0;
-    out.snr = std::sqrt(signal);
     const Eigen::Vector3d with_radius = normal.ldlt().solve(gradient);
     out.radius_mm = frame.radius_mm + with_radius.z();
     out.radius_sigma_mm = std::sqrt(std::max(0.0, normal.inverse()(2, 2)));

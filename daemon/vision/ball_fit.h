@@ -15,10 +15,8 @@ namespace sslv {
 struct BallFit {
   bool ok = false;
   double x_mm = 0, y_mm = 0;  // of its centre, one radius above the floor
-  double sigma_mm = 0;        // standard deviation of that, for the samples' noise alone
   double moved_mm = 0;        // from where the fit began
   double r2 = 0;              // share of the samples' variance that a ball there explains
-  double snr = 0;             // contrast over one sample's noise, all channels together
   double radius_mm = 0;       // the radius that would fit best
   double radius_sigma_mm = 0;
   double clear_share = 0;         // of the samples around it: carpet, and not line, robot or other things
