@@ -75,8 +75,8 @@ TEST(SimulatedWorld, NothingEverTouchesOrLeavesTheField) {
       }
     }
   }
-  EXPECT_GE(nearest_robots, 180 + SimulatedWorld::kClearanceMm);
-  EXPECT_GE(nearest_ball, 90 + 21.5 + SimulatedWorld::kClearanceMm);
+  EXPECT_GE(nearest_robots, 180 + kSimulatorClearanceMm);
+  EXPECT_GE(nearest_ball, 90 + 21.5 + kSimulatorClearanceMm);
   // The hard cases of a match do occur.
   EXPECT_LT(nearest_robots, 210);
   EXPECT_LT(nearest_ball, 150);
@@ -237,7 +237,7 @@ TEST(SimulatedScatter, KeepsThingsApartButForThoseThatTouch) {
           if (std::abs(gap - gap_mm) < 1e-9) {
             touching += 2;
           } else {
-            ASSERT_GE(gap, SimulatedWorld::kClearanceMm);
+            ASSERT_GE(gap, kSimulatorClearanceMm);
           }
         }
       }
