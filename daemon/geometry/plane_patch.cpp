@@ -5,18 +5,6 @@
 
 namespace sslv {
 
-Eigen::Vector2d PlanePatch::to_pixel(const Eigen::Vector2d& offset_mm) const {
-  const double det = xu * yv - xv * yu;
-  Eigen::Vector2d pixels = Eigen::Vector2d::Zero();
-  Eigen::Vector2d rest = offset_mm;
-  // The second order is small beside the first: each round gains some three digits.
-  for (int i = 0; i < 2; ++i) {
-    pixels += Eigen::Vector2d(yv * rest.x() - xv * rest.y(), xu * rest.y() - yu * rest.x()) / det;
-    rest = offset_mm - to_plane(pixels.x(), pixels.y());
-  }
-  return pixels;
-}
-
 double PlanePatch::mm_per_px() const {
   return std::sqrt(std::abs(xu * yv - xv * yu));
 }
@@ -29,18 +17,16 @@ std::optional<PlanePatch> plane_patch(const CameraModel& camera, const Eigen::Ve
   if (!(area > 0)) return std::nullopt;
   // Differences over half the reach spread the error evenly over the patch.
   const double e = 0.5 * reach_mm / std::sqrt(area);
-  Eigen::Vector2d at[3][3];
-  for (int j = 0; j < 3; ++j) {
-    for (int i = 0; i < 3; ++i) {
-      const auto p = camera.unproject(*pixel + Eigen::Vector2d((i - 1) * e, (j - 1) * e), height_mm);
-      if (!p) return std::nullopt;
-      at[j][i] = *p;
-    }
-  }
-  const Eigen::Vector2d u = (at[1][2] - at[1][0]) / (2 * e), v = (at[2][1] - at[0][1]) / (2 * e);
-  const Eigen::Vector2d uu = (at[1][2] + at[1][0] - 2 * at[1][1]) / (2 * e * e);
-  const Eigen::Vector2d vv = (at[2][1] + at[0][1] - 2 * at[1][1]) / (2 * e * e);
-  const Eigen::Vector2d uv = (at[0][0] + at[2][2] - at[0][2] - at[2][0]) / (4 * e * e);
+  const auto at = [&](double du, double dv) {
+    return camera.unproject(*pixel + Eigen::Vector2d(du, dv), height_mm);
+  };
+  const auto right = at(e, 0), left = at(-e, 0), down = at(0, e), up = at(0, -e), both = at(e, e),
+             neither = at(-e, -e);
+  if (!right || !left || !down || !up || !both || !neither) return std::nullopt;
+  const Eigen::Vector2d u = (*right - *left) / (2 * e), v = (*down - *up) / (2 * e);
+  const Eigen::Vector2d uu = (*right + *left - 2 * field_mm) / (2 * e * e);
+  const Eigen::Vector2d vv = (*down + *up - 2 * field_mm) / (2 * e * e);
+  const Eigen::Vector2d uv = (*both + *neither - 2 * field_mm) / (2 * e * e) - uu - vv;
   return PlanePatch{*pixel, field_mm, u.x(), v.x(), uu.x(), uv.x(), vv.x(), u.y(), v.y(), uu.y(), uv.y(), vv.y()};
 }
 

@@ -36,4 +36,16 @@ struct PlanePatch {
 std::optional<PlanePatch> plane_patch(const CameraModel& camera, const Eigen::Vector2d& field_mm,
                                       double height_mm, double reach_mm);
 
+inline Eigen::Vector2d PlanePatch::to_pixel(const Eigen::Vector2d& offset_mm) const {
+  const double per_det = 1 / (xu * yv - xv * yu);
+  Eigen::Vector2d pixels = Eigen::Vector2d::Zero();
+  Eigen::Vector2d rest = offset_mm;
+  // The second order is small beside the first: each round gains some three digits.
+  for (int i = 0; i < 2; ++i) {
+    pixels += Eigen::Vector2d(yv * rest.x() - xv * rest.y(), xu * rest.y() - yu * rest.x()) * per_det;
+    rest = offset_mm - to_plane(pixels.x(), pixels.y());
+  }
+  return pixels;
+}
+
 }  // namespace sslv

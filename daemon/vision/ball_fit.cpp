@@ -58,9 +58,11 @@ class Hides {
     return false;
   }
   bool is_near(double x_mm, double y_mm, double reach_mm) const {
-    const double lean = std::hypot(camera_.x() - x_mm, camera_.y() - y_mm) * robot_.height_mm /
+    const double dx = robot_.x_mm - x_mm, dy = robot_.y_mm - y_mm;
+    const double lean = (camera_.head<2>() - Eigen::Vector2d(x_mm, y_mm)).norm() * robot_.height_mm /
                         std::max(1.0, camera_.z() - robot_.height_mm);
-    return std::hypot(robot_.x_mm - x_mm, robot_.y_mm - y_mm) < radius_mm_ + reach_mm + lean;
+    const double near_mm = radius_mm_ + reach_mm + lean;
+    return dx * dx + dy * dy < near_mm * near_mm;
   }
 
  private:

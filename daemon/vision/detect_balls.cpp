@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
 namespace sslv {
 namespace {
@@ -15,13 +17,24 @@ namespace {
 constexpr std::array kLikeBalls{label::kOrange, label::kYellow, label::kPink, label::kBlue, label::kGreen};
 
 /// Whether the ray through the pixel meets a robot's top, `inside_mm` or more within its outline.
-bool lies_on(const Robot& robot, const CameraModel& camera, const Eigen::Vector2d& pixel, double radius_mm,
-             double front_mm, double inside_mm) {
-  const auto top = camera.unproject(pixel, robot.height_mm);
-  if (!top) return false;
-  const double dx = top->x() - robot.x_mm, dy = top->y() - robot.y_mm;
-  const double ahead = std::cos(robot.orientation_rad) * dx + std::sin(robot.orientation_rad) * dy;
-  return std::hypot(dx, dy) < radius_mm - inside_mm && ahead < front_mm - inside_mm;
+bool lies_on_one(const std::vector<Robot>& robots, const CameraModel& camera, const Eigen::Vector2d& pixel,
+                 double radius_mm, double front_mm, double inside_mm) {
+  const double within_mm = radius_mm - inside_mm;
+  double height_mm = std::numeric_limits<double>::quiet_NaN();
+  // Where the ray meets the plane of that height, which most robots share.
+  Eigen::Vector2d top = Eigen::Vector2d::Constant(height_mm);
+  for (const Robot& robot : robots) {
+    if (robot.height_mm != height_mm) {
+      height_mm = robot.height_mm;
+      top.setConstant(std::numeric_limits<double>::quiet_NaN());
+      if (const auto place = camera.unproject(pixel, height_mm)) top = *place;
+    }
+    const double dx = top.x() - robot.x_mm, dy = top.y() - robot.y_mm;
+    if (!(within_mm > 0 && dx * dx + dy * dy < within_mm * within_mm)) continue;
+    const double ahead = std::cos(robot.orientation_rad) * dx + std::sin(robot.orientation_rad) * dy;
+    if (ahead < front_mm - inside_mm) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -53,10 +66,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     if (in_corner) continue;
     const auto place = camera.unproject(pixel, radius_mm);
     if (!place || std::abs(place->x()) > max_x_mm || std::abs(place->y()) > max_y_mm) continue;
-    const bool on_robot = std::any_of(robots.robots.begin(), robots.robots.end(), [&](const Robot& robot) {
-      return lies_on(robot, camera, pixel, robot_radius_mm, robot_front_mm, params.on_robot_mm);
-    });
-    if (on_robot) continue;
+    if (lies_on_one(robots.robots, camera, pixel, robot_radius_mm, robot_front_mm, params.on_robot_mm))
+      continue;
     if (++fits > params.max_fits) {
       out.capped = true;
       break;

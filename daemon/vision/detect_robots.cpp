@@ -13,6 +13,8 @@ namespace {
 
 /// A side dot's region this far from its place is not taken for it, when looking where to start.
 constexpr double kNearMm = 16;
+/// With all side dots this near to their places there is no better arrangement to look for.
+constexpr double kSureMm = 2;
 /// Regions around one centre that are tried as side dots; more would be clutter.
 constexpr std::size_t kMaxNear = 24;
 /// How much nearer than the second likeliest a colour must be to count as proven: PatternDotFit::margin.
@@ -145,9 +147,12 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
   double least_error = 0;
   Point turn_dots(0, 0), shift(0, 0);  // of the best arrangement
   double matched_weight = 1;
-  for (std::size_t i = 0; i < count; ++i) {
+  const auto is_sure = [&] {
+    return most == static_cast<int>(sides) && least_error < most * kSureMm * kSureMm;
+  };
+  for (std::size_t i = 0; i < count && !is_sure(); ++i) {
     const double length = std::sqrt(std::norm(near[i]));
-    for (std::size_t dot = 0; dot < sides; ++dot) {
+    for (std::size_t dot = 0; dot < sides && !is_sure(); ++dot) {
       if (std::abs(length - length_of_dot[dot]) > kNearMm || length == 0) continue;
       const Point turn = near[i] * std::conj(place_of_dot[dot]) / (length_of_dot[dot] * length);
       int matched = 0;

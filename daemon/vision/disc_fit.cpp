@@ -93,7 +93,13 @@ std::array<double, 3> common_ground(std::span<const DiscMeasure> discs) noexcept
   return out;
 }
 
-DiscMeter::DiscMeter() : samples_(std::make_unique<PlaneSamples>()) {}
+struct DiscMeter::Work {
+  PixelFormat format = PixelFormat::kUyvy;
+  SamplePlanes planes = sample_planes(format);
+  PlaneSamples samples;
+};
+
+DiscMeter::DiscMeter() : work_(std::make_unique<Work>()) {}
 DiscMeter::~DiscMeter() = default;
 
 DiscMeasure DiscMeter::measure(const ImageView& image, const PlanePatch& patch, const ExpectedDisc& disc,
@@ -112,17 +118,22 @@ DiscMeasure DiscMeter::measure(const ImageView& image, const PlanePatch& patch, 
                      f(outline.front_mm),
                      f(blur_px),
                      1};
-  const SamplePlanes planes = sample_planes(image.format);
+  if (work_->format != image.format) {
+    work_->format = image.format;
+    work_->planes = sample_planes(image.format);
+  }
+  const SamplePlanes& planes = work_->planes;
+  PlaneSamples& samples = work_->samples;
   DiscMeasure out;
   out.yuv = planes.yuv;
   std::size_t next = 0;
   for (const auto& grids : planes.groups) {
     if (grids.empty()) break;
-    samples_->count = 0;
+    samples.count = 0;
     for (const SampleGrid& grid : grids)
-      read_samples(shape.patch, shape.x, shape.y, shape.outer_radius, image, grid, *samples_);
+      read_samples(shape.patch, shape.x, shape.y, shape.outer_radius, image, grid, samples);
     shape.wide_px = grids.front().wide_px;
-    const DiscSums s = sum_disc(shape, *samples_);
+    const DiscSums s = sum_disc(shape, samples);
     for (std::size_t p = 0; p < static_cast<std::size_t>(grids.front().planes); ++p) {
       const DiscSums::Plane& v = s.planes[p];
       out.planes[next++] = {s.xx, s.xy, s.yy, s.xt, s.yt, s.x,   s.y,     s.tt,

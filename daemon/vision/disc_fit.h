@@ -86,7 +86,8 @@ class DiscMeter {
                       const DiscOutline& outline, double blur_px) noexcept;
 
  private:
-  std::unique_ptr<PlaneSamples> samples_;
+  struct Work;  // a format's planes, and their samples
+  std::unique_ptr<Work> work_;
 };
 
 }  // namespace sslv

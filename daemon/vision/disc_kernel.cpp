@@ -97,14 +97,34 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   const Vector ramp_u = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<float>(grid.step_x)));
   const std::ptrdiff_t row_bytes = std::ptrdiff_t{image.width} * bytes_per_pixel(image.format);
   const std::uint8_t* const image_end = image.row(image.height - 1) + row_bytes;
-  for (int row = row_begin; row < row_end; row += row_step) {
-    const int row_y = grid.first_y + row * grid.step_y;
-    const float dv = static_cast<float>(row_y) - middle_v;
-    const float half = std::sqrt(std::max(0.0F, chord2 - narrowing * dv * dv)) + 0.5F;
-    const float middle = middle_u - slant * dv - first_x;
-    const int begin = std::max(0, up((middle - half) * per_x));
-    const int end = std::min({columns, up((middle + half) * per_x), begin + widest});
+  // Where rows begin and end, for as many of them at once as a vector has lanes.
+  const hn::RebindToSigned<Floats> di;
+  alignas(64) std::int32_t begins[PlaneSamples::kPad], ends[PlaneSamples::kPad];
+  const Vector rows_apart = hn::Set(d, static_cast<float>(row_step * grid.step_y));
+  const auto find_spans = [&](int row) {
+    const float dv0 = static_cast<float>(grid.first_y + row * grid.step_y) - middle_v;
+    const Vector dv = hn::MulAdd(hn::Iota(d, 0), rows_apart, hn::Set(d, dv0));
+    const Vector half2 = hn::NegMulAdd(hn::Mul(dv, dv), hn::Set(d, narrowing), hn::Set(d, chord2));
+    const Vector half = hn::Add(hn::Sqrt(hn::Max(half2, hn::Zero(d))), hn::Set(d, 0.5F));
+    const Vector middle = hn::NegMulAdd(hn::Set(d, slant), dv, hn::Set(d, middle_u - first_x));
+    const auto column = [&](Vector at) {
+      return hn::ConvertTo(di, hn::Ceil(hn::Mul(at, hn::Set(d, per_x))));
+    };
+    const auto begin = hn::Max(column(hn::Sub(middle, half)), hn::Zero(di));
+    const auto end = hn::Min(hn::Min(column(hn::Add(middle, half)), hn::Set(di, columns)),
+                             hn::Add(begin, hn::Set(di, widest)));
+    hn::Store(begin, di, begins);
+    hn::Store(end, di, ends);
+  };
+  int lane = lanes;
+  for (int row = row_begin; row < row_end; row += row_step, ++lane) {
+    if (lane == lanes) {
+      find_spans(row);
+      lane = 0;
+    }
+    const int begin = begins[lane], end = ends[lane];
     if (begin >= end || count + vectors * lanes > PlaneSamples::kMax) continue;
+    const int row_y = grid.first_y + row * grid.step_y;
     const std::uint8_t* bytes = image.row(row_y) + std::ptrdiff_t{begin} * grid.bytes_per_step;
     const std::ptrdiff_t wanted = std::ptrdiff_t{vectors} * lanes * grid.bytes_per_step;
     if (image_end - bytes < wanted) {  // whole vectors would reach beyond the picture

@@ -202,9 +202,8 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     out.mean_r2 = sum_r2 / out.seen;
     out.pose = {start.x_mm + moved.x(), start.y_mm + moved.y(),
                 std::remainder(start.angle_rad + moved.z(), 2 * std::numbers::pi)};
-    const Eigen::Vector2d center = patch->pixel + patch->to_pixel(moved.head<2>());
-    out.pixel_x = center.x();
-    out.pixel_y = center.y();
+    out.pixel_x = out.dots[PatternFit::kCenter].pixel_x;
+    out.pixel_y = out.dots[PatternFit::kCenter].pixel_y;
     out.px_per_mm = 1 / patch->mm_per_px();
     return out;
   }
@@ -228,7 +227,6 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
     Eigen::Vector2d step(dx, dy);
     if (step.norm() > kMostStepMm) step *= kMostStepMm / step.norm();
     moved += step;
-    out.r2 = disc.r2;
   }
   out.seen = moved.norm() < kMostStepMm;
   out.x_mm = x_mm + moved.x();

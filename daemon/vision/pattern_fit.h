@@ -60,7 +60,7 @@ class PatternFitter {
   /// The centre dot alone.
   struct Center {
     bool seen = false;
-    double x_mm = 0, y_mm = 0, r2 = 0;
+    double x_mm = 0, y_mm = 0;
   };
   Center fit_center(const Frame& frame, double x_mm, double y_mm, double height_mm) noexcept;
 
