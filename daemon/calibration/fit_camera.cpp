@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/fit_camera.h"
+
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <unsupported/Eigen/NonLinearOptimization>
+
+namespace sslv {
+namespace {
+
+/// In sigmas, for places that the camera cannot show.
+constexpr double kUnseen = 1e3;
+
+/// Residuals and their changes, as rows: two for a point, one for a line, and those of the prior.
+class Problem {
+ public:
+  using Scalar = double;
+  static constexpr int InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic;
+  using InputType = Eigen::VectorXd;
+  using ValueType = Eigen::VectorXd;
+  using JacobianType = Eigen::MatrixXd;
+
+  Problem(const LensCamera& start, std::span<const Sighting> sightings, const CameraPrior& prior,
+          double cauchy)
+      : start_(start), sightings_(sightings), prior_(prior), cauchy_(cauchy) {
+    for (const Sighting& sighting : sightings) rows_ += sighting.normal ? 1 : 2;
+  }
+
+  int inputs() const { return kCameraParams; }
+  int values() const { return sighting_rows() + kPriorRows; }
+  int sighting_rows() const { return rows_; }
+
+  int operator()(const InputType& x, ValueType& out) const {
+    visit(x, &out, nullptr);
+    return 0;
+  }
+  int df(const InputType& x, JacobianType& out) const {
+    visit(x, nullptr, &out);
+    return 0;
+  }
+
+ private:
+  static constexpr int kPriorRows = 6;
+
+  void visit(const InputType& x, ValueType* values, JacobianType* changes) const {
+    const SteppedCamera stepped(start_, CameraStep(x));
+    int row = 0;
+    const auto add = [&](double residual, const Eigen::Matrix<double, 1, kCameraParams>& by_step,
+                         bool robust) {
+      double value = residual, slope = 1;
+      if (robust && cauchy_ > 0 && residual != 0) {
+        const double square = residual * residual / (cauchy_ * cauchy_);
+        value = std::copysign(cauchy_ * std::sqrt(std::log1p(square)), residual);
+        slope = residual / (1 + square) / value;
+      }
+      if (values != nullptr) (*values)[row] = value;
+      if (changes != nullptr) changes->row(row) = slope * by_step;
+      ++row;
+    };
+    using Change = Eigen::Matrix<double, 1, kCameraParams>;
+    for (const Sighting& sighting : sightings_) {
+      const auto seen = stepped.project(sighting.place_mm);
+      const double weight = 1 / sighting.sigma_px;
+      if (!seen) {
+        for (int i = 0; i < (sighting.normal ? 1 : 2); ++i) add(kUnseen, Change::Zero(), true);
+      } else if (sighting.normal) {
+        const Eigen::Vector2d& n = *sighting.normal;
+        add(weight * n.dot(seen->pixel - sighting.pixel), weight * n.transpose() * seen->by_step, true);
+      } else {
+        const Eigen::Vector2d off = weight * (seen->pixel - sighting.pixel);
+        for (int i = 0; i < 2; ++i) add(off[i], weight * seen->by_step.row(i), true);
+      }
+    }
+    const LensCamera& camera = stepped.camera();
+    const auto at = [](CameraParam param, double value) {
+      Change out = Change::Zero();
+      out[param] = value;
+      return out;
+    };
+    const double grow2 = std::exp(2 * x[kZoom]), grow4 = grow2 * grow2;
+    add(std::log(camera.focal_px / prior_.focal_px) / prior_.focal_share, at(kZoom, 1 / prior_.focal_share),
+        false);
+    add((camera.center_x - prior_.center_x) / prior_.center_sigma_px,
+        at(kCenterX, 1 / prior_.center_sigma_px), false);
+    add((camera.center_y - prior_.center_y) / prior_.center_sigma_px,
+        at(kCenterY, 1 / prior_.center_sigma_px), false);
+    add((camera.k1 - prior_.k1) / prior_.k1_sigma,
+        (at(kK1, 1) + at(kZoom, 2 * start_.k1 * grow2)) / prior_.k1_sigma, false);
+    add((camera.k2 - prior_.k2) / prior_.k2_sigma,
+        (at(kK2, 1) + at(kZoom, 4 * start_.k2 * grow4)) / prior_.k2_sigma, false);
+    if (prior_.height_mm) {
+      add((camera.position_mm.z() - *prior_.height_mm) / prior_.height_sigma_mm,
+          stepped.height_by_step().transpose() / prior_.height_sigma_mm, false);
+    } else {
+      add(0, Change::Zero(), false);
+    }
+  }
+
+  const LensCamera& start_;
+  std::span<const Sighting> sightings_;
+  const CameraPrior& prior_;
+  double cauchy_;
+  int rows_ = 0;
+};
+
+bool is_sane(const LensCamera& camera) {
+  return camera.position_mm.allFinite() && camera.rotation.allFinite() && std::isfinite(camera.k1) &&
+         camera.focal_px > 10 && camera.focal_px < 1e6;
+}
+
+}  // namespace
+
+CameraPrior camera_prior(int width_px, int height_px) {
+  CameraPrior out;
+  out.focal_px = 0.85 * width_px;
+  out.center_x = (width_px - 1) / 2.0;
+  out.center_y = (height_px - 1) / 2.0;
+  out.center_sigma_px = 0.015 * width_px;
+  return out;
+}
+
+CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sightings, const CameraPrior& prior,
+                     const FitOptions& options) {
+  CameraFit out;
+  out.camera = start;
+  // Started anew from where it came to, the steps' parameters are again those of a camera near by.
+  constexpr int kRounds = 4;
+  int steps_left = options.most_steps;
+  for (int round = 0; round < kRounds && steps_left > 0; ++round) {
+    Problem problem(out.camera, sightings, prior, options.cauchy);
+    Eigen::LevenbergMarquardt<Problem> solver(problem);
+    solver.parameters.maxfev = steps_left;
+    solver.parameters.ftol = solver.parameters.xtol = 1e-10;
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(kCameraParams);
+    solver.minimize(step);
+    steps_left -= static_cast<int>(solver.nfev);
+    const LensCamera next = moved(out.camera, CameraStep(step));
+    if (!is_sane(next)) break;
+    out.camera = next;
+    out.cost = 0.5 * solver.fnorm * solver.fnorm;
+    if (step.norm() < 1e-6) break;
+  }
+  const Problem problem(out.camera, sightings, prior, options.cauchy);
+  Eigen::VectorXd values(problem.values());
+  Eigen::MatrixXd changes(problem.values(), static_cast<int>(kCameraParams));
+  const Eigen::VectorXd here = Eigen::VectorXd::Zero(kCameraParams);
+  problem(here, values);
+  problem.df(here, changes);
+  const auto seen = changes.topRows(problem.sighting_rows());
+  const auto known = changes.bottomRows(changes.rows() - problem.sighting_rows());
+  out.by_sightings = seen.transpose() * seen;
+  out.by_prior = known.transpose() * known;
+  out.cost = 0.5 * values.squaredNorm();
+  const std::vector<double> off = residuals(out.camera, sightings);
+  double squares = 0;
+  for (const double one : off) squares += one * one;
+  out.rms = off.empty() ? 0 : std::sqrt(squares / static_cast<double>(off.size()));
+  return out;
+}
+
+std::vector<double> residuals(const LensCamera& camera, std::span<const Sighting> sightings) {
+  std::vector<double> out;
+  out.reserve(sightings.size());
+  for (const Sighting& sighting : sightings) {
+    const auto pixel = camera.project(sighting.place_mm);
+    if (!pixel) {
+      out.push_back(kUnseen);
+    } else {
+      const Eigen::Vector2d off = (*pixel - sighting.pixel) / sighting.sigma_px;
+      out.push_back(sighting.normal ? sighting.normal->dot(off) : off.norm());
+    }
+  }
+  return out;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, kCameraParams> residuals_by_step(const LensCamera& camera,
+                                                                       std::span<const Sighting> sightings) {
+  Eigen::Matrix<double, Eigen::Dynamic, kCameraParams> out(static_cast<Eigen::Index>(sightings.size()),
+                                                           static_cast<int>(kCameraParams));
+  const SteppedCamera stepped(camera, CameraStep::Zero());
+  Eigen::Index row = 0;
+  for (const Sighting& sighting : sightings) {
+    out.row(row).setZero();
+    const auto seen = stepped.project(sighting.place_mm);
+    if (seen && sighting.normal)
+      out.row(row) = sighting.normal->transpose() * seen->by_step / sighting.sigma_px;
+    ++row;
+  }
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "geometry/field.h"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv {
+
+/// What the field's sizes were measured to. The rules say the outer edge of the lines, so that the paint lies
+/// half a line's width inside; many a lab measures to the middle.
+enum class LinesMeasured { kToOuterEdge, kToMiddle };
+
+/// The middle of painted line or arc, where it really is.
+struct PaintedCurve {
+  std::string name;
+  double width_mm = 10;
+  bool is_arc = false;
+  Eigen::Vector2d from, to;  // mm; of an arc, both are its centre
+  double radius_mm = 0, begin_rad = 0, end_rad = 0;
+
+  double length_mm() const;
+  /// `at_mm` from its beginning.
+  Eigen::Vector2d point(double at_mm) const;
+  Eigen::Vector2d direction(double at_mm) const;
+  double distance_mm(const Eigen::Vector2d& point_mm) const;
+};
+
+std::vector<PaintedCurve> painted_curves(const FieldSize& field, std::span<const FieldLine> lines,
+                                         std::span<const FieldArc> arcs, LinesMeasured measured);
+
+struct CurvePoint {
+  Eigen::Vector3d place_mm;
+  Eigen::Vector2d direction;
+  std::size_t curve;
+  double at_mm;
+};
+
+/// Points every `step_mm` of all curves, but for those nearer than `clear_mm` to another curve or to an end.
+std::vector<CurvePoint> points_along(std::span<const PaintedCurve> curves, double step_mm, double clear_mm);
+
+/// A place of the field that an admin can point at: a corner, a crossing, a point of the circle.
+struct NamedPoint {
+  std::string name;  // such as "corner left top": left and right are -x and +x, top and bottom +y and -y
+  Eigen::Vector2d place_mm;
+};
+
+/// All that a field with these curves has. On the paint's middle, as are clicks.
+std::vector<NamedPoint> named_points(std::span<const PaintedCurve> curves);
+
+}  // namespace sslv

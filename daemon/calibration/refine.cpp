@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/refine.h"
+
+#include "calibration/measure_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <Eigen/Dense>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kLeastSightings = 12;
+constexpr double kEdgeMarginPx = 9;
+constexpr double kTwoRadialSigma = 0.3;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Standard deviation of normally distributed values, by the median.
+double robust_sigma(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return median(std::move(values)) / 0.6745;
+}
+
+double px_per_mm(const LensCamera& camera) {
+  return camera.focal_px / std::max(1.0, camera.position_mm.z());
+}
+
+/// Lines to about a pixel: the window narrows as the camera gets better.
+std::optional<LensCamera> fit_roughly(const LinePicture& picture, const LensCamera& start,
+                                      std::span<const PaintedCurve> curves, CameraPrior prior,
+                                      double window_px, const std::stop_token& stop) {
+  // Coarse edges drive a focal length that they do not show far up the valley, from where it is slow to come
+  // back: it is held tighter here than it is known.
+  prior.focal_share = std::min(prior.focal_share, 0.15);
+  constexpr double kStepPx = 9, kClearPx = 6, kNarrowing = 0.72, kLeastWindowPx = 3;
+  constexpr double kCauchyShare = 0.22, kLeastCauchyPx = 0.7;
+  constexpr int kLeastPasses = 9, kMostPasses = 16;
+  LensCamera camera = start;
+  const double scale = px_per_mm(start);
+  const auto points = points_along(curves, kStepPx / scale, kClearPx / scale + 10);
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    if (stop.stop_requested()) return std::nullopt;
+    const auto sightings = find_lines(picture, camera, curves, points, window_px);
+    if (sightings.size() < kLeastSightings) return std::nullopt;
+    const LensCamera last = camera;
+    camera =
+        fit_camera(camera, sightings, prior, {std::max(kLeastCauchyPx, kCauchyShare * window_px), 8}).camera;
+    if (window_px <= kLeastWindowPx) {
+      const auto before = last.unproject({last.center_x, last.center_y}, 0),
+                 now = camera.unproject({camera.center_x, camera.center_y}, 0);
+      const bool still = before && now && (*before - *now).norm() * scale < 0.1;
+      if (pass >= kLeastPasses || still) break;
+    }
+    window_px = std::max(kLeastWindowPx, kNarrowing * window_px);
+  }
+  return camera;
+}
+
+struct Patches {
+  std::vector<Sighting> sightings;
+  int expected = 0;
+};
+
+/// All patches that look like lines should.
+Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
+                        std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
+                        double blur_px, double* median_residual = nullptr) {
+  constexpr double kLeastSignal = 3;  // contrast in sigmas of the noise
+  constexpr double kLeastContrastShare = 0.4, kMostResidualShare = 2.5, kResidualOfContrast = 0.02;
+  Patches out;
+  std::vector<double> contrasts, rests;
+  for (const CurvePoint& point : points) {
+    const auto expected = expect_line(camera, curves[point.curve], point, kEdgeMarginPx);
+    if (!expected) continue;
+    ++out.expected;
+    const auto measured = measure_line(picture, *expected, blur_px);
+    if (!measured || measured->contrast < kLeastSignal * picture.noise) continue;
+    Sighting& sighting = out.sightings.emplace_back();
+    sighting.place_mm = point.place_mm;
+    sighting.pixel = expected->pixel + measured->offset_px * expected->normal;
+    sighting.normal = expected->normal;
+    constexpr double kLeastSigmaPx = 0.004;
+    sighting.sigma_px = std::max(kLeastSigmaPx, measured->sigma_px);
+    sighting.curve = point.curve;
+    contrasts.push_back(measured->contrast);
+    rests.push_back(measured->residual);
+  }
+  const double contrast = median(contrasts), rest = median(rests);
+  if (median_residual != nullptr) *median_residual = rest;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.sightings.size(); ++i) {
+    if (contrasts[i] > kLeastContrastShare * contrast &&
+        rests[i] < kMostResidualShare * rest + kResidualOfContrast * contrast)
+      out.sightings[kept++] = out.sightings[i];
+  }
+  out.sightings.resize(kept);
+  return out;
+}
+
+/// The picture's blur is what leaves least of the lines.
+double blur_of(const LinePicture& picture, const LensCamera& camera, std::span<const PaintedCurve> curves,
+               std::span<const CurvePoint> points) {
+  constexpr std::size_t kSome = 80;
+  std::vector<CurvePoint> some;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / kSome);
+  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+  double best = 0.7, least = std::numeric_limits<double>::infinity();
+  for (const double blur_px : {0.5, 0.7, 1.0, 1.4, 2.0}) {
+    double rest = 0;
+    const Patches patches = measure_patches(picture, camera, curves, some, blur_px, &rest);
+    if (patches.sightings.size() < kLeastSightings || rest >= least) continue;
+    least = rest;
+    best = blur_px;
+  }
+  return best;
+}
+
+std::vector<double> off_px(const LensCamera& camera, std::span<const Sighting> sightings) {
+  std::vector<double> out = residuals(camera, sightings);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] *= sightings[i].sigma_px;
+  return out;
+}
+
+/// How the parameters would scatter, from how the camera changes as one line is left out (jackknife over
+/// lines: patches of a line share its errors, so that their own scatter says far too little).
+CameraInformation covariance_of(const LensCamera& camera, std::span<const Sighting> sightings,
+                                const CameraInformation& by_prior) {
+  const auto changes = residuals_by_step(camera, sightings);
+  const std::vector<double> off = residuals(camera, sightings);
+  struct Line {
+    CameraInformation information = CameraInformation::Zero();
+    CameraStep gradient = CameraStep::Zero();
+  };
+  std::map<std::size_t, Line> lines;
+  CameraInformation by_sightings = CameraInformation::Zero();
+  double squares = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const CameraStep change = changes.row(static_cast<Eigen::Index>(i)).transpose();
+    Line& line = lines[sightings[i].curve];
+    line.information += change * change.transpose();
+    line.gradient += off[i] * change;
+    by_sightings += change * change.transpose();
+    squares += off[i] * off[i];
+  }
+  const CameraInformation all = by_sightings + by_prior;
+  const double variance = squares / std::max(1.0, static_cast<double>(sightings.size()) - 9);
+  const CameraInformation inverse = all.inverse();
+  CameraInformation out = inverse * (0.5 * variance * by_sightings + by_prior) * inverse;
+  const auto count = static_cast<double>(lines.size());
+  for (const auto& [curve, line] : lines) {
+    const CameraStep moved_by = (all - line.information).ldlt().solve(line.gradient);
+    if (moved_by.allFinite()) out += (count - 1) / count * moved_by * moved_by.transpose();
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<RefinedCamera> refine_camera(const LinePicture& picture, const LensCamera& start,
+                                           std::span<const PaintedCurve> curves, const CameraPrior& prior,
+                                           const RefineOptions& options, const std::stop_token& stop) {
+  const auto rough = fit_roughly(picture, start, curves, prior, options.window_px, stop);
+  if (!rough) return std::nullopt;
+  return refine_again(picture, *rough, curves, prior, options, stop);
+}
+
+std::optional<RefinedCamera> refine_again(const LinePicture& picture, const LensCamera& start,
+                                          std::span<const PaintedCurve> curves,
+                                          const CameraPrior& given_prior, const RefineOptions& options,
+                                          const std::stop_token& stop) {
+  CameraPrior prior = given_prior;
+  if (options.two_radial) prior.k2_sigma = kTwoRadialSigma;
+  const double scale = px_per_mm(start);
+  const auto points = points_along(curves, kPatchPx / scale, (kPatchPx / 2 + 4) / scale + 10);
+  const double blur_px = blur_of(picture, start, curves, points);
+
+  constexpr int kPasses = 3;
+  constexpr double kFirstScalePx = 0.5, kLeastScalePx = 0.01, kCauchy = 3, kMostSigmas = 4.5;
+  RefinedCamera out;
+  out.camera = start;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    if (stop.stop_requested()) return std::nullopt;
+    Patches patches = measure_patches(picture, out.camera, curves, points, blur_px);
+    if (patches.sightings.size() < kLeastSightings) return std::nullopt;
+    const double spread_px =
+        pass == 0 ? kFirstScalePx
+                  : std::max(kLeastScalePx, robust_sigma(off_px(out.camera, patches.sightings)));
+    for (Sighting& sighting : patches.sightings) sighting.sigma_px = std::hypot(sighting.sigma_px, spread_px);
+    out.camera = fit_camera(out.camera, patches.sightings, prior, {kCauchy, 30}).camera;
+    out.sightings = std::move(patches.sightings);
+    out.expected = patches.expected;
+  }
+  // By their true spread, without those that are something else.
+  const double spread_px = std::max(kLeastScalePx / 2, robust_sigma(off_px(out.camera, out.sightings)));
+  for (Sighting& sighting : out.sightings) sighting.sigma_px = spread_px;
+  const std::vector<double> off = residuals(out.camera, out.sightings);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    if (std::abs(off[i]) < kMostSigmas) out.sightings[kept++] = out.sightings[i];
+  }
+  out.sightings.resize(kept);
+  if (kept < kLeastSightings) return std::nullopt;
+  const CameraFit fit = fit_camera(out.camera, out.sightings, prior, {kCauchy, 40});
+  out.camera = fit.camera;
+  out.rms_px = fit.rms * spread_px;
+  out.covariance = covariance_of(out.camera, out.sightings, fit.by_prior);
+  return out;
+}
+
+double expected_error_mm(const RefinedCamera& refined, const Eigen::Vector2d& pixel, double height_mm) {
+  constexpr double kStep = 1e-5;
+  Eigen::Matrix<double, 2, kCameraParams> by_step;
+  for (int i = 0; i < kCameraParams; ++i) {
+    CameraStep step = CameraStep::Zero();
+    step[i] = kStep;
+    const auto plus = moved(refined.camera, step).unproject(pixel, height_mm),
+               minus = moved(refined.camera, -step).unproject(pixel, height_mm);
+    if (!plus || !minus) return std::numeric_limits<double>::quiet_NaN();
+    by_step.col(i) = (*plus - *minus) / (2 * kStep);
+  }
+  return std::sqrt(std::max(0.0, (by_step * refined.covariance * by_step.transpose()).trace()));
+}
+
+}  // namespace sslv
