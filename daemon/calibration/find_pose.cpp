@@ -116,8 +116,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
         for (std::size_t b = 0; b < places.size(); ++b) {
           if (a == b) continue;
           const Similarity map = similarity_of(pair, places, {a, b});
-          // Fields of 3 to 20 m across the picture.
-          if (map.px_per_mm() * 20000 < width || map.px_per_mm() * 2000 > width) continue;
+          if (map.px_per_mm() * 20000 < width || map.px_per_mm() * 1500 > width) continue;
           Candidate candidate{Assignment(pixels.size()), 0};
           std::set<std::size_t> taken;
           for (std::size_t k = 0; k < pixels.size(); ++k) {
@@ -150,8 +149,10 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   }
 }
 
-bool looks_down(const LensCamera& camera) {
-  return camera.rotation(2, 2) < -0.5;
+/// Looking down, from where it sees 1.5 to 20 m across.
+bool is_plausible(const LensCamera& camera) {
+  const double width_mm = camera.width * camera.position_mm.z() / camera.focal_px;
+  return camera.rotation(2, 2) < -0.5 && width_mm > 1500 && width_mm < 20000;
 }
 
 }  // namespace
@@ -213,7 +214,7 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
       held.k1 = k1;
       held.k1_sigma = 0.02;
       const CameraFit fit = fit_camera(looking_down(map, picture, held), sightings, held);
-      if (!looks_down(fit.camera) || fit.rms > kMostRmsSigmas) continue;
+      if (!is_plausible(fit.camera) || fit.rms > kMostRmsSigmas) continue;
       const double evidence = line_evidence(fit.camera, points, picture);
       if (evidence > best.evidence) best = {fit.camera, place_of, fit.rms * click_sigma_px, evidence};
     }

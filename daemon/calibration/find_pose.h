@@ -18,19 +18,21 @@ struct PoseGuess {
   LensCamera camera;
   std::vector<std::size_t> place_of_pixel;  // index into the places, of each pixel
   double rms_px = 0;                        // of the points
-  double evidence = 0;                      // 0 .. 1: share of the lines expected in view that lie on bright stripes
+  double evidence = 0;  // 0 .. 1: share of the lines expected in view that lie on bright stripes
 };
 
-/// Cameras for which the pixels show some of the places, one each, best evidence first: at least three pixels.
-/// Which pixel shows which place is found out when `any_order`; otherwise pixel i shows place i. A camera looks
-/// at the field from above, so that mirrored assignments are none. `click_sigma_px` is how exact the pixels are.
+/// Cameras for which the pixels show some of the places, one each, best evidence first: at least three
+/// pixels. Which pixel shows which place is found out when `any_order`; otherwise pixel i shows place i. A
+/// camera looks at the field from above, so that mirrored assignments are none. `click_sigma_px` is how exact
+/// the pixels are.
 std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,
                                    std::span<const Eigen::Vector2d> places_mm, bool any_order,
                                    double click_sigma_px, const LinePicture& picture,
                                    std::span<const PaintedCurve> curves, const CameraPrior& prior);
 
 /// Share of the lines expected in view that lie on bright stripes, 0 .. 1; little is seen: less.
-double line_evidence(const LensCamera& camera, std::span<const CurvePoint> points, const LinePicture& picture);
+double line_evidence(const LensCamera& camera, std::span<const CurvePoint> points,
+                     const LinePicture& picture);
 
 /// Points of the lines to look for evidence at.
 std::vector<CurvePoint> evidence_points(std::span<const PaintedCurve> curves);

@@ -71,11 +71,4 @@ class SteppedCamera {
   Eigen::Matrix3d turn_by_step_;   // left Jacobian of the rotation
 };
 
-/// The wire's calibration that shows points of the planes z = 0 and 150 mm nearest to where `camera` does.
-struct Published {
-  CameraCalibration calibration;
-  double rms_mm = 0, worst_mm = 0;  // what it differs, over the picture at z = 0; nothing with k2 = 0
-};
-Published publish(const LensCamera& camera);
-
 }  // namespace sslv

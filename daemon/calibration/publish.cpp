@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/publish.h"
+
+#include "calibration/fit_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace sslv {
+
+Published publish(const LensCamera& camera) {
+  LensCamera wire = camera;
+  Published out;
+  if (camera.k2 != 0) {
+    constexpr int kColumns = 16, kRows = 12;
+    constexpr double kPlanesMm[] = {0, 150};
+    std::vector<Sighting> sightings;
+    for (int j = 0; j < kRows; ++j) {
+      for (int i = 0; i < kColumns; ++i) {
+        const Eigen::Vector2d pixel(i * (camera.width - 1.0) / (kColumns - 1),
+                                    j * (camera.height - 1.0) / (kRows - 1));
+        for (const double height_mm : kPlanesMm) {
+          const auto place = camera.unproject(pixel, height_mm);
+          if (!place) continue;
+          Sighting& sighting = sightings.emplace_back();
+          sighting.place_mm = {place->x(), place->y(), height_mm};
+          sighting.pixel = pixel;
+        }
+      }
+    }
+    CameraPrior anything;
+    anything.focal_px = camera.focal_px;
+    anything.focal_share = 10;
+    anything.center_x = camera.center_x;
+    anything.center_y = camera.center_y;
+    anything.center_sigma_px = 1e4;
+    anything.k1 = camera.k1;
+    anything.k1_sigma = 10;
+    wire.k2 = 0;
+    wire = fit_camera(wire, sightings, anything).camera;
+    wire.k2 = 0;
+    double squares = 0;
+    int count = 0;
+    for (const Sighting& sighting : sightings) {
+      if (sighting.place_mm.z() != 0) continue;
+      const auto place = wire.unproject(sighting.pixel, 0);
+      if (!place) continue;
+      const double off_mm = (*place - sighting.place_mm.head<2>()).norm();
+      squares += off_mm * off_mm;
+      out.worst_mm = std::max(out.worst_mm, off_mm);
+      ++count;
+    }
+    out.rms_mm = count > 0 ? std::sqrt(squares / count) : 0;
+  }
+  Eigen::Quaterniond q(wire.rotation);
+  q.normalize();
+  const Eigen::Vector3d t = -wire.rotation * wire.position_mm;
+  out.calibration = {wire.focal_px, wire.center_x, wire.center_y, wire.k1, q.x(),      q.y(),      q.z(),
+                     q.w(),         t.x(),         t.y(),         t.z(),   wire.width, wire.height};
+  return out;
+}
+
+}  // namespace sslv
