@@ -6,6 +6,7 @@
 #include "base/json.h"
 #include "base/params.h"
 #include "capture/camera_thread.h"
+#include "geometry/ball_models.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
 #include "net/multicast.h"
@@ -94,6 +95,7 @@ struct CameraSettings {
 struct Config {
   std::string site = "Field";
   FieldSize field;
+  std::optional<BallModels> ball_models = BallModels{};
   TeamsSettings teams;
   std::string patterns_file;
   NetworkSettings network;
@@ -102,7 +104,8 @@ struct Config {
   static constexpr auto fields() {
     return std::tuple{
         text("site", &Config::site, "name of the field, shown in the panel"),
-        group("field", &Config::field, "sizes of the playing field"),
+        group("field", &Config::field, "the playing field: sizes and lines"),
+        group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
         group("teams", &Config::teams, "names and heights of the teams"),
         text("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
         group("network", &Config::network, "what is sent where"),

@@ -16,7 +16,7 @@ namespace sslv {
 namespace {
 
 Geometry make_geometry(const Config& config) {
-  Geometry geometry{config.field, {}, BallModels{}};
+  Geometry geometry{config.field, {}, config.ball_models};
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     const CameraSettings& camera = config.cameras[i];
     if (camera.calibration) {
@@ -151,6 +151,14 @@ WebHost Daemon::make_web_host() {
   host.status = [this] { return status(); };
   host.settings = [this, answer] { return answer(store_.current()); };
   host.schema = [] { return settings_schema(); };
+  host.field_presets = [] {
+    Json presets = Json::array();
+    for (const FieldPreset& preset : field_presets()) {
+      presets.push_back(
+          {{"name", preset.name}, {"description", preset.help}, {"field", params_to_json(preset.size)}});
+    }
+    return presets;
+  };
   host.patch_settings = [this, answer](const Json& patch, std::optional<std::uint64_t> if_revision,
                                        const std::string& who) {
     const auto version = store_.patch(patch, if_revision, [this](const Json& next) { return prepare(next); });
