@@ -30,6 +30,15 @@ std::chrono::duration<double> geometry_interval(const Config& config) {
   return std::chrono::duration<double>(config.network.vision.geometry_interval_s);
 }
 
+GroupAddress vision_address(const Config& config) {
+  const MulticastSettings& vision = config.network.vision;
+  return {vision.group, vision.port, vision.interface};
+}
+
+double steady_s() {
+  return static_cast<double>(steady_ns()) * 1e-9;
+}
+
 }  // namespace
 
 Daemon::Daemon(const Options& options)
@@ -39,7 +48,8 @@ Daemon::Daemon(const Options& options)
       multicast_(config_.load()->network.vision, "/network/vision"),
       geometry_(make_geometry(*config_.load())),
       geometry_sender_(multicast_, geometry_, geometry_interval(*config_.load())),
-      cameras_(Cameras{}) {
+      cameras_(Cameras{}),
+      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -74,6 +84,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     multicast_.configure(config->network.vision, "/network/vision");
     geometry_.store(make_geometry(*config));
     geometry_sender_.restart(geometry_interval(*config));
+    other_visions_.listen(vision_address(*config));
     Cameras cameras;
     for (std::size_t i = 0; i < config->cameras.size(); ++i) {
       const CameraSettings& camera = config->cameras[i];
@@ -107,8 +118,17 @@ std::string Daemon::summary() const {
 
 StatusInput Daemon::status_input(const Config& config) const {
   const WebServer* web = listening_;
-  StatusInput input{unix_time_s(),    started_s_, config, multicast_.status(), web ? web->stats().viewers : 0,
-                    store_.problem(), {}};
+  StatusInput input{.time_s = unix_time_s(),
+                    .started_s = started_s_,
+                    .config = config,
+                    .network = multicast_.status(),
+                    .geometry = geometry_.load(),
+                    .other_visions = other_visions_.seen(steady_s()),
+                    .refused_packets = other_visions_.refused(),
+                    .listening_error = other_visions_.error(),
+                    .viewers = web ? web->stats().viewers : 0,
+                    .settings_problem = store_.problem(),
+                    .cameras = {}};
   const auto cameras = cameras_.load();
   for (const auto& [id, camera] : *cameras) input.cameras.push_back({camera, camera->health()});
   return input;

@@ -3,6 +3,7 @@
 
 #include "base/snapshot.h"
 #include "config.h"
+#include "net/other_visions.h"
 #include "net/vision_sender.h"
 #include "running_camera.h"
 #include "settings/store.h"
@@ -53,6 +54,7 @@ class Daemon {
   Snapshot<Geometry> geometry_;
   GeometrySender geometry_sender_;
   Snapshot<Cameras> cameras_;
+  OtherVisions other_visions_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

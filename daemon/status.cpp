@@ -60,6 +60,48 @@ void add_alert(Json& alerts, const char* severity, std::string title, std::strin
       {{"severity", severity}, {"title", std::move(title)}, {"fix", std::move(fix)}, {"camera", camera}});
 }
 
+int rank_of(const Json& alert) {
+  const Json& severity = alert.at("severity");
+  return severity == "bad" ? 0 : severity == "warn" ? 1 : 2;
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+/// What a second vision does to the teams, which cannot tell whose packets they get.
+void add_vision_alerts(Json& alerts, const StatusInput& input) {
+  SSL_WrapperPacket ours;
+  write_geometry(*input.geometry, ours);
+  for (const OtherVision& other : input.other_visions) {
+    std::vector<std::string> shared_ids, conflicts;
+    for (const CameraNow& now : input.cameras) {
+      const auto id = static_cast<std::uint32_t>(now.camera->settings()->id);
+      if (std::find(other.cameras.begin(), other.cameras.end(), id) != other.cameras.end()) {
+        shared_ids.push_back(std::to_string(id));
+      }
+    }
+    if (other.field) {
+      for (const SizeConflict& size : size_conflicts(ours.geometry().field(), *other.field)) {
+        conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
+      }
+    }
+    if (!shared_ids.empty()) {
+      add_alert(alerts, "bad",
+                fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
+                "Teams mix up what the two cameras see: give each its own id, or end one of the visions.");
+    }
+    if (!conflicts.empty()) {
+      add_alert(alerts, "bad", fmt::format("{} sends another field: {}", other.address, joined(conflicts)),
+                "Teams get both in turn: set the same sizes, or end one of the visions.");
+    }
+    if (shared_ids.empty() && conflicts.empty()) {
+      add_alert(alerts, "info", fmt::format("{} sends to the vision group too", other.address),
+                "Nothing to do if it is the vision of this field's other cameras; otherwise end it.");
+    }
+  }
+}
+
 /// What is wrong, worst first, each with what to do about it.
 Json alerts_json(const StatusInput& input) {
   Json alerts = Json::array();
@@ -75,6 +117,7 @@ Json alerts_json(const StatusInput& input) {
   if (!input.network.error.empty()) {
     add_alert(alerts, "bad", "No packets leave", input.network.error + "; sending is tried again by itself.");
   }
+  add_vision_alerts(alerts, input);
   if (!input.settings_problem.empty()) {
     add_alert(alerts, "warn", input.settings_problem,
               "Look through the settings and save what is missing again.");
@@ -94,13 +137,30 @@ Json alerts_json(const StatusInput& input) {
                 "All positions are wrong: set the old picture size, or calibrate again.", id);
     }
     if (camera->pipeline().counters().capped > 0) {
-      add_alert(alerts, "warn",
-                fmt::format("Camera {} had {} frames with too much to look at", id,
-                            camera->pipeline().counters().capped),
-                "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.", id);
+      add_alert(
+          alerts, "warn",
+          fmt::format("Camera {} had {} frames with too much to look at", id,
+                      camera->pipeline().counters().capped),
+          "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.",
+          id);
     }
   }
+  // While nothing can be sent either, its alert says what to do.
+  if (input.network.error.empty() && !input.listening_error.empty()) {
+    add_alert(alerts, "warn", "A group cannot be heard",
+              input.listening_error + "; it is tried again by itself.");
+  }
+  std::stable_sort(alerts.begin(), alerts.end(),
+                   [](const Json& a, const Json& b) { return rank_of(a) < rank_of(b); });
   return alerts;
+}
+
+Json other_visions_json(const StatusInput& input) {
+  Json out = Json::array();
+  for (const OtherVision& other : input.other_visions) {
+    out.push_back({{"address", other.address}, {"silent_s", other.silent_s}, {"cameras", other.cameras}});
+  }
+  return out;
 }
 
 }  // namespace
@@ -119,7 +179,9 @@ Json status_json(const StatusInput& input) {
              {"error", input.network.error},
              {"packets_sent", input.network.packets_sent},
              {"send_errors", input.network.send_errors},
-             {"packets_per_s", input.network.packets_per_s}}},
+             {"packets_per_s", input.network.packets_per_s},
+             {"packets_refused", input.refused_packets},
+             {"other_visions", other_visions_json(input)}}},
            {"viewers", input.viewers},
            {"alerts", alerts_json(input)},
            {"cameras", Json::array()}};
