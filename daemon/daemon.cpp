@@ -7,6 +7,7 @@
 #include "detections_json.h"
 #include "routes.h"
 #include "status.h"
+#include "teams.h"
 #include "vision/label_picture.h"
 
 #include <algorithm>
@@ -35,6 +36,18 @@ GroupAddress vision_address(const Config& config) {
   return {vision.group, vision.port, vision.interface};
 }
 
+std::optional<GroupAddress> referee_address(const Config& config) {
+  const RefereeSettings& referee = config.network.referee;
+  if (!referee.enabled) return std::nullopt;
+  return GroupAddress{referee.group, referee.port,
+                      referee.interface.empty() ? config.network.vision.interface : referee.interface};
+}
+
+std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListener& referee) {
+  const auto teams = teams_now(config.teams, referee.team_names());
+  return {teams[0].robot_height_mm, teams[1].robot_height_mm};
+}
+
 double steady_s() {
   return static_cast<double>(steady_ns()) * 1e-9;
 }
@@ -49,6 +62,7 @@ Daemon::Daemon(const Options& options)
       geometry_(make_geometry(*config_.load())),
       geometry_sender_(multicast_, geometry_, geometry_interval(*config_.load())),
       cameras_(Cameras{}),
+      referee_([this] { put_robot_heights_into_force(); }),
       other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
@@ -85,6 +99,10 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     geometry_.store(make_geometry(*config));
     geometry_sender_.restart(geometry_interval(*config));
     other_visions_.listen(vision_address(*config));
+    referee_.listen(referee_address(*config));
+    const std::lock_guard lock(cameras_mutex_);
+    const auto heights_mm = robot_heights_mm(*config, referee_);
+    for (CameraSetup& setup : *setups) setup = with_robot_heights(std::move(setup), heights_mm);
     Cameras cameras;
     for (std::size_t i = 0; i < config->cameras.size(); ++i) {
       const CameraSettings& camera = config->cameras[i];
@@ -98,6 +116,18 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     }
     cameras_.store(std::move(cameras));
   };
+}
+
+void Daemon::put_robot_heights_into_force() {
+  const std::lock_guard lock(cameras_mutex_);
+  const auto config = config_.load();
+  const auto teams = teams_now(config->teams, referee_.team_names());
+  log::info("teams: yellow \"{}\" {} mm, blue \"{}\" {} mm", teams[0].name, teams[0].robot_height_mm,
+            teams[1].name, teams[1].robot_height_mm);
+  const auto cameras = cameras_.load();
+  for (const auto& [id, camera] : *cameras) {
+    camera->change_robot_heights({teams[0].robot_height_mm, teams[1].robot_height_mm});
+  }
 }
 
 std::shared_ptr<RunningCamera> Daemon::camera(std::uint32_t id) const {
@@ -126,6 +156,7 @@ StatusInput Daemon::status_input(const Config& config) const {
                     .other_visions = other_visions_.seen(steady_s()),
                     .refused_packets = other_visions_.refused(),
                     .listening_error = other_visions_.error(),
+                    .referee = referee_.status(steady_s()),
                     .viewers = web ? web->stats().viewers : 0,
                     .settings_problem = store_.problem(),
                     .cameras = {}};

@@ -2,6 +2,7 @@
 #include "status.h"
 
 #include "base/params_json.h"
+#include "teams.h"
 #include "version.h"
 
 #include <algorithm>
@@ -145,14 +146,34 @@ Json alerts_json(const StatusInput& input) {
           id);
     }
   }
+  for (const TeamNow& team : teams_now(input.config.teams, input.referee.team_names)) {
+    if (!team.name_is_unknown) continue;
+    add_alert(alerts, "warn",
+              fmt::format("Unknown team \"{}\": its robots are taken to be {:g} mm high", team.name,
+                          team.robot_height_mm),
+              "Measure the pattern's height and set robot_height in teams.");
+  }
   // While nothing can be sent either, its alert says what to do.
-  if (input.network.error.empty() && !input.listening_error.empty()) {
-    add_alert(alerts, "warn", "A group cannot be heard",
-              input.listening_error + "; it is tried again by itself.");
+  if (input.network.error.empty()) {
+    for (const std::string& error : {input.listening_error, input.referee.error}) {
+      if (!error.empty())
+        add_alert(alerts, "warn", "A group cannot be heard", error + "; it is tried again by itself.");
+    }
   }
   std::stable_sort(alerts.begin(), alerts.end(),
                    [](const Json& a, const Json& b) { return rank_of(a) < rank_of(b); });
   return alerts;
+}
+
+Json teams_json(const StatusInput& input) {
+  const auto teams = teams_now(input.config.teams, input.referee.team_names);
+  const auto one = [&](Team which) {
+    const TeamNow& team = teams[static_cast<std::size_t>(which)];
+    return Json{{"name", team.name},
+                {"robot_height", team.robot_height_mm},
+                {"height_from", team.height_is_known ? "referee" : "settings"}};
+  };
+  return {{"yellow", one(Team::kYellow)}, {"blue", one(Team::kBlue)}};
 }
 
 Json other_visions_json(const StatusInput& input) {
@@ -161,6 +182,18 @@ Json other_visions_json(const StatusInput& input) {
     out.push_back({{"address", other.address}, {"silent_s", other.silent_s}, {"cameras", other.cameras}});
   }
   return out;
+}
+
+Json referee_json(const StatusInput& input) {
+  const RefereeSettings& settings = input.config.network.referee;
+  const RefereeStatus& referee = input.referee;
+  return {{"enabled", settings.enabled},
+          {"group", settings.group},
+          {"port", settings.port},
+          {"error", referee.error},
+          {"source", referee.source},
+          {"silent_s", referee.silent_s ? Json(*referee.silent_s) : Json(nullptr)},
+          {"packets_refused", referee.refused}};
 }
 
 }  // namespace
@@ -182,6 +215,8 @@ Json status_json(const StatusInput& input) {
              {"packets_per_s", input.network.packets_per_s},
              {"packets_refused", input.refused_packets},
              {"other_visions", other_visions_json(input)}}},
+           {"referee", referee_json(input)},
+           {"teams", teams_json(input)},
            {"viewers", input.viewers},
            {"alerts", alerts_json(input)},
            {"cameras", Json::array()}};

@@ -6,6 +6,7 @@
 #include "net/multicast.h"
 #include "net/other_visions.h"
 #include "net/packets.h"
+#include "net/referee_listener.h"
 #include "running_camera.h"
 
 #include <cstdint>
@@ -31,6 +32,7 @@ struct StatusInput {
   std::vector<OtherVision> other_visions;
   std::uint64_t refused_packets = 0;  // that came to the vision group
   std::string listening_error;        // why the vision group cannot be heard
+  RefereeStatus referee;
   int viewers = 0;
   std::string settings_problem;
   std::vector<CameraNow> cameras;
