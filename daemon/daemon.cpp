@@ -99,7 +99,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     geometry_.store(make_geometry(*config));
     geometry_sender_.restart(geometry_interval(*config));
     other_visions_.listen(vision_address(*config));
-    referee_.listen(referee_address(*config));
+    referee_.listen(referee_address(*config));  // before the lock: it waits for a thread that may want it
     const std::lock_guard lock(cameras_mutex_);
     const auto heights_mm = robot_heights_mm(*config, referee_);
     for (CameraSetup& setup : *setups) setup = with_robot_heights(std::move(setup), heights_mm);
@@ -122,8 +122,9 @@ void Daemon::put_robot_heights_into_force() {
   const std::lock_guard lock(cameras_mutex_);
   const auto config = config_.load();
   const auto teams = teams_now(config->teams, referee_.team_names());
-  log::info("teams: yellow \"{}\" {} mm, blue \"{}\" {} mm", teams[0].name, teams[0].robot_height_mm,
-            teams[1].name, teams[1].robot_height_mm);
+  // The names come from the network: as JSON, so that one cannot forge a line of the log.
+  log::info("teams: yellow {} {} mm, blue {} {} mm", Json(teams[0].name).dump(), teams[0].robot_height_mm,
+            Json(teams[1].name).dump(), teams[1].robot_height_mm);
   const auto cameras = cameras_.load();
   for (const auto& [id, camera] : *cameras) {
     camera->change_robot_heights({teams[0].robot_height_mm, teams[1].robot_height_mm});

@@ -29,8 +29,15 @@ std::optional<double> number(const Message& message, const FieldDescriptor& fiel
   }
 }
 
+template <class Things>
+bool are_somewhere(const Things& things) {
+  return std::all_of(things.begin(), things.end(),
+                     [](const auto& one) { return std::isfinite(one.x()) && std::isfinite(one.y()); });
+}
+
 bool makes_sense(const SSL_DetectionFrame& frame) {
-  return std::isfinite(frame.t_capture()) && std::isfinite(frame.t_sent());
+  return std::isfinite(frame.t_capture()) && std::isfinite(frame.t_sent()) && are_somewhere(frame.balls()) &&
+         are_somewhere(frame.robots_yellow()) && are_somewhere(frame.robots_blue());
 }
 
 bool makes_sense(const SSL_GeometryFieldSize& field) {

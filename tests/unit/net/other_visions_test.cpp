@@ -102,6 +102,8 @@ TEST(OtherVisions, WhatCannotBeReadOrMakesNoSenseIsOnlyCounted) {
   packet = detection(1);
   packet.mutable_detection()->set_t_capture(kNan);
   refused.push_back(packet.SerializeAsString());
+  write_detection({}, {}, {{Ball{kNan, 0, 0, 0, 40, 1}}}, 2, packet);
+  refused.push_back(packet.SerializeAsString());
   packet = geometry({});
   packet.mutable_geometry()->mutable_field()->set_ball_radius(kNan);
   refused.push_back(packet.SerializeAsString());
