@@ -38,7 +38,9 @@ Json complete_source(const Json& source, const std::string& path) {
 
 Config read_config(const Json& settings) {
   auto config = params_from_json<Config>(settings, "");
+  check_field(config.field, "/field");
   check_multicast(config.network.vision, "/network/vision");
+  check_group(config.network.referee.group, "/network/referee/group");
   std::map<int, std::size_t> camera_with_id;
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     CameraSettings& camera = config.cameras[i];

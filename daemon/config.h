@@ -6,9 +6,11 @@
 #include "base/json.h"
 #include "base/params.h"
 #include "capture/camera_thread.h"
+#include "geometry/ball_models.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
 #include "net/multicast.h"
+#include "net/referee_listener.h"
 #include "pipeline/frame.h"
 #include "stages.h"
 #include "vision/lut.h"
@@ -31,23 +33,29 @@ struct TeamSettings {
             "ids of the robots that play, if known: a robot with a hidden dot is then reported when only one "
             "of them fits. Others are still reported when all their dots are seen"),
         number("robot_height", &TeamSettings::robot_height, 20.0, 1000.0, "mm",
-               "height of the pattern above the floor"),
+               "height of the pattern above the floor, unless height_from_referee finds it"),
     };
   }
 };
 
 struct TeamsSettings {
+  bool height_from_referee = true;
   TeamSettings yellow, blue;
   static constexpr auto fields() {
-    return std::tuple{group("yellow", &TeamsSettings::yellow, "the yellow team"),
+    return std::tuple{flag("height_from_referee", &TeamsSettings::height_from_referee,
+                           "the height is that of the team that the game controller names, where it is "
+                           "known; otherwise robot_height"),
+                      group("yellow", &TeamsSettings::yellow, "the yellow team"),
                       group("blue", &TeamsSettings::blue, "the blue team")};
   }
 };
 
 struct NetworkSettings {
   MulticastSettings vision;
+  RefereeSettings referee;
   static constexpr auto fields() {
-    return std::tuple{group("vision", &NetworkSettings::vision, "where detections and geometry are sent")};
+    return std::tuple{group("vision", &NetworkSettings::vision, "where detections and geometry are sent"),
+                      group("referee", &NetworkSettings::referee, "where the game controller is heard")};
   }
 };
 
@@ -94,6 +102,7 @@ struct CameraSettings {
 struct Config {
   std::string site = "Field";
   FieldSize field;
+  std::optional<BallModels> ball_models = BallModels{};
   TeamsSettings teams;
   std::string patterns_file;
   NetworkSettings network;
@@ -102,7 +111,8 @@ struct Config {
   static constexpr auto fields() {
     return std::tuple{
         text("site", &Config::site, "name of the field, shown in the panel"),
-        group("field", &Config::field, "sizes of the playing field"),
+        group("field", &Config::field, "the playing field: sizes and lines"),
+        group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
         group("teams", &Config::teams, "names and heights of the teams"),
         text("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
         group("network", &Config::network, "what is sent where"),

@@ -7,6 +7,7 @@
 #include "detections_json.h"
 #include "routes.h"
 #include "status.h"
+#include "teams.h"
 #include "vision/label_picture.h"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace sslv {
 namespace {
 
 Geometry make_geometry(const Config& config) {
-  Geometry geometry{config.field, {}, BallModels{}};
+  Geometry geometry{config.field, {}, config.ball_models};
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     const CameraSettings& camera = config.cameras[i];
     if (camera.calibration) {
@@ -30,6 +31,27 @@ std::chrono::duration<double> geometry_interval(const Config& config) {
   return std::chrono::duration<double>(config.network.vision.geometry_interval_s);
 }
 
+GroupAddress vision_address(const Config& config) {
+  const MulticastSettings& vision = config.network.vision;
+  return {vision.group, vision.port, vision.interface};
+}
+
+std::optional<GroupAddress> referee_address(const Config& config) {
+  const RefereeSettings& referee = config.network.referee;
+  if (!referee.enabled) return std::nullopt;
+  return GroupAddress{referee.group, referee.port,
+                      referee.interface.empty() ? config.network.vision.interface : referee.interface};
+}
+
+std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListener& referee) {
+  const auto teams = teams_now(config.teams, referee.team_names());
+  return {teams[0].robot_height_mm, teams[1].robot_height_mm};
+}
+
+double steady_s() {
+  return static_cast<double>(steady_ns()) * 1e-9;
+}
+
 }  // namespace
 
 Daemon::Daemon(const Options& options)
@@ -39,7 +61,9 @@ Daemon::Daemon(const Options& options)
       multicast_(config_.load()->network.vision, "/network/vision"),
       geometry_(make_geometry(*config_.load())),
       geometry_sender_(multicast_, geometry_, geometry_interval(*config_.load())),
-      cameras_(Cameras{}) {
+      cameras_(Cameras{}),
+      referee_([this] { put_robot_heights_into_force(); }),
+      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -74,6 +98,11 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     multicast_.configure(config->network.vision, "/network/vision");
     geometry_.store(make_geometry(*config));
     geometry_sender_.restart(geometry_interval(*config));
+    other_visions_.listen(vision_address(*config));
+    referee_.listen(referee_address(*config));  // before the lock: it waits for a thread that may want it
+    const std::lock_guard lock(cameras_mutex_);
+    const auto heights_mm = robot_heights_mm(*config, referee_);
+    for (CameraSetup& setup : *setups) setup = with_robot_heights(std::move(setup), heights_mm);
     Cameras cameras;
     for (std::size_t i = 0; i < config->cameras.size(); ++i) {
       const CameraSettings& camera = config->cameras[i];
@@ -87,6 +116,19 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     }
     cameras_.store(std::move(cameras));
   };
+}
+
+void Daemon::put_robot_heights_into_force() {
+  const std::lock_guard lock(cameras_mutex_);
+  const auto config = config_.load();
+  const auto teams = teams_now(config->teams, referee_.team_names());
+  // The names come from the network: as JSON, so that one cannot forge a line of the log.
+  log::info("teams: yellow {} {} mm, blue {} {} mm", Json(teams[0].name).dump(), teams[0].robot_height_mm,
+            Json(teams[1].name).dump(), teams[1].robot_height_mm);
+  const auto cameras = cameras_.load();
+  for (const auto& [id, camera] : *cameras) {
+    camera->change_robot_heights({teams[0].robot_height_mm, teams[1].robot_height_mm});
+  }
 }
 
 std::shared_ptr<RunningCamera> Daemon::camera(std::uint32_t id) const {
@@ -107,8 +149,18 @@ std::string Daemon::summary() const {
 
 StatusInput Daemon::status_input(const Config& config) const {
   const WebServer* web = listening_;
-  StatusInput input{unix_time_s(),    started_s_, config, multicast_.status(), web ? web->stats().viewers : 0,
-                    store_.problem(), {}};
+  StatusInput input{.time_s = unix_time_s(),
+                    .started_s = started_s_,
+                    .config = config,
+                    .network = multicast_.status(),
+                    .geometry = geometry_.load(),
+                    .other_visions = other_visions_.seen(steady_s()),
+                    .refused_packets = other_visions_.refused(),
+                    .listening_error = other_visions_.error(),
+                    .referee = referee_.status(steady_s()),
+                    .viewers = web ? web->stats().viewers : 0,
+                    .settings_problem = store_.problem(),
+                    .cameras = {}};
   const auto cameras = cameras_.load();
   for (const auto& [id, camera] : *cameras) input.cameras.push_back({camera, camera->health()});
   return input;
@@ -151,6 +203,14 @@ WebHost Daemon::make_web_host() {
   host.status = [this] { return status(); };
   host.settings = [this, answer] { return answer(store_.current()); };
   host.schema = [] { return settings_schema(); };
+  host.field_presets = [] {
+    Json presets = Json::array();
+    for (const FieldPreset& preset : field_presets()) {
+      presets.push_back(
+          {{"name", preset.name}, {"description", preset.help}, {"field", params_to_json(preset.size)}});
+    }
+    return presets;
+  };
   host.patch_settings = [this, answer](const Json& patch, std::optional<std::uint64_t> if_revision,
                                        const std::string& who) {
     const auto version = store_.patch(patch, if_revision, [this](const Json& next) { return prepare(next); });

@@ -3,6 +3,8 @@
 
 #include "base/snapshot.h"
 #include "config.h"
+#include "net/other_visions.h"
+#include "net/referee_listener.h"
 #include "net/vision_sender.h"
 #include "running_camera.h"
 #include "settings/store.h"
@@ -14,6 +16,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -40,6 +43,8 @@ class Daemon {
   WebHost make_web_host();
   /// Makes everything new settings need; the result puts it into force. Throws SettingsError.
   std::function<void()> prepare(const Json& settings);
+  /// Gives every camera the heights of the teams that play now. For the referee's thread.
+  void put_robot_heights_into_force();
   Json status() const;
   StatusInput status_input(const Config& config) const;
   std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
@@ -53,6 +58,9 @@ class Daemon {
   Snapshot<Geometry> geometry_;
   GeometrySender geometry_sender_;
   Snapshot<Cameras> cameras_;
+  std::mutex cameras_mutex_;  // held while cameras get new setups, so that no height is lost
+  RefereeListener referee_;
+  OtherVisions other_visions_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

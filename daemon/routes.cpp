@@ -14,6 +14,7 @@ std::span<const Route> routes() {
       {"GET", "/api/settings", get_settings},
       {"PATCH", "/api/settings", patch_settings},
       {"GET", "/api/schema", get_schema},
+      {"GET", "/api/field/presets", get_field_presets},
       {"GET", "/api/ws", get_websocket},  // the upgraded connection is web/websocket.cpp's
   };
   return kRoutes;

@@ -60,6 +60,12 @@ void RunningCamera::change(const CameraSettings& settings, CameraSetup setup) {
   start_thread();
 }
 
+void RunningCamera::change_robot_heights(const std::array<double, 2>& robot_height_mm) {
+  const auto setup = pipeline_.setup();
+  if (setup->world.scene->robot_height_mm == robot_height_mm) return;
+  pipeline_.change(with_robot_heights(*setup, robot_height_mm));
+}
+
 CameraHealth RunningCamera::health() const {
   const std::lock_guard lock(thread_mutex_);
   return thread_ ? thread_->health() : CameraHealth{};
@@ -84,6 +90,13 @@ CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings
   setup.parameters = setup.pipeline->make_parameters(camera.stages, path + "/stages");
   const bool same_colors = previous && same(previous_settings->colors, camera.colors);
   setup.world = make_world(config, i, same_colors ? previous->world.lut : nullptr);
+  return setup;
+}
+
+CameraSetup with_robot_heights(CameraSetup setup, const std::array<double, 2>& robot_height_mm) {
+  Scene scene = *setup.world.scene;
+  scene.robot_height_mm = robot_height_mm;
+  setup.world.scene = std::make_shared<const Scene>(std::move(scene));
   return setup;
 }
 

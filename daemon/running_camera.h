@@ -8,6 +8,7 @@
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -26,6 +27,9 @@ class RunningCamera {
   /// The next frame uses the new setup. The camera is closed and opened anew only when its source or thread
   /// settings have changed.
   void change(const CameraSettings& settings, CameraSetup setup);
+
+  /// The next frame has robots of these heights. Not while another thread is in change().
+  void change_robot_heights(const std::array<double, 2>& robot_height_mm);
 
   std::shared_ptr<const CameraSettings> settings() const { return settings_.load(); }
   CameraHealth health() const;
@@ -53,5 +57,8 @@ class RunningCamera {
 /// SettingsError.
 CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings* previous_settings,
                        const CameraSetup* previous);
+
+/// The same setup with robots of these heights.
+CameraSetup with_robot_heights(CameraSetup setup, const std::array<double, 2>& robot_height_mm);
 
 }  // namespace sslv

@@ -2,6 +2,7 @@
 #include "status.h"
 
 #include "base/params_json.h"
+#include "teams.h"
 #include "version.h"
 
 #include <algorithm>
@@ -60,6 +61,48 @@ void add_alert(Json& alerts, const char* severity, std::string title, std::strin
       {{"severity", severity}, {"title", std::move(title)}, {"fix", std::move(fix)}, {"camera", camera}});
 }
 
+int rank_of(const Json& alert) {
+  const Json& severity = alert.at("severity");
+  return severity == "bad" ? 0 : severity == "warn" ? 1 : 2;
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+/// What a second vision does to the teams, which cannot tell whose packets they get.
+void add_vision_alerts(Json& alerts, const StatusInput& input) {
+  SSL_WrapperPacket ours;
+  write_geometry(*input.geometry, ours);
+  for (const OtherVision& other : input.other_visions) {
+    std::vector<std::string> shared_ids, conflicts;
+    for (const CameraNow& now : input.cameras) {
+      const auto id = static_cast<std::uint32_t>(now.camera->settings()->id);
+      if (std::find(other.cameras.begin(), other.cameras.end(), id) != other.cameras.end()) {
+        shared_ids.push_back(std::to_string(id));
+      }
+    }
+    if (other.field) {
+      for (const SizeConflict& size : size_conflicts(ours.geometry().field(), *other.field)) {
+        conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
+      }
+    }
+    if (!shared_ids.empty()) {
+      add_alert(alerts, "bad",
+                fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
+                "Teams mix up what the two cameras see: give each its own id, or end one of the visions.");
+    }
+    if (!conflicts.empty()) {
+      add_alert(alerts, "bad", fmt::format("{} sends another field: {}", other.address, joined(conflicts)),
+                "Teams get both in turn: set the same sizes, or end one of the visions.");
+    }
+    if (shared_ids.empty() && conflicts.empty()) {
+      add_alert(alerts, "info", fmt::format("{} sends to the vision group too", other.address),
+                "Nothing to do if it is the vision of this field's other cameras; otherwise end it.");
+    }
+  }
+}
+
 /// What is wrong, worst first, each with what to do about it.
 Json alerts_json(const StatusInput& input) {
   Json alerts = Json::array();
@@ -75,6 +118,7 @@ Json alerts_json(const StatusInput& input) {
   if (!input.network.error.empty()) {
     add_alert(alerts, "bad", "No packets leave", input.network.error + "; sending is tried again by itself.");
   }
+  add_vision_alerts(alerts, input);
   if (!input.settings_problem.empty()) {
     add_alert(alerts, "warn", input.settings_problem,
               "Look through the settings and save what is missing again.");
@@ -94,13 +138,62 @@ Json alerts_json(const StatusInput& input) {
                 "All positions are wrong: set the old picture size, or calibrate again.", id);
     }
     if (camera->pipeline().counters().capped > 0) {
-      add_alert(alerts, "warn",
-                fmt::format("Camera {} had {} frames with too much to look at", id,
-                            camera->pipeline().counters().capped),
-                "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.", id);
+      add_alert(
+          alerts, "warn",
+          fmt::format("Camera {} had {} frames with too much to look at", id,
+                      camera->pipeline().counters().capped),
+          "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.",
+          id);
     }
   }
+  for (const TeamNow& team : teams_now(input.config.teams, input.referee.team_names)) {
+    if (!team.name_is_unknown) continue;
+    add_alert(alerts, "warn",
+              fmt::format("Unknown team \"{}\": its robots are taken to be {:g} mm high", team.name,
+                          team.robot_height_mm),
+              "Measure the pattern's height and set robot_height in teams.");
+  }
+  // While nothing can be sent either, its alert says what to do.
+  if (input.network.error.empty()) {
+    for (const std::string& error : {input.listening_error, input.referee.error}) {
+      if (!error.empty())
+        add_alert(alerts, "warn", "A group cannot be heard", error + "; it is tried again by itself.");
+    }
+  }
+  std::stable_sort(alerts.begin(), alerts.end(),
+                   [](const Json& a, const Json& b) { return rank_of(a) < rank_of(b); });
   return alerts;
+}
+
+Json teams_json(const StatusInput& input) {
+  const auto teams = teams_now(input.config.teams, input.referee.team_names);
+  const auto one = [&](Team which) {
+    const TeamNow& team = teams[static_cast<std::size_t>(which)];
+    return Json{{"name", team.name},
+                {"robot_height", team.robot_height_mm},
+                {"height_from", team.height_is_known ? "referee" : "settings"}};
+  };
+  return {{"yellow", one(Team::kYellow)}, {"blue", one(Team::kBlue)}};
+}
+
+Json other_visions_json(const StatusInput& input) {
+  Json out = Json::array();
+  for (const OtherVision& other : input.other_visions) {
+    out.push_back({{"address", other.address}, {"silent_s", other.silent_s}, {"cameras", other.cameras}});
+  }
+  return out;
+}
+
+Json referee_json(const StatusInput& input) {
+  const RefereeSettings& settings = input.config.network.referee;
+  const RefereeStatus& referee = input.referee;
+  return {{"enabled", settings.enabled},
+          {"group", settings.group},
+          {"port", settings.port},
+          {"error", referee.error},
+          {"source", referee.source},
+          {"silent_s", referee.silent_s ? Json(*referee.silent_s) : Json(nullptr)},
+          {"packets_refused", referee.refused}};
 }
 
 }  // namespace
@@ -119,7 +212,11 @@ Json status_json(const StatusInput& input) {
              {"error", input.network.error},
              {"packets_sent", input.network.packets_sent},
              {"send_errors", input.network.send_errors},
-             {"packets_per_s", input.network.packets_per_s}}},
+             {"packets_per_s", input.network.packets_per_s},
+             {"packets_refused", input.refused_packets},
+             {"other_visions", other_visions_json(input)}}},
+           {"referee", referee_json(input)},
+           {"teams", teams_json(input)},
            {"viewers", input.viewers},
            {"alerts", alerts_json(input)},
            {"cameras", Json::array()}};

@@ -4,8 +4,12 @@
 #include "base/json.h"
 #include "config.h"
 #include "net/multicast.h"
+#include "net/other_visions.h"
+#include "net/packets.h"
+#include "net/referee_listener.h"
 #include "running_camera.h"
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,6 +28,11 @@ struct StatusInput {
   double time_s = 0, started_s = 0;
   const Config& config;
   MulticastStatus network;
+  std::shared_ptr<const Geometry> geometry;  // what is sent
+  std::vector<OtherVision> other_visions;
+  std::uint64_t refused_packets = 0;  // that came to the vision group
+  std::string listening_error;        // why the vision group cannot be heard
+  RefereeStatus referee;
   int viewers = 0;
   std::string settings_problem;
   std::vector<CameraNow> cameras;

@@ -69,11 +69,11 @@ struct GroupField {
   std::string_view help;
 };
 
-/// A std::vector of structs with fields() of their own.
-template <class P, class S>
+/// A std::vector of structs with fields() of their own, or std::optional of one (JSON null when absent).
+template <class P, class V>
 struct ListField {
   std::string_view key;
-  std::vector<S> P::*member;
+  V P::*member;
   std::string_view help;
 };
 
@@ -145,9 +145,9 @@ template <class P, class S>
 constexpr auto group(std::string_view key, S P::*member, std::string_view help) {
   return GroupField<P, S>{key, member, help};
 }
-template <class P, class S>
-constexpr auto list(std::string_view key, std::vector<S> P::*member, std::string_view help) {
-  return ListField<P, S>{key, member, help};
+template <class P, class V>
+constexpr auto list(std::string_view key, V P::*member, std::string_view help) {
+  return ListField<P, V>{key, member, help};
 }
 template <class P>
 constexpr auto names(std::string_view key, std::vector<std::string> P::*member, std::string_view help) {

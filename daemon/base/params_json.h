@@ -20,7 +20,9 @@ namespace sslv {
 inline constexpr std::string_view kCommentKey = "//";
 
 template <class T>
-struct IsOptional : std::false_type {};
+struct IsOptional : std::false_type {
+  using Value = T;
+};
 template <class T>
 struct IsOptional<std::optional<T>> : std::true_type {
   using Value = T;
@@ -114,10 +116,16 @@ void read_field(P& params, const GroupField<P, S>& field, const Json& json, cons
   }
 }
 
-template <class P, class S>
-void read_field(P& params, const ListField<P, S>& field, const Json& json, const std::string& path) {
-  if (!json.is_array()) refuse(path, json, "a list");
-  std::vector<S> values;
+template <class P, class V>
+void read_field(P& params, const ListField<P, V>& field, const Json& json, const std::string& path) {
+  if constexpr (IsOptional<V>::value) {
+    if (json.is_null()) {
+      params.*field.member = std::nullopt;
+      return;
+    }
+  }
+  if (!json.is_array()) refuse(path, json, IsOptional<V>::value ? "a list or null" : "a list");
+  typename IsOptional<V>::Value values;
   for (std::size_t i = 0; i < json.size(); ++i) {
     read_params(values.emplace_back(), json[i], path + "/" + std::to_string(i));
   }
@@ -253,10 +261,16 @@ Json write_field(const P& params, const GroupField<P, S>& field) {
     return params_to_json(params.*field.member);
   }
 }
-template <class P, class S>
-Json write_field(const P& params, const ListField<P, S>& field) {
+template <class P, class V>
+Json write_field(const P& params, const ListField<P, V>& field) {
+  const auto& values = params.*field.member;
   Json out = Json::array();
-  for (const S& value : params.*field.member) out.push_back(params_to_json(value));
+  if constexpr (IsOptional<V>::value) {
+    if (!values) return nullptr;
+    for (const auto& value : *values) out.push_back(params_to_json(value));
+  } else {
+    for (const auto& value : values) out.push_back(params_to_json(value));
+  }
   return out;
 }
 template <class P>
@@ -332,9 +346,11 @@ Json field_schema(const GroupField<P, S>&) {
     return params_schema<S>();
   }
 }
-template <class P, class S>
-Json field_schema(const ListField<P, S>&) {
-  return {{"type", "array"}, {"items", params_schema<S>()}};
+template <class P, class V>
+Json field_schema(const ListField<P, V>&) {
+  Json out{{"type", "array"}, {"items", params_schema<typename IsOptional<V>::Value::value_type>()}};
+  if constexpr (IsOptional<V>::value) out["type"] = Json::array({"array", "null"});
+  return out;
 }
 template <class P>
 Json field_schema(const NamesField<P>&) {

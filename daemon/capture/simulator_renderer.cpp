@@ -206,9 +206,9 @@ SimulatorRenderer::Color SimulatorRenderer::carpet_at(const Eigen::Vector2d& p) 
 }
 
 float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const {
-  const float half = static_cast<float>(field_.line_thickness) / 2;
   float share = 0;
   for (const FieldLine& line : lines_) {
+    const float half = static_cast<float>(line.thickness) / 2;
     const Eigen::Vector2d from(line.x1, line.y1), to(line.x2, line.y2);
     const double length = (to - from).norm();
     if (length <= 0) continue;
@@ -229,6 +229,7 @@ float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footpri
     double turn = std::atan2(rel.y(), rel.x()) - arc.a1;
     turn -= 2 * std::numbers::pi * std::floor(turn / (2 * std::numbers::pi));
     if (turn > arc.a2 - arc.a1) continue;
+    const float half = static_cast<float>(arc.thickness) / 2;
     share = std::max(share,
                      footprint.in_strip(half, static_cast<float>(r - arc.radius), (rel / r).cast<float>()));
   }

@@ -242,11 +242,10 @@ class PlaceFinder {
 
   void add_lines() {
     constexpr double kStepMm = 150;
-    const double radius_mm = scene_.field.line_thickness / 2.0;
-    const auto add_if_free = [&](double x_mm, double y_mm) {
-      if (is_free({x_mm, y_mm})) add(label::kWhite, {x_mm, y_mm, 0}, radius_mm);
-    };
     for (const FieldLine& line : field_lines(scene_.field)) {
+      const auto add_if_free = [&](double x_mm, double y_mm) {
+        if (is_free({x_mm, y_mm})) add(label::kWhite, {x_mm, y_mm, 0}, line.thickness / 2);
+      };
       const double steps = std::ceil(std::hypot(line.x2 - line.x1, line.y2 - line.y1) / kStepMm);
       for (double i = 0; i <= steps; ++i) {
         add_if_free(line.x1 + (line.x2 - line.x1) * i / steps, line.y1 + (line.y2 - line.y1) * i / steps);

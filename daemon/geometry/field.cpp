@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/field.h"
 
-namespace sslv {
+#include "base/params_json.h"
 
-std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line) {
+#include <array>
+#include <map>
+
+namespace sslv {
+namespace {
+
+std::vector<FieldLine> league_lines(const FieldSize& field, bool with_center_line) {
   const double a = field.field_length / 2.0, b = field.field_width / 2.0;
   const double px = a - field.penalty_area_depth, py = field.penalty_area_width / 2.0;
   std::vector<FieldLine> lines{
@@ -24,9 +30,84 @@ std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line
   return lines;
 }
 
-std::vector<FieldArc> field_arcs(const FieldSize& field) {
+std::vector<FieldArc> league_arcs(const FieldSize& field) {
   if (field.center_circle_radius <= 0) return {};
-  return {{"CenterCircle", 0, 0, static_cast<double>(field.center_circle_radius), 0, 2 * std::numbers::pi}};
+  return {{"CenterCircle", 0, 0, static_cast<double>(field.center_circle_radius)}};
+}
+
+template <class Shape>
+std::vector<Shape> with_thickness(std::vector<Shape> shapes, const FieldSize& field) {
+  for (Shape& shape : shapes) {
+    if (shape.thickness == 0) shape.thickness = field.line_thickness;
+  }
+  return shapes;
+}
+
+/// `path_of_name`: the names so far.
+template <class Shape>
+void check_names(const std::vector<Shape>& shapes, const std::string& path,
+                 std::map<std::string, std::string>& path_of_name) {
+  // As many as this, with names as long as this, still leave room for the cameras in one datagram.
+  constexpr std::size_t kMost = 200, kLongestName = 60;
+  if (shapes.size() > kMost) refuse(path, Json(shapes.size()), "at most " + std::to_string(kMost));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::string& name = shapes[i].name;
+    const std::string here = path + "/" + std::to_string(i);
+    if (name.empty() || name.size() > kLongestName) {
+      refuse(here + "/name", name, "a name of at most " + std::to_string(kLongestName) + " bytes");
+    }
+    const auto [first, is_new] = path_of_name.emplace(name, here);
+    if (!is_new) refuse(here + "/name", name, "a name that " + first->second + " does not have");
+  }
+}
+
+}  // namespace
+
+void check_field(const FieldSize& field, const std::string& path) {
+  std::map<std::string, std::string> path_of_name;
+  if (field.field_lines) check_names(*field.field_lines, path + "/field_lines", path_of_name);
+  if (!field.field_arcs) return;
+  check_names(*field.field_arcs, path + "/field_arcs", path_of_name);
+  for (std::size_t i = 0; i < field.field_arcs->size(); ++i) {
+    const FieldArc& arc = (*field.field_arcs)[i];
+    if (arc.a2 < arc.a1) {
+      refuse(path + "/field_arcs/" + std::to_string(i) + "/a2", arc.a2,
+             "an angle not below a1, " + Json(arc.a1).dump());
+    }
+  }
+}
+
+std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line) {
+  return with_thickness(field.field_lines.value_or(league_lines(field, with_center_line)), field);
+}
+
+std::vector<FieldArc> field_arcs(const FieldSize& field) {
+  return with_thickness(field.field_arcs.value_or(league_arcs(field)), field);
+}
+
+std::span<const FieldPreset> field_presets() {
+  static const std::array kPresets{
+      FieldPreset{"division-a",
+                  "Division A, 2026",
+                  {.field_length = 12000,
+                   .field_width = 9000,
+                   .goal_width = 1800,
+                   .boundary_width_goal_line = 600,
+                   .penalty_area_depth = 1800,
+                   .penalty_area_width = 3600,
+                   .goal_center_to_penalty_mark = 8000}},
+      FieldPreset{"division-b", "Division B, 2026", {}},
+  };
+  return kPresets;
+}
+
+const FieldSize& field_preset(const std::string& name, const std::string& path) {
+  std::string allowed = "one of";
+  for (const FieldPreset& preset : field_presets()) {
+    if (preset.name == name) return preset.size;
+    allowed += " \"" + std::string(preset.name) + "\"";
+  }
+  refuse(path, name, allowed);
 }
 
 }  // namespace sslv

@@ -4,12 +4,55 @@
 #include "base/params.h"
 
 #include <numbers>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sslv {
 
-/// Sizes of the playing field in millimetres, named as in SSL_GeometryFieldSize. Defaults: Division B, 2026.
+/// A painted line; the coordinates are those of its centre, in field millimetres.
+struct FieldLine {
+  std::string name;  // the protocol's, such as "TopTouchLine", or one's own
+  double x1 = 0, y1 = 0, x2 = 0, y2 = 0;
+  double thickness = 0;  // in settings 0: the field's line_thickness
+
+  static constexpr auto fields() {
+    constexpr double kFar = 100'000;
+    return std::tuple{
+        text("name", &FieldLine::name, "as in SSL_FieldShapeType where it is one of those"),
+        number("x1", &FieldLine::x1, -kFar, kFar, "mm", "one end, in the middle of the paint"),
+        number("y1", &FieldLine::y1, -kFar, kFar, "mm", "one end"),
+        number("x2", &FieldLine::x2, -kFar, kFar, "mm", "the other end"),
+        number("y2", &FieldLine::y2, -kFar, kFar, "mm", "the other end"),
+        number("thickness", &FieldLine::thickness, 0.0, 500.0, "mm", "width of the paint; 0: line_thickness"),
+    };
+  }
+};
+
+/// A painted circular arc from angle a1 to a2 (radians, counter-clockwise).
+struct FieldArc {
+  std::string name;
+  double x = 0, y = 0, radius = 0, a1 = 0, a2 = 2 * std::numbers::pi;
+  double thickness = 0;  // in settings 0: the field's line_thickness
+
+  static constexpr auto fields() {
+    constexpr double kFar = 100'000, kTwoTurns = 4 * std::numbers::pi;
+    return std::tuple{
+        text("name", &FieldArc::name, "as in SSL_FieldShapeType where it is one of those"),
+        number("x", &FieldArc::x, -kFar, kFar, "mm", "centre"),
+        number("y", &FieldArc::y, -kFar, kFar, "mm", "centre"),
+        number("radius", &FieldArc::radius, 0.0, kFar, "mm", "to the middle of the paint"),
+        number("a1", &FieldArc::a1, -kTwoTurns, kTwoTurns, "rad",
+               "where it begins, counter-clockwise from +x"),
+        number("a2", &FieldArc::a2, -kTwoTurns, kTwoTurns, "rad", "where it ends, not below a1"),
+        number("thickness", &FieldArc::thickness, 0.0, 500.0, "mm", "width of the paint; 0: line_thickness"),
+    };
+  }
+};
+
+/// The playing field, named as in SSL_GeometryFieldSize; sizes in millimetres. Defaults: Division B, 2026.
 struct FieldSize {
   int field_length = 9000;
   int field_width = 6000;
@@ -18,6 +61,7 @@ struct FieldSize {
   int goal_height = 160;
   int boundary_width = 300;            // behind the touch lines
   int boundary_width_goal_line = 300;  // behind the goal lines
+  int goal_substitution_area_width = 0;
   int penalty_area_depth = 1000;
   int penalty_area_width = 2000;
   int center_circle_radius = 500;
@@ -25,6 +69,8 @@ struct FieldSize {
   int goal_center_to_penalty_mark = 6000;
   double ball_radius = 21.5;
   double max_robot_radius = 90;
+  std::optional<std::vector<FieldLine>> field_lines{};  // none: where the sizes say
+  std::optional<std::vector<FieldArc>> field_arcs{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -36,6 +82,8 @@ struct FieldSize {
         number("boundary_width", &FieldSize::boundary_width, 0, 20'000, "mm", "floor behind the touch lines"),
         number("boundary_width_goal_line", &FieldSize::boundary_width_goal_line, 0, 20'000, "mm",
                "floor behind the goal lines"),
+        number("goal_substitution_area_width", &FieldSize::goal_substitution_area_width, 0, 100'000, "mm",
+               "where robots are exchanged; 0: there is none, and it is not sent"),
         number("penalty_area_depth", &FieldSize::penalty_area_depth, 0, 50'000, "mm", "defence area along x"),
         number("penalty_area_width", &FieldSize::penalty_area_width, 0, 100'000, "mm",
                "defence area along y"),
@@ -45,25 +93,34 @@ struct FieldSize {
                "from the goal's centre to the penalty mark"),
         number("ball_radius", &FieldSize::ball_radius, 5.0, 200.0, "mm", "radius of the ball"),
         number("max_robot_radius", &FieldSize::max_robot_radius, 20.0, 1000.0, "mm", "largest robot"),
+        list("field_lines", &FieldSize::field_lines,
+             "the painted lines, instead of those that the sizes give; null: those"),
+        list("field_arcs", &FieldSize::field_arcs,
+             "the painted arcs, instead of those that the sizes give; null: those"),
     };
   }
 };
 
-/// A painted line; the coordinates are those of its centre, in field millimetres.
-struct FieldLine {
-  std::string name;  // the protocol's, such as "TopTouchLine"
-  double x1, y1, x2, y2;
-};
+/// Throws SettingsError, beginning with `path`, for lines and arcs that cannot be told apart or do not fit
+/// into a packet.
+void check_field(const FieldSize& field, const std::string& path);
 
-/// A painted circular arc from angle a1 to a2 (radians, counter-clockwise).
-struct FieldArc {
-  std::string name;
-  double x, y, radius, a1, a2;
-};
-
-/// The league's lines for a field of this size, named as SSL_FieldShapeType. CenterLine is optional there;
-/// lines of a penalty area without size are left out.
+/// What is painted, each with its thickness: the field's own lines where it has some, else the league's for a
+/// field of this size, named as SSL_FieldShapeType. CenterLine is optional there; lines of a penalty area
+/// without size are left out.
 std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line = true);
 std::vector<FieldArc> field_arcs(const FieldSize& field);
+
+/// A field of the league's rules.
+struct FieldPreset {
+  std::string_view name;
+  std::string_view help;
+  FieldSize size;
+};
+
+std::span<const FieldPreset> field_presets();
+
+/// Throws SettingsError, beginning with `path`, for a name that is none of theirs.
+const FieldSize& field_preset(const std::string& name, const std::string& path);
 
 }  // namespace sslv

@@ -3,19 +3,17 @@
 
 #include "base/log.h"
 #include "base/params_json.h"
+#include "net/network_cards.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
-#include <memory>
 #include <stdexcept>
-#include <vector>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
 #include <boost/asio/ip/multicast.hpp>
-#include <ifaddrs.h>
-#include <netinet/in.h>
 
 namespace sslv {
 namespace {
@@ -27,40 +25,17 @@ using asio::ip::udp;
 
 constexpr std::chrono::seconds kWatchInterval{1};
 
-struct NetworkCard {
-  std::string name;
-  address_v4 address;
-};
-
-/// The network cards that have an IPv4 address at present.
-std::vector<NetworkCard> network_cards() {
-  ifaddrs* list = nullptr;
-  if (getifaddrs(&list) != 0) return {};
-  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
-  std::vector<NetworkCard> cards;
-  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
-    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
-    const auto* address = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
-    cards.push_back({entry->ifa_name, address_v4(ntohl(address->sin_addr.s_addr))});
-  }
-  return cards;
-}
-
 /// What to do about the wrong card or none, for the admin.
 std::string advice() {
-  std::string cards;
-  for (const NetworkCard& card : network_cards())
-    cards += " " + card.name + " (" + card.address.to_string() + ")";
-  return "set network/vision/interface to the card on the field's network; " +
-         (cards.empty() ? "no card has an IPv4 address at present" : "there are" + cards);
+  return "set network/vision/interface to the card on the field's network; " + network_cards_text();
 }
 
 address_v4 find_card(const std::string& name_or_address) {
-  for (const NetworkCard& card : network_cards()) {
-    if (card.name == name_or_address || card.address.to_string() == name_or_address) return card.address;
+  try {
+    return find_network_card(name_or_address);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(error.what() + (": " + advice()));
   }
-  throw std::runtime_error("no network card has the name or IPv4 address '" + name_or_address +
-                           "': " + advice());
 }
 
 udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings) {
@@ -71,6 +46,7 @@ udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings)
   if (!settings.interface.empty()) {
     socket.set_option(multicast::outbound_interface(find_card(settings.interface)));
   }
+  socket.bind(udp::endpoint(udp::v4(), 0));  // now, so that its port is known before its first packet leaves
   return socket;
 }
 
@@ -81,12 +57,16 @@ bool is_routing_error(const boost::system::error_code& error) {
 
 }  // namespace
 
-void check_multicast(const MulticastSettings& settings, const std::string& path) {
+void check_group(const std::string& group, const std::string& path) {
   boost::system::error_code error;
-  const address_v4 group = asio::ip::make_address_v4(settings.group, error);
-  if (error || !group.is_multicast()) {
-    refuse(path + "/group", settings.group, "an IPv4 multicast address, 224.0.0.0 .. 239.255.255.255");
+  const address_v4 address = asio::ip::make_address_v4(group, error);
+  if (error || !address.is_multicast()) {
+    refuse(path, group, "an IPv4 multicast address, 224.0.0.0 .. 239.255.255.255");
   }
+}
+
+void check_multicast(const MulticastSettings& settings, const std::string& path) {
+  check_group(settings.group, path + "/group");
 }
 
 MulticastSender::MulticastSender(const MulticastSettings& settings, const std::string& path) {
@@ -108,6 +88,7 @@ void MulticastSender::open() {
   std::string error;
   try {
     socket = open_socket(io_, settings_);
+    own_ports_ = own_ports_ << 16 | socket.local_endpoint().port();
   } catch (const std::exception& caught) {
     error = caught.what();
   }
@@ -135,6 +116,14 @@ std::string MulticastSender::error_text() const {
                      send_error_.message();
   if (is_routing_error(send_error_)) text += "; " + advice();
   return text;
+}
+
+bool MulticastSender::is_own(const udp::endpoint& sender) const {
+  const std::uint32_t ports = own_ports_;
+  if (sender.port() != (ports & 0xFFFF) && sender.port() != ports >> 16) return false;
+  const std::vector<NetworkCard> cards = network_cards();
+  return std::any_of(cards.begin(), cards.end(),
+                     [&](const NetworkCard& card) { return card.address == sender.address(); });
 }
 
 MulticastStatus MulticastSender::status() const {

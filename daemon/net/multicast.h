@@ -3,6 +3,7 @@
 
 #include "base/params.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
@@ -43,6 +44,9 @@ struct MulticastSettings {
   }
 };
 
+/// Throws SettingsError, beginning with `path`, for a text that is no IPv4 multicast address.
+void check_group(const std::string& group, const std::string& path);
+
 /// Throws SettingsError, beginning with `path`, for a group that is not an IPv4 multicast address. A network
 /// card that is not there is no such error: it may come later.
 void check_multicast(const MulticastSettings& settings, const std::string& path);
@@ -67,6 +71,10 @@ class MulticastSender {
   /// False when the packet did not leave; status() says why.
   bool send(std::span<const std::byte> packet) noexcept;
 
+  /// Whether a packet with this sender's address came from here, also when the socket was opened anew since.
+  /// Asks the system for this computer's addresses: not meant for every packet.
+  bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
+
   MulticastStatus status() const;
 
  private:
@@ -77,6 +85,10 @@ class MulticastSender {
   // Taken before mutex_, and held while a socket is opened, so that senders do not wait for that.
   mutable std::mutex control_mutex_;
   MulticastSettings settings_;
+
+  // Local ports of the socket and, in the upper half, of the one before it, whose packets may be on their
+  // way.
+  std::atomic<std::uint32_t> own_ports_{0};
 
   mutable std::mutex mutex_;  // guards all below
   boost::asio::io_context io_;

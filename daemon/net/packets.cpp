@@ -64,13 +64,12 @@ void write_field(const FieldSize& field, SSL_GeometryFieldSize& out) {
   out.set_goal_width(field.goal_width);
   out.set_goal_depth(field.goal_depth);
   out.set_boundary_width(field.boundary_width);
-  const auto thickness = static_cast<float>(field.line_thickness);
   for (const FieldLine& line : field_lines(field)) {
     SSL_FieldLineSegment& segment = *out.add_field_lines();
     segment.set_name(line.name);
     write_point(line.x1, line.y1, *segment.mutable_p1());
     write_point(line.x2, line.y2, *segment.mutable_p2());
-    segment.set_thickness(thickness);
+    segment.set_thickness(static_cast<float>(line.thickness));
     segment.set_type(shape_type(line.name));
   }
   for (const FieldArc& arc : field_arcs(field)) {
@@ -80,7 +79,7 @@ void write_field(const FieldSize& field, SSL_GeometryFieldSize& out) {
     segment.set_radius(static_cast<float>(arc.radius));
     segment.set_a1(static_cast<float>(arc.a1));
     segment.set_a2(static_cast<float>(arc.a2));
-    segment.set_thickness(thickness);
+    segment.set_thickness(static_cast<float>(arc.thickness));
     segment.set_type(shape_type(arc.name));
   }
   out.set_penalty_area_depth(field.penalty_area_depth);
@@ -92,6 +91,9 @@ void write_field(const FieldSize& field, SSL_GeometryFieldSize& out) {
   out.set_ball_radius(static_cast<float>(field.ball_radius));
   out.set_max_robot_radius(static_cast<float>(field.max_robot_radius));
   out.set_boundary_width_goal_line(field.boundary_width_goal_line);
+  if (field.goal_substitution_area_width > 0) {
+    out.set_goal_substitution_area_width(field.goal_substitution_area_width);
+  }
 }
 
 void write_camera(const CalibratedCamera& camera, SSL_GeometryCameraCalibration& out) {

@@ -24,6 +24,7 @@ void get_lut(const WebHost& host, const httplib::Request& request, httplib::Resp
 void get_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_schema(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_field_presets(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_websocket.cpp: a plain request where a WebSocket is expected
 void get_websocket(const WebHost& host, const httplib::Request& request, httplib::Response& response);

@@ -39,4 +39,8 @@ void get_schema(const WebHost& host, const httplib::Request&, httplib::Response&
   set_json(response, host.schema());
 }
 
+void get_field_presets(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.field_presets());
+}
+
 }  // namespace sslv

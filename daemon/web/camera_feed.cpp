@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/camera_feed.h"
 
+#include "base/background.h"
 #include "base/log.h"
-#include "web/background.h"
 #include "web/http.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/server.h"
 
+#include "base/background.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "web/background.h"
 #include "web/http_session.h"
 #include "web/websocket.h"
 

@@ -140,6 +140,43 @@ TEST_F(Daemon, SendsGeometryWithoutAnyCamera) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(receive(listener_).geometry().calib_size(), 0);
 }
 
+TEST_F(Daemon, SendsTheGeometryThatIsSetAndServesTheLeagues) {
+  settings_["field"] = {
+      {"goal_substitution_area_width", 400},
+      {"field_lines", {{{"name", "HalfwayLine"}, {"y1", -2990}, {"y2", 2985}, {"thickness", 25}}}},
+      {"field_arcs", Json::array()}};
+  settings_["ball_models"] = {{"acc_roll", -0.5}};
+  RunningDaemon daemon(settings_file(settings_), state_);
+  const auto next_geometry = [&] {
+    for (;;) {
+      SSL_WrapperPacket packet = receive(listener_);
+      if (packet.has_geometry()) return packet.geometry();
+    }
+  };
+  const SSL_GeometryData given = next_geometry();
+  EXPECT_EQ(given.field().goal_substitution_area_width(), 400);
+  ASSERT_EQ(given.field().field_lines_size(), 1);
+  EXPECT_EQ(given.field().field_lines(0).type(), HalfwayLine);
+  EXPECT_EQ(given.field().field_lines(0).p2().y(), 2985);
+  EXPECT_EQ(given.field().field_lines(0).thickness(), 25);
+  EXPECT_EQ(given.field().field_arcs_size(), 0);
+  EXPECT_EQ(given.models().straight_two_phase().acc_roll(), -0.5);
+  EXPECT_EQ(given.models().straight_two_phase().acc_slide(), -3.4);
+  EXPECT_EQ(given.calib_size(), 2);
+
+  const Json presets = daemon.get("/api/field/presets");
+  ASSERT_EQ(presets[0]["name"], "division-a");
+  daemon.patch(Json::array({{{"op", "replace"}, {"path", "/field"}, {"value", presets[0]["field"]}},
+                            {{"op", "replace"}, {"path", "/ball_models"}, {"value", nullptr}}}));
+  SSL_GeometryData changed = next_geometry();
+  while (changed.field().field_length() != 12000) changed = next_geometry();  // those sent before
+  EXPECT_EQ(changed.field().boundary_width_goal_line(), 600);
+  EXPECT_EQ(changed.field().field_lines_size(), 12);
+  EXPECT_EQ(changed.field().field_arcs_size(), 1);
+  EXPECT_FALSE(changed.field().has_goal_substitution_area_width());
+  EXPECT_FALSE(changed.has_models());
+}
+
 TEST_F(Daemon, SendsEmptyFramesToo) {
   for (Json& camera : settings_["cameras"]) {
     camera["source"].update(Json{{"robots_yellow", 0}, {"robots_blue", 0}, {"balls", 0}});
@@ -208,6 +245,8 @@ TEST_F(Daemon, ARefusedChangeNamesItsKeyAndChangesNothing) {
   EXPECT_THAT(refusal("/cameras/0/stack", Json{"find_runs"}),
               HasSubstr("stage 'find_runs' needs 'labels', which no earlier stage provides"));
   EXPECT_THAT(refusal("/cameras/0/colors/lut_file", "/no/such.lut"), HasSubstr("/no/such.lut"));
+  EXPECT_THAT(refusal("/field/field_lines", Json::parse(R"([{"name": "A"}, {"name": "A"}])")),
+              HasSubstr("/field/field_lines/1/name: \"A\""));
   EXPECT_THAT(refusal("/network/vision/group", "10.0.0.1"), HasSubstr("/network/vision/group"));
   EXPECT_EQ(daemon.get("/api/settings"), before);
 }

@@ -42,6 +42,7 @@ const settingsFile = join(folder, 'admin.json');
 const stateFolder = join(folder, 'state');
 const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
 Object.assign(settings.network.vision, { group: '239.255.77.78', interface: 'lo', port: await freeUdpPort() });
+settings.network.referee = { enabled: false };
 settings.panel = { port: 0 };
 
 let daemon = null;

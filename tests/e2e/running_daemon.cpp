@@ -31,6 +31,7 @@ Json demo_settings(int multicast_port) {
   settings["panel"] = {{"port", 0}};
   settings["network"]["vision"]["group"] = GroupListener::kGroup;
   settings["network"]["vision"]["port"] = multicast_port;
+  settings["network"]["referee"]["enabled"] = false;
   return settings;
 }
 

@@ -29,6 +29,7 @@ struct Sample {
   Point origin;
   std::optional<Point> extra;
   std::vector<Point> points;
+  std::optional<std::vector<Point>> own_points;
   std::vector<std::string> stack{"a", "b"};
   std::array<int, 2> luma{10, 20};
   Json options = Json::object();
@@ -44,6 +45,7 @@ struct Sample {
                       group("origin", &Sample::origin, "where"),
                       group("extra", &Sample::extra, "where else"),
                       list("points", &Sample::points, "where all"),
+                      list("own_points", &Sample::own_points, "null: as usual"),
                       names("stack", &Sample::stack, "in order"),
                       range("luma", &Sample::luma, 0, 255, "", "between"),
                       object("options", &Sample::options, "the backend's")};
@@ -76,6 +78,7 @@ TEST(Params, EveryKindOfFieldSurvivesARoundTrip) {
     "count": 7, "gain": 0.25, "on": false, "title": "Größe", "mode": "exact", "limit": 9,
     "origin": {"x": -10, "weight": 0.5}, "extra": {"x": 2, "weight": null},
     "points": [{"x": 3, "weight": null}, {"x": 4, "weight": 1.0}],
+    "own_points": [{"x": 5, "weight": 0.5}],
     "stack": ["c"], "luma": [0, 255], "options": {"serial": "A1", "depth": {"x": 1}}})");
   EXPECT_EQ(params_to_json(params_from_json<Sample>(full, "")), full);
 }
@@ -92,6 +95,22 @@ TEST(Params, NullMakesAnOptionalAbsent) {
   read_params(sample, Json::parse(R"({"limit": null, "extra": null})"), "");
   EXPECT_EQ(sample.limit, std::nullopt);
   EXPECT_FALSE(sample.extra.has_value());
+}
+
+TEST(Params, AListMayBeAbsentWhichIsNotEmpty) {
+  EXPECT_FALSE(read("{}").own_points.has_value());
+  const Sample none = read(R"({"own_points": []})");
+  ASSERT_TRUE(none.own_points.has_value());
+  EXPECT_TRUE(none.own_points->empty());
+  EXPECT_EQ(params_to_json(none)["own_points"], Json::array());
+  Sample some = read(R"({"own_points": [{"x": 5}]})");
+  EXPECT_EQ(params_to_json(some)["own_points"][0]["x"], 5);
+  read_params(some, Json{{"own_points", nullptr}}, "");
+  EXPECT_EQ(params_to_json(some)["own_points"], nullptr);
+  const Json schema = params_schema<Sample>()["properties"]["own_points"];
+  EXPECT_EQ(schema["type"], Json::parse(R"(["array", "null"])"));
+  EXPECT_EQ(schema["items"]["properties"]["x"]["maximum"], 10);
+  EXPECT_EQ(schema["default"], nullptr);
 }
 
 TEST(Params, CommentsAreIgnoredInEveryObject) {

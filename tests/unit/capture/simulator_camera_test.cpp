@@ -245,6 +245,28 @@ TEST(SimulatedCamera, PaintsLinesAtTheirPublishedPlaces) {
   }
 }
 
+TEST(SimulatedCamera, PaintsTheFieldsOwnLinesInstead) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = options.balls = 0;
+  SourceContext context = context_of(options, 0.2, 0.1);
+  const auto red_at = [&](const SourceContext& of, double x_mm, double y_mm) {
+    SimulatedCamera camera(options, of, league_patterns());
+    const Eigen::Vector2d pixel = *of.scene.camera->project(Eigen::Vector3d(x_mm, y_mm, 0));
+    return int{draw(
+        camera,
+        0)[3 * static_cast<std::size_t>(std::lround(pixel.y()) * options.width + std::lround(pixel.x()))]};
+  };
+  const int carpet = red_at(context, 200, 700), line = red_at(context, 0, 700);
+  ASSERT_GT(line, carpet + 50);
+  context.scene.field.field_lines = {{"HalfwayLine", 200, -3000, 200, 3000},
+                                     {"Wide", -400, 700, -200, 700, 100}};
+  context.scene.field.field_arcs.emplace();
+  EXPECT_NEAR(red_at(context, 200, 700), line, 40);
+  EXPECT_NEAR(red_at(context, 0, 700), carpet, 25);
+  EXPECT_GT(red_at(context, -300, 735), carpet + 50);  // in its 100 mm of paint
+  EXPECT_NEAR(red_at(context, 0, 500), carpet, 25);    // no centre circle
+}
+
 TEST(SimulatedCamera, ShowsTheIdAndTheDirection) {
   SimulatorOptions options = plain_options();
   options.width = 1560;  // dots of 12 pixels

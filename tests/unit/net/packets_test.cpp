@@ -201,6 +201,138 @@ TEST(Packets, GeometryHasEveryLineOfTheLeagueWithItsType) {
   EXPECT_THAT(types, testing::UnorderedElementsAre(2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13));
 }
 
+TEST(Packets, GivenLinesAreSentAsTheyAreTypedByTheirNames) {
+  Geometry geometry;
+  geometry.field.field_lines = {{"LeftGoalLine", -4400, -2900, -4410, 2905}, {"Tape", 1, 2, 3, 4, 25}};
+  geometry.field.field_arcs = {{"CenterCircle", 1, 2, 490, -1, 1}, {"Corner", 4500, 3000, 100, 3, 4.5}};
+  SSL_WrapperPacket packet;
+  write_geometry(geometry, packet);
+  const SSL_GeometryFieldSize& field = packet.geometry().field();
+  ASSERT_EQ(field.field_lines_size(), 2);
+  EXPECT_EQ(field.field_lines(0).type(), LeftGoalLine);
+  EXPECT_EQ(field.field_lines(0).p1().x(), -4400);
+  EXPECT_EQ(field.field_lines(0).thickness(), 10);
+  EXPECT_EQ(field.field_lines(1).name(), "Tape");
+  EXPECT_TRUE(field.field_lines(1).has_type());
+  EXPECT_EQ(field.field_lines(1).type(), Undefined);
+  EXPECT_EQ(field.field_lines(1).thickness(), 25);
+  ASSERT_EQ(field.field_arcs_size(), 2);
+  EXPECT_EQ(field.field_arcs(0).type(), CenterCircle);
+  EXPECT_EQ(field.field_arcs(0).radius(), 490);
+  EXPECT_EQ(field.field_arcs(1).type(), Undefined);
+}
+
+/// Every field that is not set, such as "geometry.field.goal_height".
+std::vector<std::string> absent_fields(const google::protobuf::Message& message, const std::string& path) {
+  std::vector<std::string> absent;
+  const auto* reflection = message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const auto* field = message.GetDescriptor()->field(i);
+    const std::string here = path + "." + field->name();
+    if (field->is_repeated() ? reflection->FieldSize(message, field) == 0
+                             : !reflection->HasField(message, field)) {
+      absent.push_back(here);
+      continue;
+    }
+    if (field->message_type() == nullptr) continue;
+    std::vector<const google::protobuf::Message*> parts;
+    if (field->is_repeated()) {
+      for (int k = 0; k < reflection->FieldSize(message, field); ++k)
+        parts.push_back(&reflection->GetRepeatedMessage(message, field, k));
+    } else {
+      parts.push_back(&reflection->GetMessage(message, field));
+    }
+    for (const auto* part : parts) {
+      for (std::string& one : absent_fields(*part, here)) absent.push_back(std::move(one));
+    }
+  }
+  return absent;
+}
+
+TEST(Packets, AReceiverReadsEveryFieldOfTheGeometryAsItWasWritten) {
+  FieldSize f;  // every number another one
+  f.field_length = 9001;
+  f.field_width = 6002;
+  f.goal_width = 1003;
+  f.goal_depth = 184;
+  f.goal_height = 165;
+  f.boundary_width = 306;
+  f.boundary_width_goal_line = 307;
+  f.goal_substitution_area_width = 408;
+  f.penalty_area_depth = 1009;
+  f.penalty_area_width = 2010;
+  f.center_circle_radius = 511;
+  f.line_thickness = 12;
+  f.goal_center_to_penalty_mark = 6013;
+  f.ball_radius = 21.25;
+  f.max_robot_radius = 89.5;
+  const BallModels models{-3.5, -0.5, 0.625, 0.5, 0.875, 0.5625};
+  SSL_WrapperPacket written, read;
+  std::vector<std::byte> buffer;
+  write_geometry({.field = f, .cameras = {{7, camera()}}, .ball_models = models}, written);
+  const auto wire = serialize(written, buffer);
+  ASSERT_TRUE(read.ParseFromArray(wire.data(), static_cast<int>(wire.size())));
+
+  EXPECT_THAT(absent_fields(read.geometry(), "geometry"), testing::IsEmpty());
+  const SSL_GeometryFieldSize& field = read.geometry().field();
+  EXPECT_EQ(field.field_length(), 9001);
+  EXPECT_EQ(field.field_width(), 6002);
+  EXPECT_EQ(field.goal_width(), 1003);
+  EXPECT_EQ(field.goal_depth(), 184);
+  EXPECT_EQ(field.goal_height(), 165);
+  EXPECT_EQ(field.boundary_width(), 306);
+  EXPECT_EQ(field.boundary_width_goal_line(), 307);
+  EXPECT_EQ(field.goal_substitution_area_width(), 408);
+  EXPECT_EQ(field.penalty_area_depth(), 1009);
+  EXPECT_EQ(field.penalty_area_width(), 2010);
+  EXPECT_EQ(field.center_circle_radius(), 511);
+  EXPECT_EQ(field.line_thickness(), 12);
+  EXPECT_EQ(field.goal_center_to_penalty_mark(), 6013);
+  EXPECT_EQ(field.ball_radius(), 21.25F);
+  EXPECT_EQ(field.max_robot_radius(), 89.5F);
+  const auto lines = field_lines(f);
+  ASSERT_EQ(field.field_lines_size(), static_cast<int>(lines.size()));
+  for (int i = 0; i < field.field_lines_size(); ++i) {
+    const FieldLine& line = lines[static_cast<std::size_t>(i)];
+    const SSL_FieldLineSegment& segment = field.field_lines(i);
+    EXPECT_EQ(segment.name(), line.name);
+    EXPECT_EQ(SSL_FieldShapeType_Name(segment.type()), line.name);
+    EXPECT_THAT((std::array<double, 5>{segment.p1().x(), segment.p1().y(), segment.p2().x(), segment.p2().y(),
+                                       segment.thickness()}),
+                ElementsAre(line.x1, line.y1, line.x2, line.y2, 12));
+  }
+  ASSERT_EQ(field.field_arcs_size(), 1);
+  const SSL_FieldCircularArc& arc = field.field_arcs(0);
+  EXPECT_EQ(arc.name(), "CenterCircle");
+  EXPECT_EQ(arc.type(), CenterCircle);
+  EXPECT_THAT((std::array<float, 6>{arc.center().x(), arc.center().y(), arc.radius(), arc.a1(), arc.a2(),
+                                    arc.thickness()}),
+              ElementsAre(0, 0, 511, 0, static_cast<float>(2 * std::numbers::pi), 12));
+
+  ASSERT_EQ(read.geometry().calib_size(), 1);
+  const SSL_GeometryCameraCalibration& calib = read.geometry().calib(0);
+  EXPECT_EQ(calib.camera_id(), 7U);
+  EXPECT_EQ(calib.focal_length(), 600);
+  EXPECT_EQ(calib.principal_point_x(), 390);
+  EXPECT_EQ(calib.principal_point_y(), 290);
+  EXPECT_EQ(calib.distortion(), 0.125F);
+  EXPECT_THAT((std::array<float, 4>{calib.q0(), calib.q1(), calib.q2(), calib.q3()}),
+              ElementsAre(1, 0, 0, 0));
+  EXPECT_THAT((std::array<float, 3>{calib.tx(), calib.ty(), calib.tz()}), ElementsAre(-1000, 1250, 3500));
+  EXPECT_EQ(calib.derived_camera_world_tx(), 1000);
+  EXPECT_EQ(calib.derived_camera_world_ty(), 1250);
+  EXPECT_EQ(calib.derived_camera_world_tz(), 3500);
+  EXPECT_EQ(calib.pixel_image_width(), 780U);
+  EXPECT_EQ(calib.pixel_image_height(), 580U);
+
+  const SSL_BallModelStraightTwoPhase& straight = read.geometry().models().straight_two_phase();
+  EXPECT_THAT((std::array{straight.acc_slide(), straight.acc_roll(), straight.k_switch()}),
+              ElementsAre(-3.5, -0.5, 0.625));
+  const SSL_BallModelChipFixedLoss& chip = read.geometry().models().chip_fixed_loss();
+  EXPECT_THAT((std::array{chip.damping_xy_first_hop(), chip.damping_xy_other_hops(), chip.damping_z()}),
+              ElementsAre(0.5, 0.875, 0.5625));
+}
+
 TEST(Packets, GeometryWithSeveralCamerasAndWithoutWhatIsUnknown) {
   CameraCalibration unknown_size;
   unknown_size.q0 = std::numbers::sqrt2 / 2;  // the protocol's numeric check

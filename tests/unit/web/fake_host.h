@@ -57,6 +57,7 @@ class FakeHost {
     host.status = [] { return Json{{"site", "test"}, {"cameras", {{{"id", 0}}}}}; };
     host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
     host.schema = [] { return Json{{"type", "object"}}; };
+    host.field_presets = [] { return Json{{{"name", "division-b"}}}; };
     host.patch_settings = [this](const Json& patch, std::optional<std::uint64_t> if_revision,
                                  const std::string& who) {
       if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest");

@@ -14,6 +14,9 @@ export interface FieldSize {
   goal_center_to_penalty_mark: number;
   ball_radius: number;
   max_robot_radius: number;
+  /** What is painted, where that is not what the sizes say. */
+  field_lines?: { name: string; x1: number; y1: number; x2: number; y2: number }[] | null;
+  field_arcs?: { name: string; x: number; y: number; radius: number; a1: number; a2: number }[] | null;
 }
 
 export interface Calibration {

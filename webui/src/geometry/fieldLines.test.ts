@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { divisionB } from '../testing/samples';
-import { alongLine, circle, fieldLines, fieldTitle, gridLines } from './fieldLines';
+import { alongLine, arc, fieldArcs, fieldLines, fieldTitle, gridLines } from './fieldLines';
 
 describe('field lines', () => {
   const byName = Object.fromEntries(fieldLines(divisionB).map((l) => [l.name, l]));
@@ -22,10 +22,23 @@ describe('field lines', () => {
   });
 
   it('closes circles', () => {
-    const points = circle({ x: 0, y: 0 }, 500, 8);
+    const points = arc({ x: 0, y: 0 }, 500, 0, 2 * Math.PI, 8);
     expect(points).toHaveLength(9);
     expect(points[8]!.x).toBeCloseTo(points[0]!.x);
     expect(points[8]!.y).toBeCloseTo(points[0]!.y);
+  });
+
+  it('has the lines that are painted instead, where they are told', () => {
+    const field = {
+      ...divisionB,
+      field_lines: [{ name: 'Tape', x1: 1, y1: 2, x2: 3, y2: 4 }],
+      field_arcs: [{ name: 'Corner', x: 100, y: 0, radius: 50, a1: 0, a2: Math.PI / 2 }],
+    };
+    expect(fieldLines(field)).toEqual([{ name: 'Tape', p1: { x: 1, y: 2 }, p2: { x: 3, y: 4 } }]);
+    expect(fieldArcs(field)).toHaveLength(1);
+    expect(fieldArcs(field)[0]![0]).toEqual({ x: 150, y: 0 });
+    expect(fieldArcs(field)[0]!.at(-1)!.y).toBeCloseTo(50);
+    expect(fieldArcs(divisionB)[0]![0]).toEqual({ x: 500, y: 0 });
   });
 
   it('counts the grid from the centre', () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The field's lines from its sizes, as the league names and places them.
+// The field's lines: its own, or from its sizes, as the league names and places them.
 import type { FieldSize } from '../api/types';
 import type { Point } from './cameraModel';
 
@@ -14,6 +14,7 @@ const line = (name: string, x1: number, y1: number, x2: number, y2: number): Fie
 });
 
 export function fieldLines(field: FieldSize): FieldLine[] {
+  if (field.field_lines) return field.field_lines.map((l) => line(l.name, l.x1, l.y1, l.x2, l.y2));
   const a = field.field_length / 2;
   const b = field.field_width / 2;
   const px = a - field.penalty_area_depth;
@@ -44,11 +45,17 @@ export function gridLines(field: FieldSize, step = 1000): FieldLine[] {
   return lines;
 }
 
-export function circle(centre: Point, radius: number, corners = 72): Point[] {
+export function arc(centre: Point, radius: number, a1 = 0, a2 = 2 * Math.PI, corners = 72): Point[] {
   return Array.from({ length: corners + 1 }, (_, i) => {
-    const angle = (i / corners) * 2 * Math.PI;
+    const angle = a1 + (i / corners) * (a2 - a1);
     return { x: centre.x + radius * Math.cos(angle), y: centre.y + radius * Math.sin(angle) };
   });
+}
+
+/** The field's arcs as points. */
+export function fieldArcs(field: FieldSize): Point[][] {
+  if (field.field_arcs) return field.field_arcs.map(({ x, y, radius, a1, a2 }) => arc({ x, y }, radius, a1, a2));
+  return [arc({ x: 0, y: 0 }, field.center_circle_radius)];
 }
 
 /** Points along a line, close enough that a lens' bend shows. */

@@ -2,7 +2,7 @@
 // Field shapes as SVG paths in a camera's (turned) picture.
 import type { CameraStatus, FieldSize } from '../api/types';
 import { CameraModel, type Point } from './cameraModel';
-import { alongLine, circle, fieldLines, gridLines } from './fieldLines';
+import { alongLine, fieldArcs, fieldLines, gridLines } from './fieldLines';
 import { turnPixel, type Turn } from './turn';
 
 /** Tenths of a pixel: fine enough for a line, and short paths. */
@@ -29,8 +29,7 @@ function floorPath(model: CameraModel, camera: CameraStatus, turn: Turn, points:
 }
 
 export function linesPath(model: CameraModel, camera: CameraStatus, turn: Turn, field: FieldSize): string {
-  const shapes = fieldLines(field).map((l) => alongLine(l));
-  shapes.push(circle({ x: 0, y: 0 }, field.center_circle_radius));
+  const shapes = [...fieldLines(field).map((l) => alongLine(l)), ...fieldArcs(field)];
   return shapes.map((points) => floorPath(model, camera, turn, points)).join('');
 }
 

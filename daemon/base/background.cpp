@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "web/background.h"
+#include "base/background.h"
 
 #include <pthread.h>
 #include <sys/resource.h>

@@ -3,7 +3,7 @@
 
 namespace sslv {
 
-/// Called by a thread that serves viewers: names it (at most 15 characters) and makes it yield to the
+/// Called by a thread that may wait: names it (at most 15 characters) and makes it yield to the
 /// cameras' threads.
 void become_background_thread(const char* name);
 

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
+
+#include <boost/asio/ip/udp.hpp>
+
+namespace sslv {
+
+/// Where to listen.
+struct GroupAddress {
+  std::string group;  // IPv4 multicast address
+  int port = 0;
+  std::string interface;  // name or IPv4 address of the network card; empty: the system's routes choose
+
+  bool operator==(const GroupAddress&) const = default;
+};
+
+/// Hears a multicast group in a thread of its own, which yields to the cameras' threads. A group that cannot
+/// be joined is tried again every second; one that is silent is joined anew now and then, as its card may
+/// have gone and come back.
+class MulticastReceiver {
+ public:
+  /// Called with every datagram and who sent it, from the receiver's thread.
+  using Handler =
+      std::function<void(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender)>;
+
+  /// `thread_name` has at most 15 characters.
+  MulticastReceiver(std::string thread_name, Handler handler);
+  ~MulticastReceiver();
+
+  /// Listens there from now on, or nowhere. When it returns, what comes now is heard, and the handler has
+  /// seen the last datagram of the place before. Not for the handler, nor for two threads at once.
+  void listen(const std::optional<GroupAddress>& where);
+
+  /// Why nothing can be heard at present; empty when it can.
+  std::string error() const;
+
+ private:
+  class Membership;
+
+  const std::string thread_name_;
+  const Handler handler_;
+  mutable std::mutex mutex_;  // guards error_
+  std::string error_;
+  std::unique_ptr<Membership> membership_;
+};
+
+}  // namespace sslv

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
+#include <vector>
+
+#include <boost/asio/ip/address_v4.hpp>
+
+namespace sslv {
+
+struct NetworkCard {
+  std::string name;
+  boost::asio::ip::address_v4 address;
+};
+
+/// The network cards that have an IPv4 address at present.
+std::vector<NetworkCard> network_cards();
+
+/// Those cards, as the end of a sentence for the admin.
+std::string network_cards_text();
+
+/// The address of the card with this name or IPv4 address. Throws std::runtime_error when there is none.
+boost::asio::ip::address_v4 find_network_card(const std::string& name_or_address);
+
+}  // namespace sslv

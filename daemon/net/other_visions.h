@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "net/multicast_receiver.h"
+#include "ssl_vision_geometry.pb.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// Another program that sends to the vision group.
+struct OtherVision {
+  std::string address;
+  double silent_s = 0;                         // since its last packet
+  std::vector<std::uint32_t> cameras;          // ids it sends detections with, rising
+  std::optional<SSL_GeometryFieldSize> field;  // of its last geometry, without lines and arcs
+};
+
+/// A size of the field that two visions tell differently.
+struct SizeConflict {
+  std::string name;
+  double ours = 0, theirs = 0;
+};
+
+/// The sizes that both have and that are not the same.
+std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
+                                         const SSL_GeometryFieldSize& theirs);
+
+/// Who else sends to the vision group. Forgets whoever is silent for some seconds. May be used from any
+/// thread; listens in one of its own.
+class OtherVisions {
+ public:
+  static constexpr double kForgottenAfter_s = 5;
+
+  /// Whether the sender of a packet is this daemon.
+  using IsOwn = std::function<bool(const boost::asio::ip::udp::endpoint&)>;
+  explicit OtherVisions(IsOwn is_own);
+
+  /// Listens there from now on; nothing happens when it does already. Not for two threads at once.
+  void listen(const GroupAddress& where);
+
+  /// Takes one datagram, at a monotonic time. For the listening thread, and for tests that do not listen.
+  void receive(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender,
+               double now_s);
+
+  std::vector<OtherVision> seen(double now_s) const;
+  /// Datagrams that could not be read or made no sense.
+  std::uint64_t refused() const;
+  std::string error() const { return receiver_.error(); }
+
+ private:
+  struct Sender {
+    double heard_s = 0;
+    std::map<std::uint32_t, double> camera_heard_s;  // by id
+    std::optional<SSL_GeometryFieldSize> field;
+  };
+
+  const IsOwn is_own_;
+  boost::asio::ip::udp::endpoint own_;  // of the thread alone: who was found to be this daemon last
+  std::optional<GroupAddress> where_;
+  mutable std::mutex mutex_;  // guards the two below
+  std::map<std::string, Sender> senders_;
+  std::uint64_t refused_ = 0;
+  MulticastReceiver receiver_;  // last, so that it ends before what it uses
+};
+
+}  // namespace sslv

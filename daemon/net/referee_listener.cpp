@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/referee_listener.h"
+
+#include "base/clock.h"
+#include "ssl_gc_referee_message.pb.h"
+
+#include <algorithm>
+
+#include <glib.h>
+
+namespace sslv {
+namespace {
+
+bool is_readable(const std::string& text) {
+  constexpr std::size_t kLongest = 200;
+  return text.size() <= kLongest && g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr);
+}
+
+/// Both teams and their names are there: what else came is not from a game controller.
+bool makes_sense(const Referee& referee) {
+  return referee.yellow().has_name() && referee.blue().has_name() && is_readable(referee.yellow().name()) &&
+         is_readable(referee.blue().name()) && is_readable(referee.source_identifier());
+}
+
+}  // namespace
+
+RefereeListener::RefereeListener(std::function<void()> on_new_names)
+    : on_new_names_(std::move(on_new_names)),
+      receiver_("referee",
+                [this](std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint&) {
+                  receive(datagram, static_cast<double>(steady_ns()) * 1e-9);
+                }) {}
+
+void RefereeListener::listen(const std::optional<GroupAddress>& where) {
+  if (where_ == where) return;
+  receiver_.listen(std::nullopt);
+  where_ = where;
+  {
+    const std::lock_guard lock(mutex_);
+    team_names_ = {};
+    heard_s_.reset();
+    source_.clear();
+  }
+  receiver_.listen(where);
+}
+
+void RefereeListener::receive(std::span<const std::byte> datagram, double now_s) {
+  Referee referee;
+  const bool good =
+      referee.ParseFromArray(datagram.data(), static_cast<int>(datagram.size())) && makes_sense(referee);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!good) {
+      ++refused_;
+      return;
+    }
+    heard_s_ = now_s;
+    source_ = referee.source_identifier();
+    const std::array<std::string, 2> names{referee.yellow().name(), referee.blue().name()};
+    if (names == team_names_) return;
+    team_names_ = names;
+  }
+  on_new_names_();
+}
+
+std::array<std::string, 2> RefereeListener::team_names() const {
+  const std::lock_guard lock(mutex_);
+  return team_names_;
+}
+
+RefereeStatus RefereeListener::status(double now_s) const {
+  RefereeStatus status;
+  status.error = receiver_.error();
+  const std::lock_guard lock(mutex_);
+  status.team_names = team_names_;
+  if (heard_s_) status.silent_s = std::max(0.0, now_s - *heard_s_);
+  status.source = source_;
+  status.refused = refused_;
+  return status;
+}
+
+}  // namespace sslv

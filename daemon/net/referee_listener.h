@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+#include "geometry/scene.h"
+#include "net/multicast_receiver.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace sslv {
+
+/// Where the game controller is heard. The defaults are the league's.
+struct RefereeSettings {
+  bool enabled = true;
+  std::string group = "224.5.23.1";
+  int port = 10003;
+  std::string interface;
+
+  static constexpr auto fields() {
+    using R = RefereeSettings;
+    return std::tuple{
+        flag("enabled", &R::enabled, "listen to the game controller"),
+        text("group", &R::group, "IPv4 multicast address that the game controller sends to"),
+        number("port", &R::port, 1, 65535, "", "UDP port that the game controller sends to"),
+        text("interface", &R::interface,
+             "name or IPv4 address of the network card on the game controller's network; empty: that of "
+             "network/vision"),
+    };
+  }
+};
+
+/// What the game controller has said.
+struct RefereeStatus {
+  std::array<std::string, 2> team_names;  // by Team; empty: not said yet
+  std::optional<double> silent_s;         // since its last message; none: there was none
+  std::string source;                     // the game controller that sent it, as it names itself
+  std::uint64_t refused = 0;              // datagrams that could not be read
+  std::string error;                      // why nothing can be heard; empty when it can
+};
+
+/// Hears the names of the teams from the game controller. They stay when it falls silent: the match goes on.
+/// May be used from any thread; listens in one of its own.
+class RefereeListener {
+ public:
+  /// `on_new_names` is called, from the listening thread, whenever a team has another name.
+  explicit RefereeListener(std::function<void()> on_new_names);
+
+  /// Listens there from now on, or nowhere, and forgets what was heard elsewhere; nothing happens when it
+  /// listens there already. Not for `on_new_names`, nor for two threads at once.
+  void listen(const std::optional<GroupAddress>& where);
+
+  /// Takes one datagram, at a monotonic time. For the listening thread, and for tests that do not listen.
+  void receive(std::span<const std::byte> datagram, double now_s);
+
+  std::array<std::string, 2> team_names() const;
+  RefereeStatus status(double now_s) const;
+
+ private:
+  const std::function<void()> on_new_names_;
+  std::optional<GroupAddress> where_;
+  mutable std::mutex mutex_;  // guards the four below
+  std::array<std::string, 2> team_names_;
+  std::optional<double> heard_s_;
+  std::string source_;
+  std::uint64_t refused_ = 0;
+  MulticastReceiver receiver_;  // last, so that it ends before what it uses
+};
+
+}  // namespace sslv

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace sslv {
+
+/// Height of a team's pattern above the floor in mm; nothing for a team that is not known. `name` (UTF-8) may
+/// differ from the team's own spelling in case, spaces, punctuation, accents and Unicode form.
+std::optional<double> team_height_mm(std::string_view name);
+
+}  // namespace sslv

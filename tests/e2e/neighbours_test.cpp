@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real daemon among other programs of the field's network: other visions and the game controller.
+#include "e2e/running_daemon.h"
+#include "net/multicast.h"
+#include "net/packets.h"
+#include "ssl_gc_referee_message.pb.h"
+
+#include <algorithm>
+#include <map>
+
+#include <gmock/gmock.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::IsEmpty;
+
+MulticastSettings group_of(const GroupListener& listener) {
+  MulticastSettings settings;
+  settings.group = GroupListener::kGroup;
+  settings.port = listener.port();
+  settings.interface = "lo";
+  return settings;
+}
+
+class Neighbours : public ::testing::Test {
+ protected:
+  Neighbours() {
+    settings_["network"]["referee"] = {{"group", GroupListener::kGroup}, {"port", referee_group_.port()}};
+    folder_.write("settings.json", settings_.dump(2));
+  }
+
+  void send(MulticastSender& sender, const std::string& datagram) {
+    ASSERT_TRUE(sender.send(std::as_bytes(std::span(datagram))));
+  }
+  void send_referee(const std::string& yellow, const std::string& blue) {
+    Referee referee;
+    referee.mutable_yellow()->set_name(yellow);
+    referee.mutable_blue()->set_name(blue);
+    referee.set_source_identifier("test");
+    send(game_controller_, referee.SerializeAsString());
+  }
+  std::string settings_file() const { return (folder_.path() / "settings.json").string(); }
+
+  GroupListener listener_, referee_group_;
+  MulticastSender game_controller_{group_of(referee_group_)}, other_vision_{group_of(listener_)};
+  TemporaryFolder folder_;
+  Json settings_ = demo_settings(listener_.port());
+  std::filesystem::path state_ = folder_.path() / "state";
+};
+
+std::vector<std::string> titles(const Json& status) {
+  std::vector<std::string> titles;
+  for (const Json& alert : status["alerts"]) titles.push_back(alert["title"]);
+  return titles;
+}
+
+TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
+  RunningDaemon daemon(settings_file(), state_);
+  std::map<std::uint32_t, std::uint32_t> last_number;  // by camera
+  const auto wait_for_heights = [&](float yellow_mm, float blue_mm) {
+    bool yellow = false, blue = false;
+    for (int packets = 0; packets < 5000 && !(yellow && blue); ++packets) {
+      const SSL_WrapperPacket packet = receive(listener_);
+      if (!packet.has_detection()) continue;
+      const SSL_DetectionFrame& frame = packet.detection();
+      // The camera goes on: it was not opened anew.
+      EXPECT_GE(frame.frame_number(), last_number[frame.camera_id()]);
+      last_number[frame.camera_id()] = frame.frame_number();
+      for (const auto& robot : frame.robots_yellow()) yellow |= robot.height() == yellow_mm;
+      for (const auto& robot : frame.robots_blue()) blue |= robot.height() == blue_mm;
+    }
+    EXPECT_TRUE(yellow && blue) << "no robots of heights " << yellow_mm << " and " << blue_mm;
+  };
+  wait_for_heights(140, 140);
+  send_referee("tigers mannheim", "RobôCIn-B");
+  wait_for_heights(143, 150);
+  Json status =
+      daemon.wait_for_status([](const Json& s) { return s["teams"]["blue"]["robot_height"] == 150; });
+  EXPECT_EQ(status["teams"]["yellow"],
+            (Json{{"name", "tigers mannheim"}, {"robot_height", 143.0}, {"height_from", "referee"}}));
+  EXPECT_EQ(status["referee"]["source"], "test");
+  EXPECT_THAT(titles(status), IsEmpty());
+
+  // What is no referee message does nothing.
+  send(game_controller_, "garbage");
+  send(game_controller_, std::string(65'507, '\xFF'));
+  status = daemon.wait_for_status([](const Json& s) { return s["referee"]["packets_refused"] == 2; });
+  EXPECT_EQ(status["teams"]["yellow"]["robot_height"], 143.0);
+
+  // A team that nobody knows has the height that is set, and the operator is told.
+  send_referee("tigers mannheim", "Dire Wolves");
+  wait_for_heights(143, 140);
+  status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
+  EXPECT_THAT(titles(status),
+              testing::ElementsAre("Unknown team \"Dire Wolves\": its robots are taken to be 140 mm high"));
+
+  // Set by hand, also while the game controller says otherwise; other changes keep what it said.
+  const auto set = [&](const char* path, const Json& value) {
+    daemon.patch(Json::array({{{"op", "replace"}, {"path", path}, {"value", value}}}));
+  };
+  set("/teams/blue/robot_height", 147);
+  wait_for_heights(143, 147);
+  set("/teams/height_from_referee", false);
+  wait_for_heights(140, 147);
+  status = daemon.wait_for_status([](const Json& s) { return s["alerts"].empty(); });
+  EXPECT_EQ(status["teams"]["yellow"]["height_from"], "settings");
+  EXPECT_EQ(status["cameras"][0]["reconnects"], 0);
+}
+
+TEST_F(Neighbours, TheGameControllerIsNotHeardWhenThatIsOff) {
+  settings_["network"]["referee"]["enabled"] = false;
+  RunningDaemon daemon(folder_.write("settings.json", settings_.dump()), state_);
+  send_referee("MRL", "ibis");
+  daemon.patch(Json::parse(R"([{"op": "replace", "path": "/network/referee/enabled", "value": true}])"));
+  send_referee("KIKS", "The Bots");
+  const Json status =
+      daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] != ""; });
+  EXPECT_EQ(status["teams"]["yellow"]["name"], "KIKS");
+  EXPECT_EQ(status["teams"]["blue"]["robot_height"], 110.0);
+}
+
+TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
+  RunningDaemon daemon(settings_file(), state_);
+  daemon.wait_for_status([](const Json& s) { return s["network"]["packets_sent"] > 50; });
+  // The daemon's own packets are no other vision's, also when its socket was opened anew.
+  daemon.patch(Json::parse(R"([{"op": "replace", "path": "/network/vision/ttl", "value": 3}])"));
+  Json status = daemon.wait_for_status([](const Json& s) { return s["network"]["packets_sent"] > 150; });
+  EXPECT_THAT(status["alerts"], IsEmpty());
+  EXPECT_THAT(status["network"]["other_visions"], IsEmpty());
+
+  SSL_WrapperPacket packet;
+  const auto send_packet = [&] { send(other_vision_, packet.SerializeAsString()); };
+  const auto wait_for_title = [&](const std::string& part) {
+    return daemon.wait_for_status([&](const Json& s) {
+      send_packet();
+      const auto all = titles(s);
+      return std::any_of(all.begin(), all.end(),
+                         [&](const std::string& title) { return title.find(part) != std::string::npos; });
+    });
+  };
+  write_detection({.camera_id = 7, .number = 1, .t_capture_s = 1}, {}, {}, 2, packet);
+  status = wait_for_title("127.0.0.1 sends to the vision group too");
+  EXPECT_EQ(status["alerts"][0]["severity"], "info");
+  EXPECT_EQ(status["network"]["other_visions"][0]["cameras"], Json{7});
+  packet.mutable_detection()->set_camera_id(1);
+  wait_for_title("Camera id 1 is also sent by 127.0.0.1");
+  FieldSize theirs;
+  theirs.field_length = 12000;
+  theirs.goal_width = 1800;
+  write_geometry({.field = theirs, .cameras = {}}, packet);
+  status = wait_for_title(
+      "127.0.0.1 sends another field: field_length is 9000 here and 12000 there, goal_width is "
+      "1000 here and 1800 there");
+
+  const auto refused_before = status["network"]["packets_refused"].get<int>();
+  send(other_vision_, "garbage");
+  daemon.wait_for_status(
+      [&](const Json& s) { return s["network"]["packets_refused"] == refused_before + 1; });
+  // Nothing more is sent: the alerts go by themselves.
+  status = daemon.wait_for_status([](const Json& s) { return s["alerts"].empty(); });
+  EXPECT_THAT(status["network"]["other_visions"], IsEmpty());
+}
+
+}  // namespace
+}  // namespace sslv::test

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/multicast_receiver.h"
+
+#include "net/multicast.h"
+#include "support/group_listener.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::HasSubstr;
+
+/// What a receiver heard, for the test's thread.
+class Heard {
+ public:
+  MulticastReceiver::Handler handler() {
+    return [this](std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender) {
+      const std::lock_guard lock(mutex_);
+      texts_.emplace_back(reinterpret_cast<const char*>(datagram.data()), datagram.size());
+      last_sender_ = sender;
+      came_.notify_one();
+    };
+  }
+  std::string next() {
+    std::unique_lock lock(mutex_);
+    if (!came_.wait_for(lock, std::chrono::seconds(10), [this] { return !texts_.empty(); })) return "nothing";
+    std::string text = std::move(texts_.front());
+    texts_.pop_front();
+    return text;
+  }
+  boost::asio::ip::udp::endpoint last_sender() {
+    const std::lock_guard lock(mutex_);
+    return last_sender_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<std::string> texts_;
+  boost::asio::ip::udp::endpoint last_sender_;
+};
+
+GroupAddress at(const GroupListener& listener, const std::string& interface = "lo") {
+  return {GroupListener::kGroup, listener.port(), interface};
+}
+
+void send(const GroupListener& to, const std::string& text) {
+  MulticastSettings settings;
+  settings.group = GroupListener::kGroup;
+  settings.port = to.port();
+  settings.interface = "lo";
+  MulticastSender(settings).send(std::as_bytes(std::span(text)));
+}
+
+TEST(MulticastReceiver, HearsEveryDatagramFromTheMomentItListens) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.listen(at(group));
+  EXPECT_EQ(receiver.error(), "");
+  const std::string large(65'507, 'x');
+  for (const std::string& text : {std::string("one"), std::string(), large}) {
+    send(group, text);
+    EXPECT_EQ(heard.next(), text);
+  }
+  EXPECT_TRUE(heard.last_sender().address().is_loopback());
+}
+
+TEST(MulticastReceiver, ListensElsewhereOrNowhereWhenTold) {
+  GroupListener first, second;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.listen(at(first));
+  receiver.listen(at(second));
+  send(first, "not heard");
+  send(second, "second");
+  EXPECT_EQ(heard.next(), "second");
+  receiver.listen(std::nullopt);
+  send(second, "not heard");
+  receiver.listen(at(first));
+  send(first, "first");
+  EXPECT_EQ(heard.next(), "first");
+}
+
+TEST(MulticastReceiver, SaysWhichCardIsNotThere) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.listen(at(group, "nocard0"));
+  EXPECT_THAT(receiver.error(), HasSubstr("cannot listen to 239.255.77.77:"));
+  EXPECT_THAT(receiver.error(), HasSubstr("no network card has the name or IPv4 address 'nocard0'"));
+  receiver.listen(at(group));
+  EXPECT_EQ(receiver.error(), "");
+  send(group, "heard");
+  EXPECT_EQ(heard.next(), "heard");
+}
+
+}  // namespace
+}  // namespace sslv

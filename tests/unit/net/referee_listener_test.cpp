@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "net/referee_listener.h"
+
+#include "ssl_gc_referee_message.pb.h"
+#include "ssl_vision_wrapper.pb.h"
+#include "support/group_listener.h"
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::ElementsAre;
+using testing::Optional;
+
+/// As a game controller sends it, with fields that the vision does not know.
+std::string message(const std::string& yellow, const std::string& blue) {
+  Referee referee;
+  referee.set_stage(1);
+  referee.set_command(0);
+  referee.mutable_yellow()->set_name(yellow);
+  referee.mutable_blue()->set_name(blue);
+  referee.mutable_yellow()->mutable_unknown_fields()->AddVarint(2, 5);  // score
+  referee.set_blue_team_on_positive_half(true);
+  referee.set_source_identifier("field-1");
+  referee.mutable_unknown_fields()->AddVarint(1, 1'790'000'000'000'000);  // packet_timestamp
+  return referee.SerializeAsString();
+}
+
+struct Listener {
+  int changes = 0;
+  RefereeListener referee{[this] { ++changes; }};
+  void receive(const std::string& datagram, double now_s = 100) {
+    referee.receive(std::as_bytes(std::span(datagram)), now_s);
+  }
+};
+
+TEST(RefereeListener, HearsTheNamesOfTheTeams) {
+  Listener listener;
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("", ""));
+  EXPECT_EQ(listener.referee.status(100).silent_s, std::nullopt);
+  listener.receive(message("TIGERs Mannheim", "CMμs"));
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("TIGERs Mannheim", "CMμs"));
+  const RefereeStatus status = listener.referee.status(102);
+  EXPECT_THAT(status.silent_s, Optional(2.0));
+  EXPECT_EQ(status.source, "field-1");
+  EXPECT_EQ(status.refused, 0U);
+}
+
+TEST(RefereeListener, SaysWhenANameIsAnotherAndOnlyThen) {
+  Listener listener;
+  for (int i = 0; i < 3; ++i) listener.receive(message("MRL", "KIKS"));
+  EXPECT_EQ(listener.changes, 1);
+  listener.receive(message("MRL", "ibis"));
+  EXPECT_EQ(listener.changes, 2);
+  listener.receive(message("", ""));
+  EXPECT_EQ(listener.changes, 3);
+}
+
+TEST(RefereeListener, ReadsTheBytesOfTheWire) {
+  // By hand: tag is (field << 3 | 2) for content with its length.
+  Listener listener;
+  listener.receive("\x10\x01\x20\x02\x3A\x05\x0A\x03MRL\x42\x06\x0A\x04KIKS\x50\x01\x92\x01\x02gc");
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
+  EXPECT_EQ(listener.referee.status(100).source, "gc");
+}
+
+TEST(RefereeListener, WhatIsNoRefereeChangesNothingAndIsCounted) {
+  Listener listener;
+  listener.receive(message("MRL", "KIKS"));
+  SSL_WrapperPacket vision;
+  vision.mutable_detection()->set_frame_number(1);
+  const std::vector<std::string> refused{"",
+                                         "garbage",
+                                         std::string(65'507, '\xFF'),
+                                         std::string(65'507, '\0'),
+                                         message("MRL", "ibis").substr(0, 9),
+                                         message("\xFF\xFE", "ibis"),
+                                         message(std::string(201, 'x'), "ibis"),
+                                         vision.SerializePartialAsString()};
+  for (const std::string& datagram : refused) listener.receive(datagram, 200);
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
+  EXPECT_EQ(listener.changes, 1);
+  EXPECT_EQ(listener.referee.status(200).refused, refused.size());
+  EXPECT_THAT(listener.referee.status(200).silent_s, Optional(100.0));
+}
+
+TEST(RefereeListener, ForgetsTheNamesWhenItListensElsewhere) {
+  GroupListener group;
+  Listener listener;
+  const GroupAddress where{GroupListener::kGroup, group.port(), "lo"};
+  listener.referee.listen(where);
+  listener.receive(message("MRL", "KIKS"));
+  listener.referee.listen(where);
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
+  listener.referee.listen(std::nullopt);
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("", ""));
+}
+
+}  // namespace
+}  // namespace sslv
