@@ -91,8 +91,8 @@ class Calibrator {
         picture_(find_line_pixels(picture, 1.4 * picture.width() * task.field.line_thickness /
                                                std::max(1000, task.field.field_length))),
         prior_(camera_prior(picture.width(), picture.height())),
-        outer_(painted_curves(task.field, task.lines, task.arcs, LinesMeasured::kToOuterEdge)),
-        middle_(painted_curves(task.field, task.lines, task.arcs, LinesMeasured::kToMiddle)) {
+        outer_(painted_curves(task.field, LinesMeasured::kToOuterEdge)),
+        middle_(painted_curves(task.field, LinesMeasured::kToMiddle)) {
     if (task.height_mm) {
       prior_.height_mm = task.height_mm;
       prior_.height_sigma_mm = task.height_sigma_mm;

@@ -30,8 +30,6 @@ enum class PlusX : std::uint8_t { kUnknown, kRight, kLeft, kUp, kDown };
 
 struct CalibrationTask {
   FieldSize field;
-  std::vector<FieldLine> lines;
-  std::vector<FieldArc> arcs;
   std::optional<LinesMeasured> measured;  // none: whichever suits the picture better
   /// Any four or more, in any order: names only say which points were meant. None: the corners are looked
   /// for.

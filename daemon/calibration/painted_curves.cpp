@@ -69,28 +69,28 @@ double PaintedCurve::distance_mm(const Eigen::Vector2d& point_mm) const {
   return (point_mm - point(at)).norm();
 }
 
-std::vector<PaintedCurve> painted_curves(const FieldSize& field, std::span<const FieldLine> lines,
-                                         std::span<const FieldArc> arcs, LinesMeasured measured) {
-  const Inset inset(field, measured);
+std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured measured) {
   std::vector<PaintedCurve> out;
-  for (const FieldLine& line : lines) {
-    PaintedCurve& curve = out.emplace_back();
+  const Inset lines_inset(field, field.field_lines ? LinesMeasured::kToMiddle : measured);
+  for (const FieldLine& line : field_lines(field)) {
+    PaintedCurve curve;
     curve.name = line.name;
-    curve.width_mm = field.line_thickness;
-    curve.from = inset.at(line.x1, line.y1);
-    curve.to = inset.at(line.x2, line.y2);
-    if (curve.length_mm() < 1) out.pop_back();
+    curve.width_mm = line.thickness;
+    curve.from = lines_inset.at(line.x1, line.y1);
+    curve.to = lines_inset.at(line.x2, line.y2);
+    if (curve.length_mm() >= 1) out.push_back(std::move(curve));
   }
-  for (const FieldArc& arc : arcs) {
-    PaintedCurve& curve = out.emplace_back();
+  const Inset arcs_inset(field, field.field_arcs ? LinesMeasured::kToMiddle : measured);
+  for (const FieldArc& arc : field_arcs(field)) {
+    PaintedCurve curve;
     curve.name = arc.name;
-    curve.width_mm = field.line_thickness;
+    curve.width_mm = arc.thickness;
     curve.is_arc = true;
     curve.from = curve.to = {arc.x, arc.y};
-    curve.radius_mm = inset.radius(arc.radius);
+    curve.radius_mm = arcs_inset.radius(arc.radius);
     curve.begin_rad = arc.a1;
     curve.end_rad = arc.a2;
-    if (!(curve.radius_mm > 1 && arc.a2 > arc.a1)) out.pop_back();
+    if (curve.radius_mm > 1 && arc.a2 > arc.a1) out.push_back(std::move(curve));
   }
   return out;
 }

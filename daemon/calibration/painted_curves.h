@@ -13,7 +13,8 @@
 namespace sslv {
 
 /// What the field's sizes were measured to. The rules say the outer edge of the lines, so that the paint lies
-/// half a line's width inside; many a lab measures to the middle.
+/// half a line's width inside; many a lab measures to the middle. Lines that a field has of its own are given
+/// by their middle.
 enum class LinesMeasured { kToOuterEdge, kToMiddle };
 
 /// The middle of painted line or arc, where it really is.
@@ -31,8 +32,7 @@ struct PaintedCurve {
   double distance_mm(const Eigen::Vector2d& point_mm) const;
 };
 
-std::vector<PaintedCurve> painted_curves(const FieldSize& field, std::span<const FieldLine> lines,
-                                         std::span<const FieldArc> arcs, LinesMeasured measured);
+std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured measured);
 
 struct CurvePoint {
   Eigen::Vector3d place_mm;

@@ -36,8 +36,7 @@ class Floor {
       return std::uniform_real_distribution<double>(low, high)(random);
     };
     std::normal_distribution<double> normal;
-    for (PaintedCurve curve :
-         painted_curves(floor.field, field_lines(floor.field), field_arcs(floor.field), floor.measured)) {
+    for (PaintedCurve curve : painted_curves(floor.field, floor.measured)) {
       if (std::find(floor.missing.begin(), floor.missing.end(), curve.name) != floor.missing.end()) continue;
       if (floor.shifted_mm > 0) {
         const auto shift = [&] {
