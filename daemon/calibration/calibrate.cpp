@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "calibration/find_pose.h"
 #include "calibration/measure_lines.h"
+#include "calibration/propose.h"
 #include "calibration/publish.h"
 
 #include <algorithm>
@@ -105,14 +106,14 @@ class Calibrator {
 
   CalibrationReport run() {
     read_clicks();
-    std::optional<Solution> best = solve(pixels_, prior_);
+    std::optional<Solution> best = pixels_.empty() ? propose() : solve(pixels_, prior_);
     const bool all_fits = best && is_acceptable(best->refined) && !has_far_click(best->refined.camera);
     if (!all_fits && pixels_.size() >= 4) {
       auto other = solve_without_one();
       if (other && !(best && best->refined.score() >= other->refined.score())) best = std::move(other);
     }
     if (!best) {
-      if (!stop_.stop_requested()) {
+      if (!stop_.stop_requested() && report_.problems.empty()) {
         report_.problems.push_back(
             "The field's lines were not found from these points: click at least four corners or crossings, "
             "well apart, and check the field's sizes.");
@@ -133,9 +134,14 @@ class Calibrator {
   void read_clicks() {
     report_.measured = task_.measured.value_or(LinesMeasured::kToOuterEdge);
     points_ = named_points(curves());
+    if (task_.clicks.empty()) {
+      places_ = points_;
+      return;
+    }
     if (task_.clicks.size() < 4) {
-      throw SettingsError(fmt::format("points: {} are too few; expected four or more corners or crossings",
-                                      task_.clicks.size()));
+      throw SettingsError(
+          fmt::format("points: {} are too few; expected four or more corners or crossings, or none at all",
+                      task_.clicks.size()));
     }
     bool all_known = true;
     for (std::size_t i = 0; i < task_.clicks.size(); ++i) {
@@ -227,6 +233,58 @@ class Calibrator {
       best->solution.either_way_round = !by_names && task_.plus_x == PlusX::kUnknown && !task_.previous;
     }
     return std::move(best->solution);
+  }
+
+  /// With nobody pointing at anything: the best of what the straight lines suggest.
+  std::optional<Solution> propose() {
+    const Proposal proposal = propose_cameras(picture_, curves(), prior_);
+    if (!proposal.problem.empty())
+      report_.problems.push_back(proposal.problem + " Click at four corners or crossings instead.");
+    std::vector<RefinedCamera> found;
+    const double window_px = std::max(8.0, kFarClickShare * picture_.width());
+    for (const LensCamera& camera : proposal.cameras) {
+      auto refined = refine_camera(picture_, camera, curves(), prior_, {window_px, false}, stop_);
+      if (!refined) continue;
+      found.push_back(std::move(*refined));
+    }
+    if (found.empty()) return std::nullopt;
+    std::sort(found.begin(), found.end(),
+              [](const RefinedCamera& a, const RefinedCamera& b) { return a.score() > b.score(); });
+    constexpr double kMostLikeBest = 0.75;
+    is_clear_proposal_ = std::none_of(found.begin() + 1, found.end(), [&](const RefinedCamera& other) {
+      return other.score() > kMostLikeBest * found.front().score() &&
+             !shows_the_same(other.camera, found.front().camera);
+    });
+    Solution best{std::move(found.front()), {}, false};
+    if (same_turned(curves())) {
+      best.either_way_round = task_.plus_x == PlusX::kUnknown && !task_.previous;
+      if (!is_right_way_round(best.refined.camera)) turn_round(best.refined);
+    }
+    return best;
+  }
+
+  /// Whether two cameras see the same part of the field, or parts that look alike.
+  bool shows_the_same(const LensCamera& a, const LensCamera& b) const {
+    constexpr double kSameMm = 100;
+    const auto same = [&](double sign) {
+      for (const double share : {0.2, 0.8}) {
+        const Eigen::Vector2d pixel(share * a.width, 0.5 * a.height);
+        const auto p = a.unproject(pixel, 0), q = b.unproject(pixel, 0);
+        if (!p || !q || (*p - sign * *q).norm() > kSameMm) return false;
+      }
+      return true;
+    };
+    return same(1) || (same_turned(curves()) && same(-1));
+  }
+
+  /// The same picture with the field turned by half a turn, which looks alike.
+  void turn_round(RefinedCamera& refined) const {
+    const Eigen::DiagonalMatrix<double, 3> turn(-1, -1, 1);
+    const Eigen::Matrix3d rotation = refined.camera.rotation * turn;
+    refined.camera.rotation = rotation;
+    refined.camera.position_mm = turn * refined.camera.position_mm;
+    auto again = refine_again(picture_, refined.camera, curves(), prior_, {0, false}, stop_);
+    if (again) refined = std::move(*again);
   }
 
   /// The place that a click may mean and is nearest to it, and how far that is.
@@ -399,6 +457,11 @@ class Calibrator {
         otherwise += fmt::format("{}point {} for {}", otherwise.empty() ? "" : ", ", i + 1, label_of(figure));
       }
     }
+    for (const NamedPoint& point : points_) {
+      const auto pixel = camera.project({point.place_mm.x(), point.place_mm.y(), 0});
+      if (pixel && camera.is_in_picture(*pixel))
+        report_.control_points.push_back({point.name, *pixel, point.place_mm, 0, 0, false});
+    }
     if (!otherwise.empty()) {
       report_.notes.push_back(
           "Some points show others than were named, and were taken for those: " + otherwise + ".");
@@ -505,7 +568,11 @@ class Calibrator {
   void add_notes(const Solution& solution) {
     const RefinedCamera& refined = solution.refined;
     const bool explains = is_acceptable(refined);
-    report_.accepted = explains;
+    report_.accepted = explains && is_clear_proposal_;
+    if (!is_clear_proposal_) {
+      report_.problems.push_back(
+          "Other parts of the field fit the picture nearly as well: click at four corners or crossings.");
+    }
     if (refined.found_share() <= kLeastFoundShare) {
       report_.problems.push_back(
           fmt::format("Only {:.0f} % of the lines that should be in view were found (expected more than "
@@ -568,7 +635,7 @@ class Calibrator {
   CameraPrior prior_;
   std::vector<PaintedCurve> outer_, middle_;
   std::vector<NamedPoint> points_, places_;  // all of the field; those that clicks may mean
-  bool names_known_ = false;
+  bool names_known_ = false, is_clear_proposal_ = true;
   std::vector<Eigen::Vector2d> pixels_;
   CalibrationReport report_;
 };

@@ -79,6 +79,7 @@ struct CalibrationReport {
   std::optional<double> moved_on_floor_mm, moved_at_150_mm;  // from the previous one, root mean square
   std::vector<LineFigure> line_figures;
   std::vector<ClickFigure> click_figures;
+  std::vector<ClickFigure> control_points;  // where the field's points are in the picture, to be looked at
   std::vector<ExpectedError> error_map;
   std::vector<std::string> held;      // what the picture does not determine: "focal length", "height", ...
   std::vector<std::string> notes;     // for people: what to know

@@ -47,12 +47,10 @@ struct Similarity {
   double px_per_mm() const { return std::hypot(cos, sin); }
 };
 
-Similarity similarity_of(Points pixels, Points places, const Assignment& place_of) {
+/// By least squares.
+Similarity similarity_of(Points pixels, Points places) {
   Eigen::Vector2d middle_px(0, 0), middle_mm(0, 0);
-  const auto flipped = [&](std::size_t i) {
-    const Eigen::Vector2d& place = places[place_of[i]];
-    return Eigen::Vector2d(place.x(), -place.y());
-  };
+  const auto flipped = [&](std::size_t i) { return Eigen::Vector2d(places[i].x(), -places[i].y()); };
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     middle_px += pixels[i] / static_cast<double>(pixels.size());
     middle_mm += flipped(i) / static_cast<double>(pixels.size());
@@ -71,10 +69,10 @@ Similarity similarity_of(Points pixels, Points places, const Assignment& place_o
 }
 
 /// A camera looking straight down that shows the field as the similarity does.
-LensCamera looking_down(const Similarity& map, const LinePicture& picture, const CameraPrior& prior) {
+LensCamera looking_down(const Similarity& map, int width_px, int height_px, const CameraPrior& prior) {
   LensCamera out;
-  out.width = picture.width();
-  out.height = picture.height();
+  out.width = width_px;
+  out.height = height_px;
   out.center_x = prior.center_x;
   out.center_y = prior.center_y;
   out.k1 = prior.k1;
@@ -115,7 +113,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
       for (std::size_t a = 0; a < places.size(); ++a) {
         for (std::size_t b = 0; b < places.size(); ++b) {
           if (a == b) continue;
-          const Similarity map = similarity_of(pair, places, {a, b});
+          const Similarity map = similarity_of(pair, std::array{places[a], places[b]});
           if (map.px_per_mm() * 20000 < width || map.px_per_mm() * 1500 > width) continue;
           Candidate candidate{Assignment(pixels.size()), 0};
           std::set<std::size_t> taken;
@@ -149,13 +147,24 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   }
 }
 
-/// Looking down, from where it sees 1.5 to 20 m across.
+}  // namespace
+
 bool is_plausible(const LensCamera& camera) {
   const double width_mm = camera.width * camera.position_mm.z() / camera.focal_px;
   return camera.rotation(2, 2) < -0.5 && width_mm > 1500 && width_mm < 20000;
 }
 
-}  // namespace
+CameraFit camera_of_points(Points pixels, Points places_mm, double sigma_px, int width_px, int height_px,
+                           const CameraPrior& prior) {
+  std::vector<Sighting> sightings(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    sightings[i].place_mm = {places_mm[i].x(), places_mm[i].y(), 0};
+    sightings[i].pixel = pixels[i];
+    sightings[i].sigma_px = sigma_px;
+  }
+  const LensCamera start = looking_down(similarity_of(pixels, places_mm), width_px, height_px, prior);
+  return fit_camera(start, sightings, prior);
+}
 
 std::vector<CurvePoint> evidence_points(std::span<const PaintedCurve> curves) {
   constexpr double kStepMm = 60, kClearMm = 30;
@@ -196,16 +205,10 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
   }
 
   const auto points = evidence_points(curves);
-  std::vector<Sighting> sightings(pixels.size());
   constexpr double kMostRmsSigmas = 12;
   for (const Assignment& place_of : assignments) {
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const Eigen::Vector2d& place = places_mm[place_of[i]];
-      sightings[i].place_mm = {place.x(), place.y(), 0};
-      sightings[i].pixel = pixels[i];
-      sightings[i].sigma_px = click_sigma_px;
-    }
-    const Similarity map = similarity_of(pixels, places_mm, place_of);
+    std::vector<Eigen::Vector2d> places;
+    for (const std::size_t place : place_of) places.push_back(places_mm[place]);
     // Four corners do not show the distortion: the lines will.
     PoseGuess best;
     best.evidence = -1;
@@ -213,7 +216,8 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
       CameraPrior held = prior;
       held.k1 = k1;
       held.k1_sigma = 0.02;
-      const CameraFit fit = fit_camera(looking_down(map, picture, held), sightings, held);
+      const CameraFit fit =
+          camera_of_points(pixels, places, click_sigma_px, picture.width(), picture.height(), held);
       if (!is_plausible(fit.camera) || fit.rms > kMostRmsSigmas) continue;
       const double evidence = line_evidence(fit.camera, points, picture);
       if (evidence > best.evidence) best = {fit.camera, place_of, fit.rms * click_sigma_px, evidence};

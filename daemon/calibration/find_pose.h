@@ -30,6 +30,15 @@ std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,
                                    double click_sigma_px, const LinePicture& picture,
                                    std::span<const PaintedCurve> curves, const CameraPrior& prior);
 
+/// A camera that shows each place where it was seen, as far as the prior lets it: found from nothing but that
+/// it looks down.
+CameraFit camera_of_points(std::span<const Eigen::Vector2d> pixels,
+                           std::span<const Eigen::Vector2d> places_mm, double sigma_px, int width_px,
+                           int height_px, const CameraPrior& prior);
+
+/// Whether it looks down from where it sees 1.5 to 20 m across.
+bool is_plausible(const LensCamera& camera);
+
 /// Share of the lines expected in view that lie on bright stripes, 0 .. 1; little is seen: less.
 double line_evidence(const LensCamera& camera, std::span<const CurvePoint> points,
                      const LinePicture& picture);

@@ -95,6 +95,20 @@ std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured m
   return out;
 }
 
+bool same_turned(std::span<const PaintedCurve> curves) {
+  constexpr double kSameMm = 2;
+  const auto is_there = [&](const Eigen::Vector2d& place) {
+    return std::any_of(curves.begin(), curves.end(),
+                       [&](const PaintedCurve& curve) { return curve.distance_mm(place) < kSameMm; });
+  };
+  return std::all_of(curves.begin(), curves.end(), [&](const PaintedCurve& curve) {
+    for (const double share : {0.02, 0.27, 0.52, 0.77, 0.98}) {
+      if (!is_there(-curve.point(share * curve.length_mm()))) return false;
+    }
+    return true;
+  });
+}
+
 std::vector<CurvePoint> points_along(std::span<const PaintedCurve> curves, double step_mm, double clear_mm) {
   std::vector<CurvePoint> out;
   for (std::size_t i = 0; i < curves.size(); ++i) {

@@ -34,6 +34,9 @@ struct PaintedCurve {
 
 std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured measured);
 
+/// Whether the field looks the same from both ends.
+bool same_turned(std::span<const PaintedCurve> curves);
+
 struct CurvePoint {
   Eigen::Vector3d place_mm;
   Eigen::Vector2d direction;
