@@ -18,8 +18,10 @@
 namespace sslv {
 namespace {
 
-/// A calibration is accepted when it explains so much of the lines in view, so well.
-constexpr double kLeastFoundShare = 0.72, kMostRmsPx = 0.6;
+/// A calibration is accepted when its lines lie so well, and so much of them is found; stripes of the picture
+/// that are no lines of the field count against it by this factor: a camera that is taken for another always
+/// leaves some, and missing lines leave none.
+constexpr double kMostRmsPx = 0.6, kLeastFoundShare = 0.52, kUnexplainedWeight = 4;
 /// A click further than this from all points that it could mean is wrong: a share of the picture's width, and
 /// more than unsteady hands miss.
 constexpr double kFarClickShare = 0.012, kFarClickPx = 16;
@@ -60,10 +62,6 @@ struct Solution {
   std::vector<std::size_t> place_of_pixel;
   bool either_way_round = false;  // turned by half a turn it suits the picture as well
 };
-
-bool is_acceptable(const RefinedCamera& refined) {
-  return refined.found_share() > kLeastFoundShare && refined.rms_px < kMostRmsPx;
-}
 
 /// The same sightings with the places that other curves have there.
 std::vector<Sighting> on_curves(std::span<const Sighting> sightings, std::span<const PaintedCurve> from,
@@ -306,6 +304,32 @@ class Calibrator {
     });
   }
 
+  /// Share of the bright stripes on the field that lie on no line of it.
+  double unexplained_share(const LensCamera& camera) const {
+    constexpr double kOnLineMm = 50, kAroundMm = 100;
+    const double half_x = task_.field.field_length / 2.0 + kAroundMm,
+                 half_y = task_.field.field_width / 2.0 + kAroundMm;
+    int all = 0, unexplained = 0;
+    for (int y = 0; y < picture_.height(); ++y) {
+      const float* row = picture_.line.row(y);
+      for (int x = 0; x < picture_.width(); ++x) {
+        if (row[x] < picture_.least_line) continue;
+        const auto place = camera.unproject({x, y}, 0);
+        if (!place || std::abs(place->x()) > half_x || std::abs(place->y()) > half_y) continue;
+        ++all;
+        unexplained += std::none_of(curves().begin(), curves().end(), [&](const PaintedCurve& curve) {
+          return curve.distance_mm(*place) < kOnLineMm;
+        });
+      }
+    }
+    return all > 0 ? static_cast<double>(unexplained) / all : 0;
+  }
+
+  bool is_acceptable(const RefinedCamera& refined) const {
+    return refined.rms_px < kMostRmsPx &&
+           refined.found_share() - kUnexplainedWeight * unexplained_share(refined.camera) > kLeastFoundShare;
+  }
+
   /// One wrong click spoils the start: the one is looked for without which all else fits.
   std::optional<Solution> solve_without_one() {
     CameraPrior prior = prior_;
@@ -370,6 +394,7 @@ class Calibrator {
     add_click_figures(camera);
     add_errors(refined);
     add_held(refined);
+    report_.unexplained_share = unexplained_share(camera);
     compare(camera);
     add_notes(solution);
   }
@@ -573,12 +598,12 @@ class Calibrator {
       report_.problems.push_back(
           "Other parts of the field fit the picture nearly as well: click at four corners or crossings.");
     }
-    if (refined.found_share() <= kLeastFoundShare) {
-      report_.problems.push_back(
-          fmt::format("Only {:.0f} % of the lines that should be in view were found (expected more than "
-                      "{:.0f} %): do the "
-                      "field's sizes fit this field, and are its lines clear in the picture?",
-                      100 * refined.found_share(), 100 * kLeastFoundShare));
+    if (refined.found_share() - kUnexplainedWeight * report_.unexplained_share <= kLeastFoundShare) {
+      report_.problems.push_back(fmt::format(
+          "{:.0f} % of the lines that should be in view were found, and {:.0f} % of the white stripes on the "
+          "field "
+          "are none of its lines: do the field's sizes fit this field, and were the right points clicked?",
+          100 * refined.found_share(), 100 * report_.unexplained_share));
     }
     if (refined.rms_px >= kMostRmsPx) {
       report_.problems.push_back(fmt::format(

@@ -71,6 +71,7 @@ struct CalibrationReport {
   LinesMeasured measured = LinesMeasured::kToOuterEdge;
   double rms_px = 0, worst_px = 0, rms_mm = 0, worst_mm = 0;  // of lines
   double found_share = 0;                                     // of the lines in view
+  double unexplained_share = 0;                               // of the bright stripes on the field
   double coverage = 0;                                        // share of the picture's field with lines found
   double condition = 0;                                       // of the problem: 1 is best
   double expected_on_floor_mm = 0, expected_at_150_mm = 0;    // over the field in view, root mean square

@@ -2,6 +2,7 @@
 #include "calibration/fit_camera.h"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 #include <unsupported/Eigen/NonLinearOptimization>
@@ -109,6 +110,28 @@ bool is_sane(const LensCamera& camera) {
          camera.focal_px > 10 && camera.focal_px < 1e6;
 }
 
+/// Down to where no step helps any more.
+void descend(LensCamera& camera, double& cost, std::span<const Sighting> sightings, const CameraPrior& prior,
+             const FitOptions& options) {
+  // Started anew from where it came to, the steps' parameters are again those of a camera near by.
+  constexpr int kRounds = 4;
+  int steps_left = options.most_steps;
+  for (int round = 0; round < kRounds && steps_left > 0; ++round) {
+    Problem problem(camera, sightings, prior, options.cauchy);
+    Eigen::LevenbergMarquardt<Problem> solver(problem);
+    solver.parameters.maxfev = steps_left;
+    solver.parameters.ftol = solver.parameters.xtol = 1e-10;
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(kCameraParams);
+    solver.minimize(step);
+    steps_left -= static_cast<int>(solver.nfev);
+    const LensCamera next = moved(camera, CameraStep(step));
+    if (!is_sane(next)) break;
+    camera = next;
+    cost = 0.5 * solver.fnorm * solver.fnorm;
+    if (step.norm() < 1e-6) break;
+  }
+}
+
 }  // namespace
 
 CameraPrior camera_prior(int width_px, int height_px) {
@@ -124,22 +147,19 @@ CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sighting
                      const FitOptions& options) {
   CameraFit out;
   out.camera = start;
-  // Started anew from where it came to, the steps' parameters are again those of a camera near by.
-  constexpr int kRounds = 4;
-  int steps_left = options.most_steps;
-  for (int round = 0; round < kRounds && steps_left > 0; ++round) {
-    Problem problem(out.camera, sightings, prior, options.cauchy);
-    Eigen::LevenbergMarquardt<Problem> solver(problem);
-    solver.parameters.maxfev = steps_left;
-    solver.parameters.ftol = solver.parameters.xtol = 1e-10;
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(kCameraParams);
-    solver.minimize(step);
-    steps_left -= static_cast<int>(solver.nfev);
-    const LensCamera next = moved(out.camera, CameraStep(step));
-    if (!is_sane(next)) break;
-    out.camera = next;
-    out.cost = 0.5 * solver.fnorm * solver.fnorm;
-    if (step.norm() < 1e-6) break;
+  out.cost = std::numeric_limits<double>::infinity();
+  descend(out.camera, out.cost, sightings, prior, options);
+  // A focal length that the sightings hardly show may have gone far up its valley, from where steps are slow
+  // to come back: started again at its expected value, they need not.
+  constexpr double kFarSigmas = 1.5;
+  const double grown = std::log(out.camera.focal_px / prior.focal_px);
+  if (std::abs(grown) > kFarSigmas * prior.focal_share) {
+    CameraStep back = CameraStep::Zero();
+    back[kZoom] = -grown;
+    LensCamera other = moved(out.camera, back);
+    double cost = std::numeric_limits<double>::infinity();
+    descend(other, cost, sightings, prior, options);
+    if (cost < out.cost) out.camera = other;
   }
   const Problem problem(out.camera, sightings, prior, options.cauchy);
   Eigen::VectorXd values(problem.values());

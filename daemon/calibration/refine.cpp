@@ -130,6 +130,22 @@ std::vector<double> off_px(const LensCamera& camera, std::span<const Sighting> s
   return out;
 }
 
+/// How many neighbouring sightings say what one does: those on a line that was painted unevenly are off together
+/// (first-order autoregression; Bartlett 1935).
+double redundancy(const LensCamera& camera, std::span<const Sighting> sightings, double step_mm) {
+  const std::vector<double> off = residuals(camera, sightings);
+  double together = 0, squares = 0;
+  for (std::size_t i = 1; i < off.size(); ++i) {
+    const bool neighbours = sightings[i].curve == sightings[i - 1].curve &&
+                            (sightings[i].place_mm - sightings[i - 1].place_mm).norm() < 2.5 * step_mm;
+    if (!neighbours) continue;
+    together += off[i] * off[i - 1];
+    squares += 0.5 * (off[i] * off[i] + off[i - 1] * off[i - 1]);
+  }
+  const double correlation = squares > 0 ? std::clamp(together / squares, 0.0, 0.98) : 0;
+  return (1 + correlation) / (1 - correlation);
+}
+
 /// How the parameters would scatter, from how the camera changes as one line is left out (jackknife over
 /// lines: patches of a line share its errors, so that their own scatter says far too little).
 CameraInformation covariance_of(const LensCamera& camera, std::span<const Sighting> sightings,
@@ -209,9 +225,12 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
   }
   out.sightings.resize(kept);
   if (kept < kLeastSightings) return std::nullopt;
+  out.camera = fit_camera(out.camera, out.sightings, prior, {kCauchy, 40}).camera;
+  const double fewer = std::sqrt(redundancy(out.camera, out.sightings, kPatchPx / scale));
+  for (Sighting& sighting : out.sightings) sighting.sigma_px = fewer * spread_px;
   const CameraFit fit = fit_camera(out.camera, out.sightings, prior, {kCauchy, 40});
   out.camera = fit.camera;
-  out.rms_px = fit.rms * spread_px;
+  out.rms_px = fit.rms * fewer * spread_px;
   out.covariance = covariance_of(out.camera, out.sightings, fit.by_prior);
   return out;
 }

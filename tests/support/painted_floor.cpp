@@ -71,30 +71,58 @@ class Floor {
     }
   }
 
-  /// How far outside the paint, in mm; negative on it.
-  double outside_mm(const Eigen::Vector2d& place) const {
-    double least = 1e9;
-    for (std::size_t i = 0; i < curves_.size(); ++i) {
-      const PaintedCurve& curve = curves_[i];
-      const double half_mm = curve.width_mm / 2;
-      double off = 0;
-      if (curve.is_arc) {
-        const Eigen::Vector2d rel = place - curve.from;
-        off = rel.norm() - curve.radius_mm;
-        if (std::abs(off) < 60) off -= waves_[i].at(std::atan2(rel.y(), rel.x()) * curve.radius_mm);
-        off = std::abs(off);
-      } else {
-        const Eigen::Vector2d along = curve.direction(0), rel = place - curve.from;
-        const double at = rel.dot(along);
-        off = along.x() * rel.y() - along.y() * rel.x();
-        if (std::abs(off) < 60) off -= waves_[i].at(at);
-        const double beyond = std::max({-at, at - curve.length_mm(), 0.0}) - half_mm;
-        off = std::abs(off);
-        if (beyond > 0) off = std::max(off, beyond + half_mm);
-      }
-      least = std::min(least, off - half_mm);
+  /// What a part of the picture may show besides the floor.
+  struct Near {
+    std::vector<std::size_t> curves, robots;
+    bool whole = true;  // the floor itself is all of one kind
+  };
+  Near all() const {
+    Near out;
+    for (std::size_t i = 0; i < curves_.size(); ++i) out.curves.push_back(i);
+    for (std::size_t i = 0; i < robots_.size(); ++i) out.robots.push_back(i);
+    return out;
+  }
+  /// Of `from`, what a square of pixels around a middle may show.
+  Near near(const Near& from, double x, double y, double half_px) const {
+    const auto place = camera_.unproject({x, y}, 0);
+    const auto corner = camera_.unproject({x + half_px, y + half_px}, 0);
+    if (!place || !corner) return {from.curves, from.robots, false};
+    const double reach_mm = 1.5 * (*corner - *place).norm();
+    Near out;
+    for (const std::size_t i : from.curves) {
+      if (outside_mm(*place, i) < reach_mm + 4 * floor_.wavy_mm) out.curves.push_back(i);
     }
-    return least;
+    for (const std::size_t i : from.robots) {
+      if (std::hypot(place->x() - robots_[i].x_mm, place->y() - robots_[i].y_mm) < 400 + reach_mm)
+        out.robots.push_back(i);
+    }
+    const FieldSize& f = floor_.field;
+    out.whole =
+        std::abs(std::abs(place->x()) - f.field_length / 2.0 - f.boundary_width_goal_line) > reach_mm &&
+        std::abs(std::abs(place->y()) - f.field_width / 2.0 - f.boundary_width) > reach_mm;
+    return out;
+  }
+
+  /// How far outside a line's paint, in mm; negative on it.
+  double outside_mm(const Eigen::Vector2d& place, std::size_t i) const {
+    const PaintedCurve& curve = curves_[i];
+    const double half_mm = curve.width_mm / 2;
+    double off = 0;
+    if (curve.is_arc) {
+      const Eigen::Vector2d rel = place - curve.from;
+      off = rel.norm() - curve.radius_mm;
+      if (std::abs(off) < 60) off -= waves_[i].at(std::atan2(rel.y(), rel.x()) * curve.radius_mm);
+      off = std::abs(off);
+    } else {
+      const Eigen::Vector2d along = curve.direction(0), rel = place - curve.from;
+      const double at = rel.dot(along);
+      off = along.x() * rel.y() - along.y() * rel.x();
+      if (std::abs(off) < 60) off -= waves_[i].at(at);
+      const double beyond = std::max({-at, at - curve.length_mm(), 0.0}) - half_mm;
+      off = std::abs(off);
+      if (beyond > 0) off = std::max(off, beyond + half_mm);
+    }
+    return off - half_mm;
   }
 
   bool on_carpet(const Eigen::Vector2d& place) const {
@@ -104,43 +132,28 @@ class Floor {
   }
 
   /// Whether a robot, a round prism, stands before the floor there.
-  bool hidden(const Eigen::Vector2d& place) const {
+  bool hides(const Robot& robot, const Eigen::Vector2d& place) const {
     constexpr double kRadiusMm = 85;
-    return std::any_of(robots_.begin(), robots_.end(), [&](const Robot& robot) {
-      const Eigen::Vector2d from = place - Eigen::Vector2d(robot.x_mm, robot.y_mm);
-      if (from.squaredNorm() > 400.0 * 400) return false;
-      const double up = robot.height_mm / camera_.position_mm.z();
-      const Eigen::Vector2d along = up * (camera_.position_mm.head<2>() - place);
-      const double t = std::clamp(-from.dot(along) / std::max(1e-9, along.squaredNorm()), 0.0, 1.0);
-      return (from + t * along).squaredNorm() < kRadiusMm * kRadiusMm;
-    });
+    const Eigen::Vector2d from = place - Eigen::Vector2d(robot.x_mm, robot.y_mm);
+    const double up = robot.height_mm / camera_.position_mm.z();
+    const Eigen::Vector2d along = up * (camera_.position_mm.head<2>() - place);
+    const double t = std::clamp(-from.dot(along) / std::max(1e-9, along.squaredNorm()), 0.0, 1.0);
+    return (from + t * along).squaredNorm() < kRadiusMm * kRadiusMm;
   }
 
-  Color color_at(double x, double y) const {
+  Color color_at(double x, double y, const Near& near) const {
     const auto place = camera_.unproject({x, y}, 0);
     if (!place) return {20, 20, 20};
-    if (hidden(*place)) return kBlack;
-    Color color = outside_mm(*place) <= 0 ? kLine : on_carpet(*place) ? kCarpet : kFloor;
+    const auto hidden = [&](std::size_t i) { return hides(robots_[i], *place); };
+    if (std::any_of(near.robots.begin(), near.robots.end(), hidden)) return kBlack;
+    const auto painted = [&](std::size_t i) { return outside_mm(*place, i) <= 0; };
+    Color color = std::any_of(near.curves.begin(), near.curves.end(), painted) ? kLine
+                  : on_carpet(*place)                                          ? kCarpet
+                                                                               : kFloor;
     const double across = std::clamp(place->y() / floor_.field.field_width + 0.5, 0.0, 1.0);
     const double light = 1 - (1 - floor_.dim_to) * across;
     for (float& channel : color) channel *= static_cast<float>(light);
     return color;
-  }
-
-  /// Whether a square of pixels around a middle may show more than one colour.
-  bool needs_samples(double x, double y, double half_px) const {
-    const auto place = camera_.unproject({x, y}, 0);
-    const auto corner = camera_.unproject({x + half_px, y + half_px}, 0);
-    if (!place || !corner) return true;
-    const double reach_mm = 1.5 * (*corner - *place).norm();
-    if (outside_mm(*place) < reach_mm + 4 * floor_.wavy_mm) return true;
-    const FieldSize& f = floor_.field;
-    if (std::abs(std::abs(place->x()) - f.field_length / 2.0 - f.boundary_width_goal_line) < reach_mm ||
-        std::abs(std::abs(place->y()) - f.field_width / 2.0 - f.boundary_width) < reach_mm)
-      return true;
-    return std::any_of(robots_.begin(), robots_.end(), [&](const Robot& robot) {
-      return std::hypot(place->x() - robot.x_mm, place->y() - robot.y_mm) < 400 + reach_mm;
-    });
   }
 
  private:
@@ -188,17 +201,20 @@ FloorPicture draw_floor(const PaintedFloor& floor, const LensCamera& camera) {
   const int width = camera.width, height = camera.height;
   std::vector<Color> picture(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   constexpr int kBlock = 12;
+  const Floor::Near all = painted.all();
   for (int top = 0; top < height; top += kBlock) {
     for (int left = 0; left < width; left += kBlock) {
-      const bool block = painted.needs_samples(left + kBlock / 2.0, top + kBlock / 2.0, kBlock / 2.0 + 1);
+      const Floor::Near block = painted.near(all, left + kBlock / 2.0, top + kBlock / 2.0, kBlock / 2.0 + 1);
+      const bool plain = block.whole && block.curves.empty() && block.robots.empty();
       for (int y = top; y < std::min(height, top + kBlock); ++y) {
         for (int x = left; x < std::min(width, left + kBlock); ++x) {
-          const int samples = block && painted.needs_samples(x, y, 1) ? 8 : 1;
+          const Floor::Near near = plain ? block : painted.near(block, x, y, 1);
+          const int samples = near.whole && near.curves.empty() && near.robots.empty() ? 1 : 8;
           Color sum{};
           for (int j = 0; j < samples; ++j) {
             for (int i = 0; i < samples; ++i) {
               const Color one =
-                  painted.color_at(x + (i + 0.5) / samples - 0.5, y + (j + 0.5) / samples - 0.5);
+                  painted.color_at(x + (i + 0.5) / samples - 0.5, y + (j + 0.5) / samples - 0.5, near);
               for (std::size_t c = 0; c < 3; ++c) sum[c] += one[c];
             }
           }

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+// How exact calibration is, as a table in Markdown: pictures with cameras known exactly, robots on the field
+// and noise of sigma 4. Takes some minutes; an argument is the number of the smallest picture size to leave
+// out (1: only 780 x 580).
+#include "calibration/calibrate.h"
+#include "support/painted_floor.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace sslv {
+namespace {
+
+constexpr std::array kSizeNames{"780x580", "1280x1024", "2448x2048"};
+
+/// Values of one kind, and what is said of them.
+class Figures {
+ public:
+  void add(double value) { values_.push_back(value); }
+  std::string text(int digits = 3) const {
+    if (values_.empty()) return "";
+    std::vector<double> sorted = values_;
+    std::sort(sorted.begin(), sorted.end());
+    char out[64];
+    std::snprintf(out, sizeof out, "%.*f (%.*f)", digits, sorted[sorted.size() / 2], digits, sorted.back());
+    return out;
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+struct Share {
+  int yes = 0, all = 0;
+  void add(bool one) {
+    yes += one ? 1 : 0;
+    ++all;
+  }
+  std::string text() const { return std::to_string(yes) + "/" + std::to_string(all); }
+};
+
+struct Shot {
+  LensCamera camera;
+  PaintedFloor floor;
+  MeanPicture picture;
+};
+
+Shot take(const FloorSetting& setting, PaintedFloor floor) {
+  Shot out{floor_camera(setting), std::move(floor), {}};
+  out.floor.field = floor_field(setting.size);
+  const FloorPicture drawn = draw_floor(out.floor, out.camera);
+  out.picture.add(drawn.view);
+  return out;
+}
+
+/// Four corners or crossings in view, as somebody clicks at them, in any order.
+CalibrationTask clicked(const Shot& shot, FloorView view, double sigma_px, std::mt19937& random) {
+  CalibrationTask task;
+  task.field = shot.floor.field;
+  task.plus_x = view == FloorView::kHalf ? PlusX::kUp : PlusX::kRight;
+  using Names = std::vector<const char*>;
+  const Names names =
+      view == FloorView::kWhole
+          ? Names{"corner left bottom", "corner left top", "corner right top", "corner right bottom"}
+      : view == FloorView::kHalf
+          ? Names{"halfway line bottom", "halfway line top", "corner right top", "corner right bottom"}
+          : Names{"centre", "halfway line top", "corner right top", "goal line middle right"};
+  const auto points = named_points(painted_curves(task.field, LinesMeasured::kToOuterEdge));
+  std::normal_distribution<double> normal;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const char* name : names) {
+    const auto point =
+        std::find_if(points.begin(), points.end(), [&](const NamedPoint& one) { return one.name == name; });
+    const auto pixel = shot.camera.project({point->place_mm.x(), point->place_mm.y(), 0});
+    pixels.push_back(*pixel + sigma_px * Eigen::Vector2d(normal(random), normal(random)));
+  }
+  std::shuffle(pixels.begin(), pixels.end(), random);
+  for (std::size_t i = 0; i < pixels.size(); ++i) task.clicks.push_back({pixels[i], names[i], {}});
+  return task;
+}
+
+void give_height(CalibrationTask& task, const Shot& shot, std::mt19937& random) {
+  constexpr double kSigmaMm = 10;
+  task.height_sigma_mm = kSigmaMm;
+  task.height_mm = shot.camera.position_mm.z() + kSigmaMm * std::normal_distribution<double>()(random);
+}
+
+struct Run {
+  CalibrationReport report;
+  double floor_mm, robots_mm, seconds;
+};
+
+Run run(const Shot& shot, const CalibrationTask& task) {
+  const auto begin = std::chrono::steady_clock::now();
+  Run out{calibrate(shot.picture, task), 1e6, 1e6, 0};
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (out.report.found) {
+    out.floor_mm = field_error_mm(shot.camera, out.report.camera, shot.floor.field, 0);
+    out.robots_mm = field_error_mm(shot.camera, out.report.camera, shot.floor.field, 150);
+  }
+  return out;
+}
+
+bool is_right(const Run& one) {
+  return one.report.found && one.floor_mm < 20;
+}
+
+bool names(const CalibrationReport& report, const char* what) {
+  return std::find(report.held.begin(), report.held.end(), what) != report.held.end();
+}
+
+constexpr std::array kViews{FloorView::kWhole, FloorView::kHalf, FloorView::kQuarter};
+
+void four_clicks(int sizes) {
+  std::printf(
+      "\n| four clicks, 1 and 4 px off, any order | right | z = 0, mm | z = 150, height within 10 mm | z = "
+      "150, no "
+      "height | height and focal length named as held | covered z = 0; 150 | seconds |\n"
+      "|---|---:|---:|---:|---:|---:|---:|---:|\n");
+  for (int size = 0; size < sizes; ++size) {
+    Figures floor, with_height, without, seconds;
+    Share right, held, covered, covered_robots;
+    unsigned seed = 1;
+    for (const FloorView view : kViews) {
+      for (const auto& [tilt, k1] :
+           {std::pair{0.0, 0.08}, {1.5, 0.0}, {1.5, 0.08}, {1.5, 0.4}, {10.0, 0.2}, {25.0, 0.08}}) {
+        PaintedFloor painted;
+        painted.seed = seed++;
+        const Shot shot = take({size, view, tilt, k1, 0}, painted);
+        std::mt19937 random(seed);
+        for (const double sigma_px : {1.0, 4.0}) {
+          for (const bool height : {false, true}) {
+            CalibrationTask task = clicked(shot, view, sigma_px, random);
+            task.click_sigma_px = sigma_px;
+            if (height) give_height(task, shot, random);
+            const Run one = run(shot, task);
+            right.add(is_right(one));
+            seconds.add(one.seconds);
+            if (!is_right(one)) continue;
+            floor.add(one.floor_mm);
+            covered.add(one.floor_mm < 2 * one.report.expected_on_floor_mm);
+            covered_robots.add(one.robots_mm < 2 * one.report.expected_at_150_mm);
+            if (height) {
+              with_height.add(one.robots_mm);
+            } else if (tilt >= 1 && k1 >= 0.05) {
+              without.add(one.robots_mm);
+            } else if (tilt == 0) {
+              held.add(names(one.report, "height") && names(one.report, "focal length"));
+            }
+          }
+        }
+      }
+    }
+    std::printf("| %s | %s | %s | %s | %s | %s | %s; %s | %s |\n", kSizeNames[static_cast<std::size_t>(size)],
+                right.text().c_str(), floor.text().c_str(), with_height.text().c_str(),
+                without.text().c_str(), held.text().c_str(), covered.text().c_str(),
+                covered_robots.text().c_str(), seconds.text(2).c_str());
+    std::fflush(stdout);
+  }
+}
+
+/// What fields and lenses do to it.
+void conditions(int sizes) {
+  struct Condition {
+    const char* name;
+    PaintedFloor floor;
+    double k1 = 0.08, k2 = 0;
+  };
+  std::vector<Condition> all(9);
+  all[0].name = "lines wavy by 1 mm rms";
+  all[0].floor.wavy_mm = 1;
+  all[1].name = "lines wavy by 2 mm rms";
+  all[1].floor.wavy_mm = 2;
+  all[2].name = "lens with k2 = .05";
+  all[2].k1 = 0.1;
+  all[2].k2 = 0.05;
+  all[3].name = "noise of sigma 10";
+  all[3].floor.noise_sigma = 10;
+  all[4].name = "blur of 1.2 px";
+  all[4].floor.blur_px = 1.2;
+  all[5].name = "light falling to 40 %";
+  all[5].floor.dim_to = 0.4;
+  all[6].name = "16 robots, half of them on lines";
+  all[6].floor.robots = 16;
+  all[6].floor.robots_on_lines = true;
+  all[7].name = "three lines and the circle missing";
+  all[7].floor.missing = {"CenterLine", "CenterCircle", "TopTouchLine", "RightFieldLeftPenaltyStretch"};
+  all[8].name = "sizes measured to the lines' middle";
+  all[8].floor.measured = LinesMeasured::kToMiddle;
+  std::printf(
+      "\n| half a field, clicks 2 px off, height within 10 mm | picture | right | z = 0, mm | z = 150, mm | "
+      "covered z = 0 |\n|---|---|---:|---:|---:|---:|\n");
+  for (const Condition& condition : all) {
+    for (int size = 0; size < std::min(sizes, 2); ++size) {
+      Figures floor, robots;
+      Share right, covered;
+      for (unsigned seed = 1; seed <= 6; ++seed) {
+        PaintedFloor painted = condition.floor;
+        painted.seed = seed;
+        const Shot shot = take({size, FloorView::kHalf, 1.5, condition.k1, condition.k2}, painted);
+        std::mt19937 random(seed);
+        CalibrationTask task = clicked(shot, FloorView::kHalf, 2, random);
+        give_height(task, shot, random);
+        const Run one = run(shot, task);
+        right.add(is_right(one));
+        if (!is_right(one)) continue;
+        floor.add(one.floor_mm);
+        robots.add(one.robots_mm);
+        covered.add(one.floor_mm < 2 * one.report.expected_on_floor_mm);
+      }
+      std::printf("| %s | %s | %s | %s | %s | %s |\n", condition.name,
+                  kSizeNames[static_cast<std::size_t>(size)], right.text().c_str(), floor.text().c_str(),
+                  robots.text().c_str(), covered.text().c_str());
+      std::fflush(stdout);
+    }
+  }
+}
+
+void no_clicks(int sizes) {
+  std::printf(
+      "\n| no clicks | right | accepted | wrong and accepted | seconds |\n|---|---:|---:|---:|---:|\n");
+  constexpr std::array kNames{"whole field", "half", "quarter"};
+  for (std::size_t v = 0; v < kViews.size(); ++v) {
+    Share right, accepted, wrong;
+    Figures seconds;
+    unsigned seed = 1;
+    for (int size = 0; size < std::min(sizes, 2); ++size) {
+      for (const double tilt : {0.0, 1.5, 10.0, 25.0}) {
+        for (const double k1 : {0.0, 0.08, 0.2, 0.4}) {
+          PaintedFloor painted;
+          painted.seed = seed++;
+          painted.robots_on_lines = seed % 2 == 0;
+          const Shot shot = take({size, kViews[v], tilt, k1, 0}, painted);
+          CalibrationTask task;
+          task.field = shot.floor.field;
+          task.plus_x = kViews[v] == FloorView::kHalf ? PlusX::kUp : PlusX::kRight;
+          const Run one = run(shot, task);
+          right.add(is_right(one));
+          accepted.add(one.report.accepted);
+          wrong.add(one.report.accepted && !is_right(one));
+          seconds.add(one.seconds);
+        }
+      }
+    }
+    std::printf("| %s | %s | %s | %s | %s |\n", kNames[v], right.text().c_str(), accepted.text().c_str(),
+                wrong.text().c_str(), seconds.text(2).c_str());
+    std::fflush(stdout);
+  }
+  // Fields that are not of the given size must not be accepted.
+  Share wrong;
+  for (const double scale : {0.9, 0.95, 1.05, 1.1}) {
+    const Shot shot = take({0, FloorView::kHalf, 1.5, 0.08, 0}, {});
+    CalibrationTask task;
+    task.field = shot.floor.field;
+    task.field.field_length = static_cast<int>(scale * task.field.field_length);
+    wrong.add(run(shot, task).report.accepted);
+  }
+  std::printf("| field of another length | | %s | %s | |\n", wrong.text().c_str(), wrong.text().c_str());
+}
+
+void wrong_clicks() {
+  Share flagged, named, solved, quiet, false_alarm, swapped;
+  for (const FloorView view : kViews) {
+    for (const double tilt : {1.5, 25.0}) {
+      const Shot shot = take({0, view, tilt, 0.15, 0}, {});
+      std::mt19937 random(static_cast<unsigned>(tilt) + 3);
+      for (std::size_t wrong = 0; wrong <= 4; ++wrong) {
+        CalibrationTask task = clicked(shot, view, 2, random);
+        give_height(task, shot, random);
+        if (wrong < 4) {
+          const double angle = std::uniform_real_distribution<double>(0, 2 * std::numbers::pi)(random);
+          task.clicks[wrong].pixel +=
+              200 * shot.camera.width / 1280.0 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+        }
+        const Run one = run(shot, task);
+        const auto& clicks = one.report.click_figures;
+        const bool any =
+            std::any_of(clicks.begin(), clicks.end(), [](const ClickFigure& click) { return click.suspect; });
+        if (wrong == 4) {
+          false_alarm.add(any || !one.report.accepted);
+          swapped.add(is_right(one) && one.report.accepted);
+          continue;
+        }
+        flagged.add(any || !one.report.accepted);
+        named.add(clicks.size() == 4 && clicks[wrong].suspect);
+        solved.add(is_right(one));
+        quiet.add(one.report.accepted && !is_right(one));
+      }
+    }
+  }
+  std::printf(
+      "\n| one of four clicks 200 px of 1280 off | |\n|---|---:|\n| flagged | %s |\n| the right one named | "
+      "%s |\n| solved in spite of it | %s |\n"
+      "| accepted though wrong | %s |\n| false alarms without it | %s |\n",
+      flagged.text().c_str(), named.text().c_str(), solved.text().c_str(), quiet.text().c_str(),
+      false_alarm.text().c_str());
+}
+
+}  // namespace
+}  // namespace sslv
+
+int main(int argc, char** argv) {
+  const int sizes = argc > 1 ? std::clamp(std::atoi(argv[1]), 1, 3) : 3;
+  sslv::four_clicks(sizes);
+  sslv::conditions(sizes);
+  sslv::no_clicks(sizes);
+  sslv::wrong_clicks();
+}
