@@ -149,11 +149,6 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
 
 }  // namespace
 
-bool is_plausible(const LensCamera& camera) {
-  const double width_mm = camera.width * camera.position_mm.z() / camera.focal_px;
-  return camera.rotation(2, 2) < -0.5 && width_mm > 1500 && width_mm < 20000;
-}
-
 CameraFit camera_of_points(Points pixels, Points places_mm, double sigma_px, int width_px, int height_px,
                            const CameraPrior& prior) {
   std::vector<Sighting> sightings(pixels.size());

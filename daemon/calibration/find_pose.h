@@ -36,9 +36,6 @@ CameraFit camera_of_points(std::span<const Eigen::Vector2d> pixels,
                            std::span<const Eigen::Vector2d> places_mm, double sigma_px, int width_px,
                            int height_px, const CameraPrior& prior);
 
-/// Whether it looks down from where it sees 1.5 to 20 m across.
-bool is_plausible(const LensCamera& camera);
-
 /// Share of the lines expected in view that lie on bright stripes, 0 .. 1; little is seen: less.
 double line_evidence(const LensCamera& camera, std::span<const CurvePoint> points,
                      const LinePicture& picture);

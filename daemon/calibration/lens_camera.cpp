@@ -104,6 +104,11 @@ LensCamera lens_camera(const CameraCalibration& c) {
   return out;
 }
 
+bool is_plausible(const LensCamera& camera) {
+  const double width_mm = camera.width * camera.position_mm.z() / camera.focal_px;
+  return camera.rotation(2, 2) < -0.5 && width_mm > 1500 && width_mm < 20000;
+}
+
 LensCamera moved(const LensCamera& camera, const CameraStep& step) {
   return SteppedCamera(camera, step).camera();
 }

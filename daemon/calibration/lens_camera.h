@@ -26,6 +26,9 @@ struct LensCamera {
 
 LensCamera lens_camera(const CameraCalibration& calibration);
 
+/// Whether it looks down from where it sees 1.5 to 20 m across: fits of a wrong guess may end anywhere.
+bool is_plausible(const LensCamera& camera);
+
 /// What may change, in units of some like effect on the picture. The first one changes the focal length by
 /// exp(step) and with it the distance from the floor along the optical axis and the distortion: a picture of
 /// a plane hardly shows that, so that a solver sees a straight valley instead of a bent one.

@@ -48,7 +48,7 @@ std::optional<LensCamera> fit_roughly(const LinePicture& picture, const LensCame
   const double scale = px_per_mm(start);
   const auto points = points_along(curves, kStepPx / scale, kClearPx / scale + 10);
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    if (stop.stop_requested()) return std::nullopt;
+    if (stop.stop_requested() || !is_plausible(camera)) return std::nullopt;
     const auto sightings = find_lines(picture, camera, curves, points, window_px);
     if (sightings.size() < kLeastSightings) return std::nullopt;
     const LensCamera last = camera;
@@ -130,8 +130,8 @@ std::vector<double> off_px(const LensCamera& camera, std::span<const Sighting> s
   return out;
 }
 
-/// How many neighbouring sightings say what one does: those on a line that was painted unevenly are off together
-/// (first-order autoregression; Bartlett 1935).
+/// How many neighbouring sightings say what one does: those on a line that was painted unevenly are off
+/// together (first-order autoregression; Bartlett 1935).
 double redundancy(const LensCamera& camera, std::span<const Sighting> sightings, double step_mm) {
   const std::vector<double> off = residuals(camera, sightings);
   double together = 0, squares = 0;
@@ -193,6 +193,7 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
                                           std::span<const PaintedCurve> curves,
                                           const CameraPrior& given_prior, const RefineOptions& options,
                                           const std::stop_token& stop) {
+  if (!is_plausible(start)) return std::nullopt;
   CameraPrior prior = given_prior;
   if (options.two_radial) prior.k2_sigma = kTwoRadialSigma;
   const double scale = px_per_mm(start);
@@ -204,7 +205,7 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
   RefinedCamera out;
   out.camera = start;
   for (int pass = 0; pass < kPasses; ++pass) {
-    if (stop.stop_requested()) return std::nullopt;
+    if (stop.stop_requested() || !is_plausible(out.camera)) return std::nullopt;
     Patches patches = measure_patches(picture, out.camera, curves, points, blur_px);
     if (patches.sightings.size() < kLeastSightings) return std::nullopt;
     const double spread_px =

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/calibrate.h"
+
+#include "base/error.h"
+#include "support/painted_floor.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+struct Shot {
+  LensCamera camera;
+  PaintedFloor floor;
+  MeanPicture picture;
+  double floor_error_mm(const CalibrationReport& report) const {
+    return report.found ? field_error_mm(camera, report.camera, floor.field, 0) : 1e6;
+  }
+  double robots_error_mm(const CalibrationReport& report) const {
+    return report.found ? field_error_mm(camera, report.camera, floor.field, 150) : 1e6;
+  }
+};
+
+Shot take(const FloorSetting& setting, PaintedFloor floor = {}) {
+  Shot out{floor_camera(setting), std::move(floor), {}};
+  out.floor.field = floor_field(setting.size);
+  out.picture.add(draw_floor(out.floor, out.camera).view);
+  return out;
+}
+
+/// A small camera over half a field, tilted a little.
+const Shot& half() {
+  static const Shot shot = take({});
+  return shot;
+}
+
+CalibrationTask clicked(const Shot& shot, const std::vector<std::string>& names) {
+  CalibrationTask task;
+  task.field = shot.floor.field;
+  const auto points = named_points(painted_curves(task.field, LinesMeasured::kToOuterEdge));
+  // As people click: a few pixels off.
+  constexpr double kOffPx[][2] = {{1, 2}, {-2, 1}, {2, -1}, {-1, -2}, {1, -2}, {-2, -1}};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto point = std::find_if(points.begin(), points.end(),
+                                    [&](const NamedPoint& one) { return one.name == names[i]; });
+    const auto pixel = shot.camera.project({point->place_mm.x(), point->place_mm.y(), 0});
+    task.clicks.push_back({*pixel + Eigen::Vector2d(kOffPx[i][0], kOffPx[i][1]), names[i], {}});
+  }
+  return task;
+}
+
+const std::vector<std::string> kHalfCorners{"halfway line bottom", "halfway line top", "corner right top",
+                                            "corner right bottom"};
+
+void swap_pixels(CalibrationTask& task, std::size_t a, std::size_t b) {
+  std::swap(task.clicks[a].pixel, task.clicks[b].pixel);
+}
+
+TEST(Calibrate, FindsTheCameraFromFourClicks) {
+  CalibrationTask task = clicked(half(), kHalfCorners);
+  task.height_mm = half().camera.position_mm.z() + 8;
+  task.height_sigma_mm = 10;
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_THAT(report.problems, IsEmpty());
+  EXPECT_LT(half().floor_error_mm(report), 0.15);
+  EXPECT_LT(half().robots_error_mm(report), 0.5);
+  EXPECT_GT(report.found_share, 0.95);
+  EXPECT_LT(report.rms_px, 0.05);
+  // What it says of itself is of the right order.
+  EXPECT_LT(half().floor_error_mm(report), 2 * report.expected_on_floor_mm);
+  EXPECT_LT(report.expected_on_floor_mm, 0.2);
+  EXPECT_LT(half().robots_error_mm(report), 2 * report.expected_at_150_mm);
+  EXPECT_THAT(report.line_figures, Not(IsEmpty()));
+  EXPECT_THAT(report.error_map, Not(IsEmpty()));
+  EXPECT_THAT(report.control_points, Not(IsEmpty()));
+  EXPECT_GT(report.coverage, 0.5);
+  EXPECT_LE(report.coverage, 1);
+  EXPECT_GT(report.condition, 1);
+  // The published one is the same camera.
+  const CameraModel wire(report.calibration);
+  EXPECT_LT((wire.position_mm() - report.camera.position_mm).norm(), 1e-3);
+}
+
+TEST(Calibrate, TakesClicksInAnyOrder) {
+  CalibrationTask task = clicked(half(), kHalfCorners);
+  swap_pixels(task, 0, 2);
+  swap_pixels(task, 1, 2);
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(half().floor_error_mm(report), 0.15);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("others than were named")));
+}
+
+TEST(Calibrate, TakesAnyNamedPointsAndPlacesInMillimetres) {
+  CalibrationTask task = clicked(half(), {"circle top", "circle bottom", "defence area right top",
+                                          "corner right bottom", "halfway line top"});
+  for (ClickedPoint& click : task.clicks) {
+    if (click.name != "circle top") continue;
+    click.name.clear();
+    click.place_mm = {0, 495};
+  }
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(half().floor_error_mm(report), 0.15);
+}
+
+TEST(Calibrate, FindsOutWhichPointsWereClicked) {
+  CalibrationTask task = clicked(half(), kHalfCorners);
+  for (ClickedPoint& click : task.clicks) click.name.clear();
+  task.plus_x = PlusX::kUp;
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(half().floor_error_mm(report), 0.15);
+}
+
+TEST(Calibrate, NeedsNoClicks) {
+  CalibrationTask task;
+  task.field = half().floor.field;
+  task.plus_x = PlusX::kUp;
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(half().floor_error_mm(report), 0.15);
+}
+
+TEST(Calibrate, SaysWhenBothEndsLookAlike) {
+  CalibrationTask task;
+  task.field = half().floor.field;
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("Both ends of the field look alike")));
+  task.plus_x = PlusX::kDown;
+  const CalibrationReport other = calibrate(half().picture, task);
+  ASSERT_TRUE(other.found);
+  EXPECT_THAT(other.notes, Not(Contains(HasSubstr("look alike"))));
+  // Half a turn of the field.
+  const auto place = other.camera.unproject({300, 200}, 0), truth = half().camera.unproject({300, 200}, 0);
+  EXPECT_LT((*place + *truth).norm(), 1);
+}
+
+TEST(Calibrate, AWrongClickIsNamedAndDoesNoHarm) {
+  for (std::size_t wrong = 0; wrong < 4; ++wrong) {
+    CalibrationTask task = clicked(half(), kHalfCorners);
+    task.clicks[wrong].pixel += Eigen::Vector2d(75, -96);
+    const CalibrationReport report = calibrate(half().picture, task);
+    EXPECT_LT(half().floor_error_mm(report), 0.15) << wrong;
+    ASSERT_EQ(report.click_figures.size(), 4U);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(report.click_figures[i].suspect, i == wrong) << i << wrong;
+    EXPECT_THAT(report.problems, Contains(HasSubstr("Point " + std::to_string(wrong + 1))));
+  }
+}
+
+TEST(Calibrate, SaysWhatTheViewDoesNotShow) {
+  const Shot shot = take({0, FloorView::kHalf, 0, 0.08, 0});
+  const CalibrationReport report = calibrate(shot.picture, clicked(shot, kHalfCorners));
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(shot.floor_error_mm(report), 0.15);
+  EXPECT_THAT(report.held, Contains("height"));
+  EXPECT_THAT(report.held, Contains("focal length"));
+  EXPECT_THAT(report.notes, Contains(HasSubstr("not observable from this view")));
+  EXPECT_LT(shot.robots_error_mm(report), 2 * report.expected_at_150_mm);
+}
+
+TEST(Calibrate, TakesTheHeightFromTheLens) {
+  const Shot shot = take({0, FloorView::kHalf, 0, 0.08, 0});
+  CalibrationTask task = clicked(shot, kHalfCorners);
+  task.focal_px = 1.01 * shot.camera.focal_px;
+  const CalibrationReport report = calibrate(shot.picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_NEAR(report.height_mm, shot.camera.position_mm.z(), 0.03 * shot.camera.position_mm.z());
+}
+
+TEST(Calibrate, BendsWithALensOfTwoTerms) {
+  const Shot shot = take({0, FloorView::kHalf, 1.5, 0.1, 0.05});
+  CalibrationTask task = clicked(shot, kHalfCorners);
+  task.height_mm = shot.camera.position_mm.z();
+  const CalibrationReport report = calibrate(shot.picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(shot.floor_error_mm(report), 0.15);
+  EXPECT_GT(report.lens_rms_mm, 0.05) << "what the wire cannot say";
+  const CameraModel wire(report.calibration);
+  const auto place = wire.unproject({390, 290}, 0), truth = shot.camera.unproject({390, 290}, 0);
+  EXPECT_LT((*place - *truth).norm(), report.lens_worst_mm + 0.15);
+}
+
+TEST(Calibrate, FindsOutWhichEdgeTheSizesWereMeasuredTo) {
+  PaintedFloor floor;
+  floor.measured = LinesMeasured::kToMiddle;
+  const Shot shot = take({}, floor);
+  CalibrationTask task = clicked(shot, kHalfCorners);
+  CalibrationReport report = calibrate(shot.picture, task);
+  EXPECT_EQ(report.measured, LinesMeasured::kToMiddle);
+  EXPECT_LT(shot.floor_error_mm(report), 0.15);
+  task.measured = LinesMeasured::kToOuterEdge;
+  report = calibrate(shot.picture, task);
+  EXPECT_EQ(report.measured, LinesMeasured::kToOuterEdge) << "as told";
+  EXPECT_GT(shot.floor_error_mm(report), 1);
+}
+
+TEST(Calibrate, DoesWithoutSomeLines) {
+  PaintedFloor floor;
+  floor.missing = {"CenterLine", "CenterCircle", "TopTouchLine"};
+  const Shot shot = take({}, floor);
+  const CalibrationReport report = calibrate(shot.picture, clicked(shot, kHalfCorners));
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(shot.floor_error_mm(report), 0.2);
+}
+
+TEST(Calibrate, SeesPartsOfFieldsAndRobotsOnLines) {
+  PaintedFloor floor;
+  floor.robots = 16;
+  floor.robots_on_lines = true;
+  const Shot quarter = take({0, FloorView::kQuarter, 1.5, 0.2, 0}, floor);
+  const CalibrationReport report = calibrate(
+      quarter.picture,
+      clicked(quarter, {"centre", "halfway line top", "corner right top", "goal line middle right"}));
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(quarter.floor_error_mm(report), 0.15);
+
+  const Shot whole = take({0, FloorView::kWhole, 25, 0.08, 0}, floor);
+  const CalibrationReport other = calibrate(
+      whole.picture,
+      clicked(whole, {"corner left bottom", "corner left top", "corner right top", "corner right bottom"}));
+  EXPECT_TRUE(other.accepted);
+  EXPECT_LT(whole.floor_error_mm(other), 0.2);
+}
+
+TEST(Calibrate, DoesNotAcceptAFieldOfAnotherSize) {
+  for (const double scale : {0.9, 1.1}) {
+    CalibrationTask task;
+    task.field = half().floor.field;
+    task.field.field_length = static_cast<int>(scale * task.field.field_length);
+    task.plus_x = PlusX::kUp;
+    const CalibrationReport report = calibrate(half().picture, task);
+    EXPECT_FALSE(report.accepted) << scale;
+    EXPECT_THAT(report.problems, Not(IsEmpty()));
+  }
+}
+
+TEST(Calibrate, DoesNotAcceptAPictureWithoutAField) {
+  PaintedFloor bare;
+  bare.robots = 4;
+  for (const FieldLine& line : field_lines(floor_field(0))) bare.missing.push_back(line.name);
+  bare.missing.push_back("CenterCircle");
+  const LensCamera camera = floor_camera({});
+  bare.field = floor_field(0);
+  MeanPicture picture;
+  picture.add(draw_floor(bare, camera).view);
+  CalibrationTask task;
+  task.field = bare.field;
+  const CalibrationReport report = calibrate(picture, task);
+  EXPECT_FALSE(report.accepted);
+  EXPECT_THAT(report.problems, Not(IsEmpty()));
+}
+
+TEST(Calibrate, ComparesWithThePreviousOne) {
+  CalibrationTask task = clicked(half(), kHalfCorners);
+  const CalibrationReport first = calibrate(half().picture, task);
+  ASSERT_TRUE(first.found);
+  EXPECT_FALSE(first.moved_on_floor_mm);
+  task.previous = first.calibration;
+  task.previous->principal_point_x += 2;
+  const CalibrationReport second = calibrate(half().picture, task);
+  ASSERT_TRUE(second.moved_on_floor_mm);
+  EXPECT_GT(*second.moved_on_floor_mm, 5);
+  EXPECT_LT(*second.moved_on_floor_mm, 30);
+}
+
+TEST(Calibrate, RefusesClicksThatSayNothing) {
+  CalibrationTask task = clicked(half(), kHalfCorners);
+  task.clicks.pop_back();
+  EXPECT_THROW(calibrate(half().picture, task), SettingsError);
+  task = clicked(half(), kHalfCorners);
+  task.clicks[1].name = "corner";
+  try {
+    calibrate(half().picture, task);
+    FAIL();
+  } catch (const SettingsError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("points/1/name: \"corner\" is no point of this field"));
+    EXPECT_THAT(error.what(), HasSubstr("\"corner left top\""));
+  }
+}
+
+TEST(Calibrate, EndsWhenTold) {
+  std::stop_source source;
+  source.request_stop();
+  const CalibrationReport report =
+      calibrate(half().picture, clicked(half(), kHalfCorners), source.get_token());
+  EXPECT_FALSE(report.found);
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/painted_curves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+const PaintedCurve& named(const std::vector<PaintedCurve>& curves, std::string_view name) {
+  const auto found = std::find_if(curves.begin(), curves.end(),
+                                  [&](const PaintedCurve& curve) { return curve.name == name; });
+  if (found == curves.end()) throw std::runtime_error("no " + std::string(name));
+  return *found;
+}
+
+TEST(PaintedCurves, LieHalfALineInsideOfSizesMeasuredToTheOuterEdge) {
+  const auto curves =
+      painted_curves(FieldSize{}, LinesMeasured::kToOuterEdge);  // Division B, lines 10 mm wide
+  EXPECT_EQ(named(curves, "TopTouchLine").from, Eigen::Vector2d(-4495, 2995));
+  EXPECT_EQ(named(curves, "LeftGoalLine").to, Eigen::Vector2d(-4495, 2995));
+  // The defence area's outer edges are 1000 mm from the goal line's and 2000 mm apart.
+  EXPECT_EQ(named(curves, "LeftPenaltyStretch").from, Eigen::Vector2d(-3505, -995));
+  EXPECT_EQ(named(curves, "RightPenaltyStretch").to, Eigen::Vector2d(3505, 995));
+  EXPECT_EQ(named(curves, "RightFieldLeftPenaltyStretch").from, Eigen::Vector2d(4495, 995));
+  EXPECT_EQ(named(curves, "CenterCircle").radius_mm, 495);
+  EXPECT_EQ(named(curves, "HalfwayLine").from, Eigen::Vector2d(0, -2995));
+}
+
+TEST(PaintedCurves, LieWhereSizesMeasuredToTheMiddleSay) {
+  const auto curves = painted_curves(FieldSize{}, LinesMeasured::kToMiddle);
+  EXPECT_EQ(named(curves, "TopTouchLine").from, Eigen::Vector2d(-4500, 3000));
+  EXPECT_EQ(named(curves, "LeftPenaltyStretch").from, Eigen::Vector2d(-3500, -1000));
+  EXPECT_EQ(named(curves, "CenterCircle").radius_mm, 500);
+}
+
+TEST(PaintedCurves, LinesOfTheFieldsOwnAreGivenByTheirMiddle) {
+  FieldSize field;
+  field.field_lines = {{"TopTouchLine", -4500, 3000, 4500, 3000, 12}};
+  field.field_arcs = {{"bow", 0, 0, 800, 0, std::numbers::pi, 10}};
+  const auto curves = painted_curves(field, LinesMeasured::kToOuterEdge);
+  ASSERT_EQ(curves.size(), 2U);
+  EXPECT_EQ(curves[0].from, Eigen::Vector2d(-4500, 3000));
+  EXPECT_EQ(curves[0].width_mm, 12);
+  EXPECT_EQ(curves[1].radius_mm, 800);
+  EXPECT_NEAR(curves[1].length_mm(), 800 * std::numbers::pi, 1e-9);
+  EXPECT_NEAR(curves[1].distance_mm({0, 700}), 100, 1e-9);
+  EXPECT_NEAR(curves[1].distance_mm({810, -100}), std::hypot(10, 100), 1e-9) << "beyond its end";
+}
+
+TEST(PaintedCurves, KnowWhetherBothEndsOfTheFieldLookAlike) {
+  EXPECT_TRUE(same_turned(painted_curves(FieldSize{}, LinesMeasured::kToOuterEdge)));
+  FieldSize field;
+  field.field_lines = field_lines(field);
+  field.field_lines->pop_back();
+  EXPECT_FALSE(same_turned(painted_curves(field, LinesMeasured::kToOuterEdge)));
+}
+
+TEST(PaintedCurves, PointsKeepClearOfOtherCurvesAndEnds) {
+  const auto curves = painted_curves(FieldSize{}, LinesMeasured::kToOuterEdge);
+  const auto points = points_along(curves, 50, 40);
+  EXPECT_GT(points.size(), 500U);
+  for (const CurvePoint& point : points) {
+    const Eigen::Vector2d place = point.place_mm.head<2>();
+    EXPECT_LT(curves[point.curve].distance_mm(place), 1e-6);
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      if (i == point.curve) continue;
+      EXPECT_GE(curves[i].distance_mm(place), 40);
+    }
+  }
+}
+
+TEST(NamedPoints, AreCornersAndCrossings) {
+  const auto points = named_points(painted_curves(FieldSize{}, LinesMeasured::kToMiddle));
+  const auto place = [&](std::string_view name) {
+    const auto found = std::find_if(points.begin(), points.end(),
+                                    [&](const NamedPoint& point) { return point.name == name; });
+    return found == points.end() ? Eigen::Vector2d(1e9, 1e9) : found->place_mm;
+  };
+  EXPECT_EQ(place("corner left top"), Eigen::Vector2d(-4500, 3000));
+  EXPECT_EQ(place("corner right bottom"), Eigen::Vector2d(4500, -3000));
+  EXPECT_EQ(place("halfway line bottom"), Eigen::Vector2d(0, -3000));
+  EXPECT_EQ(place("defence area right top"), Eigen::Vector2d(3500, 1000));
+  EXPECT_EQ(place("defence area at goal line left bottom"), Eigen::Vector2d(-4500, -1000));
+  EXPECT_EQ(place("circle top"), Eigen::Vector2d(0, 500));
+  EXPECT_EQ(place("centre"), Eigen::Vector2d(0, 0));
+  for (const NamedPoint& a : points) {
+    for (const NamedPoint& b : points) EXPECT_TRUE(&a == &b || a.name != b.name) << a.name;
+  }
+}
+
+}  // namespace
+}  // namespace sslv
