@@ -3,6 +3,7 @@
 // and noise of sigma 4. Takes some minutes; an argument is the number of the smallest picture size to leave
 // out (1: only 780 x 580).
 #include "calibration/calibrate.h"
+#include "calibration/refine_jointly.h"
 #include "support/painted_floor.h"
 
 #include <algorithm>
@@ -304,6 +305,67 @@ void wrong_clicks() {
       false_alarm.text().c_str());
 }
 
+/// Two cameras over the halves of a field whose lines are not where they should be, by themselves and
+/// together.
+void overlap() {
+  std::printf(
+      "\n| overlap of two cameras, 780x580, height within 10 mm | z = 0 apart, mm | together | z = 150 apart "
+      "| "
+      "together | together with 30 robots: z = 0 | z = 150 |\n|---|---:|---:|---:|---:|---:|---:|\n");
+  for (const double off_mm : {1.0, 2.0}) {
+    for (const bool wavy : {false, true}) {
+      std::array<Figures, 6> figures;
+      for (unsigned seed = 1; seed <= 5; ++seed) {
+        PaintedFloor floor;
+        floor.seed = seed;
+        (wavy ? floor.wavy_mm : floor.shifted_mm) = off_mm;
+        floor.field = floor_field(0);
+        LensCamera a = floor_camera({}), b = turned_round(a);
+        b.center_x += 4;
+        const auto curves = painted_curves(floor.field, LinesMeasured::kToOuterEdge);
+        std::mt19937 random(seed);
+        std::normal_distribution<double> normal;
+        std::vector<JointCamera> seen;
+        for (const LensCamera& camera : {a, b}) {
+          MeanPicture picture;
+          picture.add(draw_floor(floor, camera).view);
+          CameraPrior prior = camera_prior(camera.width, camera.height);
+          prior.height_mm = camera.position_mm.z() + 10 * normal(random);
+          prior.height_sigma_mm = 10;
+          auto refined = refine_camera(find_line_pixels(picture, 1.5), camera, curves, prior, {20, false});
+          if (refined) seen.push_back({*refined, prior});
+        }
+        if (seen.size() < 2) continue;
+        std::vector<OverlapTie> ties;
+        for (int i = 0; i < 30; ++i) {
+          const Eigen::Vector3d place(std::uniform_real_distribution<double>(-300, 300)(random),
+                                      std::uniform_real_distribution<double>(-1900, 1900)(random), 140);
+          const auto p = a.project(place), q = b.project(place);
+          if (!p || !q || !a.is_in_picture(*p) || !b.is_in_picture(*q)) continue;
+          const auto miss = [&] { return 0.1 * Eigen::Vector2d(normal(random), normal(random)); };
+          ties.push_back({0, 1, *p + miss(), *q + miss(), 140, 0.1});
+        }
+        const auto add = [&](std::size_t i, const LensCamera& one, const LensCamera& other,
+                             double height_mm) {
+          figures[i].add(overlap_error_mm(a, b, one, other, floor.field, height_mm));
+        };
+        const JointCalibration lines = refine_jointly(seen, curves, {}),
+                               robots = refine_jointly(seen, curves, ties);
+        add(0, seen[0].refined.camera, seen[1].refined.camera, 0);
+        add(1, lines.cameras[0], lines.cameras[1], 0);
+        add(2, seen[0].refined.camera, seen[1].refined.camera, 150);
+        add(3, lines.cameras[0], lines.cameras[1], 150);
+        add(4, robots.cameras[0], robots.cameras[1], 0);
+        add(5, robots.cameras[0], robots.cameras[1], 150);
+      }
+      std::printf("| lines %s by %.0f mm", wavy ? "wavy" : "shifted", off_mm);
+      for (const Figures& one : figures) std::printf(" | %s", one.text(2).c_str());
+      std::printf(" |\n");
+      std::fflush(stdout);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sslv
 
@@ -313,4 +375,5 @@ int main(int argc, char** argv) {
   sslv::conditions(sizes);
   sslv::no_clicks(sizes);
   sslv::wrong_clicks();
+  sslv::overlap();
 }

@@ -311,6 +311,31 @@ LensCamera floor_camera(const FloorSetting& setting) {
   return camera;
 }
 
+LensCamera turned_round(const LensCamera& camera) {
+  const Eigen::DiagonalMatrix<double, 3> half_turn(-1, -1, 1);
+  LensCamera out = camera;
+  out.rotation = camera.rotation * half_turn;
+  out.position_mm = half_turn * camera.position_mm;
+  return out;
+}
+
+double overlap_error_mm(const LensCamera& truth_a, const LensCamera& truth_b, const LensCamera& a,
+                        const LensCamera& b, const FieldSize& field, double height_mm) {
+  constexpr double kStepMm = 100;
+  double squares = 0;
+  int count = 0;
+  for (double x = -field.field_length / 2.0; x <= field.field_length / 2.0; x += kStepMm) {
+    for (double y = -field.field_width / 2.0; y <= field.field_width / 2.0; y += kStepMm) {
+      const auto p = truth_a.project({x, y, height_mm}), q = truth_b.project({x, y, height_mm});
+      if (!p || !q || !truth_a.is_in_picture(*p) || !truth_b.is_in_picture(*q)) continue;
+      const auto by_a = a.unproject(*p, height_mm), by_b = b.unproject(*q, height_mm);
+      squares += by_a && by_b ? (*by_a - *by_b).squaredNorm() : 1e12;
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(squares / count) : 1e6;
+}
+
 double field_error_mm(const LensCamera& truth, const LensCamera& estimate, const FieldSize& field,
                       double height_mm) {
   constexpr double kStepMm = 150;

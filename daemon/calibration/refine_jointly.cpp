@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/refine_jointly.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Dense>
+#include <unsupported/Eigen/NonLinearOptimization>
+
+namespace sslv {
+namespace {
+
+/// Unevenly painted lines are followed in pieces of this length.
+constexpr double kPieceMm = 600;
+/// How exact one patch of a line is.
+constexpr double kPatchSigmaPx = 0.05;
+
+Eigen::Vector2d side_of(const Eigen::Vector2d& direction) {
+  return {-direction.y(), direction.x()};
+}
+
+double place_along(const PaintedCurve& curve, const Eigen::Vector2d& place) {
+  const Eigen::Vector2d rel = place - curve.from;
+  if (!curve.is_arc) return std::clamp(rel.dot(curve.direction(0)), 0.0, curve.length_mm());
+  double turn = std::atan2(rel.y(), rel.x()) - curve.begin_rad;
+  turn -= 2 * std::numbers::pi * std::floor(turn / (2 * std::numbers::pi));
+  return std::min(turn * curve.radius_mm, curve.length_mm());
+}
+
+/// How far the paint of each curve is off to its side, by pieces with straight changes between.
+class Paint {
+ public:
+  explicit Paint(std::span<const PaintedCurve> curves) {
+    for (const PaintedCurve& curve : curves) {
+      first_.push_back(count_);
+      pieces_.push_back(std::max(1, static_cast<int>(curve.length_mm() / kPieceMm)));
+      count_ += pieces_.back() + 1;
+    }
+  }
+  int count() const { return count_; }
+
+  struct Share {
+    int before, after;  // parameters
+    double of_after;
+  };
+  Share at(std::size_t curve, double share_of_length) const {
+    const double at = share_of_length * pieces_[curve];
+    const int piece = std::clamp(static_cast<int>(at), 0, pieces_[curve] - 1);
+    return {first_[curve] + piece, first_[curve] + piece + 1, at - piece};
+  }
+
+ private:
+  std::vector<int> first_, pieces_;
+  int count_ = 0;
+};
+
+/// Parameters: each camera's step, each piece of paint, and the place of each tie.
+class Problem {
+ public:
+  using Scalar = double;
+  static constexpr int InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic;
+  using InputType = Eigen::VectorXd;
+  using ValueType = Eigen::VectorXd;
+  using JacobianType = Eigen::MatrixXd;
+
+  Problem(std::span<const LensCamera> starts, std::span<const JointCamera> cameras,
+          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, double line_sigma_mm)
+      : starts_(starts),
+        cameras_(cameras),
+        curves_(curves),
+        ties_(ties),
+        line_sigma_mm_(line_sigma_mm),
+        paint_(curves) {
+    for (const JointCamera& camera : cameras)
+      rows_ += static_cast<int>(camera.refined.sightings.size()) + kPriorRows;
+    rows_ += paint_.count() + 4 * static_cast<int>(ties.size());
+  }
+
+  int inputs() const { return first_tie() + 2 * static_cast<int>(ties_.size()); }
+  int values() const { return rows_; }
+  int first_paint() const { return static_cast<int>(cameras_.size()) * kCameraParams; }
+  int first_tie() const { return first_paint() + paint_.count(); }
+
+  int operator()(const InputType& x, ValueType& out) const {
+    visit(x, &out, nullptr);
+    return 0;
+  }
+  int df(const InputType& x, JacobianType& out) const {
+    out.setZero();
+    visit(x, nullptr, &out);
+    return 0;
+  }
+
+ private:
+  static constexpr int kPriorRows = 6;
+
+  void visit(const InputType& x, ValueType* values, JacobianType* changes) const {
+    int row = 0;
+    const auto set = [&](double value) {
+      if (values != nullptr) (*values)[row] = value;
+    };
+    const auto change = [&](int param, double by) {
+      if (changes != nullptr) (*changes)(row, param) = by;
+    };
+    std::vector<SteppedCamera> stepped;
+    for (std::size_t c = 0; c < cameras_.size(); ++c)
+      stepped.emplace_back(starts_[c], CameraStep(x.segment<kCameraParams>(offset(c))));
+
+    for (std::size_t c = 0; c < cameras_.size(); ++c) {
+      for (const Sighting& sighting : cameras_[c].refined.sightings) {
+        const PaintedCurve& curve = curves_[sighting.curve];
+        const double at_mm = place_along(curve, sighting.place_mm.head<2>());
+        const Paint::Share share = paint_.at(sighting.curve, at_mm / curve.length_mm());
+        const double before = x[first_paint() + share.before], after = x[first_paint() + share.after];
+        const double off_mm = before + share.of_after * (after - before);
+        const Eigen::Vector2d side = side_of(curve.direction(at_mm));
+        const Eigen::Vector3d place = sighting.place_mm + off_mm * Eigen::Vector3d(side.x(), side.y(), 0);
+        const auto seen = stepped[c].project(place);
+        const Eigen::Vector2d n = sighting.normal.value_or(Eigen::Vector2d::Zero()) / kPatchSigmaPx;
+        set(seen ? robust(n.dot(seen->pixel - sighting.pixel)) : 0);
+        if (seen && changes != nullptr) {
+          const double slope = robust_slope(n.dot(seen->pixel - sighting.pixel));
+          changes->block(row, offset(c), 1, kCameraParams) = slope * n.transpose() * seen->by_step;
+          // Moving the place by a little to the side.
+          const auto beside = stepped[c].camera().project(place + Eigen::Vector3d(side.x(), side.y(), 0));
+          const double by_mm = beside ? slope * n.dot(*beside - seen->pixel) : 0;
+          change(first_paint() + share.before, by_mm * (1 - share.of_after));
+          change(first_paint() + share.after, by_mm * share.of_after);
+        }
+        ++row;
+      }
+      add_prior(c, stepped[c], x, set, change, row);
+    }
+    for (int i = 0; i < paint_.count(); ++i, ++row) {
+      set(x[first_paint() + i] / line_sigma_mm_);
+      change(first_paint() + i, 1 / line_sigma_mm_);
+    }
+    for (std::size_t t = 0; t < ties_.size(); ++t) {
+      const OverlapTie& tie = ties_[t];
+      const int param = first_tie() + 2 * static_cast<int>(t);
+      const Eigen::Vector3d place(x[param], x[param + 1], tie.height_mm);
+      for (const auto& [c, pixel] : {std::pair{tie.camera_a, tie.pixel_a}, {tie.camera_b, tie.pixel_b}}) {
+        const auto seen = stepped[c].project(place);
+        const auto right = stepped[c].camera().project(place + Eigen::Vector3d::UnitX()),
+                   ahead = stepped[c].camera().project(place + Eigen::Vector3d::UnitY());
+        for (int i = 0; i < 2; ++i, ++row) {
+          const double off = seen ? (seen->pixel[i] - pixel[i]) / tie.sigma_px : 0;
+          set(robust(off));
+          if (!seen || !right || !ahead || changes == nullptr) continue;
+          const double slope = robust_slope(off) / tie.sigma_px;
+          changes->block(row, offset(c), 1, kCameraParams) = slope * seen->by_step.row(i);
+          change(param, slope * ((*right)[i] - seen->pixel[i]));
+          change(param + 1, slope * ((*ahead)[i] - seen->pixel[i]));
+        }
+      }
+    }
+  }
+
+  template <class Set, class Change>
+  void add_prior(std::size_t c, const SteppedCamera& stepped, const InputType& x, const Set& set,
+                 const Change& change, int& row) const {
+    const LensCamera& camera = stepped.camera();
+    const CameraPrior& prior = cameras_[c].prior;
+    const int at = offset(c);
+    const double grow2 = std::exp(2 * x[at + kZoom]), grow4 = grow2 * grow2;
+    const auto add = [&](double value, std::initializer_list<std::pair<int, double>> by) {
+      set(value);
+      for (const auto& [param, slope] : by) change(at + param, slope);
+      ++row;
+    };
+    add(std::log(camera.focal_px / prior.focal_px) / prior.focal_share, {{kZoom, 1 / prior.focal_share}});
+    add((camera.center_x - prior.center_x) / prior.center_sigma_px, {{kCenterX, 1 / prior.center_sigma_px}});
+    add((camera.center_y - prior.center_y) / prior.center_sigma_px, {{kCenterY, 1 / prior.center_sigma_px}});
+    add((camera.k1 - prior.k1) / prior.k1_sigma,
+        {{kK1, 1 / prior.k1_sigma}, {kZoom, 2 * starts_[c].k1 * grow2 / prior.k1_sigma}});
+    add((camera.k2 - prior.k2) / prior.k2_sigma,
+        {{kK2, 1 / prior.k2_sigma}, {kZoom, 4 * starts_[c].k2 * grow4 / prior.k2_sigma}});
+    const CameraStep rise = stepped.height_by_step();
+    if (prior.height_mm) {
+      add((camera.position_mm.z() - *prior.height_mm) / prior.height_sigma_mm,
+          {{kZoom, rise[kZoom] / prior.height_sigma_mm}, {kMoveZ, rise[kMoveZ] / prior.height_sigma_mm}});
+    } else {
+      add(0, {});
+    }
+  }
+
+  static constexpr double kCauchy = 4;
+  static double robust(double r) {
+    return std::copysign(kCauchy * std::sqrt(std::log1p(r * r / (kCauchy * kCauchy))), r);
+  }
+  static double robust_slope(double r) {
+    return r == 0 ? 1 : r / (1 + r * r / (kCauchy * kCauchy)) / robust(r);
+  }
+  static int offset(std::size_t camera) { return static_cast<int>(camera) * kCameraParams; }
+
+  std::span<const LensCamera> starts_;
+  std::span<const JointCamera> cameras_;
+  std::span<const PaintedCurve> curves_;
+  std::span<const OverlapTie> ties_;
+  double line_sigma_mm_;
+  Paint paint_;
+  int rows_ = 0;
+};
+
+/// Differences across the lines between where two cameras have the same paint.
+std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const JointCamera> seen,
+                                     std::span<const PaintedCurve> curves) {
+  constexpr double kNearMm = 60;
+  struct Mark {
+    std::size_t curve;
+    double at_mm, off_mm;
+  };
+  std::vector<std::vector<Mark>> marks(cameras.size());
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    for (const Sighting& sighting : seen[c].refined.sightings) {
+      const auto place = cameras[c].unproject(sighting.pixel, 0);
+      if (!place) continue;
+      const PaintedCurve& curve = curves[sighting.curve];
+      const double at_mm = place_along(curve, sighting.place_mm.head<2>());
+      const double off_mm = (*place - sighting.place_mm.head<2>()).dot(side_of(curve.direction(at_mm)));
+      marks[c].push_back({sighting.curve, at_mm, off_mm});
+    }
+  }
+  std::vector<double> out;
+  for (std::size_t a = 0; a < marks.size(); ++a) {
+    for (std::size_t b = a + 1; b < marks.size(); ++b) {
+      for (const Mark& mark : marks[a]) {
+        const Mark* nearest = nullptr;
+        double least_mm = kNearMm;
+        for (const Mark& other : marks[b]) {
+          if (other.curve != mark.curve || std::abs(other.at_mm - mark.at_mm) >= least_mm) continue;
+          least_mm = std::abs(other.at_mm - mark.at_mm);
+          nearest = &other;
+        }
+        if (nearest != nullptr) out.push_back(mark.off_mm - nearest->off_mm);
+      }
+    }
+  }
+  return out;
+}
+
+double rms(const std::vector<double>& values) {
+  double squares = 0;
+  for (const double value : values) squares += value * value;
+  return values.empty() ? 0 : std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<const PaintedCurve> curves,
+                                std::span<const OverlapTie> ties, double line_sigma_mm) {
+  JointCalibration out;
+  for (const JointCamera& camera : cameras) out.cameras.push_back(camera.refined.camera);
+  const std::vector<double> before = disagreements_mm(out.cameras, cameras, curves);
+  out.disagreement_before_mm = rms(before);
+  out.overlapping_patches = static_cast<int>(before.size());
+
+  constexpr int kRounds = 3, kMostSteps = 25;
+  Eigen::VectorXd paint;  // goes on from round to round
+  for (int round = 0; round < kRounds; ++round) {
+    Problem problem(out.cameras, cameras, curves, ties, line_sigma_mm);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.inputs());
+    if (paint.size() > 0) x.segment(problem.first_paint(), paint.size()) = paint;
+    for (std::size_t t = 0; t < ties.size(); ++t) {
+      const auto place = out.cameras[ties[t].camera_a].unproject(ties[t].pixel_a, ties[t].height_mm);
+      if (place) x.segment<2>(problem.first_tie() + 2 * static_cast<int>(t)) = *place;
+    }
+    Eigen::LevenbergMarquardt<Problem> solver(problem);
+    solver.parameters.maxfev = kMostSteps;
+    solver.parameters.ftol = solver.parameters.xtol = 1e-9;
+    solver.minimize(x);
+    std::vector<LensCamera> next;
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      next.push_back(
+          moved(out.cameras[c], CameraStep(x.segment<kCameraParams>(static_cast<int>(c) * kCameraParams))));
+    if (!std::all_of(next.begin(), next.end(), is_plausible)) break;
+    out.cameras = std::move(next);
+    paint = x.segment(problem.first_paint(), problem.first_tie() - problem.first_paint());
+    if (x.head(problem.first_paint()).norm() < 1e-6) break;
+  }
+  out.disagreement_mm = rms(disagreements_mm(out.cameras, cameras, curves));
+  return out;
+}
+
+}  // namespace sslv
