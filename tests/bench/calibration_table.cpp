@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How exact calibration is, as a table in Markdown: pictures with cameras known exactly, robots on the field
-// and noise of sigma 4. Takes some minutes; an argument is the number of the smallest picture size to leave
-// out (1: only 780 x 580).
+// and noise of sigma 4. Takes some minutes; with an argument of 1 or 2 the larger pictures are left out.
 #include "calibration/calibrate.h"
 #include "calibration/refine_jointly.h"
 #include "support/painted_floor.h"
@@ -145,7 +144,15 @@ void four_clicks(int sizes) {
             const Run one = run(shot, task);
             right.add(is_right(one));
             seconds.add(one.seconds);
-            if (!is_right(one)) continue;
+            if (!is_right(one)) {
+              std::fprintf(stderr,
+                           "not right: %s, view %d, tilt %.1f, k1 %.2f, clicks %.0f px off, height %s: %.0f "
+                           "mm off, %s\n",
+                           kSizeNames[static_cast<std::size_t>(size)], static_cast<int>(view), tilt, k1,
+                           sigma_px, height ? "given" : "not given", one.floor_mm,
+                           one.report.accepted ? "accepted" : "not accepted");
+              continue;
+            }
             floor.add(one.floor_mm);
             covered.add(one.floor_mm < 2 * one.report.expected_on_floor_mm);
             covered_robots.add(one.robots_mm < 2 * one.report.expected_at_150_mm);
