@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
+#include "calibration_json.h"
 #include "capture/source.h"
 #include "ctl/accuracy.h"
 #include "ctl/bench.h"
+#include "ctl/calibrate.h"
 #include "ctl/client.h"
 #include "ctl/process.h"
 #include "ctl/score.h"
@@ -85,6 +87,24 @@ class Output {
  private:
   std::ofstream file_;
 };
+
+/// Writes what became of a calibration: the calibration to `calibration_file` when there is one, the whole
+/// report to `report_file`, unless they are empty, and what a person wants to know.
+int tell_calibration(const Json& report, const std::string& calibration_file, const std::string& report_file,
+                     bool as_json) {
+  const auto write = [](const std::string& file, const Json& json) {
+    Output output(file);
+    output.stream() << json.dump(2) << std::endl;
+    if (!output.stream()) throw StorageError(fmt::format("cannot write {}: {}", file, std::strerror(errno)));
+  };
+  if (!report_file.empty()) write(report_file, report);
+  if (!calibration_file.empty() && report.at("found") == true)
+    write(calibration_file, report.at("calibration"));
+  // Standard output belongs to the file that is written there.
+  (calibration_file == "-" || report_file == "-" ? std::cerr : std::cout)
+      << (as_json ? report.dump(2) + "\n" : calibration_text(report));
+  return report.at("accepted") == true ? EXIT_SUCCESS : EXIT_FAILURE;
+}
 
 void print_bench(const std::vector<BenchResult>& results, bool as_json) {
   if (as_json) {
@@ -288,6 +308,51 @@ int run(CLI::App& app, int argc, char** argv) {
       const AccuracyReport report = run_accuracy_suite(read_accuracy_suite(suite_file), suite_options);
       std::cout << (as_json ? accuracy_json(report).dump(2) + "\n" : accuracy_text(report, as_markdown));
       return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
+    };
+  });
+
+  CalibrateWords words;
+  std::string calibrate_input, field_name, previous_file, calibration_file, report_file;
+  CLI::App* calibrate = app.add_subcommand("calibrate", "find where a camera hangs, from its picture");
+  calibrate
+      ->add_option("--input", calibrate_input, "picture, raw frame, video, or a folder; their mean is taken")
+      ->required();
+  raw.add_to(*calibrate);
+  calibrate->add_option("--field", field_name, "division-a, division-b, or a settings file whose field it is")
+      ->required();
+  calibrate->add_option("--points", words.points_file,
+                        "file of points: [{\"x\": px, \"y\": px, \"name\": may be left out}, ...]");
+  calibrate->add_option("--frames", words.frames, "pictures to take the mean of; 10 unless said")
+      ->check(CLI::Range(1, 100));
+  calibrate->add_option("--height", words.height_mm,
+                        "the camera's height above the floor in mm, if measured");
+  calibrate->add_option("--height-sigma", words.height_sigma_mm, "how exactly, in mm; 20 unless said");
+  calibrate->add_option("--focal", words.focal_px, "focal length in px, if known");
+  calibrate
+      ->add_option("--plus-x", words.plus_x,
+                   "side of the picture where the +x half lies: right, left, up or down")
+      ->check(CLI::IsMember({"right", "left", "up", "down"}));
+  calibrate
+      ->add_option("--lines", words.lines,
+                   "what the field's sizes were measured to: outer-edge or middle; found out unless said")
+      ->check(CLI::IsMember({"outer-edge", "middle"}));
+  calibrate->add_option("--previous", previous_file, "calibration to compare with");
+  calibrate
+      ->add_option("--output", calibration_file,
+                   "calibration to write, as settings have it; -: standard output")
+      ->required();
+  calibrate->add_option("--report", report_file, "file for all figures");
+  calibrate->add_flag("--json", as_json, "print the report as JSON");
+  calibrate->callback([&] {
+    act = [&] {
+      raw.parse();
+      const CalibrationRequest request = read_calibration_request(calibration_request(words));
+      const FieldSize field = field_named(field_name);
+      std::optional<CameraCalibration> previous;
+      if (!previous_file.empty()) previous = read_calibration(previous_file);
+      const CalibrationReport report = calibrate_recording(
+          {calibrate_input, raw.pixel_format, raw.width, raw.height}, request, field, previous, std::cerr);
+      return tell_calibration(report_json(report), calibration_file, report_file, as_json);
     };
   });
 
