@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <ostream>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -95,6 +96,22 @@ CameraCalibration read_calibration(const std::string& file) {
     CameraModel(calibration, "calibration");
     return calibration;
   });
+}
+
+Json calibrate_running(const Client& daemon, int camera_id, const Json& request) {
+  const std::string path = fmt::format("/api/cameras/{}/calibration", camera_id);
+  Json state = daemon.post(path, request);
+  while (state.at("state") == "collecting" || state.at("state") == "solving") {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    state = daemon.get_json(path);
+  }
+  if (!state.at("report").is_object()) {
+    const std::string problem = state.at("problem").get<std::string>();
+    throw ClientError(problem.empty() ? fmt::format("the calibration was ended: it is {}",
+                                                    state.at("state").get<std::string>())
+                                      : problem);
+  }
+  return state.at("report");
 }
 
 std::string calibration_text(const Json& report) {

@@ -4,6 +4,7 @@
 #include "base/json.h"
 #include "calibration/calibrate.h"
 #include "calibration_json.h"
+#include "ctl/client.h"
 
 #include <iosfwd>
 #include <optional>
@@ -38,6 +39,10 @@ FieldSize field_named(const std::string& name_or_file);
 
 /// A calibration as the settings spell it. Throws SettingsError.
 CameraCalibration read_calibration(const std::string& file);
+
+/// Has a running daemon calibrate a camera and waits for the report. Throws ClientError when it refuses,
+/// fails or is cancelled.
+Json calibrate_running(const Client& daemon, int camera_id, const Json& request);
 
 /// A report of docs/api.md for a terminal.
 std::string calibration_text(const Json& report);

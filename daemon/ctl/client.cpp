@@ -6,22 +6,41 @@
 
 namespace sslv {
 
-std::string Client::get(const std::string& path) const {
-  httplib::Client http(address_);
-  if (!http.is_valid()) throw ClientError(fmt::format("\"{}\" is no address; expected http://HOST:PORT", address_));
-  http.set_connection_timeout(2);
-  http.set_read_timeout(5);
-  const auto response = http.Get(path);
+namespace {
+
+/// The body of an answer. Throws ClientError.
+std::string body_of(const httplib::Result& response, const std::string& address, const std::string& path) {
   if (!response) {
-    throw ClientError(fmt::format("no daemon answers at {} ({}); is it running, and is --daemon right?", address_,
-                                  httplib::to_string(response.error())));
+    throw ClientError(fmt::format("no daemon answers at {} ({}); is it running, and is --daemon right?",
+                                  address, httplib::to_string(response.error())));
   }
-  if (response->status != 200) {
+  if (response->status != 200 && response->status != 202) {
     const Json error = Json::parse(response->body, nullptr, false);
     const bool explained = error.is_object() && error.contains("error") && error["error"].is_string();
-    throw ClientError(explained ? error["error"].get<std::string>() : fmt::format("{}: HTTP status {}", path, response->status));
+    throw ClientError(explained ? error["error"].get<std::string>()
+                                : fmt::format("{}: HTTP status {}", path, response->status));
   }
   return response->body;
+}
+
+httplib::Client client_of(const std::string& address) {
+  httplib::Client http(address);
+  if (!http.is_valid())
+    throw ClientError(fmt::format("\"{}\" is no address; expected http://HOST:PORT", address));
+  http.set_connection_timeout(2);
+  http.set_read_timeout(5);
+  return http;
+}
+
+}  // namespace
+
+std::string Client::get(const std::string& path) const {
+  return body_of(client_of(address_).Get(path), address_, path);
+}
+
+Json Client::post(const std::string& path, const Json& body) const {
+  return Json::parse(
+      body_of(client_of(address_).Post(path, body.dump(), "application/json"), address_, path));
 }
 
 std::string status_text(const Json& status) {

@@ -313,13 +313,19 @@ int run(CLI::App& app, int argc, char** argv) {
 
   CalibrateWords words;
   std::string calibrate_input, field_name, previous_file, calibration_file, report_file;
-  CLI::App* calibrate = app.add_subcommand("calibrate", "find where a camera hangs, from its picture");
-  calibrate
-      ->add_option("--input", calibrate_input, "picture, raw frame, video, or a folder; their mean is taken")
-      ->required();
+  int calibrate_camera = 0;
+  bool accept = false, force = false;
+  CLI::App* calibrate = app.add_subcommand(
+      "calibrate", "find where a camera hangs, from its picture: of the daemon's camera, or of files");
+  CLI::Option* of_daemon = calibrate->add_option("--camera", calibrate_camera, "id of the daemon's camera");
+  CLI::Option* of_files = calibrate->add_option(
+      "--input", calibrate_input, "picture, raw frame, video, or a folder; their mean is taken");
+  of_files->excludes(of_daemon);
   raw.add_to(*calibrate);
-  calibrate->add_option("--field", field_name, "division-a, division-b, or a settings file whose field it is")
-      ->required();
+  CLI::Option* field_option =
+      calibrate
+          ->add_option("--field", field_name, "division-a, division-b, or a settings file whose field it is")
+          ->needs(of_files);
   calibrate->add_option("--points", words.points_file,
                         "file of points: [{\"x\": px, \"y\": px, \"name\": may be left out}, ...]");
   calibrate->add_option("--frames", words.frames, "pictures to take the mean of; 10 unless said")
@@ -336,17 +342,33 @@ int run(CLI::App& app, int argc, char** argv) {
       ->add_option("--lines", words.lines,
                    "what the field's sizes were measured to: outer-edge or middle; found out unless said")
       ->check(CLI::IsMember({"outer-edge", "middle"}));
-  calibrate->add_option("--previous", previous_file, "calibration to compare with");
-  calibrate
-      ->add_option("--output", calibration_file,
-                   "calibration to write, as settings have it; -: standard output")
-      ->required();
+  calibrate->add_option("--previous", previous_file, "calibration to compare with")->needs(of_files);
+  CLI::Option* output_option = calibrate->add_option(
+      "--output", calibration_file, "calibration to write, as settings have it; -: standard output");
   calibrate->add_option("--report", report_file, "file for all figures");
   calibrate->add_flag("--json", as_json, "print the report as JSON");
+  calibrate->add_flag("--accept", accept, "put it into force when it is good enough")->needs(of_daemon);
+  calibrate->add_flag("--force", force, "also while the game runs")->needs(of_daemon);
   calibrate->callback([&] {
+    if (of_daemon->empty() && (of_files->empty() || field_option->empty() || output_option->empty())) {
+      throw CLI::ValidationError("calibrate", "needs --camera, or --input, --field and --output");
+    }
     act = [&] {
+      Json asked = calibration_request(words);
+      if (!of_daemon->empty()) {
+        const Client client(daemon);
+        asked["force"] = force;
+        const Json report = calibrate_running(client, calibrate_camera, asked);
+        const int exit_code = tell_calibration(report, calibration_file, report_file, as_json);
+        if (accept && exit_code == EXIT_SUCCESS) {
+          client.post(fmt::format("/api/cameras/{}/calibration/accept", calibrate_camera),
+                      {{"force", force}});
+          std::cerr << "It is in force.\n";
+        }
+        return exit_code;
+      }
       raw.parse();
-      const CalibrationRequest request = read_calibration_request(calibration_request(words));
+      const CalibrationRequest request = read_calibration_request(asked);
       const FieldSize field = field_named(field_name);
       std::optional<CameraCalibration> previous;
       if (!previous_file.empty()) previous = read_calibration(previous_file);

@@ -8,6 +8,7 @@
 #include "ssl_gc_referee_message.pb.h"
 
 #include <csignal>
+#include <fstream>
 #include <span>
 
 #include <gmock/gmock.h>
@@ -15,6 +16,7 @@
 namespace sslv::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 MulticastSettings group_of(const GroupListener& listener) {
@@ -126,6 +128,26 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
   EXPECT_EQ(in_settings(daemon), wrong);
   EXPECT_THAT(daemon.post(kRevert, Json::object(), 409)["error"].get<std::string>(),
               HasSubstr("no earlier calibration"));
+}
+
+TEST_F(Calibration, FromTheCommandLine) {
+  RunningDaemon daemon(settings_file(), state_);
+  const Json wrong = spoil(daemon);
+  const std::string points = folder_.write("points.json", clicked_points(truth_).dump());
+  const std::string output = (folder_.path() / "calibration.json").string();
+  const auto run =
+      run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "0", "--points", points,
+                  "--height", "4000", "--output", output, "--accept"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("in force")));
+  EXPECT_EQ(in_settings(daemon), Json::parse(std::ifstream(output)));
+  EXPECT_LT(worst_error_mm(truth_, model_of(in_settings(daemon)), 0), 1.5);
+
+  const auto unknown = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "7"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.output, HasSubstr("no camera 7"));
+  EXPECT_EQ(run_to_end({SSLV_CTL, "calibrate", "--camera", "0", "--input", "x"}).exit_code, 64);
+  EXPECT_EQ(run_to_end({SSLV_CTL, "calibrate"}).exit_code, 64);
 }
 
 TEST_F(Calibration, RunsOnceAndCanBeCancelledAndRejected) {
