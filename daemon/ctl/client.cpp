@@ -47,24 +47,26 @@ std::string status_text(const Json& status) {
   const Json& network = status.at("network");
   std::string out = fmt::format("{}  ({}, up {:.0f} s)\n", status.at("site").get<std::string>(),
                                 status.at("version").get<std::string>(), status.at("uptime_s").get<double>());
-  out += fmt::format("-> {}:{}{}  {:.0f} packets/s, {} errors\n", network.at("group").get<std::string>(),
-                     network.at("port").get<int>(),
-                     network.at("interface") == "" ? "" : " on " + network.at("interface").get<std::string>(),
-                     network.at("packets_per_s").get<double>(), network.at("send_errors").get<std::uint64_t>());
-  out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "camera", "name", "state",
-                     "picture", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
+  out +=
+      fmt::format("-> {}:{}{}  {:.0f} packets/s, {} errors\n", network.at("group").get<std::string>(),
+                  network.at("port").get<int>(),
+                  network.at("interface") == "" ? "" : " on " + network.at("interface").get<std::string>(),
+                  network.at("packets_per_s").get<double>(), network.at("send_errors").get<std::uint64_t>());
+  out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "camera", "name",
+                     "state", "picture", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
   for (const Json& camera : status.at("cameras")) {
-    out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6.1f} {:>8.2f} {:>8.2f} {:>9} {:>7} {:>6}\n",
-                       camera.at("id").get<int>(), camera.at("name").get<std::string>(),
-                       camera.at("state").get<std::string>(),
-                       fmt::format("{}x{}", camera.at("width").get<int>(), camera.at("height").get<int>()),
-                       camera.at("fps").get<double>(), camera.at("latency_ms").at("p50").get<double>(),
-                       camera.at("latency_ms").at("p99").get<double>(), camera.at("frames").get<std::uint64_t>(),
-                       camera.at("robots").get<int>(), camera.at("balls").get<int>());
+    out +=
+        fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6.1f} {:>8.2f} {:>8.2f} {:>9} {:>7} {:>6}\n",
+                    camera.at("id").get<int>(), camera.at("name").get<std::string>(),
+                    camera.at("state").get<std::string>(),
+                    fmt::format("{}x{}", camera.at("width").get<int>(), camera.at("height").get<int>()),
+                    camera.at("fps").get<double>(), camera.at("latency_ms").at("p50").get<double>(),
+                    camera.at("latency_ms").at("p99").get<double>(), camera.at("frames").get<std::uint64_t>(),
+                    camera.at("robots").get<int>(), camera.at("balls").get<int>());
   }
   for (const Json& alert : status.at("alerts")) {
-    out += fmt::format("{}: {}. {}\n", alert.at("severity").get<std::string>(), alert.at("title").get<std::string>(),
-                       alert.at("fix").get<std::string>());
+    out += fmt::format("{}: {}. {}\n", alert.at("severity").get<std::string>(),
+                       alert.at("title").get<std::string>(), alert.at("fix").get<std::string>());
   }
   return out;
 }

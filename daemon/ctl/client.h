@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/json.h"
+
 #include <stdexcept>
 #include <string>
-
-#include "base/json.h"
 
 namespace sslv {
 

@@ -135,9 +135,8 @@ TEST_F(Calibration, FromTheCommandLine) {
   const Json wrong = spoil(daemon);
   const std::string points = folder_.write("points.json", clicked_points(truth_).dump());
   const std::string output = (folder_.path() / "calibration.json").string();
-  const auto run =
-      run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "0", "--points", points,
-                  "--height", "4000", "--output", output, "--accept"});
+  const auto run = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "0",
+                               "--points", points, "--height", "4000", "--output", output, "--accept"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("in force")));
   EXPECT_EQ(in_settings(daemon), Json::parse(std::ifstream(output)));
