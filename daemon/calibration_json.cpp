@@ -72,8 +72,7 @@ Json list_json(const std::vector<T>& values, Json (*one)(const T&)) {
 
 CalibrationRequest read_calibration_request(const Json& json) {
   constexpr std::size_t kMostPoints = 100;
-  const auto request =
-      params_from_json<CalibrationRequest>(json.is_array() ? Json{{"points", json}} : json, "");
+  auto request = params_from_json<CalibrationRequest>(json.is_array() ? Json{{"points", json}} : json, "");
   if (request.points.size() > kMostPoints) {
     throw SettingsError("/points: " + std::to_string(request.points.size()) +
                         " points are not allowed; expected at most " + std::to_string(kMostPoints));

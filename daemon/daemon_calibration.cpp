@@ -62,6 +62,8 @@ Json Daemon::calibration(int camera_id) const {
            {"state", name_of(job.state)},
            {"frames_taken", job.frames},
            {"problem", job.problem},
+           {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
+           {"who", job.order ? job.order->who : ""},
            {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
            {"report", job.report ? report_json(*job.report) : Json(nullptr)},
            {"calibration", nullptr},

@@ -86,12 +86,16 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
     wrong = spoil(daemon);
     const Json idle = daemon.get(kPath);
     EXPECT_EQ(idle["state"], "idle");
+    EXPECT_TRUE(idle["request"].is_null());
+    EXPECT_TRUE(idle["started"].is_null());
     EXPECT_EQ(idle["calibration"], wrong);
     EXPECT_GT(idle["points"].size(), 10u);
     EXPECT_TRUE(idle["history"].empty());
 
     const Json started = daemon.post(kPath, request(), 202);
     EXPECT_EQ(started["request"]["height_mm"], 4000);
+    EXPECT_EQ(started["who"], "127.0.0.1");
+    EXPECT_GT(started["started"], 1e9);
     const Json done = wait_for_end(daemon);
     ASSERT_EQ(done["state"], "done") << done.dump(2);
     EXPECT_EQ(done["frames_taken"], 5);
