@@ -63,7 +63,11 @@ Daemon::Daemon(const Options& options)
       geometry_sender_(multicast_, geometry_, geometry_interval(*config_.load())),
       cameras_(Cameras{}),
       referee_([this] { put_robot_heights_into_force(); }),
-      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }) {
+      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }),
+      calibration_history_(options.state_folder / "calibrations.json"),
+      calibration_jobs_([this](int camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
+        return wait_frame(camera_id, newer_than, timeout);
+      }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -232,6 +236,7 @@ WebHost Daemon::make_web_host() {
     const auto running = camera(id);
     return running ? lut_file_bytes(*running->pipeline().setup()->world.lut) : std::vector<std::uint8_t>{};
   };
+  add_calibration_to(host);
   return host;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "base/snapshot.h"
+#include "calibration_history.h"
+#include "calibration_jobs.h"
 #include "config.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
@@ -51,6 +53,22 @@ class Daemon {
                                 std::chrono::milliseconds timeout);
   std::shared_ptr<RunningCamera> camera(std::uint32_t id) const;
 
+  // daemon_calibration.cpp
+  void add_calibration_to(WebHost& host);
+  std::optional<CalibrationJobs::LentFrame> wait_frame(int camera_id, std::uint64_t newer_than,
+                                                       std::chrono::milliseconds timeout);
+  Json calibration(int camera_id) const;
+  Json start_calibration(int camera_id, const Json& request, bool force, const std::string& who);
+  Json cancel_calibration(int camera_id);
+  Json accept_calibration(int camera_id, bool force, const std::string& who);
+  Json reject_calibration(int camera_id);
+  Json revert_calibration(int camera_id, bool force, const std::string& who);
+  void refuse_while_game_runs() const;
+  /// Puts a calibration and the records that go with it onto disk and into force, both or none. The settings
+  /// are those that the change was decided on.
+  void put_calibration_into_force(int camera_id, const Json& calibration, CalibrationHistory::Records records,
+                                  const SettingsStore::Version& current, const std::string& what);
+
   const double started_s_;
   SettingsStore store_;
   Snapshot<Config> config_;
@@ -61,6 +79,9 @@ class Daemon {
   std::mutex cameras_mutex_;  // held while cameras get new setups, so that no height is lost
   RefereeListener referee_;
   OtherVisions other_visions_;
+  mutable std::mutex calibration_mutex_;  // guards the history; held during a whole change of a calibration
+  CalibrationHistory calibration_history_;
+  CalibrationJobs calibration_jobs_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

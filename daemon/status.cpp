@@ -128,7 +128,7 @@ Json alerts_json(const StatusInput& input) {
     const auto& model = camera->pipeline().setup()->world.scene->camera;
     if (!model) {
       add_alert(alerts, "warn", fmt::format("Camera {} is not calibrated", id),
-                "Nothing it sees can be located: set its calibration.", id);
+                "Nothing it sees can be located: calibrate it.", id);
     } else if (health.width > 0 && (health.width != model->calibration().pixel_image_width ||
                                     health.height != model->calibration().pixel_image_height)) {
       add_alert(alerts, "bad",
@@ -193,6 +193,7 @@ Json referee_json(const StatusInput& input) {
           {"error", referee.error},
           {"source", referee.source},
           {"silent_s", referee.silent_s ? Json(*referee.silent_s) : Json(nullptr)},
+          {"game_is_running", referee.game_is_running},
           {"packets_refused", referee.refused}};
 }
 

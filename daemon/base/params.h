@@ -53,10 +53,11 @@ struct Choice {
   E value;
 };
 
-template <class P, class E, std::size_t N>
+/// An enum or std::optional of one (JSON null when absent).
+template <class P, class V, class E, std::size_t N>
 struct ChoiceField {
   std::string_view key;
-  E P::*member;
+  V P::*member;
   std::array<Choice<E>, N> choices;
   std::string_view help;
 };
@@ -136,10 +137,10 @@ template <class P>
 constexpr auto text(std::string_view key, std::string P::*member, std::string_view help) {
   return TextField<P>{key, member, help};
 }
-template <class P, class E, std::size_t N>
-constexpr auto choice(std::string_view key, E P::*member, const std::array<Choice<E>, N>& choices,
+template <class P, class V, class E, std::size_t N>
+constexpr auto choice(std::string_view key, V P::*member, const std::array<Choice<E>, N>& choices,
                       std::string_view help) {
-  return ChoiceField<P, E, N>{key, member, choices, help};
+  return ChoiceField<P, V, E, N>{key, member, choices, help};
 }
 template <class P, class S>
 constexpr auto group(std::string_view key, S P::*member, std::string_view help) {

@@ -88,9 +88,16 @@ void read_field(P& params, const TextField<P>& field, const Json& json, const st
   params.*field.member = json.get<std::string>();
 }
 
-template <class P, class E, std::size_t N>
-void read_field(P& params, const ChoiceField<P, E, N>& field, const Json& json, const std::string& path) {
+template <class P, class V, class E, std::size_t N>
+void read_field(P& params, const ChoiceField<P, V, E, N>& field, const Json& json, const std::string& path) {
   std::string allowed = "one of";
+  if constexpr (IsOptional<V>::value) {
+    if (json.is_null()) {
+      params.*field.member = std::nullopt;
+      return;
+    }
+    allowed = "null or one of";
+  }
   for (const auto& choice : field.choices) {
     if (json.is_string() && json.get_ref<const std::string&>() == choice.name) {
       params.*field.member = choice.value;
@@ -245,8 +252,8 @@ template <class P>
 Json write_field(const P& params, const TextField<P>& field) {
   return params.*field.member;
 }
-template <class P, class E, std::size_t N>
-Json write_field(const P& params, const ChoiceField<P, E, N>& field) {
+template <class P, class V, class E, std::size_t N>
+Json write_field(const P& params, const ChoiceField<P, V, E, N>& field) {
   for (const auto& choice : field.choices) {
     if (params.*field.member == choice.value) return std::string(choice.name);
   }
@@ -329,10 +336,14 @@ template <class P>
 Json field_schema(const TextField<P>&) {
   return {{"type", "string"}};
 }
-template <class P, class E, std::size_t N>
-Json field_schema(const ChoiceField<P, E, N>& field) {
+template <class P, class V, class E, std::size_t N>
+Json field_schema(const ChoiceField<P, V, E, N>& field) {
   Json out{{"type", "string"}, {"enum", Json::array()}};
   for (const auto& choice : field.choices) out["enum"].push_back(choice.name);
+  if constexpr (IsOptional<V>::value) {
+    out["type"] = Json::array({"string", "null"});
+    out["enum"].push_back(nullptr);
+  }
   return out;
 }
 template <class P, class S>

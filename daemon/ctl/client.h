@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/json.h"
+
 #include <stdexcept>
 #include <string>
-
-#include "base/json.h"
 
 namespace sslv {
 
@@ -21,6 +21,8 @@ class Client {
   /// Body of GET `path`. Throws ClientError with the daemon's own words when it refuses.
   std::string get(const std::string& path) const;
   Json get_json(const std::string& path) const { return Json::parse(get(path)); }
+  /// Answer of POST `path`. Throws likewise.
+  Json post(const std::string& path, const Json& body) const;
 
  private:
   std::string address_;

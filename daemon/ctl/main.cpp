@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
+#include "calibration_json.h"
 #include "capture/source.h"
 #include "ctl/accuracy.h"
 #include "ctl/bench.h"
+#include "ctl/calibrate.h"
 #include "ctl/client.h"
 #include "ctl/process.h"
 #include "ctl/score.h"
@@ -85,6 +87,24 @@ class Output {
  private:
   std::ofstream file_;
 };
+
+/// Writes what became of a calibration: the calibration to `calibration_file` when there is one, the whole
+/// report to `report_file`, unless they are empty, and what a person wants to know.
+int tell_calibration(const Json& report, const std::string& calibration_file, const std::string& report_file,
+                     bool as_json) {
+  const auto write = [](const std::string& file, const Json& json) {
+    Output output(file);
+    output.stream() << json.dump(2) << std::endl;
+    if (!output.stream()) throw StorageError(fmt::format("cannot write {}: {}", file, std::strerror(errno)));
+  };
+  if (!report_file.empty()) write(report_file, report);
+  if (!calibration_file.empty() && report.at("found") == true)
+    write(calibration_file, report.at("calibration"));
+  // Standard output belongs to the file that is written there.
+  (calibration_file == "-" || report_file == "-" ? std::cerr : std::cout)
+      << (as_json ? report.dump(2) + "\n" : calibration_text(report));
+  return report.at("accepted") == true ? EXIT_SUCCESS : EXIT_FAILURE;
+}
 
 void print_bench(const std::vector<BenchResult>& results, bool as_json) {
   if (as_json) {
@@ -288,6 +308,73 @@ int run(CLI::App& app, int argc, char** argv) {
       const AccuracyReport report = run_accuracy_suite(read_accuracy_suite(suite_file), suite_options);
       std::cout << (as_json ? accuracy_json(report).dump(2) + "\n" : accuracy_text(report, as_markdown));
       return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
+    };
+  });
+
+  CalibrateWords words;
+  std::string calibrate_input, field_name, previous_file, calibration_file, report_file;
+  int calibrate_camera = 0;
+  bool accept = false, force = false;
+  CLI::App* calibrate = app.add_subcommand(
+      "calibrate", "find where a camera hangs, from its picture: of the daemon's camera, or of files");
+  CLI::Option* of_daemon = calibrate->add_option("--camera", calibrate_camera, "id of the daemon's camera");
+  CLI::Option* of_files = calibrate->add_option(
+      "--input", calibrate_input, "picture, raw frame, video, or a folder; their mean is taken");
+  of_files->excludes(of_daemon);
+  raw.add_to(*calibrate);
+  CLI::Option* field_option =
+      calibrate
+          ->add_option("--field", field_name, "division-a, division-b, or a settings file whose field it is")
+          ->needs(of_files);
+  calibrate->add_option("--points", words.points_file,
+                        "file of points: [{\"x\": px, \"y\": px, \"name\": may be left out}, ...]");
+  calibrate->add_option("--frames", words.frames, "pictures to take the mean of; 10 unless said")
+      ->check(CLI::Range(1, 100));
+  calibrate->add_option("--height", words.height_mm,
+                        "the camera's height above the floor in mm, if measured");
+  calibrate->add_option("--height-sigma", words.height_sigma_mm, "how exactly, in mm; 20 unless said");
+  calibrate->add_option("--focal", words.focal_px, "focal length in px, if known");
+  calibrate
+      ->add_option("--plus-x", words.plus_x,
+                   "side of the picture where the +x half lies: right, left, up or down")
+      ->check(CLI::IsMember({"right", "left", "up", "down"}));
+  calibrate
+      ->add_option("--lines", words.lines,
+                   "what the field's sizes were measured to: outer-edge or middle; found out unless said")
+      ->check(CLI::IsMember({"outer-edge", "middle"}));
+  calibrate->add_option("--previous", previous_file, "calibration to compare with")->needs(of_files);
+  CLI::Option* output_option = calibrate->add_option(
+      "--output", calibration_file, "calibration to write, as settings have it; -: standard output");
+  calibrate->add_option("--report", report_file, "file for all figures");
+  calibrate->add_flag("--json", as_json, "print the report as JSON");
+  calibrate->add_flag("--accept", accept, "put it into force when it is good enough")->needs(of_daemon);
+  calibrate->add_flag("--force", force, "also while the game runs")->needs(of_daemon);
+  calibrate->callback([&] {
+    if (of_daemon->empty() && (of_files->empty() || field_option->empty() || output_option->empty())) {
+      throw CLI::ValidationError("calibrate", "needs --camera, or --input, --field and --output");
+    }
+    act = [&] {
+      Json asked = calibration_request(words);
+      if (!of_daemon->empty()) {
+        const Client client(daemon);
+        asked["force"] = force;
+        const Json report = calibrate_running(client, calibrate_camera, asked);
+        const int exit_code = tell_calibration(report, calibration_file, report_file, as_json);
+        if (accept && exit_code == EXIT_SUCCESS) {
+          client.post(fmt::format("/api/cameras/{}/calibration/accept", calibrate_camera),
+                      {{"force", force}});
+          std::cerr << "It is in force.\n";
+        }
+        return exit_code;
+      }
+      raw.parse();
+      const CalibrationRequest request = read_calibration_request(asked);
+      const FieldSize field = field_named(field_name);
+      std::optional<CameraCalibration> previous;
+      if (!previous_file.empty()) previous = read_calibration(previous_file);
+      const CalibrationReport report = calibrate_recording(
+          {calibrate_input, raw.pixel_format, raw.width, raw.height}, request, field, previous, std::cerr);
+      return tell_calibration(report_json(report), calibration_file, report_file, as_json);
     };
   });
 

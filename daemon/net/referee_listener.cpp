@@ -5,6 +5,7 @@
 #include "ssl_gc_referee_message.pb.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <glib.h>
 
@@ -20,6 +21,15 @@ bool is_readable(const std::string& text) {
 bool makes_sense(const Referee& referee) {
   return referee.yellow().has_name() && referee.blue().has_name() && is_readable(referee.yellow().name()) &&
          is_readable(referee.blue().name()) && is_readable(referee.source_identifier());
+}
+
+/// The numbers are the game controller's Stage and Command.
+bool says_that_robots_play(const Referee& referee) {
+  constexpr int kHalt = 0;
+  constexpr int kPlayingStages[] = {1, 4, 7, 10, 12};  // two halves, two extra halves, penalty shoot-out
+  return referee.has_stage() && referee.has_command() && referee.command() != kHalt &&
+         std::find(std::begin(kPlayingStages), std::end(kPlayingStages), referee.stage()) !=
+             std::end(kPlayingStages);
 }
 
 }  // namespace
@@ -40,6 +50,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     team_names_ = {};
     heard_s_.reset();
     source_.clear();
+    game_is_running_ = false;
   }
   receiver_.listen(where);
 }
@@ -56,6 +67,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, double now_s)
     }
     heard_s_ = now_s;
     source_ = referee.source_identifier();
+    game_is_running_ = says_that_robots_play(referee);
     const std::array<std::string, 2> names{referee.yellow().name(), referee.blue().name()};
     if (names == team_names_) return;
     team_names_ = names;
@@ -68,6 +80,11 @@ std::array<std::string, 2> RefereeListener::team_names() const {
   return team_names_;
 }
 
+bool RefereeListener::game_is_running() const {
+  const std::lock_guard lock(mutex_);
+  return game_is_running_;
+}
+
 RefereeStatus RefereeListener::status(double now_s) const {
   RefereeStatus status;
   status.error = receiver_.error();
@@ -76,6 +93,7 @@ RefereeStatus RefereeListener::status(double now_s) const {
   if (heard_s_) status.silent_s = std::max(0.0, now_s - *heard_s_);
   status.source = source_;
   status.refused = refused_;
+  status.game_is_running = game_is_running_;
   return status;
 }
 

@@ -43,10 +43,11 @@ struct RefereeStatus {
   std::string source;                     // the game controller that sent it, as it names itself
   std::uint64_t refused = 0;              // datagrams that could not be read
   std::string error;                      // why nothing can be heard; empty when it can
+  bool game_is_running = false;           // robots may play
 };
 
-/// Hears the names of the teams from the game controller. They stay when it falls silent: the match goes on.
-/// May be used from any thread; listens in one of its own.
+/// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are
+/// when it falls silent: the match goes on. May be used from any thread; listens in one of its own.
 class RefereeListener {
  public:
   /// `on_new_names` is called, from the listening thread, whenever a team has another name.
@@ -60,16 +61,20 @@ class RefereeListener {
   void receive(std::span<const std::byte> datagram, double now_s);
 
   std::array<std::string, 2> team_names() const;
+  /// The last message's stage is a half, an extra half or the shoot-out, and its command any but HALT. Before
+  /// the kick-off, in breaks and after the match it is not running.
+  bool game_is_running() const;
   RefereeStatus status(double now_s) const;
 
  private:
   const std::function<void()> on_new_names_;
   std::optional<GroupAddress> where_;
-  mutable std::mutex mutex_;  // guards the four below
+  mutable std::mutex mutex_;  // guards the five below
   std::array<std::string, 2> team_names_;
   std::optional<double> heard_s_;
   std::string source_;
   std::uint64_t refused_ = 0;
+  bool game_is_running_ = false;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses
 };
 

@@ -5,6 +5,8 @@
 
 #include "web/host.h"
 
+#include <cstdint>
+
 namespace httplib {
 struct Request;
 struct Response;
@@ -17,8 +19,18 @@ void get_status(const WebHost& host, const httplib::Request& request, httplib::R
 void get_cameras(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_cameras.cpp: the path holds the camera's id
+/// The camera named in the path. Throws HttpError 404.
+std::uint32_t path_camera(const WebHost& host, const httplib::Request& request);
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+
+// api_calibration.cpp: the path holds the camera's id
+void get_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void start_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void cancel_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void accept_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void reject_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void revert_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_settings.cpp
 void get_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);

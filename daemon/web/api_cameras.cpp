@@ -11,16 +11,6 @@
 namespace sslv {
 namespace {
 
-/// The camera named in the path. Throws HttpError 404.
-std::uint32_t camera_id(const WebHost& host, const httplib::Request& request) {
-  const int id = read_whole_number("camera", request.matches[1].str(), 0, std::numeric_limits<int>::max());
-  const std::vector<std::uint32_t> known = host.camera_ids();
-  if (std::find(known.begin(), known.end(), static_cast<std::uint32_t>(id)) == known.end()) {
-    throw HttpError(404, "no camera " + std::to_string(id));
-  }
-  return static_cast<std::uint32_t>(id);
-}
-
 int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
   if (!request.has_param(name)) return fallback;
   return read_whole_number(name, request.get_param_value(name), min, max);
@@ -37,9 +27,18 @@ PictureKind query_picture(const httplib::Request& request) {
 
 }  // namespace
 
+std::uint32_t path_camera(const WebHost& host, const httplib::Request& request) {
+  const int id = read_whole_number("camera", request.matches[1].str(), 0, std::numeric_limits<int>::max());
+  const std::vector<std::uint32_t> known = host.camera_ids();
+  if (std::find(known.begin(), known.end(), static_cast<std::uint32_t>(id)) == known.end()) {
+    throw HttpError(404, "no camera " + std::to_string(id));
+  }
+  return static_cast<std::uint32_t>(id);
+}
+
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   constexpr int kMaxWidth = 16384;
-  const std::uint32_t id = camera_id(host, request);
+  const std::uint32_t id = path_camera(host, request);
   const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
   const int quality = query_number(request, "quality", 85, 1, 100);
   const PictureKind wished = query_picture(request);
@@ -53,7 +52,7 @@ void get_snapshot(const WebHost& host, const httplib::Request& request, httplib:
 }
 
 void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
-  const std::uint32_t id = camera_id(host, request);
+  const std::uint32_t id = path_camera(host, request);
   const std::vector<std::uint8_t> file = host.lut_file(id);
   response.set_header("Content-Disposition",
                       "attachment; filename=\"camera-" + std::to_string(id) + ".lut\"");

@@ -54,6 +54,17 @@ struct WebHost {
                                     std::chrono::milliseconds timeout)>
       wait_view;
 
+  /// Calibration of a camera; each answers with its state. All but the first may throw HttpError: 404 no such
+  /// camera, 409 not in this state, 423 not while the game runs, unless `force`; and what patch_settings
+  /// throws.
+  std::function<Json(std::uint32_t camera_id)> calibration;
+  std::function<Json(std::uint32_t camera_id, const Json& request, bool force, const std::string& who)>
+      start_calibration;
+  std::function<Json(std::uint32_t camera_id)> cancel_calibration;
+  std::function<Json(std::uint32_t camera_id, bool force, const std::string& who)> accept_calibration;
+  std::function<Json(std::uint32_t camera_id)> reject_calibration;
+  std::function<Json(std::uint32_t camera_id, bool force, const std::string& who)> revert_calibration;
+
   /// The colour lookup table of a camera that is there, as the bytes of a .lut file.
   std::function<std::vector<std::uint8_t>(std::uint32_t camera_id)> lut_file;
 };

@@ -58,8 +58,24 @@ Json RunningDaemon::patch(const Json& json_patch, int expected) const {
   return Json::parse(answer->body);
 }
 
-void RunningDaemon::give_up(const Json& status) {
-  throw std::runtime_error("the daemon does not come to the expected state: " + status.dump(2));
+Json RunningDaemon::post(const std::string& path, const Json& body, int expected) const {
+  const auto answer = httplib::Client(address()).Post(path, body.dump(), "application/json");
+  if (!answer) throw std::runtime_error("POST " + path + ": no answer");
+  if (answer->status != expected)
+    throw std::runtime_error("POST " + path + ": " + std::to_string(answer->status) + answer->body);
+  return Json::parse(answer->body);
+}
+
+Json RunningDaemon::remove(const std::string& path, int expected) const {
+  const auto answer = httplib::Client(address()).Delete(path);
+  if (!answer) throw std::runtime_error("DELETE " + path + ": no answer");
+  if (answer->status != expected)
+    throw std::runtime_error("DELETE " + path + ": " + std::to_string(answer->status) + answer->body);
+  return Json::parse(answer->body);
+}
+
+void RunningDaemon::give_up(const Json& answer) {
+  throw std::runtime_error("the daemon does not come to the expected state: " + answer.dump(2));
 }
 
 SSL_WrapperPacket receive(GroupListener& listener) {

@@ -37,26 +37,32 @@ class RunningDaemon {
   /// Answer of the panel's API. Throws std::runtime_error unless the HTTP status is `expected`.
   Json get(const std::string& path, int expected = 200) const;
   Json patch(const Json& json_patch, int expected = 200) const;
-  /// Asks for the status until `good` says so; throws std::runtime_error with the last one after 30 s.
+  Json post(const std::string& path, const Json& body = Json::object(), int expected = 200) const;
+  Json remove(const std::string& path, int expected = 200) const;
+  /// Asks until `good` says so of the answer; throws std::runtime_error with the last one after 30 s.
   template <class Good>
-  Json wait_for_status(Good good) const;
+  Json wait_for(const std::string& path, Good good) const;
+  template <class Good>
+  Json wait_for_status(Good good) const {
+    return wait_for("/api/status", good);
+  }
 
   std::string address() const { return "http://127.0.0.1:" + port_; }
   ChildProcess& process() { return process_; }
 
  private:
-  [[noreturn]] static void give_up(const Json& status);
+  [[noreturn]] static void give_up(const Json& answer);
   ChildProcess process_;
   std::string port_;
 };
 
 template <class Good>
-Json RunningDaemon::wait_for_status(Good good) const {
+Json RunningDaemon::wait_for(const std::string& path, Good good) const {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   for (;;) {
-    const Json status = get("/api/status");
-    if (good(status)) return status;
-    if (std::chrono::steady_clock::now() > deadline) give_up(status);
+    const Json answer = get(path);
+    if (good(answer)) return answer;
+    if (std::chrono::steady_clock::now() > deadline) give_up(answer);
   }
 }
 

@@ -25,6 +25,7 @@ struct Sample {
   bool on = true;
   std::string title = "none";
   Mode mode = Mode::kFast;
+  std::optional<Mode> backup;
   std::optional<int> limit;
   Point origin;
   std::optional<Point> extra;
@@ -41,6 +42,7 @@ struct Sample {
                       flag("on", &Sample::on, "whether"),
                       text("title", &Sample::title, "what"),
                       choice("mode", &Sample::mode, kModes, "how"),
+                      choice("backup", &Sample::backup, kModes, "how else; null: not"),
                       number("limit", &Sample::limit, 1, 9, "", "null: none"),
                       group("origin", &Sample::origin, "where"),
                       group("extra", &Sample::extra, "where else"),
@@ -75,7 +77,7 @@ TEST(Params, AbsentKeysKeepTheirDefaults) {
 
 TEST(Params, EveryKindOfFieldSurvivesARoundTrip) {
   const Json full = Json::parse(R"({
-    "count": 7, "gain": 0.25, "on": false, "title": "Größe", "mode": "exact", "limit": 9,
+    "count": 7, "gain": 0.25, "on": false, "title": "Größe", "mode": "exact", "backup": "fast", "limit": 9,
     "origin": {"x": -10, "weight": 0.5}, "extra": {"x": 2, "weight": null},
     "points": [{"x": 3, "weight": null}, {"x": 4, "weight": 1.0}],
     "own_points": [{"x": 5, "weight": 0.5}],
@@ -91,9 +93,11 @@ TEST(Params, WritesKeysInTheOrderOfTheirDeclaration) {
 TEST(Params, NullMakesAnOptionalAbsent) {
   Sample sample;
   sample.limit = 5;
+  sample.backup = Mode::kFast;
   sample.extra = Point{};
-  read_params(sample, Json::parse(R"({"limit": null, "extra": null})"), "");
+  read_params(sample, Json::parse(R"({"limit": null, "backup": null, "extra": null})"), "");
   EXPECT_EQ(sample.limit, std::nullopt);
+  EXPECT_EQ(sample.backup, std::nullopt);
   EXPECT_FALSE(sample.extra.has_value());
 }
 
@@ -152,6 +156,8 @@ const Bad kBad[] = {
     {R"({"title": 1})", "/camera/title: 1 is not allowed; expected a text"},
     {R"({"mode": "slow"})", "/camera/mode: \"slow\" is not allowed; expected one of \"fast\" \"exact\""},
     {R"({"mode": 0})", "/camera/mode: 0 is not allowed; expected one of \"fast\" \"exact\""},
+    {R"({"backup": "slow"})",
+     "/camera/backup: \"slow\" is not allowed; expected null or one of \"fast\" \"exact\""},
     {R"({"limit": 0})", "/camera/limit: 0 is not allowed; expected a whole number 1 .. 9"},
     {R"({"origin": 1})", "/camera/origin: 1 is not allowed; expected an object"},
     {R"({"origin": null})", "/camera/origin: null is not allowed; expected an object"},
@@ -224,6 +230,8 @@ TEST(Params, SchemaSaysTypeRangeUnitDefaultAndHelp) {
             Json::parse(R"({"type": "string", "description": "what", "default": "none"})"));
   EXPECT_EQ(properties["mode"], Json::parse(R"({"type": "string", "enum": ["fast", "exact"],
                                                 "description": "how", "default": "fast"})"));
+  EXPECT_EQ(properties["backup"], Json::parse(R"({"type": ["string", "null"], "enum": ["fast", "exact", null],
+                            "description": "how else; null: not", "default": null})"));
   EXPECT_EQ(properties["limit"], Json::parse(R"({"type": ["integer", "null"], "minimum": 1, "maximum": 9,
                                                  "description": "null: none", "default": null})"));
   EXPECT_EQ(properties["origin"]["properties"]["x"]["default"], 1);

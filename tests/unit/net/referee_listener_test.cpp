@@ -85,6 +85,38 @@ TEST(RefereeListener, WhatIsNoRefereeChangesNothingAndIsCounted) {
   EXPECT_THAT(listener.referee.status(200).silent_s, Optional(100.0));
 }
 
+TEST(RefereeListener, KnowsWhetherTheGameRuns) {
+  const auto says = [](int stage, int command) {
+    Referee referee;
+    referee.ParseFromString(message("MRL", "KIKS"));
+    referee.set_stage(stage);
+    referee.set_command(command);
+    return referee.SerializeAsString();
+  };
+  constexpr int kHalt = 0, kStop = 1, kForceStart = 3;
+  Listener listener;
+  EXPECT_FALSE(listener.referee.game_is_running());
+  for (const int playing : {1, 4, 7, 10, 12}) {
+    for (const int command : {kStop, kForceStart}) {
+      listener.receive(says(playing, command));
+      EXPECT_TRUE(listener.referee.game_is_running()) << playing;
+      EXPECT_TRUE(listener.referee.status(100).game_is_running);
+    }
+    listener.receive(says(playing, kHalt));
+    EXPECT_FALSE(listener.referee.game_is_running()) << playing;
+  }
+  for (const int pausing : {0, 2, 3, 5, 6, 8, 9, 11, 13}) {
+    listener.receive(says(1, kForceStart));
+    listener.receive(says(pausing, kStop));
+    EXPECT_FALSE(listener.referee.game_is_running()) << pausing;
+  }
+  listener.receive(says(1, kForceStart));
+  listener.receive("garbage");
+  EXPECT_TRUE(listener.referee.game_is_running());
+  listener.receive("\x3A\x05\x0A\x03MRL\x42\x06\x0A\x04KIKS");  // neither stage nor command
+  EXPECT_FALSE(listener.referee.game_is_running());
+}
+
 TEST(RefereeListener, ForgetsTheNamesWhenItListensElsewhere) {
   GroupListener group;
   Listener listener;

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/latest.h"
 #include "web/host.h"
+#include "web/http.h"
 
 #include <atomic>
 #include <cstdint>
@@ -76,6 +77,20 @@ class FakeHost {
       View view = *latest->value;
       view.version = latest->version;
       return view;
+    };
+    host.calibration = [](std::uint32_t id) { return Json{{"camera", id}, {"state", "idle"}}; };
+    host.start_calibration = [](std::uint32_t id, const Json& request, bool force, const std::string& who) {
+      if (request.contains("busy")) throw HttpError(409, "it is being calibrated already");
+      return Json{{"camera", id}, {"request", request}, {"force", force}, {"who", who}};
+    };
+    host.cancel_calibration = [](std::uint32_t id) { return Json{{"cancelled", id}}; };
+    host.accept_calibration = [](std::uint32_t id, bool force, const std::string& who) {
+      return Json{{"accepted", id}, {"force", force}, {"who", who}};
+    };
+    host.reject_calibration = [](std::uint32_t id) { return Json{{"rejected", id}}; };
+    host.revert_calibration = [](std::uint32_t id, bool force, const std::string& who) {
+      if (!force) throw HttpError(423, "the game is running");
+      return Json{{"reverted", id}, {"who", who}};
     };
     host.lut_file = [](std::uint32_t) { return std::vector<std::uint8_t>{1, 2, 3}; };
     return host;

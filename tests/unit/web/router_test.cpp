@@ -113,6 +113,37 @@ TEST_F(RouterTest, BadPatchesAreRefused) {
   EXPECT_EQ(refused.body, R"({"error":"/site: refused"})");
 }
 
+TEST_F(RouterTest, CalibrationReachesTheHost) {
+  const std::string path = "/api/cameras/0/calibration";
+  EXPECT_EQ(Json::parse(ask("GET", path).body)["state"], "idle");
+  const Answer started = ask("POST", path, R"({"frames": 3, "force": true})");
+  EXPECT_EQ(started.status, 202);
+  EXPECT_EQ(Json::parse(started.body),
+            Json::parse(R"({"camera": 0, "request": {"frames": 3}, "force": true, "who": "192.0.2.7"})"));
+  const Json plain = Json::parse(ask("POST", path).body);
+  EXPECT_EQ(plain["request"], Json::object());
+  EXPECT_EQ(plain["force"], false);
+  EXPECT_EQ(Json::parse(ask("DELETE", path).body)["cancelled"], 0);
+  EXPECT_EQ(Json::parse(ask("POST", path + "/accept").body)["force"], false);
+  EXPECT_EQ(Json::parse(ask("POST", path + "/accept", R"({"force": true})").body)["force"], true);
+  EXPECT_EQ(ask("POST", path + "/reject").status, 200);
+  EXPECT_EQ(Json::parse(ask("POST", path + "/revert", R"({"force": true})").body)["who"], "192.0.2.7");
+}
+
+TEST_F(RouterTest, BadRequestsForCalibrationAreRefused) {
+  const std::string path = "/api/cameras/0/calibration";
+  EXPECT_EQ(ask("GET", "/api/cameras/7/calibration").status, 404);
+  EXPECT_EQ(ask("POST", "/api/cameras/7/calibration/accept").status, 404);
+  EXPECT_EQ(ask("POST", path, "{").status, 400);
+  EXPECT_EQ(ask("POST", path, R"({"busy": 1})").status, 409);
+  const Answer wrong = ask("POST", path, R"({"force": "yes"})");
+  EXPECT_EQ(wrong.status, 422);
+  EXPECT_THAT(wrong.body, HasSubstr("/force: \\\"yes\\\" is not allowed; expected true or false"));
+  EXPECT_THAT(ask("POST", path + "/accept", R"({"forse": true})").body, HasSubstr("/forse: no such"));
+  EXPECT_EQ(ask("POST", path + "/revert").status, 423);
+  EXPECT_EQ(ask("PUT", path).status, 405);
+}
+
 TEST_F(RouterTest, WritesFromOtherSitesAreRefused) {
   const std::string foreign = "Origin: http://evil.example\r\n";
   EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", foreign).status, 403);

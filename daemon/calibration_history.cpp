@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration_history.h"
+
+#include "base/log.h"
+#include "base/params_json.h"
+#include "settings/store.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+constexpr std::ptrdiff_t kMostRecords = 20;
+
+struct CameraRecords {
+  int camera = 0;
+  CalibrationHistory::Records records;
+  static constexpr auto fields() {
+    return std::tuple{number("camera", &CameraRecords::camera, 0, 255, "", "its id"),
+                      list("records", &CameraRecords::records, "oldest first")};
+  }
+};
+
+struct File {
+  std::vector<CameraRecords> cameras;
+  static constexpr auto fields() {
+    return std::tuple{list("cameras", &File::cameras, "each with its records")};
+  }
+};
+
+}  // namespace
+
+CalibrationHistory::CalibrationHistory(std::filesystem::path file) : file_(std::move(file)) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file_, ignored)) return;
+  try {
+    for (CameraRecords& camera : params_from_json<File>(read_json_file(file_), "").cameras)
+      records_[camera.camera] = std::move(camera.records);
+  } catch (const SettingsError& error) {
+    const std::filesystem::path aside = file_.string() + ".rejected";
+    std::filesystem::rename(file_, aside, ignored);
+    log::error("the history of calibrations cannot be used and was set aside as {}: {}", aside.string(),
+               error.what());
+    records_.clear();
+  }
+}
+
+const CalibrationHistory::Records& CalibrationHistory::of(int camera_id) const {
+  static const Records kNone;
+  const auto found = records_.find(camera_id);
+  return found == records_.end() ? kNone : found->second;
+}
+
+void CalibrationHistory::set(int camera_id, Records records) {
+  const auto count = static_cast<std::ptrdiff_t>(records.size());
+  if (count > kMostRecords) records.erase(records.begin(), records.end() - kMostRecords);
+  auto next = records_;
+  next[camera_id] = std::move(records);
+  File file;
+  for (const auto& [id, of_camera] : next) file.cameras.push_back({id, of_camera});
+  std::error_code ignored;
+  std::filesystem::create_directories(file_.parent_path(), ignored);
+  write_file_durably(file_, params_to_json(file).dump(2) + "\n");
+  records_ = std::move(next);
+}
+
+CalibrationRecord* newest_in_force(CalibrationHistory::Records& records) {
+  const auto found = std::find_if(records.rbegin(), records.rend(),
+                                  [](const CalibrationRecord& record) { return !record.reverted_s; });
+  return found == records.rend() ? nullptr : &*found;
+}
+
+}  // namespace sslv

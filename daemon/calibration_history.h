@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "base/params.h"
+#include "geometry/camera_model.h"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+/// A calibration that was put into force.
+struct CalibrationRecord {
+  double time_s = 0;
+  std::string who;                // the client's address
+  Json figures = Json::object();  // of its report
+  CameraCalibration calibration;
+  std::optional<CameraCalibration> replaced;  // what was in force before
+  std::optional<double> reverted_s;           // when `replaced` was put back
+  std::string reverted_by;
+
+  static constexpr auto fields() {
+    using R = CalibrationRecord;
+    constexpr double kFarFuture = 1e12;
+    return std::tuple{
+        number("time", &R::time_s, 0.0, kFarFuture, "s", "Unix time"),
+        text("who", &R::who, "the client's address"),
+        object("figures", &R::figures, "of its report"),
+        group("calibration", &R::calibration, "what was put into force"),
+        group("replaced", &R::replaced, "what was in force before; null: none"),
+        number("reverted", &R::reverted_s, 0.0, kFarFuture, "s", "Unix time when it was taken back"),
+        text("reverted_by", &R::reverted_by, "the client's address"),
+    };
+  }
+};
+
+/// The last calibrations of every camera, oldest first, kept in a file. One thread at a time.
+class CalibrationHistory {
+ public:
+  using Records = std::vector<CalibrationRecord>;
+
+  /// A file that cannot be used is set aside (renamed *.rejected).
+  explicit CalibrationHistory(std::filesystem::path file);
+
+  /// Of a camera; empty when there are none.
+  const Records& of(int camera_id) const;
+
+  /// Replaces a camera's records, on disk first, but for those that are too many. Throws StorageError;
+  /// nothing has changed then.
+  void set(int camera_id, Records records);
+
+ private:
+  const std::filesystem::path file_;
+  std::map<int, Records> records_;
+};
+
+/// The newest record that was not taken back; nullptr when there is none.
+CalibrationRecord* newest_in_force(CalibrationHistory::Records& records);
+
+}  // namespace sslv

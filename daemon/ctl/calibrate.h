@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "calibration/calibrate.h"
+#include "calibration_json.h"
+#include "ctl/client.h"
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+namespace sslv {
+
+/// What the command line says beside, and instead of, a file of points; none: not said.
+struct CalibrateWords {
+  std::string points_file;
+  std::optional<int> frames;
+  std::optional<double> height_mm, height_sigma_mm, focal_px;
+  std::string plus_x, lines;  // as on the command line; empty: not said
+};
+
+/// The request as JSON, checked. Throws SettingsError.
+Json calibration_request(const CalibrateWords& words);
+
+struct CalibrateInput {
+  std::string path, pixel_format;
+  int width = 0, height = 0;  // of raw frames
+};
+
+/// Calibrates from recorded pictures. What cannot be read of them goes to `problems`. Throws SettingsError,
+/// and CaptureError when no picture can be used.
+CalibrationReport calibrate_recording(const CalibrateInput& input, const CalibrationRequest& request,
+                                      const FieldSize& field, std::optional<CameraCalibration> previous,
+                                      std::ostream& problems);
+
+/// The field of a preset's name or of a settings file. Throws SettingsError.
+FieldSize field_named(const std::string& name_or_file);
+
+/// A calibration as the settings spell it. Throws SettingsError.
+CameraCalibration read_calibration(const std::string& file);
+
+/// Has a running daemon calibrate a camera and waits for the report. Throws ClientError when it refuses,
+/// fails or is cancelled.
+Json calibrate_running(const Client& daemon, int camera_id, const Json& request);
+
+/// A report of docs/api.md for a terminal.
+std::string calibration_text(const Json& report);
+
+}  // namespace sslv

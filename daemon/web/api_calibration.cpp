@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/params_json.h"
+#include "web/api.h"
+#include "web/http.h"
+
+#include <httplib.h>
+
+namespace sslv {
+namespace {
+
+struct ForceOption {
+  bool force = false;
+  static constexpr auto fields() {
+    return std::tuple{flag("force", &ForceOption::force, "also where it is refused otherwise")};
+  }
+};
+
+/// The request's body; nothing at all says nothing.
+Json body_of(const httplib::Request& request) {
+  return request.body.empty() ? Json::object() : parse_json(request.body);
+}
+
+bool force_of(const Json& body) {
+  return params_from_json<ForceOption>(body, "").force;
+}
+
+}  // namespace
+
+void get_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  set_json(response, host.calibration(path_camera(host, request)));
+}
+
+void start_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  const std::uint32_t id = path_camera(host, request);
+  Json body = body_of(request);
+  bool force = false;
+  if (body.is_object() && body.contains("force")) {
+    force = force_of({{"force", body["force"]}});
+    body.erase("force");
+  }
+  set_json(response, host.start_calibration(id, body, force, request.remote_addr));
+  response.status = 202;
+}
+
+void cancel_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  set_json(response, host.cancel_calibration(path_camera(host, request)));
+}
+
+void accept_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  const std::uint32_t id = path_camera(host, request);
+  set_json(response, host.accept_calibration(id, force_of(body_of(request)), request.remote_addr));
+}
+
+void reject_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  set_json(response, host.reject_calibration(path_camera(host, request)));
+}
+
+void revert_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  const std::uint32_t id = path_camera(host, request);
+  set_json(response, host.revert_calibration(id, force_of(body_of(request)), request.remote_addr));
+}
+
+}  // namespace sslv

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration_jobs.h"
+
+#include "base/latest.h"
+
+#include <array>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kWidth = 64, kHeight = 48;
+
+/// Cameras 0 and 1, whose frames a test delivers.
+class FakeCameras {
+ public:
+  void deliver(int camera_id, int width = kWidth, PixelFormat format = PixelFormat::kRgb24) {
+    cameras_[static_cast<std::size_t>(camera_id)].put({bytes_.data(), width, kHeight, 3 * width, format});
+  }
+  CalibrationJobs::WaitFrame wait_frame() {
+    return [this](int camera_id, std::uint64_t newer_than,
+                  std::chrono::milliseconds timeout) -> std::optional<CalibrationJobs::LentFrame> {
+      const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
+      if (!newest) return std::nullopt;
+      return CalibrationJobs::LentFrame{newest->version, nullptr, newest->value};
+    };
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight, 100);
+  std::array<Latest<ImageView>, 2> cameras_;
+};
+
+CalibrationJobs::Order order(const std::string& request) {
+  return {read_calibration_request(Json::parse(request)), FieldSize{}, {}, "192.0.2.7", 0};
+}
+
+// Nothing can be found with these in a grey picture; with their names, that is soon known.
+constexpr const char* kPoints = R"([
+  {"x": 5, "y": 5, "name": "corner left top"}, {"x": 50, "y": 5, "name": "corner right top"},
+  {"x": 50, "y": 40, "name": "corner right bottom"}, {"x": 5, "y": 40, "name": "corner left bottom"}])";
+
+std::string request(int frames) {
+  return Json{{"points", Json::parse(kPoints)}, {"frames", frames}}.dump();
+}
+
+class CalibrationJobsTest : public testing::Test {
+ protected:
+  /// Delivers frames until the job is in this state; throws after 30 s.
+  CalibrationJobs::Job deliver_until(int camera_id, CalibrationState state) {
+    return wait(camera_id, state, [&] { cameras_.deliver(camera_id); });
+  }
+  CalibrationJobs::Job wait_until(int camera_id, CalibrationState state) {
+    return wait(camera_id, state, [] {});
+  }
+
+  FakeCameras cameras_;
+  CalibrationJobs jobs_{cameras_.wait_frame(), std::chrono::seconds(30)};
+
+ private:
+  template <class Meanwhile>
+  CalibrationJobs::Job wait(int camera_id, CalibrationState state, Meanwhile meanwhile) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    for (;;) {
+      auto job = jobs_.job(camera_id);
+      if (job.state == state) return job;
+      if (std::chrono::steady_clock::now() > deadline)
+        throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
+      meanwhile();
+      std::this_thread::yield();
+    }
+  }
+};
+
+TEST_F(CalibrationJobsTest, NothingWasOrderedIsIdle) {
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kIdle);
+  EXPECT_FALSE(jobs_.cancel(0));
+  EXPECT_FALSE(jobs_.forget(0, nullptr));
+}
+
+TEST_F(CalibrationJobsTest, TakesItsFramesAndReports) {
+  ASSERT_TRUE(jobs_.start(0, order(request(3))));
+  const auto job = deliver_until(0, CalibrationState::kDone);
+  EXPECT_EQ(job.frames, 3);
+  EXPECT_EQ(job.order->who, "192.0.2.7");
+  ASSERT_TRUE(job.report);
+  EXPECT_FALSE(job.report->found);
+  EXPECT_FALSE(jobs_.forget(0, nullptr));
+  EXPECT_TRUE(jobs_.forget(0, job.report.get()));
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kIdle);
+}
+
+TEST_F(CalibrationJobsTest, OneAtATimeForEachCameraUntilItIsCancelled) {
+  ASSERT_TRUE(jobs_.start(0, order(request(1))));
+  EXPECT_FALSE(jobs_.start(0, order(request(1))));
+  EXPECT_FALSE(jobs_.forget(0, nullptr));
+  EXPECT_TRUE(jobs_.cancel(0));
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kCancelled);
+  EXPECT_FALSE(jobs_.cancel(0));
+  // The next one is not touched by what was cancelled.
+  ASSERT_TRUE(jobs_.start(0, order(request(2))));
+  EXPECT_EQ(deliver_until(0, CalibrationState::kDone).frames, 2);
+}
+
+TEST_F(CalibrationJobsTest, CamerasTakeTurns) {
+  ASSERT_TRUE(jobs_.start(0, order(request(1))));
+  ASSERT_TRUE(jobs_.start(1, order(request(1))));
+  EXPECT_EQ(jobs_.job(1).state, CalibrationState::kCollecting);
+  deliver_until(0, CalibrationState::kDone);
+  deliver_until(1, CalibrationState::kDone);
+}
+
+TEST_F(CalibrationJobsTest, ACancelledOneLetsTheNextCameraHaveItsTurn) {
+  ASSERT_TRUE(jobs_.start(0, order(request(1))));
+  ASSERT_TRUE(jobs_.start(1, order(request(1))));
+  EXPECT_TRUE(jobs_.cancel(0));
+  deliver_until(1, CalibrationState::kDone);
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kCancelled);
+}
+
+TEST_F(CalibrationJobsTest, WhatTheEngineRefusesIsTheProblem) {
+  ASSERT_TRUE(
+      jobs_.start(0, order(R"({"frames": 1, "points": [{"x": 5, "y": 5, "name": "moon"}, {"x": 9, "y": 5},
+                                       {"x": 9, "y": 9}, {"x": 5, "y": 9}]})")));
+  EXPECT_THAT(deliver_until(0, CalibrationState::kFailed).problem, HasSubstr("moon"));
+}
+
+TEST_F(CalibrationJobsTest, PointsOutsideThePictureAreNamed) {
+  ASSERT_TRUE(jobs_.start(0, order(R"({"frames": 1, "points": [{"x": 5, "y": 48}]})")));
+  EXPECT_THAT(deliver_until(0, CalibrationState::kFailed).problem,
+              AllOf(HasSubstr("/points/0/y: 48 is not allowed"), HasSubstr("0 .. 47 px")));
+}
+
+TEST_F(CalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
+  ASSERT_TRUE(jobs_.start(0, order(request(2))));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (jobs_.job(0).state == CalibrationState::kCollecting && std::chrono::steady_clock::now() < deadline)
+    cameras_.deliver(0, kWidth, PixelFormat::kMono8);
+  EXPECT_THAT(wait_until(0, CalibrationState::kFailed).problem, HasSubstr("no colours (mono8)"));
+
+  ASSERT_TRUE(jobs_.start(0, order(request(100))));
+  while (jobs_.job(0).frames == 0 && std::chrono::steady_clock::now() < deadline) cameras_.deliver(0);
+  cameras_.deliver(0, kWidth / 2);
+  EXPECT_THAT(wait_until(0, CalibrationState::kFailed).problem, HasSubstr("have changed meanwhile"));
+}
+
+TEST(CalibrationJobs, ASilentCameraFailsEvenThoughItHasAnOldFrame) {
+  FakeCameras cameras;
+  cameras.deliver(0);
+  CalibrationJobs jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
+  ASSERT_TRUE(jobs.start(0, order(request(1))));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (jobs.job(0).state == CalibrationState::kCollecting && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::yield();
+  EXPECT_EQ(jobs.job(0).state, CalibrationState::kFailed);
+  EXPECT_THAT(jobs.job(0).problem, HasSubstr("no picture came for 0.001 s"));
+}
+
+TEST(CalibrationJobs, EndWithoutWaitingForACamera) {
+  FakeCameras cameras;
+  CalibrationJobs jobs(cameras.wait_frame(), std::chrono::hours(1));
+  ASSERT_TRUE(jobs.start(0, order(request(1))));
+  ASSERT_TRUE(jobs.start(1, order(request(1))));
+}
+
+}  // namespace
+}  // namespace sslv
