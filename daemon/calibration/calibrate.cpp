@@ -138,7 +138,7 @@ class Calibrator {
     }
     if (task_.clicks.size() < 4) {
       throw SettingsError(
-          fmt::format("points: {} are too few; expected four or more corners or crossings, or none at all",
+          fmt::format("/points: {} are too few; expected four or more corners or crossings, or none at all",
                       task_.clicks.size()));
     }
     bool all_known = true;
@@ -155,7 +155,7 @@ class Calibrator {
           for (const NamedPoint& point : points_)
             names += (names.empty() ? "\"" : ", \"") + point.name + "\"";
           throw SettingsError(fmt::format(
-              "points/{}/name: \"{}\" is no point of this field; expected one of {}", i, click.name, names));
+              "/points/{}/name: \"{}\" is no point of this field; expected one of {}", i, click.name, names));
         }
         places_.push_back(*found);
       } else {
@@ -386,6 +386,7 @@ class Calibrator {
     report_.camera = camera;
     const Published published = publish(camera);
     report_.calibration = published.calibration;
+    if (task_.previous) keep_sign(*task_.previous, report_.calibration);
     report_.lens_rms_mm = published.rms_mm;
     report_.lens_worst_mm = published.worst_mm;
     report_.found_share = refined.found_share();
@@ -397,6 +398,12 @@ class Calibrator {
     report_.unexplained_share = unexplained_share(camera);
     compare(camera);
     add_notes(solution);
+  }
+
+  /// q and -q are the same rotation: the one that looks like the old one.
+  static void keep_sign(const CameraCalibration& old, CameraCalibration& now) {
+    if (old.q0 * now.q0 + old.q1 * now.q1 + old.q2 * now.q2 + old.q3 * now.q3 >= 0) return;
+    for (double* q : {&now.q0, &now.q1, &now.q2, &now.q3}) *q = -*q;
   }
 
   void add_line_figures(const RefinedCamera& refined) {
@@ -614,18 +621,21 @@ class Calibrator {
     const auto is_held = [&](const char* name) {
       return std::find(report_.held.begin(), report_.held.end(), name) != report_.held.end();
     };
-    if (!prior_.height_mm && !task_.focal_px && (is_held("height") || is_held("focal length"))) {
-      report_.notes.push_back(fmt::format(
-          "The camera's height and focal length are not observable from this view (height {:.0f} +- {:.0f} "
-          "mm): "
-          "give the height, measured to 50 mm, or the focal length. Places on the floor are exact, those of "
-          "robots' tops are expected to be off by {:.1f} mm.",
-          report_.height_mm, report_.height_sigma_mm, report_.expected_at_150_mm));
-    } else if (!prior_.height_mm && report_.expected_at_150_mm > 5 * report_.expected_on_floor_mm + 1) {
+    const bool tops_worse = report_.expected_at_150_mm > 5 * report_.expected_on_floor_mm + 1;
+    if (explains && !prior_.height_mm && !task_.focal_px && (is_held("height") || is_held("focal length"))) {
       report_.notes.push_back(
-          fmt::format("The camera's height is known to {:.0f} mm only; measured and given it would make "
-                      "places of robots' "
-                      "tops, now expected to be off by {:.1f} mm, more exact.",
+          fmt::format("The camera's height and focal length are not observable from this view (height {:.0f} "
+                      "+- {:.0f} mm): "
+                      "give the height, measured to 50 mm, or the focal length. Places on the floor are "
+                      "expected to be off by "
+                      "{:.1f} mm, those of robots' tops by {:.1f} mm.",
+                      report_.height_mm, report_.height_sigma_mm, report_.expected_on_floor_mm,
+                      report_.expected_at_150_mm));
+    } else if (explains && !prior_.height_mm && tops_worse) {
+      report_.notes.push_back(
+          fmt::format("The camera's height is known to {:.0f} mm only: measured and given, it would make "
+                      "places of robots' tops, "
+                      "now expected to be off by {:.1f} mm, more exact.",
                       report_.height_sigma_mm, report_.expected_at_150_mm));
     }
     if (is_held("distortion"))

@@ -152,13 +152,20 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
 CameraFit camera_of_points(Points pixels, Points places_mm, double sigma_px, int width_px, int height_px,
                            const CameraPrior& prior) {
   std::vector<Sighting> sightings(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    sightings[i].place_mm = {places_mm[i].x(), places_mm[i].y(), 0};
-    sightings[i].pixel = pixels[i];
-    sightings[i].sigma_px = sigma_px;
+  LensCamera camera = looking_down(similarity_of(pixels, places_mm), width_px, height_px, prior);
+  // A tilted camera is far from one that looks down: first roughly, or the solver cuts off a corner and is
+  // caught.
+  CameraFit fit;
+  for (const double sigma : {0.02 * width_px, sigma_px}) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      sightings[i].place_mm = {places_mm[i].x(), places_mm[i].y(), 0};
+      sightings[i].pixel = pixels[i];
+      sightings[i].sigma_px = sigma;
+    }
+    fit = fit_camera(camera, sightings, prior);
+    camera = fit.camera;
   }
-  const LensCamera start = looking_down(similarity_of(pixels, places_mm), width_px, height_px, prior);
-  return fit_camera(start, sightings, prior);
+  return fit;
 }
 
 std::vector<CurvePoint> evidence_points(std::span<const PaintedCurve> curves) {

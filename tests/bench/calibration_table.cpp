@@ -349,7 +349,7 @@ void overlap() {
                                       std::uniform_real_distribution<double>(-1900, 1900)(random), 140);
           const auto p = a.project(place), q = b.project(place);
           if (!p || !q || !a.is_in_picture(*p) || !b.is_in_picture(*q)) continue;
-          const auto miss = [&] { return 0.1 * Eigen::Vector2d(normal(random), normal(random)); };
+          const auto miss = [&] { return Eigen::Vector2d(0.1 * normal(random), 0.1 * normal(random)); };
           ties.push_back({0, 1, *p + miss(), *q + miss(), 140, 0.1});
         }
         const auto add = [&](std::size_t i, const LensCamera& one, const LensCamera& other,
