@@ -247,11 +247,9 @@ class Calibrator {
     }
     if (found.empty()) return std::nullopt;
     std::sort(found.begin(), found.end(),
-              [](const RefinedCamera& a, const RefinedCamera& b) { return a.score() > b.score(); });
-    constexpr double kMostLikeBest = 0.75;
+              [&](const RefinedCamera& a, const RefinedCamera& b) { return credit(a) > credit(b); });
     is_clear_proposal_ = std::none_of(found.begin() + 1, found.end(), [&](const RefinedCamera& other) {
-      return other.score() > kMostLikeBest * found.front().score() &&
-             !shows_the_same(other.camera, found.front().camera);
+      return is_acceptable(other) && !shows_the_same(other.camera, found.front().camera);
     });
     Solution best{std::move(found.front()), {}, false};
     if (same_turned(curves())) {
@@ -325,9 +323,11 @@ class Calibrator {
     return all > 0 ? static_cast<double>(unexplained) / all : 0;
   }
 
+  double credit(const RefinedCamera& refined) const {
+    return refined.found_share() - kUnexplainedWeight * unexplained_share(refined.camera);
+  }
   bool is_acceptable(const RefinedCamera& refined) const {
-    return refined.rms_px < kMostRmsPx &&
-           refined.found_share() - kUnexplainedWeight * unexplained_share(refined.camera) > kLeastFoundShare;
+    return refined.rms_px < kMostRmsPx && credit(refined) > kLeastFoundShare;
   }
 
   /// One wrong click spoils the start: the one is looked for without which all else fits.
