@@ -17,7 +17,6 @@ constexpr double kUnseen = 1e3;
 class Problem {
  public:
   using Scalar = double;
-  static constexpr int InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic;
   using InputType = Eigen::VectorXd;
   using ValueType = Eigen::VectorXd;
   using JacobianType = Eigen::MatrixXd;
