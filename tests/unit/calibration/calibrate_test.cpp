@@ -233,6 +233,16 @@ TEST(Calibrate, SeesPartsOfFieldsAndRobotsOnLines) {
   EXPECT_LT(whole.floor_error_mm(other), 0.2);
 }
 
+TEST(Calibrate, StartsFromExactClicksAtATiltedCamera) {
+  const Shot shot = take({0, FloorView::kWhole, 25, 0.08, 0});
+  CalibrationTask task =
+      clicked(shot, {"corner left bottom", "corner left top", "corner right top", "corner right bottom"});
+  task.click_sigma_px = 0.3;  // surer of them than they are
+  const CalibrationReport report = calibrate(shot.picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(shot.floor_error_mm(report), 0.2);
+}
+
 TEST(Calibrate, DoesNotAcceptAFieldOfAnotherSize) {
   for (const double scale : {0.9, 1.1}) {
     CalibrationTask task;
