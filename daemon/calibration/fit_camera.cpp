@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/fit_camera.h"
 
+#include "calibration/least_squares.h"
+
 #include <cmath>
 #include <limits>
 
@@ -14,21 +16,16 @@ namespace {
 constexpr double kUnseen = 1e3;
 
 /// Residuals and their changes, as rows: two for a point, one for a line, and those of the prior.
-class Problem {
+class Problem : public LeastSquaresTypes {
  public:
-  using Scalar = double;
-  using InputType = Eigen::VectorXd;
-  using ValueType = Eigen::VectorXd;
-  using JacobianType = Eigen::MatrixXd;
-
   Problem(const LensCamera& start, std::span<const Sighting> sightings, const CameraPrior& prior,
           double cauchy)
-      : start_(start), sightings_(sightings), prior_(prior), cauchy_(cauchy) {
+      : start_(start), sightings_(sightings), prior_(prior), loss_{cauchy} {
     for (const Sighting& sighting : sightings) rows_ += sighting.normal ? 1 : 2;
   }
 
   int inputs() const { return kCameraParams; }
-  int values() const { return sighting_rows() + kPriorRows; }
+  int values() const { return sighting_rows() + PriorRows::kCount; }
   int sighting_rows() const { return rows_; }
 
   int operator()(const InputType& x, ValueType& out) const {
@@ -41,21 +38,12 @@ class Problem {
   }
 
  private:
-  static constexpr int kPriorRows = 6;
-
   void visit(const InputType& x, ValueType* values, JacobianType* changes) const {
     const SteppedCamera stepped(start_, CameraStep(x));
     int row = 0;
-    const auto add = [&](double residual, const Eigen::Matrix<double, 1, kCameraParams>& by_step,
-                         bool robust) {
-      double value = residual, slope = 1;
-      if (robust && cauchy_ > 0 && residual != 0) {
-        const double square = residual * residual / (cauchy_ * cauchy_);
-        value = std::copysign(cauchy_ * std::sqrt(std::log1p(square)), residual);
-        slope = residual / (1 + square) / value;
-      }
-      if (values != nullptr) (*values)[row] = value;
-      if (changes != nullptr) changes->row(row) = slope * by_step;
+    const auto add = [&](double off, const Eigen::Matrix<double, 1, kCameraParams>& by_step) {
+      if (values != nullptr) (*values)[row] = loss_.value(off);
+      if (changes != nullptr) changes->row(row) = loss_.slope(off) * by_step;
       ++row;
     };
     using Change = Eigen::Matrix<double, 1, kCameraParams>;
@@ -63,44 +51,24 @@ class Problem {
       const auto seen = stepped.project(sighting.place_mm);
       const double weight = 1 / sighting.sigma_px;
       if (!seen) {
-        for (int i = 0; i < (sighting.normal ? 1 : 2); ++i) add(kUnseen, Change::Zero(), true);
+        for (int i = 0; i < (sighting.normal ? 1 : 2); ++i) add(kUnseen, Change::Zero());
       } else if (sighting.normal) {
         const Eigen::Vector2d& n = *sighting.normal;
-        add(weight * n.dot(seen->pixel - sighting.pixel), weight * n.transpose() * seen->by_step, true);
+        add(weight * n.dot(seen->pixel - sighting.pixel), weight * n.transpose() * seen->by_step);
       } else {
         const Eigen::Vector2d off = weight * (seen->pixel - sighting.pixel);
-        for (int i = 0; i < 2; ++i) add(off[i], weight * seen->by_step.row(i), true);
+        for (int i = 0; i < 2; ++i) add(off[i], weight * seen->by_step.row(i));
       }
     }
-    const LensCamera& camera = stepped.camera();
-    const auto at = [](CameraParam param, double value) {
-      Change out = Change::Zero();
-      out[param] = value;
-      return out;
-    };
-    const double grow2 = std::exp(2 * x[kZoom]), grow4 = grow2 * grow2;
-    add(std::log(camera.focal_px / prior_.focal_px) / prior_.focal_share, at(kZoom, 1 / prior_.focal_share),
-        false);
-    add((camera.center_x - prior_.center_x) / prior_.center_sigma_px,
-        at(kCenterX, 1 / prior_.center_sigma_px), false);
-    add((camera.center_y - prior_.center_y) / prior_.center_sigma_px,
-        at(kCenterY, 1 / prior_.center_sigma_px), false);
-    add((camera.k1 - prior_.k1) / prior_.k1_sigma,
-        (at(kK1, 1) + at(kZoom, 2 * start_.k1 * grow2)) / prior_.k1_sigma, false);
-    add((camera.k2 - prior_.k2) / prior_.k2_sigma,
-        (at(kK2, 1) + at(kZoom, 4 * start_.k2 * grow4)) / prior_.k2_sigma, false);
-    if (prior_.height_mm) {
-      add((camera.position_mm.z() - *prior_.height_mm) / prior_.height_sigma_mm,
-          stepped.height_by_step().transpose() / prior_.height_sigma_mm, false);
-    } else {
-      add(0, Change::Zero(), false);
-    }
+    const PriorRows known = prior_rows(stepped, prior_);
+    if (values != nullptr) values->tail<PriorRows::kCount>() = known.off;
+    if (changes != nullptr) changes->bottomRows<PriorRows::kCount>() = known.by_step;
   }
 
   const LensCamera& start_;
   std::span<const Sighting> sightings_;
   const CameraPrior& prior_;
-  double cauchy_;
+  CauchyLoss loss_;
   int rows_ = 0;
 };
 
@@ -132,15 +100,6 @@ void descend(LensCamera& camera, double& cost, std::span<const Sighting> sightin
 }
 
 }  // namespace
-
-CameraPrior camera_prior(int width_px, int height_px) {
-  CameraPrior out;
-  out.focal_px = 0.85 * width_px;
-  out.center_x = (width_px - 1) / 2.0;
-  out.center_y = (height_px - 1) / 2.0;
-  out.center_sigma_px = 0.015 * width_px;
-  return out;
-}
 
 CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sightings, const CameraPrior& prior,
                      const FitOptions& options) {

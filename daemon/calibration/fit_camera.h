@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "calibration/camera_prior.h"
 #include "calibration/lens_camera.h"
 
 #include <cstddef>
@@ -11,20 +12,6 @@
 #include <Eigen/Core>
 
 namespace sslv {
-
-/// What is known of a camera without looking: expected values and their standard deviations.
-struct CameraPrior {
-  double focal_px = 0, focal_share = 0.4;  // the deviation as a share of the focal length
-  double center_x = 0, center_y = 0, center_sigma_px = 1;
-  double k1 = 0.1, k1_sigma = 0.2;
-  double k2 = 0, k2_sigma = 1e-9;
-  std::optional<double> height_mm;  // of the camera above the floor
-  double height_sigma_mm = 1;
-};
-
-/// For a picture of this size, of which nothing else is known: lenses on fields have .5 to 1.3 picture
-/// widths.
-CameraPrior camera_prior(int width_px, int height_px);
 
 /// A place of the field that was seen somewhere: at a point, or somewhere on a line.
 struct Sighting {

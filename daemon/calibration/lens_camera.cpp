@@ -153,8 +153,8 @@ std::optional<SteppedPixel> SteppedCamera::project(const Eigen::Vector3d& point_
   const Eigen::Vector2d by_k1 = -c.focal_px * std::pow(r, 3) / slope * direction;
   const Eigen::Vector2d by_k2 = -c.focal_px * std::pow(r, 5) / slope * direction;
 
-  out.by_step.col(kZoom) = c.focal_px * d + by_k1 * 2 * start_.k1 * std::pow(grow_, 2) +
-                           by_k2 * 4 * start_.k2 * std::pow(grow_, 4) + by_position * along_axis_mm_;
+  out.by_step.col(kZoom) =
+      c.focal_px * d + by_k1 * k1_by_zoom() + by_k2 * k2_by_zoom() + by_position * along_axis_mm_;
   out.by_step.col(kCenterX) = Eigen::Vector2d::UnitX();
   out.by_step.col(kCenterY) = Eigen::Vector2d::UnitY();
   out.by_step.col(kK1) = by_k1;
@@ -168,6 +168,28 @@ CameraStep SteppedCamera::height_by_step() const {
   CameraStep out = CameraStep::Zero();
   out[kZoom] = along_axis_mm_.z();
   out[kMoveZ] = kMmPerM;
+  return out;
+}
+
+double SteppedCamera::k1_by_zoom() const {
+  return 2 * start_.k1 * std::pow(grow_, 2);
+}
+
+double SteppedCamera::k2_by_zoom() const {
+  return 4 * start_.k2 * std::pow(grow_, 4);
+}
+
+CameraStep SteppedCamera::k1_by_step() const {
+  CameraStep out = CameraStep::Zero();
+  out[kZoom] = k1_by_zoom();
+  out[kK1] = 1;
+  return out;
+}
+
+CameraStep SteppedCamera::k2_by_step() const {
+  CameraStep out = CameraStep::Zero();
+  out[kZoom] = k2_by_zoom();
+  out[kK2] = 1;
   return out;
 }
 

@@ -66,8 +66,14 @@ class SteppedCamera {
   std::optional<SteppedPixel> project(const Eigen::Vector3d& point_mm) const;
   /// Change of the camera's height above the floor, in mm, by the step's parameters.
   CameraStep height_by_step() const;
+  /// Change of the radial terms.
+  CameraStep k1_by_step() const;
+  CameraStep k2_by_step() const;
 
  private:
+  double k1_by_zoom() const;
+  double k2_by_zoom() const;
+
   LensCamera start_, camera_;
   double grow_;                    // exp of the zoom
   Eigen::Vector3d along_axis_mm_;  // change of the position by the zoom

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/refine_jointly.h"
 
+#include "calibration/least_squares.h"
+
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <numbers>
 #include <utility>
 
@@ -58,13 +59,8 @@ class Paint {
 };
 
 /// Parameters: each camera's step, each piece of paint, and the place of each tie.
-class Problem {
+class Problem : public LeastSquaresTypes {
  public:
-  using Scalar = double;
-  using InputType = Eigen::VectorXd;
-  using ValueType = Eigen::VectorXd;
-  using JacobianType = Eigen::MatrixXd;
-
   Problem(std::span<const LensCamera> starts, std::span<const JointCamera> cameras,
           std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, double line_sigma_mm)
       : starts_(starts),
@@ -74,7 +70,7 @@ class Problem {
         line_sigma_mm_(line_sigma_mm),
         paint_(curves) {
     for (const JointCamera& camera : cameras)
-      rows_ += static_cast<int>(camera.refined.sightings.size()) + kPriorRows;
+      rows_ += static_cast<int>(camera.refined.sightings.size()) + PriorRows::kCount;
     rows_ += paint_.count() + 4 * static_cast<int>(ties.size());
   }
 
@@ -94,8 +90,6 @@ class Problem {
   }
 
  private:
-  static constexpr int kPriorRows = 6;
-
   void visit(const InputType& x, ValueType* values, JacobianType* changes) const {
     int row = 0;
     const auto set = [&](double value) {
@@ -119,9 +113,9 @@ class Problem {
         const Eigen::Vector3d place = sighting.place_mm + off_mm * Eigen::Vector3d(side.x(), side.y(), 0);
         const auto seen = stepped[c].project(place);
         const Eigen::Vector2d n = sighting.normal.value_or(Eigen::Vector2d::Zero()) / kPatchSigmaPx;
-        set(seen ? robust(n.dot(seen->pixel - sighting.pixel)) : 0);
+        set(seen ? kLoss.value(n.dot(seen->pixel - sighting.pixel)) : 0);
         if (seen && changes != nullptr) {
-          const double slope = robust_slope(n.dot(seen->pixel - sighting.pixel));
+          const double slope = kLoss.slope(n.dot(seen->pixel - sighting.pixel));
           changes->block(row, offset(c), 1, kCameraParams) = slope * n.transpose() * seen->by_step;
           // Moving the place by a little to the side.
           const auto beside = stepped[c].camera().project(place + Eigen::Vector3d(side.x(), side.y(), 0));
@@ -131,7 +125,11 @@ class Problem {
         }
         ++row;
       }
-      add_prior(c, stepped[c], x, set, change, row);
+      const PriorRows known = prior_rows(stepped[c], cameras_[c].prior);
+      if (values != nullptr) values->segment<PriorRows::kCount>(row) = known.off;
+      if (changes != nullptr)
+        changes->block<PriorRows::kCount, kCameraParams>(row, offset(c)) = known.by_step;
+      row += PriorRows::kCount;
     }
     for (int i = 0; i < paint_.count(); ++i, ++row) {
       set(x[first_paint() + i] / line_sigma_mm_);
@@ -147,9 +145,9 @@ class Problem {
                    ahead = stepped[c].camera().project(place + Eigen::Vector3d::UnitY());
         for (int i = 0; i < 2; ++i, ++row) {
           const double off = seen ? (seen->pixel[i] - pixel[i]) / tie.sigma_px : 0;
-          set(robust(off));
+          set(kLoss.value(off));
           if (!seen || !right || !ahead || changes == nullptr) continue;
-          const double slope = robust_slope(off) / tie.sigma_px;
+          const double slope = kLoss.slope(off) / tie.sigma_px;
           changes->block(row, offset(c), 1, kCameraParams) = slope * seen->by_step.row(i);
           change(param, slope * ((*right)[i] - seen->pixel[i]));
           change(param + 1, slope * ((*ahead)[i] - seen->pixel[i]));
@@ -158,41 +156,7 @@ class Problem {
     }
   }
 
-  template <class Set, class Change>
-  void add_prior(std::size_t c, const SteppedCamera& stepped, const InputType& x, const Set& set,
-                 const Change& change, int& row) const {
-    const LensCamera& camera = stepped.camera();
-    const CameraPrior& prior = cameras_[c].prior;
-    const int at = offset(c);
-    const double grow2 = std::exp(2 * x[at + kZoom]), grow4 = grow2 * grow2;
-    const auto add = [&](double value, std::initializer_list<std::pair<int, double>> by) {
-      set(value);
-      for (const auto& [param, slope] : by) change(at + param, slope);
-      ++row;
-    };
-    add(std::log(camera.focal_px / prior.focal_px) / prior.focal_share, {{kZoom, 1 / prior.focal_share}});
-    add((camera.center_x - prior.center_x) / prior.center_sigma_px, {{kCenterX, 1 / prior.center_sigma_px}});
-    add((camera.center_y - prior.center_y) / prior.center_sigma_px, {{kCenterY, 1 / prior.center_sigma_px}});
-    add((camera.k1 - prior.k1) / prior.k1_sigma,
-        {{kK1, 1 / prior.k1_sigma}, {kZoom, 2 * starts_[c].k1 * grow2 / prior.k1_sigma}});
-    add((camera.k2 - prior.k2) / prior.k2_sigma,
-        {{kK2, 1 / prior.k2_sigma}, {kZoom, 4 * starts_[c].k2 * grow4 / prior.k2_sigma}});
-    const CameraStep rise = stepped.height_by_step();
-    if (prior.height_mm) {
-      add((camera.position_mm.z() - *prior.height_mm) / prior.height_sigma_mm,
-          {{kZoom, rise[kZoom] / prior.height_sigma_mm}, {kMoveZ, rise[kMoveZ] / prior.height_sigma_mm}});
-    } else {
-      add(0, {});
-    }
-  }
-
-  static constexpr double kCauchy = 4;
-  static double robust(double r) {
-    return std::copysign(kCauchy * std::sqrt(std::log1p(r * r / (kCauchy * kCauchy))), r);
-  }
-  static double robust_slope(double r) {
-    return r == 0 ? 1 : r / (1 + r * r / (kCauchy * kCauchy)) / robust(r);
-  }
+  static constexpr CauchyLoss kLoss{4};
   static int offset(std::size_t camera) { return static_cast<int>(camera) * kCameraParams; }
 
   std::span<const LensCamera> starts_;
