@@ -14,6 +14,11 @@ CameraPrior camera_prior(int width_px, int height_px) {
   return out;
 }
 
+CameraPrior with_second_radial(CameraPrior prior) {
+  prior.k2_sigma = 0.3;
+  return prior;
+}
+
 PriorRows prior_rows(const SteppedCamera& stepped, const CameraPrior& prior) {
   const LensCamera& camera = stepped.camera();
   const auto only = [](CameraParam param) {

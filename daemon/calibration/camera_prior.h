@@ -23,6 +23,9 @@ struct CameraPrior {
 /// widths.
 CameraPrior camera_prior(int width_px, int height_px);
 
+/// The same for a lens that may bend more than one radial term says.
+CameraPrior with_second_radial(CameraPrior prior);
+
 /// How far a camera is from what is known of it, in sigmas, and how that changes with its parameters (rows).
 struct PriorRows {
   static constexpr int kCount = 6;

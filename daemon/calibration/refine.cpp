@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kLeastSightings = 12;
 constexpr double kEdgeMarginPx = 9;
-constexpr double kTwoRadialSigma = 0.3;
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -194,8 +193,7 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
                                           const CameraPrior& given_prior, const RefineOptions& options,
                                           const std::stop_token& stop) {
   if (!is_plausible(start)) return std::nullopt;
-  CameraPrior prior = given_prior;
-  if (options.two_radial) prior.k2_sigma = kTwoRadialSigma;
+  const CameraPrior prior = options.two_radial ? with_second_radial(given_prior) : given_prior;
   const double scale = px_per_mm(start);
   const auto points = points_along(curves, kPatchPx / scale, (kPatchPx / 2 + 4) / scale + 10);
   const double blur_px = blur_of(picture, start, curves, points);

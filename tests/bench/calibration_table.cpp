@@ -3,6 +3,7 @@
 // and noise of sigma 4. Takes some minutes; with an argument of 1 or 2 the larger pictures are left out.
 #include "calibration/calibrate.h"
 #include "calibration/refine_jointly.h"
+#include "calibration/way_round.h"
 #include "support/painted_floor.h"
 
 #include <algorithm>

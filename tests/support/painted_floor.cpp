@@ -311,14 +311,6 @@ LensCamera floor_camera(const FloorSetting& setting) {
   return camera;
 }
 
-LensCamera turned_round(const LensCamera& camera) {
-  const Eigen::DiagonalMatrix<double, 3> half_turn(-1, -1, 1);
-  LensCamera out = camera;
-  out.rotation = camera.rotation * half_turn;
-  out.position_mm = half_turn * camera.position_mm;
-  return out;
-}
-
 double overlap_error_mm(const LensCamera& truth_a, const LensCamera& truth_b, const LensCamera& a,
                         const LensCamera& b, const FieldSize& field, double height_mm) {
   constexpr double kStepMm = 100;

@@ -45,9 +45,6 @@ struct FloorSetting {
 FieldSize floor_field(int size);
 LensCamera floor_camera(const FloorSetting& setting);
 
-/// The camera that sees the other half of the field just so.
-LensCamera turned_round(const LensCamera& camera);
-
 /// Root mean square distance, in mm, over places that both true cameras see on the plane z = height, between
 /// where the two estimates have them.
 double overlap_error_mm(const LensCamera& truth_a, const LensCamera& truth_b, const LensCamera& a,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/refine_jointly.h"
+#include "calibration/way_round.h"
 
 #include "support/painted_floor.h"
 
