@@ -18,7 +18,7 @@ struct Distorted {
 
 std::optional<Distorted> distort(double undistorted, double k1, double k2) {
   double r = undistorted;
-  if (k1 > 0) r = std::min(r, std::cbrt(undistorted / k1));
+  if (k1 * r * r > 1) r = std::cbrt(undistorted / k1);
   double slope = 1;
   for (int i = 0; i < 20; ++i) {
     const double r2 = r * r;
@@ -26,7 +26,7 @@ std::optional<Distorted> distort(double undistorted, double k1, double k2) {
     if (slope < kLeastSlope) return std::nullopt;
     const double step = (r * (1 + r2 * (k1 + k2 * r2)) - undistorted) / slope;
     r -= step;
-    if (std::abs(step) < 1e-14) break;
+    if (std::abs(step) < 1e-8) break;  // its square is what is left
   }
   if (!std::isfinite(r)) return std::nullopt;
   return Distorted{r, slope};
@@ -150,8 +150,8 @@ std::optional<SteppedPixel> SteppedCamera::project(const Eigen::Vector3d& point_
   u_by_p << 1 / p.z(), 0, -u.x() / p.z(), 0, 1 / p.z(), -u.y() / p.z();
   const Eigen::Matrix<double, 2, 3> by_p = c.focal_px * d_by_u * u_by_p;
   const Eigen::Matrix<double, 2, 3> by_position = -by_p * c.rotation;
-  const Eigen::Vector2d by_k1 = -c.focal_px * std::pow(r, 3) / slope * direction;
-  const Eigen::Vector2d by_k2 = -c.focal_px * std::pow(r, 5) / slope * direction;
+  const Eigen::Vector2d by_k1 = -c.focal_px * r * r * r / slope * direction;
+  const Eigen::Vector2d by_k2 = r * r * by_k1;
 
   out.by_step.col(kZoom) =
       c.focal_px * d + by_k1 * k1_by_zoom() + by_k2 * k2_by_zoom() + by_position * along_axis_mm_;
@@ -172,11 +172,11 @@ CameraStep SteppedCamera::height_by_step() const {
 }
 
 double SteppedCamera::k1_by_zoom() const {
-  return 2 * start_.k1 * std::pow(grow_, 2);
+  return 2 * start_.k1 * grow_ * grow_;
 }
 
 double SteppedCamera::k2_by_zoom() const {
-  return 4 * start_.k2 * std::pow(grow_, 4);
+  return 4 * start_.k2 * grow_ * grow_ * grow_ * grow_;
 }
 
 CameraStep SteppedCamera::k1_by_step() const {

@@ -99,9 +99,9 @@ FloatPicture blurred(const FloatPicture& in, double sigma_px) {
 /// (Immerkaer 1996).
 float noise_of(const FloatPicture& light) {
   std::vector<float> values;
-  for (int y = 1; y + 1 < light.height; y += 3) {
+  for (int y = 1; y + 1 < light.height; y += 5) {
     const float *above = light.row(y - 1), *here = light.row(y), *below = light.row(y + 1);
-    for (int x = 1; x + 1 < light.width; x += 3) {
+    for (int x = 1; x + 1 < light.width; x += 5) {
       values.push_back(std::abs(above[x - 1] - 2 * above[x] + above[x + 1] -
                                 2 * (here[x - 1] - 2 * here[x] + here[x + 1]) + below[x - 1] - 2 * below[x] +
                                 below[x + 1]));
@@ -112,6 +112,27 @@ float noise_of(const FloatPicture& light) {
   std::nth_element(values.begin(), middle, values.end());
   constexpr float kMedianOfNormal = 0.6745F, kGain = 6;  // root of the mask's sum of squares
   return std::max(0.3F, *middle / (kMedianOfNormal * kGain));
+}
+
+/// Raises each pixel's value to that by which it stands out against what lies to both sides.
+void raise_to_stand_out(const float* here, const float* one_side, const float* other_side, int count,
+                        float* value) {
+  for (int i = 0; i < count; ++i) {
+    const float a = one_side[i], b = other_side[i];
+    const float out = here[i] - std::max(a, b) - 0.5F * std::abs(a - b);
+    value[i] = std::max(value[i], out);
+  }
+}
+
+/// Sets to 0 what is not white.
+void clear_colored(const float* red, const float* green, const float* blue, int count, float noise,
+                   float* value) {
+  constexpr float kMostColor = 0.55F;  // of white: the channels' difference, as a share of the brightest
+  for (int i = 0; i < count; ++i) {
+    const float most = std::max(std::max(red[i], green[i]), blue[i]),
+                least = std::min(std::min(red[i], green[i]), blue[i]);
+    value[i] = most - least > kMostColor * most + noise ? 0 : value[i];
+  }
 }
 
 /// Replaces squared distances along one row or column by those in the plane: the lower envelope of parabolas
@@ -153,14 +174,23 @@ FloatPicture distance_to_lines(const FloatPicture& line, float least) {
   constexpr float kFar = 1e8F;
   FloatPicture out(line.width, line.height);
   for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = line.values[i] > least ? 0 : kFar;
-  std::vector<float> column(static_cast<std::size_t>(line.height)), copy, begins;
+  std::vector<float> copy, begins;
   std::vector<int> apex;
   for (int y = 0; y < line.height; ++y)
     transform_distances({out.row(y), static_cast<std::size_t>(line.width)}, copy, apex, begins);
-  for (int x = 0; x < line.width; ++x) {
-    for (int y = 0; y < line.height; ++y) column[static_cast<std::size_t>(y)] = out.row(y)[x];
-    transform_distances(column, copy, apex, begins);
-    for (int y = 0; y < line.height; ++y) out.row(y)[x] = std::sqrt(column[static_cast<std::size_t>(y)]);
+  // Some columns at once, as cache lines hold some pixels.
+  constexpr int kColumns = 16;
+  FloatPicture columns(line.height, kColumns);
+  for (int left = 0; left < line.width; left += kColumns) {
+    const int count = std::min(kColumns, line.width - left);
+    for (int y = 0; y < line.height; ++y) {
+      for (int i = 0; i < count; ++i) columns.row(i)[y] = out.row(y)[left + i];
+    }
+    for (int i = 0; i < count; ++i)
+      transform_distances({columns.row(i), static_cast<std::size_t>(line.height)}, copy, apex, begins);
+    for (int y = 0; y < line.height; ++y) {
+      for (int i = 0; i < count; ++i) out.row(y)[left + i] = std::sqrt(columns.row(i)[y]);
+    }
   }
   return out;
 }
@@ -206,27 +236,18 @@ LinePicture find_line_pixels(const MeanPicture& picture, double line_px) {
   const FloatPicture smooth = blurred(out.light, std::max(0.6, 0.3 * line_px));
   out.line = FloatPicture(width, height);
   for (int y = side; y < height - side; ++y) {
-    const float* here = smooth.row(y);
-    float* line = out.line.row(y);
-    const auto stands_out = [&](int x, int dx, int dy) {
-      const float a = smooth.row(y + dy)[x + dx], b = smooth.row(y - dy)[x - dx];
-      return here[x] - std::max(a, b) - 0.5F * std::abs(a - b);
-    };
-    for (int x = side; x < width - side; ++x) {
-      line[x] = std::max({0.0F, stands_out(x, side, 0), stands_out(x, 0, side), stands_out(x, slant, slant),
-                          stands_out(x, -slant, slant)});
-    }
-    constexpr float kMostColor = 0.55F;  // of white: the channels' difference, as a share of the brightest
-    for (int x = side; x < width - side; ++x) {
-      const float r = channels[0].row(y)[x], g = channels[1].row(y)[x], b = channels[2].row(y)[x];
-      const float most = std::max({r, g, b}), least = std::min({r, g, b});
-      if (most - least > kMostColor * most + 4 * out.noise) line[x] = 0;
-    }
+    const int count = width - 2 * side;
+    const float* here = smooth.row(y) + side;
+    float* line = out.line.row(y) + side;
+    for (const auto& [dx, dy] : {std::pair{side, 0}, {0, side}, {slant, slant}, {-slant, slant}})
+      raise_to_stand_out(here, smooth.row(y + dy) + side + dx, smooth.row(y - dy) + side - dx, count, line);
+    clear_colored(channels[0].row(y) + side, channels[1].row(y) + side, channels[2].row(y) + side, count,
+                  4 * out.noise, line);
   }
   // Lines are about a hundredth of the picture.
   std::vector<float> some;
-  for (int y = 0; y < height; y += 2) {
-    for (int x = 0; x < width; x += 2) some.push_back(out.line.row(y)[x]);
+  for (int y = 0; y < height; y += 3) {
+    for (int x = 0; x < width; x += 3) some.push_back(out.line.row(y)[x]);
   }
   const auto high = some.begin() + static_cast<std::ptrdiff_t>(0.992 * static_cast<double>(some.size()));
   std::nth_element(some.begin(), high, some.end());
@@ -236,11 +257,10 @@ LinePicture find_line_pixels(const MeanPicture& picture, double line_px) {
 }
 
 float value_at(const FloatPicture& picture, double x, double y) {
-  const double left = std::floor(x), top = std::floor(y);
-  if (!(left >= 0 && top >= 0 && left < picture.width - 1 && top < picture.height - 1)) return -1;
-  const auto i = static_cast<std::ptrdiff_t>(left);
+  if (!(x >= 0 && y >= 0 && x < picture.width - 1 && y < picture.height - 1)) return -1;
+  const auto left = static_cast<int>(x), top = static_cast<int>(y);
   const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
-  const float *above = picture.row(static_cast<int>(top)) + i, *below = above + picture.width;
+  const float *above = picture.row(top) + left, *below = above + picture.width;
   return (above[0] * (1 - fx) + above[1] * fx) * (1 - fy) + (below[0] * (1 - fx) + below[1] * fx) * fy;
 }
 

@@ -186,7 +186,7 @@ std::optional<MeasuredLine> measure_line(const LinePicture& picture, const Expec
     change[4] = std::clamp(change[4], -1.0, 1.0);
     model += change;
     if (!(std::abs(model[4]) < 0.7 * reach)) return std::nullopt;
-    if (step > 0 && std::abs(change[4]) < 1e-5) break;
+    if (step > 0 && std::abs(change[4]) < 1e-4) break;
   }
   MeasuredLine out;
   out.offset_px = model[4];
