@@ -116,6 +116,8 @@ Json Daemon::reject_calibration(int camera_id) {
 }
 
 Json Daemon::accept_calibration(int camera_id, bool force, const std::string& who) {
+  // Before the job: a change of the camera from now on makes these settings old, and so the acceptance fail.
+  const SettingsStore::Version current = store_.current();
   const CalibrationJobs::Job job = calibration_jobs_.job(camera_id);
   if (!job.report || !job.report->found) {
     throw HttpError(409, fmt::format("camera {} has no new calibration to accept", camera_id));
@@ -130,7 +132,6 @@ Json Daemon::accept_calibration(int camera_id, bool force, const std::string& wh
   }
   {
     const std::lock_guard lock(calibration_mutex_);
-    const SettingsStore::Version current = store_.current();
     const Json& before = calibration_in(current.settings, camera_id);
     CalibrationRecord record;
     record.time_s = unix_time_s();

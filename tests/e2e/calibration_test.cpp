@@ -175,6 +175,41 @@ TEST_F(Calibration, RunsOnceAndCanBeCancelledAndRejected) {
   EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
 }
 
+TEST_F(Calibration, OfOtherPicturesIsNeverAccepted) {
+  RunningDaemon daemon(settings_file(), state_);
+  const auto set = [&](const char* path, const Json& value) {
+    daemon.patch(Json::array({{{"op", "replace"}, {"path", path}, {"value", value}}}));
+  };
+  const auto expect_none = [&] {
+    const Json state = daemon.get(kPath);
+    EXPECT_EQ(state["state"], "failed");
+    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
+    daemon.post(kAccept, {{"force", true}}, 409);
+  };
+  daemon.post(kPath, request(), 202);
+  ASSERT_EQ(wait_for_end(daemon)["report"]["accepted"], true);
+  set("/site", "Field B");
+  set("/cameras/0/name", "another name");
+  EXPECT_EQ(daemon.get(kPath)["state"], "done") << "of the same pictures";
+  set("/cameras/0/source/frame_rate_hz", 30);
+  expect_none();
+
+  daemon.post(kPath, request(), 202);
+  ASSERT_EQ(wait_for_end(daemon)["report"]["accepted"], true);
+  set("/cameras/0/id", 5);
+  set("/cameras/0/id", 0);
+  expect_none();
+
+  Json endless = request();
+  endless["frames"] = 100;
+  set("/cameras/0/source/frame_rate_hz", 2);
+  daemon.post(kPath, endless, 202);
+  set("/cameras/0/source/frame_rate_hz", 60);
+  expect_none();
+  daemon.post(kPath, request(), 202);
+  EXPECT_EQ(wait_for_end(daemon)["report"]["accepted"], true);
+}
+
 TEST_F(Calibration, BadRequestsAreNamedAndChangeNothing) {
   RunningDaemon daemon(settings_file(), state_);
   const auto refusal = [&](const char* body) {
