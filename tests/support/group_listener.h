@@ -40,6 +40,7 @@ class GroupListener {
   GroupListener& operator=(const GroupListener&) = delete;
 
   std::uint16_t port() const { return port_; }
+  int fd() const { return fd_; }
 
   /// The next datagram; nothing when none comes in that time.
   std::optional<std::string> receive(int timeout_ms = 10'000) {
