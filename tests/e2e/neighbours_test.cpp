@@ -33,11 +33,11 @@ class Neighbours : public ::testing::Test {
   void send(MulticastSender& sender, const std::string& datagram) {
     ASSERT_TRUE(sender.send(std::as_bytes(std::span(datagram))));
   }
-  void send_referee(const std::string& yellow, const std::string& blue) {
+  void send_referee(const std::string& yellow, const std::string& blue, const std::string& source = "test") {
     Referee referee;
     referee.mutable_yellow()->set_name(yellow);
     referee.mutable_blue()->set_name(blue);
-    referee.set_source_identifier("test");
+    referee.set_source_identifier(source);
     send(game_controller_, referee.SerializeAsString());
   }
   std::string settings_file() const { return (folder_.path() / "settings.json").string(); }
@@ -118,6 +118,29 @@ TEST_F(Neighbours, TheGameControllerIsNotHeardWhenThatIsOff) {
       daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] != ""; });
   EXPECT_EQ(status["teams"]["yellow"]["name"], "KIKS");
   EXPECT_EQ(status["teams"]["blue"]["robot_height"], 110.0);
+}
+
+TEST_F(Neighbours, FollowsOneGameControllerAndWarnsOfASecond) {
+  RunningDaemon daemon(settings_file(), state_);
+  send_referee("MRL", "ibis");
+  daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] == "MRL"; });
+  Json status = daemon.wait_for_status([&](const Json& s) {
+    send_referee("ibis", "MRL", "another");
+    send_referee("MRL", "ibis");
+    return !s["alerts"].empty();
+  });
+  EXPECT_EQ(status["teams"]["yellow"]["name"], "MRL");
+  EXPECT_EQ(status["referee"]["source"], "test");
+  EXPECT_EQ(status["referee"]["other"], (Json{{"source", "another"}, {"address", "127.0.0.1"}}));
+  EXPECT_THAT(titles(status), testing::ElementsAre("Two game controllers send: test at 127.0.0.1, which is "
+                                                   "followed, and another at 127.0.0.1"));
+  // The first falls silent: the second has its turn, and the alert goes by itself.
+  status = daemon.wait_for_status([&](const Json& s) {
+    send_referee("ibis", "MRL", "another");
+    return s["alerts"].empty();
+  });
+  EXPECT_EQ(status["teams"]["yellow"]["name"], "ibis");
+  EXPECT_EQ(status["referee"]["source"], "another");
 }
 
 TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
