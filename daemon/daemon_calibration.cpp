@@ -26,6 +26,13 @@ const Json& calibration_in(const Json& settings, int camera_id) {
   return settings.at("cameras")[place_of(settings, camera_id)].at("calibration");
 }
 
+/// What the field's sizes mean: as was found, else as was asked for, else as the rules say.
+LinesMeasured lines_measured_to(const CalibrationJobs::Job& job) {
+  if (job.report) return job.report->measured;
+  if (job.order) return job.order->request.lines_measured_to.value_or(LinesMeasured::kToOuterEdge);
+  return LinesMeasured::kToOuterEdge;
+}
+
 template <class P>
 Json json_of(const std::optional<P>& params) {
   return params ? params_to_json(*params) : Json(nullptr);
@@ -68,7 +75,8 @@ Json Daemon::calibration(int camera_id) const {
            {"report", job.report ? report_json(*job.report) : Json(nullptr)},
            {"calibration", nullptr},
            {"game_is_running", referee_.game_is_running()},
-           {"points", named_points_json(config->field)},
+           {"lines_measured_to", name_of(lines_measured_to(job))},
+           {"points", named_points_json(config->field, lines_measured_to(job))},
            {"history", Json::array()}};
   for (const CameraSettings& camera : config->cameras) {
     if (camera.id == camera_id) out["calibration"] = json_of(camera.calibration);
