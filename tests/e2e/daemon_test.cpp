@@ -103,10 +103,12 @@ TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
     for (const auto& [team, seen] :
          {std::pair{Team::kYellow, &frame.robots_yellow()}, {Team::kBlue, &frame.robots_blue()}}) {
       for (const SSL_DetectionRobot& one : *seen) {
-        EXPECT_TRUE(std::any_of(scene.robots.begin(), scene.robots.end(), [&](const SimulatedRobot& robot) {
-          return robot.team == team && robot.id == static_cast<int>(one.robot_id()) &&
-                 std::hypot(one.x() - robot.x_mm, one.y() - robot.y_mm) < 50;
-        })) << one.DebugString();
+        EXPECT_TRUE(std::any_of(scene.robots.begin(), scene.robots.end(),
+                                [&, team = team](const SimulatedRobot& robot) {
+                                  return robot.team == team && robot.id == static_cast<int>(one.robot_id()) &&
+                                         std::hypot(one.x() - robot.x_mm, one.y() - robot.y_mm) < 50;
+                                }))
+            << one.DebugString();
       }
     }
     for (const SimulatedBall& ball : scene.balls) {
