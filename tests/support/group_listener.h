@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "net/multicast.h"
+
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -80,5 +83,18 @@ class GroupListener {
   std::uint16_t port_ = 0;
   int last_ttl_ = 0;
 };
+
+/// Of a sender that this listener hears.
+inline MulticastSettings settings_for(const GroupListener& listener) {
+  MulticastSettings settings;
+  settings.group = GroupListener::kGroup;
+  settings.port = listener.port();
+  settings.interface = "127.0.0.1";
+  return settings;
+}
+
+inline bool send(MulticastSender& sender, const std::string& datagram) {
+  return sender.send(std::as_bytes(std::span(datagram)));
+}
 
 }  // namespace sslv

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/multicast_receiver.h"
 
-#include "net/multicast.h"
 #include "support/group_listener.h"
 
 #include <chrono>
@@ -51,11 +50,8 @@ GroupAddress at(const GroupListener& listener, const std::string& interface = "l
 }
 
 void send(const GroupListener& to, const std::string& text) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = to.port();
-  settings.interface = "lo";
-  MulticastSender(settings).send(std::as_bytes(std::span(text)));
+  MulticastSender sender(settings_for(to));
+  send(sender, text);
 }
 
 /// Takes this program's sockets, but for the listener's own, out of its group: as the system does when the
