@@ -104,6 +104,17 @@ bool CalibrationJobs::forget(int camera_id, const CalibrationReport* report) {
   return true;
 }
 
+void CalibrationJobs::invalidate(int camera_id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = newest_.find(camera_id);
+  if (found == newest_.end()) return;
+  found->second->stop.request_stop();
+  Job& job = found->second->job;
+  job.state = CalibrationState::kFailed;
+  job.report = nullptr;
+  job.problem = "the camera or its source was changed since; start again";
+}
+
 void CalibrationJobs::serve(const std::stop_token& ending) {
   become_background_thread("calibration");
   for (;;) {
@@ -122,7 +133,7 @@ void CalibrationJobs::serve(const std::stop_token& ending) {
 template <class Change>
 void CalibrationJobs::change(const RunningPtr& running, Change change_job) {
   const std::lock_guard lock(mutex_);
-  if (running->job.state != CalibrationState::kCancelled) change_job(running->job);
+  if (!running->stop.stop_requested()) change_job(running->job);
 }
 
 void CalibrationJobs::work_on(const RunningPtr& running) {

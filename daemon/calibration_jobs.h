@@ -65,6 +65,8 @@ class CalibrationJobs {
   bool cancel(int camera_id);
   /// Forgets a job that has ended; false when it is another than the one with this report.
   bool forget(int camera_id, const CalibrationReport* report);
+  /// The camera shows something else from now on: its job fails, whether it runs or has a report.
+  void invalidate(int camera_id);
 
  private:
   struct Running {
@@ -78,7 +80,7 @@ class CalibrationJobs {
   void work_on(const RunningPtr& running);
   /// The mean of fresh frames; nothing when it was stopped. Throws CaptureError.
   std::optional<MeanPicture> collect(const RunningPtr& running);
-  /// Changes a job unless it was cancelled.
+  /// Changes a job unless it was stopped.
   template <class Change>
   void change(const RunningPtr& running, Change change_job);
 

@@ -21,10 +21,6 @@ Json or_null(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-const char* name_of(LinesMeasured measured) {
-  return measured == LinesMeasured::kToOuterEdge ? "outer_edge" : "middle";
-}
-
 Json camera_json(const LensCamera& camera) {
   return {{"width_px", camera.width},
           {"height_px", camera.height},
@@ -110,6 +106,10 @@ CalibrationTask make_task(const CalibrationRequest& request, const FieldSize& fi
   return task;
 }
 
+const char* name_of(LinesMeasured measured) {
+  return measured == LinesMeasured::kToOuterEdge ? "outer_edge" : "middle";
+}
+
 Json report_json(const CalibrationReport& report) {
   Json out{{"found", report.found},
            {"accepted", report.accepted},
@@ -158,9 +158,9 @@ Json figures_json(const CalibrationReport& report) {
   return out;
 }
 
-Json named_points_json(const FieldSize& field) {
+Json named_points_json(const FieldSize& field, LinesMeasured measured) {
   Json out = Json::array();
-  const auto curves = painted_curves(field, LinesMeasured::kToOuterEdge);
+  const auto curves = painted_curves(field, measured);
   for (const NamedPoint& point : named_points(curves)) {
     out.push_back({{"name", point.name}, {"field_x", point.place_mm.x()}, {"field_y", point.place_mm.y()}});
   }

@@ -80,7 +80,10 @@ Json report_json(const CalibrationReport& report);
 /// The report's figures that are worth keeping.
 Json figures_json(const CalibrationReport& report);
 
-/// The points of the field that a request may name, with their places.
-Json named_points_json(const FieldSize& field);
+/// As a request names it.
+const char* name_of(LinesMeasured measured);
+
+/// The points of the field that a request may name, with the places of their paint's middle.
+Json named_points_json(const FieldSize& field, LinesMeasured measured);
 
 }  // namespace sslv

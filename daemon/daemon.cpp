@@ -11,6 +11,7 @@
 #include "vision/label_picture.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace sslv {
@@ -108,17 +109,21 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     const auto heights_mm = robot_heights_mm(*config, referee_);
     for (CameraSetup& setup : *setups) setup = with_robot_heights(std::move(setup), heights_mm);
     Cameras cameras;
+    std::set<int> unchanged;  // ids of the cameras that go on showing what they showed
     for (std::size_t i = 0; i < config->cameras.size(); ++i) {
       const CameraSettings& camera = config->cameras[i];
       const auto running = old_cameras->find(camera.id);
       if (running != old_cameras->end()) {
-        running->second->change(camera, std::move((*setups)[i]));
+        if (!running->second->change(camera, std::move((*setups)[i]))) unchanged.insert(camera.id);
         cameras[camera.id] = running->second;
       } else {
         cameras[camera.id] = std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_);
       }
     }
     cameras_.store(std::move(cameras));
+    for (const auto& [id, camera] : *old_cameras) {
+      if (!unchanged.contains(id)) calibration_jobs_.invalidate(id);
+    }
   };
 }
 

@@ -26,6 +26,13 @@ const Json& calibration_in(const Json& settings, int camera_id) {
   return settings.at("cameras")[place_of(settings, camera_id)].at("calibration");
 }
 
+/// What the field's sizes mean: as was found, else as was asked for, else as the rules say.
+LinesMeasured lines_measured_to(const CalibrationJobs::Job& job) {
+  if (job.report) return job.report->measured;
+  if (job.order) return job.order->request.lines_measured_to.value_or(LinesMeasured::kToOuterEdge);
+  return LinesMeasured::kToOuterEdge;
+}
+
 template <class P>
 Json json_of(const std::optional<P>& params) {
   return params ? params_to_json(*params) : Json(nullptr);
@@ -68,7 +75,8 @@ Json Daemon::calibration(int camera_id) const {
            {"report", job.report ? report_json(*job.report) : Json(nullptr)},
            {"calibration", nullptr},
            {"game_is_running", referee_.game_is_running()},
-           {"points", named_points_json(config->field)},
+           {"lines_measured_to", name_of(lines_measured_to(job))},
+           {"points", named_points_json(config->field, lines_measured_to(job))},
            {"history", Json::array()}};
   for (const CameraSettings& camera : config->cameras) {
     if (camera.id == camera_id) out["calibration"] = json_of(camera.calibration);
@@ -116,6 +124,8 @@ Json Daemon::reject_calibration(int camera_id) {
 }
 
 Json Daemon::accept_calibration(int camera_id, bool force, const std::string& who) {
+  // Before the job: a change of the camera from now on makes these settings old, and so the acceptance fail.
+  const SettingsStore::Version current = store_.current();
   const CalibrationJobs::Job job = calibration_jobs_.job(camera_id);
   if (!job.report || !job.report->found) {
     throw HttpError(409, fmt::format("camera {} has no new calibration to accept", camera_id));
@@ -130,7 +140,6 @@ Json Daemon::accept_calibration(int camera_id, bool force, const std::string& wh
   }
   {
     const std::lock_guard lock(calibration_mutex_);
-    const SettingsStore::Version current = store_.current();
     const Json& before = calibration_in(current.settings, camera_id);
     CalibrationRecord record;
     record.time_s = unix_time_s();

@@ -46,11 +46,11 @@ void RunningCamera::start_thread() {
   thread_ = std::move(thread);
 }
 
-void RunningCamera::change(const CameraSettings& settings, CameraSetup setup) {
+bool RunningCamera::change(const CameraSettings& settings, CameraSetup setup) {
   const auto old = settings_.load();
   settings_.store(settings);
   pipeline_.change(std::move(setup));
-  if (old->source == settings.source && same(old->thread, settings.thread)) return;
+  if (old->source == settings.source && same(old->thread, settings.thread)) return false;
   std::unique_ptr<CameraThread> ended;
   {
     const std::lock_guard lock(thread_mutex_);
@@ -58,6 +58,7 @@ void RunningCamera::change(const CameraSettings& settings, CameraSetup setup) {
   }
   ended.reset();  // one thread at a time feeds the pipeline
   start_thread();
+  return true;
 }
 
 void RunningCamera::change_robot_heights(const std::array<double, 2>& robot_height_mm) {

@@ -25,8 +25,8 @@ class RunningCamera {
   ~RunningCamera();
 
   /// The next frame uses the new setup. The camera is closed and opened anew only when its source or thread
-  /// settings have changed.
-  void change(const CameraSettings& settings, CameraSetup setup);
+  /// settings have changed; says whether it was.
+  bool change(const CameraSettings& settings, CameraSetup setup);
 
   /// The next frame has robots of these heights. Not while another thread is in change().
   void change_robot_heights(const std::array<double, 2>& robot_height_mm);

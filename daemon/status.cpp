@@ -103,6 +103,10 @@ void add_vision_alerts(Json& alerts, const StatusInput& input) {
   }
 }
 
+std::string game_controller_text(const GameController& one) {
+  return one.source == one.address ? one.address : fmt::format("{} at {}", one.source, one.address);
+}
+
 /// What is wrong, worst first, each with what to do about it.
 Json alerts_json(const StatusInput& input) {
   Json alerts = Json::array();
@@ -153,6 +157,12 @@ Json alerts_json(const StatusInput& input) {
                           team.robot_height_mm),
               "Measure the pattern's height and set robot_height in teams.");
   }
+  if (const auto& other = input.referee.other) {
+    add_alert(alerts, "warn",
+              fmt::format("Two game controllers send: {}, which is followed, and {}",
+                          game_controller_text(input.referee.followed), game_controller_text(*other)),
+              "End the one that is not this field's, or set network/referee to this field's group and port.");
+  }
   // While nothing can be sent either, its alert says what to do.
   if (input.network.error.empty()) {
     for (const std::string& error : {input.listening_error, input.referee.error}) {
@@ -184,6 +194,10 @@ Json other_visions_json(const StatusInput& input) {
   return out;
 }
 
+Json game_controller_json(const GameController& one) {
+  return {{"source", one.source}, {"address", one.address}};
+}
+
 Json referee_json(const StatusInput& input) {
   const RefereeSettings& settings = input.config.network.referee;
   const RefereeStatus& referee = input.referee;
@@ -191,7 +205,9 @@ Json referee_json(const StatusInput& input) {
           {"group", settings.group},
           {"port", settings.port},
           {"error", referee.error},
-          {"source", referee.source},
+          {"source", referee.followed.source},
+          {"address", referee.followed.address},
+          {"other", referee.other ? game_controller_json(*referee.other) : Json(nullptr)},
           {"silent_s", referee.silent_s ? Json(*referee.silent_s) : Json(nullptr)},
           {"game_is_running", referee.game_is_running},
           {"packets_refused", referee.refused}};

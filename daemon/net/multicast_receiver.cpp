@@ -6,7 +6,6 @@
 #include "net/network_cards.h"
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <thread>
@@ -24,7 +23,6 @@ namespace asio = boost::asio;
 namespace multicast = boost::asio::ip::multicast;
 using asio::ip::udp;
 
-constexpr std::chrono::seconds kLookInterval{1};
 constexpr int kSilentLooks = 10;  // then the group is joined anew
 
 udp::socket join(asio::io_context& io, const GroupAddress& where) {
@@ -98,7 +96,7 @@ class MulticastReceiver::Membership {
   }
 
   void look() {
-    timer_.expires_after(kLookInterval);
+    timer_.expires_after(owner_.look_interval_);
     timer_.async_wait([this](const boost::system::error_code&) {
       if (!socket_.is_open() || ++silent_looks_ >= kSilentLooks) open();
       look();
@@ -118,8 +116,9 @@ class MulticastReceiver::Membership {
   std::jthread thread_;  // last, so that it ends before what it uses
 };
 
-MulticastReceiver::MulticastReceiver(std::string thread_name, Handler handler)
-    : thread_name_(std::move(thread_name)), handler_(std::move(handler)) {}
+MulticastReceiver::MulticastReceiver(std::string thread_name, Handler handler,
+                                     std::chrono::milliseconds look_interval)
+    : thread_name_(std::move(thread_name)), handler_(std::move(handler)), look_interval_(look_interval) {}
 
 MulticastReceiver::~MulticastReceiver() = default;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -23,9 +24,9 @@ struct GroupAddress {
   bool operator==(const GroupAddress&) const = default;
 };
 
-/// Hears a multicast group in a thread of its own, which yields to the cameras' threads. A group that cannot
-/// be joined is tried again every second; one that is silent is joined anew now and then, as its card may
-/// have gone and come back.
+/// Hears a multicast group in a thread of its own, which yields to the cameras' threads. Looks every second:
+/// a group that cannot be joined is tried again; one that was silent at ten looks is joined anew, as its card
+/// may have gone and come back.
 class MulticastReceiver {
  public:
   /// Called with every datagram and who sent it, from the receiver's thread.
@@ -33,7 +34,8 @@ class MulticastReceiver {
       std::function<void(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender)>;
 
   /// `thread_name` has at most 15 characters.
-  MulticastReceiver(std::string thread_name, Handler handler);
+  MulticastReceiver(std::string thread_name, Handler handler,
+                    std::chrono::milliseconds look_interval = std::chrono::seconds(1));
   ~MulticastReceiver();
 
   /// Listens there from now on, or nowhere. When it returns, what comes now is heard, and the handler has
@@ -48,6 +50,7 @@ class MulticastReceiver {
 
   const std::string thread_name_;
   const Handler handler_;
+  const std::chrono::milliseconds look_interval_;
   mutable std::mutex mutex_;  // guards error_
   std::string error_;
   std::unique_ptr<Membership> membership_;

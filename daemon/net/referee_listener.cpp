@@ -12,6 +12,8 @@
 namespace sslv {
 namespace {
 
+using boost::asio::ip::udp;
+
 bool is_readable(const std::string& text) {
   constexpr std::size_t kLongest = 200;
   return text.size() <= kLongest && g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr);
@@ -36,10 +38,9 @@ bool says_that_robots_play(const Referee& referee) {
 
 RefereeListener::RefereeListener(std::function<void()> on_new_names)
     : on_new_names_(std::move(on_new_names)),
-      receiver_("referee",
-                [this](std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint&) {
-                  receive(datagram, static_cast<double>(steady_ns()) * 1e-9);
-                }) {}
+      receiver_("referee", [this](std::span<const std::byte> datagram, const udp::endpoint& sender) {
+        receive(datagram, sender, static_cast<double>(steady_ns()) * 1e-9);
+      }) {}
 
 void RefereeListener::listen(const std::optional<GroupAddress>& where) {
   if (where_ == where) return;
@@ -49,13 +50,14 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     const std::lock_guard lock(mutex_);
     team_names_ = {};
     heard_s_.reset();
-    source_.clear();
+    other_heard_s_.reset();
     game_is_running_ = false;
   }
   receiver_.listen(where);
 }
 
-void RefereeListener::receive(std::span<const std::byte> datagram, double now_s) {
+void RefereeListener::receive(std::span<const std::byte> datagram, const udp::endpoint& sender,
+                              double now_s) {
   Referee referee;
   const bool good =
       referee.ParseFromArray(datagram.data(), static_cast<int>(datagram.size())) && makes_sense(referee);
@@ -65,8 +67,17 @@ void RefereeListener::receive(std::span<const std::byte> datagram, double now_s)
       ++refused_;
       return;
     }
+    const std::string address = sender.address().to_string();
+    GameController from{referee.source_identifier().empty() ? address : referee.source_identifier(), address};
+    const bool is_other = heard_s_ && from.source != followed_.source;
+    if (is_other && now_s - *heard_s_ <= kForgottenAfter_s) {
+      other_ = std::move(from);
+      other_heard_s_ = now_s;
+      return;
+    }
+    if (is_other) other_heard_s_.reset();  // it is the one from now on
+    followed_ = std::move(from);
     heard_s_ = now_s;
-    source_ = referee.source_identifier();
     game_is_running_ = says_that_robots_play(referee);
     const std::array<std::string, 2> names{referee.yellow().name(), referee.blue().name()};
     if (names == team_names_) return;
@@ -91,7 +102,8 @@ RefereeStatus RefereeListener::status(double now_s) const {
   const std::lock_guard lock(mutex_);
   status.team_names = team_names_;
   if (heard_s_) status.silent_s = std::max(0.0, now_s - *heard_s_);
-  status.source = source_;
+  if (heard_s_) status.followed = followed_;
+  if (other_heard_s_ && now_s - *other_heard_s_ <= kForgottenAfter_s) status.other = other_;
   status.refused = refused_;
   status.game_is_running = game_is_running_;
   return status;

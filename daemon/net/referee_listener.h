@@ -36,20 +36,29 @@ struct RefereeSettings {
   }
 };
 
+struct GameController {
+  std::string source;  // as it names itself; its address when it does not
+  std::string address;
+};
+
 /// What the game controller has said.
 struct RefereeStatus {
   std::array<std::string, 2> team_names;  // by Team; empty: not said yet
   std::optional<double> silent_s;         // since its last message; none: there was none
-  std::string source;                     // the game controller that sent it, as it names itself
+  GameController followed;                // who sent it
+  std::optional<GameController> other;    // heard lately too, and not followed
   std::uint64_t refused = 0;              // datagrams that could not be read
   std::string error;                      // why nothing can be heard; empty when it can
   bool game_is_running = false;           // robots may play
 };
 
 /// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are
-/// when it falls silent: the match goes on. May be used from any thread; listens in one of its own.
+/// when it falls silent: the match goes on. Of several, the first is followed until it is silent for some
+/// seconds. May be used from any thread; listens in one of its own.
 class RefereeListener {
  public:
+  static constexpr double kForgottenAfter_s = 5;
+
   /// `on_new_names` is called, from the listening thread, whenever a team has another name.
   explicit RefereeListener(std::function<void()> on_new_names);
 
@@ -58,7 +67,8 @@ class RefereeListener {
   void listen(const std::optional<GroupAddress>& where);
 
   /// Takes one datagram, at a monotonic time. For the listening thread, and for tests that do not listen.
-  void receive(std::span<const std::byte> datagram, double now_s);
+  void receive(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender,
+               double now_s);
 
   std::array<std::string, 2> team_names() const;
   /// The last message's stage is a half, an extra half or the shoot-out, and its command any but HALT. Before
@@ -69,10 +79,10 @@ class RefereeListener {
  private:
   const std::function<void()> on_new_names_;
   std::optional<GroupAddress> where_;
-  mutable std::mutex mutex_;  // guards the five below
+  mutable std::mutex mutex_;  // guards the seven below
   std::array<std::string, 2> team_names_;
-  std::optional<double> heard_s_;
-  std::string source_;
+  GameController followed_, other_;
+  std::optional<double> heard_s_, other_heard_s_;
   std::uint64_t refused_ = 0;
   bool game_is_running_ = false;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses

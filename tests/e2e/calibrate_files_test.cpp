@@ -17,19 +17,19 @@ using ::testing::Not;
 
 class CalibrateFiles : public ::testing::Test {
  protected:
-  std::string in_folder(const char* name) const { return (folder_.path() / name).string(); }
-  Json json_in(const char* name) const { return Json::parse(std::ifstream(in_folder(name))); }
+  Json json_in(const char* name) const { return Json::parse(std::ifstream(folder_.file(name))); }
   /// Pictures of camera 0 of the demo, with its robots.
   void simulate(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words{SSLV_CTL,   "simulate", "--settings", SSLV_SOURCE_DIR "/config/demo.json",
-                                   "--frames", "5",        "--output",   in_folder("frames")};
+                                   "--frames", "5",        "--output",   folder_.file("frames")};
     words.insert(words.end(), more.begin(), more.end());
     const auto run = run_to_end(words);
     ASSERT_EQ(run.exit_code, 0) << run.output;
   }
   Finished calibrate(const std::vector<std::string>& more) const {
-    std::vector<std::string> words{
-        SSLV_CTL, "calibrate", "--input", in_folder("frames"), "--output", in_folder("calibration.json")};
+    std::vector<std::string> words{SSLV_CTL,   "calibrate",
+                                   "--input",  folder_.file("frames"),
+                                   "--output", folder_.file("calibration.json")};
     words.insert(words.end(), more.begin(), more.end());
     return run_to_end(words);
   }
@@ -45,7 +45,7 @@ TEST_F(CalibrateFiles, ClicksInAnyOrderBecomeTheCamera) {
   const std::string points = folder_.write("points.json", clicked_points(truth_).dump());
   const std::string previous = folder_.write("previous.json", truth_json_.dump());
   const auto run = calibrate({"--field", "division-b", "--points", points, "--height", "4000", "--previous",
-                              previous, "--report", in_folder("report.json")});
+                              previous, "--report", folder_.file("report.json")});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("expected errors"),
                                 HasSubstr("since the previous"), Not(HasSubstr("looks wrong"))));
@@ -74,13 +74,13 @@ TEST_F(CalibrateFiles, WhatIsNoFieldEndsWithOneAndAReport) {
   folder_.write("grey.ppm", "P6\n4 3\n255\n" + std::string(36, 'x'));
   const std::string points =
       folder_.write("points.json", R"([{"x":0,"y":0},{"x":3,"y":0},{"x":3,"y":2},{"x":0,"y":2}])");
-  const auto run = run_to_end({SSLV_CTL, "calibrate", "--input", in_folder("grey.ppm"), "--field",
-                               "division-a", "--points", points, "--output", in_folder("calibration.json"),
-                               "--report", in_folder("report.json")});
+  const auto run = run_to_end({SSLV_CTL, "calibrate", "--input", folder_.file("grey.ppm"), "--field",
+                               "division-a", "--points", points, "--output", folder_.file("calibration.json"),
+                               "--report", folder_.file("report.json")});
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("NOT calibrated"), HasSubstr("problem: ")));
   EXPECT_EQ(json_in("report.json")["found"], false);
-  EXPECT_FALSE(std::filesystem::exists(in_folder("calibration.json")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("calibration.json")));
 }
 
 TEST_F(CalibrateFiles, WrongUseIsNamed) {

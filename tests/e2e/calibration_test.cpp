@@ -4,12 +4,10 @@
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
-#include "net/multicast.h"
 #include "ssl_gc_referee_message.pb.h"
 
 #include <csignal>
 #include <fstream>
-#include <span>
 
 #include <gmock/gmock.h>
 
@@ -19,21 +17,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-MulticastSettings group_of(const GroupListener& listener) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = listener.port();
-  settings.interface = "lo";
-  return settings;
-}
-
-class Calibration : public ::testing::Test {
+class Calibration : public DaemonTest {
  protected:
   Calibration() {
     settings_["cameras"].erase(1);
     settings_["network"]["referee"] = {{"group", GroupListener::kGroup}, {"port", referee_group_.port()}};
   }
-  std::string settings_file() const { return folder_.write("settings.json", settings_.dump(2)); }
   Json request() const { return {{"points", clicked_points(truth_)}, {"height_mm", 4000}, {"frames", 5}}; }
 
   /// Puts a calibration into force that is some centimetres off, and returns it.
@@ -41,9 +30,7 @@ class Calibration : public ::testing::Test {
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["fps"] > 0; });
     Json wrong = settings_["cameras"][0]["calibration"];
     wrong["tx"] = wrong["tx"].get<double>() + 80;
-    const Json answer = daemon.patch(
-        Json::array({{{"op", "replace"}, {"path", "/cameras/0/calibration"}, {"value", wrong}}}));
-    return answer["settings"]["cameras"][0]["calibration"];
+    return daemon.set("/cameras/0/calibration", wrong)["settings"]["cameras"][0]["calibration"];
   }
   /// The state once nothing is going on any more.
   static Json wait_for_end(const RunningDaemon& daemon) {
@@ -62,8 +49,7 @@ class Calibration : public ::testing::Test {
     referee.mutable_blue()->set_name("");
     referee.set_stage(stage);
     referee.set_command(command);
-    const std::string datagram = referee.SerializeAsString();
-    ASSERT_TRUE(game_controller_.send(std::as_bytes(std::span(datagram))));
+    ASSERT_TRUE(send(game_controller_, referee.SerializeAsString()));
   }
 
   static constexpr const char* kPath = "/api/cameras/0/calibration";
@@ -71,12 +57,9 @@ class Calibration : public ::testing::Test {
   static constexpr const char* kReject = "/api/cameras/0/calibration/reject";
   static constexpr const char* kRevert = "/api/cameras/0/calibration/revert";
 
-  GroupListener listener_, referee_group_;
-  MulticastSender game_controller_{group_of(referee_group_)};
-  TemporaryFolder folder_;
-  Json settings_ = demo_settings(listener_.port());
+  GroupListener referee_group_;
+  MulticastSender game_controller_{settings_for(referee_group_)};
   const CameraModel truth_ = model_of(settings_["cameras"][0]["calibration"]);
-  std::filesystem::path state_ = folder_.path() / "state";
 };
 
 TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
@@ -90,6 +73,7 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
     EXPECT_TRUE(idle["started"].is_null());
     EXPECT_EQ(idle["calibration"], wrong);
     EXPECT_GT(idle["points"].size(), 10u);
+    EXPECT_EQ(idle["lines_measured_to"], "outer_edge");
     EXPECT_TRUE(idle["history"].empty());
 
     const Json started = daemon.post(kPath, request(), 202);
@@ -101,6 +85,9 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
     EXPECT_EQ(done["frames_taken"], 5);
     EXPECT_EQ(done["report"]["accepted"], true) << done["report"].dump(2);
     EXPECT_GT(done["report"]["moved_on_floor_mm"], 50);
+    // The simulator paints lines where the sizes say; the places to click are there too.
+    EXPECT_EQ(done["lines_measured_to"], "middle");
+    EXPECT_NE(done["points"], idle["points"]);
     found = done["report"]["calibration"];
     EXPECT_LT(worst_error_mm(truth_, model_of(found), 0), 1.5);
     EXPECT_LT(worst_error_mm(truth_, model_of(found), 150), 6);
@@ -138,7 +125,7 @@ TEST_F(Calibration, FromTheCommandLine) {
   RunningDaemon daemon(settings_file(), state_);
   const Json wrong = spoil(daemon);
   const std::string points = folder_.write("points.json", clicked_points(truth_).dump());
-  const std::string output = (folder_.path() / "calibration.json").string();
+  const std::string output = folder_.file("calibration.json");
   const auto run = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "0",
                                "--points", points, "--height", "4000", "--output", output, "--accept"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
@@ -173,6 +160,38 @@ TEST_F(Calibration, RunsOnceAndCanBeCancelledAndRejected) {
   daemon.post(kPath, slow, 202);  // the daemon's end does not wait for it
   daemon.process().send_signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
+}
+
+TEST_F(Calibration, OfOtherPicturesIsNeverAccepted) {
+  RunningDaemon daemon(settings_file(), state_);
+  const auto expect_none = [&] {
+    const Json state = daemon.get(kPath);
+    EXPECT_EQ(state["state"], "failed");
+    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
+    daemon.post(kAccept, {{"force", true}}, 409);
+  };
+  daemon.post(kPath, request(), 202);
+  ASSERT_EQ(wait_for_end(daemon)["report"]["accepted"], true);
+  daemon.set("/site", "Field B");
+  daemon.set("/cameras/0/name", "another name");
+  EXPECT_EQ(daemon.get(kPath)["state"], "done") << "of the same pictures";
+  daemon.set("/cameras/0/source/frame_rate_hz", 30);
+  expect_none();
+
+  daemon.post(kPath, request(), 202);
+  ASSERT_EQ(wait_for_end(daemon)["report"]["accepted"], true);
+  daemon.set("/cameras/0/id", 5);
+  daemon.set("/cameras/0/id", 0);
+  expect_none();
+
+  Json endless = request();
+  endless["frames"] = 100;
+  daemon.set("/cameras/0/source/frame_rate_hz", 2);
+  daemon.post(kPath, endless, 202);
+  daemon.set("/cameras/0/source/frame_rate_hz", 60);
+  expect_none();
+  daemon.post(kPath, request(), 202);
+  EXPECT_EQ(wait_for_end(daemon)["report"]["accepted"], true);
 }
 
 TEST_F(Calibration, BadRequestsAreNamedAndChangeNothing) {

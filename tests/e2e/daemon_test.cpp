@@ -20,17 +20,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class Daemon : public ::testing::Test {
- protected:
-  std::string settings_file(const Json& settings) const {
-    return folder_.write("settings.json", settings.dump(2));
-  }
-
-  GroupListener listener_;
-  TemporaryFolder folder_;
-  Json settings_ = demo_settings(listener_.port());
-  std::filesystem::path state_ = folder_.path() / "state";
-};
+class Daemon : public DaemonTest {};
 
 /// Where the simulator says everything is.
 struct Truth {
@@ -56,7 +46,7 @@ struct Truth {
 
 TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
   const Truth truth(settings_);
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
 
   std::map<std::uint32_t, int> frames;
   std::map<std::uint32_t, std::uint32_t> last_number;
@@ -103,10 +93,12 @@ TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
     for (const auto& [team, seen] :
          {std::pair{Team::kYellow, &frame.robots_yellow()}, {Team::kBlue, &frame.robots_blue()}}) {
       for (const SSL_DetectionRobot& one : *seen) {
-        EXPECT_TRUE(std::any_of(scene.robots.begin(), scene.robots.end(), [&](const SimulatedRobot& robot) {
-          return robot.team == team && robot.id == static_cast<int>(one.robot_id()) &&
-                 std::hypot(one.x() - robot.x_mm, one.y() - robot.y_mm) < 50;
-        })) << one.DebugString();
+        EXPECT_TRUE(std::any_of(scene.robots.begin(), scene.robots.end(),
+                                [&, team = team](const SimulatedRobot& robot) {
+                                  return robot.team == team && robot.id == static_cast<int>(one.robot_id()) &&
+                                         std::hypot(one.x() - robot.x_mm, one.y() - robot.y_mm) < 50;
+                                }))
+            << one.DebugString();
       }
     }
     for (const SimulatedBall& ball : scene.balls) {
@@ -127,7 +119,7 @@ TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
 
 TEST_F(Daemon, EndsCleanlyWhenAsked) {
   for (const int signal : {SIGTERM, SIGINT}) {
-    RunningDaemon daemon(settings_file(settings_), state_);
+    RunningDaemon daemon(settings_file(), state_);
     daemon.process().send_signal(signal);
     EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
   }
@@ -136,7 +128,7 @@ TEST_F(Daemon, EndsCleanlyWhenAsked) {
 TEST_F(Daemon, SendsGeometryWithoutAnyCamera) {
   settings_["cameras"] = Json::array();
   settings_["network"]["vision"]["geometry_interval_s"] = 0.1;
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(receive(listener_).geometry().calib_size(), 0);
 }
 
@@ -146,7 +138,7 @@ TEST_F(Daemon, SendsTheGeometryThatIsSetAndServesTheLeagues) {
       {"field_lines", {{{"name", "HalfwayLine"}, {"y1", -2990}, {"y2", 2985}, {"thickness", 25}}}},
       {"field_arcs", Json::array()}};
   settings_["ball_models"] = {{"acc_roll", -0.5}};
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const auto next_geometry = [&] {
     for (;;) {
       SSL_WrapperPacket packet = receive(listener_);
@@ -181,7 +173,7 @@ TEST_F(Daemon, SendsEmptyFramesToo) {
   for (Json& camera : settings_["cameras"]) {
     camera["source"].update(Json{{"robots_yellow", 0}, {"robots_blue", 0}, {"balls", 0}});
   }
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   for (int frames = 0; frames < 10;) {
     const SSL_WrapperPacket packet = receive(listener_);
     if (!packet.has_detection()) continue;
@@ -191,7 +183,7 @@ TEST_F(Daemon, SendsEmptyFramesToo) {
 }
 
 TEST_F(Daemon, TellsHowItIs) {
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const Json status = daemon.wait_for_status(
       [](const Json& s) { return s["cameras"][0]["fps"] > 0 && s["cameras"][1]["fps"] > 0; });
   EXPECT_THAT(status["alerts"], IsEmpty());
@@ -204,7 +196,7 @@ TEST_F(Daemon, TellsHowItIs) {
   const auto told = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "status"});
   EXPECT_EQ(told.exit_code, 0);
   EXPECT_THAT(told.output, AllOf(HasSubstr("Demo field"), HasSubstr("running"), HasSubstr("780x580")));
-  const auto file = (folder_.path() / "picture.jpg").string();
+  const auto file = folder_.file("picture.jpg");
   EXPECT_EQ(
       run_to_end({SSLV_CTL, "--daemon", daemon.address(), "snapshot", "--camera", "1", "--output", file})
           .exit_code,
@@ -217,7 +209,7 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
       {{{"op", "replace"}, {"path", "/cameras/0/stages/detect_robots/min_confidence"}, {"value", 1.0}},
        {{"op", "replace"}, {"path", "/site"}, {"value", "Field B"}}});
   {
-    RunningDaemon daemon(settings_file(settings_), state_);
+    RunningDaemon daemon(settings_file(), state_);
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] >= 4; });
     EXPECT_EQ(daemon.patch(three)["saved"], true);
     // Nothing is quite sure: the robots are gone as soon as the change is live.
@@ -225,7 +217,7 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
     daemon.process().send_signal(SIGKILL);
     daemon.process().wait_for_exit();
   }
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const Json settings = daemon.get("/api/settings");
   EXPECT_EQ(settings["revision"], 2);
   EXPECT_EQ(settings["settings"]["site"], "Field B");
@@ -233,11 +225,10 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
 }
 
 TEST_F(Daemon, ARefusedChangeNamesItsKeyAndChangesNothing) {
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const Json before = daemon.get("/api/settings");
   const auto refusal = [&](const char* path, const Json& value) {
-    return daemon.patch(Json::array({{{"op", "replace"}, {"path", path}, {"value", value}}}), 422)["error"]
-        .get<std::string>();
+    return daemon.set(path, value, 422)["error"].get<std::string>();
   };
   EXPECT_THAT(refusal("/cameras/0/stages/detect_balls/max_balls", 0),
               AllOf(HasSubstr("/cameras/0/stages/detect_balls/max_balls: 0"), HasSubstr("1 .. 1000")));
@@ -254,12 +245,11 @@ TEST_F(Daemon, ARefusedChangeNamesItsKeyAndChangesNothing) {
 TEST_F(Daemon, ACameraMayComeGoAndChangeItsStackWhileRunning) {
   const Json second = settings_["cameras"][1];
   settings_["cameras"].erase(1);
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   daemon.patch(Json::array({{{"op", "add"}, {"path", "/cameras/-"}, {"value", second}}}));
   daemon.wait_for_status(
       [](const Json& s) { return s["cameras"].size() == 2 && s["cameras"][1]["robots"] > 0; });
-  daemon.patch(Json::array(
-      {{{"op", "replace"}, {"path", "/cameras/1/stack"}, {"value", {"threshold", "find_runs"}}}}));
+  daemon.set("/cameras/1/stack", {"threshold", "find_runs"});
   daemon.wait_for_status([](const Json& s) { return s["cameras"][1]["stages"].size() == 2; });
   daemon.patch(Json::array({{{"op", "remove"}, {"path", "/cameras/0"}}}));
   daemon.wait_for_status(
@@ -271,7 +261,7 @@ TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
   camera["source"] = {
       {"backend", "files"}, {"path", SSLV_SOURCE_DIR "/tests/golden/division_b.jpg"}, {"loop", true}};
   camera["calibration"].update(Json{{"pixel_image_width", 1280}, {"pixel_image_height", 952}});
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const Json status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
   EXPECT_EQ(status["alerts"][0]["camera"], 1);
   EXPECT_THAT(status["alerts"][0]["title"].get<std::string>(),
@@ -279,23 +269,23 @@ TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
 }
 
 TEST_F(Daemon, RefusesToStartOnAPortThatIsTaken) {
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const std::string port = daemon.address().substr(daemon.address().rfind(':') + 1);
   settings_["panel"]["port"] = std::stoi(port);
   const auto second = run_to_end({SSLV_DAEMON, "--config", folder_.write("second.json", settings_.dump())},
-                                 {"STATE_DIRECTORY=" + (folder_.path() / "second").string()});
+                                 {"STATE_DIRECTORY=" + folder_.file("second")});
   EXPECT_EQ(second.exit_code, 78);
   EXPECT_THAT(second.output, AllOf(HasSubstr("/panel/port"), HasSubstr(port), HasSubstr("taken")));
 }
 
 TEST_F(Daemon, GoesOnWhenTheNetworkCardIsNotThereAndSaysSo) {
   settings_["network"]["vision"]["interface"] = "nocard0";
-  RunningDaemon daemon(settings_file(settings_), state_);
+  RunningDaemon daemon(settings_file(), state_);
   const Json status = daemon.wait_for_status(
       [](const Json& s) { return s["network"]["send_errors"] > 10 && s["cameras"][0]["robots"] > 0; });
   EXPECT_THAT(status["network"]["error"].get<std::string>(), HasSubstr("nocard0"));
   EXPECT_EQ(status["alerts"][0]["severity"], "bad");
-  daemon.patch(Json::array({{{"op", "replace"}, {"path", "/network/vision/interface"}, {"value", "lo"}}}));
+  daemon.set("/network/vision/interface", "lo");
   receive(listener_);
   daemon.wait_for_status([](const Json& s) { return s["network"]["error"] == "" && s["alerts"].empty(); });
 }

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 /// Camera 0 of the demo as a GigE camera with a larger Bayer sensor; what it sees stands still, so that the
 /// truth does not depend on when a picture was drawn.
-class Gige : public ::testing::Test {
+class Gige : public DaemonTest {
  protected:
   Gige() {
     Json& camera = settings_["cameras"][0];
@@ -46,16 +46,13 @@ class Gige : public ::testing::Test {
     return camera;
   }
 
-  GroupListener listener_;
-  TemporaryFolder folder_;
-  Json settings_ = demo_settings(listener_.port());
   Json served_;
   std::string served_file_;
 };
 
 TEST_F(Gige, RobotsAreFoundInBayerPicturesFromTheNetwork) {
   const auto camera = start_camera();
-  RunningDaemon daemon(folder_.write("settings.json", settings_.dump(2)), folder_.path() / "state");
+  RunningDaemon daemon(settings_file(), state_);
 
   Json options = served_["source"];
   options.erase("backend");
@@ -103,7 +100,7 @@ TEST_F(Gige, RobotsAreFoundInBayerPicturesFromTheNetwork) {
 
 TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
   auto camera = start_camera();
-  RunningDaemon daemon(folder_.write("settings.json", settings_.dump(2)), folder_.path() / "state");
+  RunningDaemon daemon(settings_file(), state_);
   const auto state_is = [](const char* state) {
     return [state](const Json& s) { return s["cameras"][0]["state"] == state; };
   };
@@ -141,7 +138,7 @@ TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
 }
 
 TEST_F(Gige, ACameraThatIsSwitchedOnLaterIsFound) {
-  RunningDaemon daemon(folder_.write("settings.json", settings_.dump(2)), folder_.path() / "state");
+  RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["state"] == "lost"; });
   const auto camera = start_camera();
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The real daemon among other programs of the field's network: other visions and the game controller.
 #include "e2e/running_daemon.h"
-#include "net/multicast.h"
 #include "net/packets.h"
 #include "ssl_gc_referee_message.pb.h"
 
@@ -15,38 +14,22 @@ namespace {
 
 using ::testing::IsEmpty;
 
-MulticastSettings group_of(const GroupListener& listener) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = listener.port();
-  settings.interface = "lo";
-  return settings;
-}
-
-class Neighbours : public ::testing::Test {
+class Neighbours : public DaemonTest {
  protected:
   Neighbours() {
     settings_["network"]["referee"] = {{"group", GroupListener::kGroup}, {"port", referee_group_.port()}};
-    folder_.write("settings.json", settings_.dump(2));
   }
 
-  void send(MulticastSender& sender, const std::string& datagram) {
-    ASSERT_TRUE(sender.send(std::as_bytes(std::span(datagram))));
-  }
-  void send_referee(const std::string& yellow, const std::string& blue) {
+  void send_referee(const std::string& yellow, const std::string& blue, const std::string& source = "test") {
     Referee referee;
     referee.mutable_yellow()->set_name(yellow);
     referee.mutable_blue()->set_name(blue);
-    referee.set_source_identifier("test");
-    send(game_controller_, referee.SerializeAsString());
+    referee.set_source_identifier(source);
+    ASSERT_TRUE(send(game_controller_, referee.SerializeAsString()));
   }
-  std::string settings_file() const { return (folder_.path() / "settings.json").string(); }
 
-  GroupListener listener_, referee_group_;
-  MulticastSender game_controller_{group_of(referee_group_)}, other_vision_{group_of(listener_)};
-  TemporaryFolder folder_;
-  Json settings_ = demo_settings(listener_.port());
-  std::filesystem::path state_ = folder_.path() / "state";
+  GroupListener referee_group_;
+  MulticastSender game_controller_{settings_for(referee_group_)}, other_vision_{settings_for(listener_)};
 };
 
 std::vector<std::string> titles(const Json& status) {
@@ -96,12 +79,9 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
               testing::ElementsAre("Unknown team \"Dire Wolves\": its robots are taken to be 140 mm high"));
 
   // Set by hand, also while the game controller says otherwise; other changes keep what it said.
-  const auto set = [&](const char* path, const Json& value) {
-    daemon.patch(Json::array({{{"op", "replace"}, {"path", path}, {"value", value}}}));
-  };
-  set("/teams/blue/robot_height", 147);
+  daemon.set("/teams/blue/robot_height", 147);
   wait_for_heights(143, 147);
-  set("/teams/height_from_referee", false);
+  daemon.set("/teams/height_from_referee", false);
   wait_for_heights(140, 147);
   status = daemon.wait_for_status([](const Json& s) { return s["alerts"].empty(); });
   EXPECT_EQ(status["teams"]["yellow"]["height_from"], "settings");
@@ -110,9 +90,9 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
 
 TEST_F(Neighbours, TheGameControllerIsNotHeardWhenThatIsOff) {
   settings_["network"]["referee"]["enabled"] = false;
-  RunningDaemon daemon(folder_.write("settings.json", settings_.dump()), state_);
+  RunningDaemon daemon(settings_file(), state_);
   send_referee("MRL", "ibis");
-  daemon.patch(Json::parse(R"([{"op": "replace", "path": "/network/referee/enabled", "value": true}])"));
+  daemon.set("/network/referee/enabled", true);
   send_referee("KIKS", "The Bots");
   const Json status =
       daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] != ""; });
@@ -120,11 +100,34 @@ TEST_F(Neighbours, TheGameControllerIsNotHeardWhenThatIsOff) {
   EXPECT_EQ(status["teams"]["blue"]["robot_height"], 110.0);
 }
 
+TEST_F(Neighbours, FollowsOneGameControllerAndWarnsOfASecond) {
+  RunningDaemon daemon(settings_file(), state_);
+  send_referee("MRL", "ibis");
+  daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] == "MRL"; });
+  Json status = daemon.wait_for_status([&](const Json& s) {
+    send_referee("ibis", "MRL", "another");
+    send_referee("MRL", "ibis");
+    return !s["alerts"].empty();
+  });
+  EXPECT_EQ(status["teams"]["yellow"]["name"], "MRL");
+  EXPECT_EQ(status["referee"]["source"], "test");
+  EXPECT_EQ(status["referee"]["other"], (Json{{"source", "another"}, {"address", "127.0.0.1"}}));
+  EXPECT_THAT(titles(status), testing::ElementsAre("Two game controllers send: test at 127.0.0.1, which is "
+                                                   "followed, and another at 127.0.0.1"));
+  // The first falls silent: the second has its turn, and the alert goes by itself.
+  status = daemon.wait_for_status([&](const Json& s) {
+    send_referee("ibis", "MRL", "another");
+    return s["alerts"].empty();
+  });
+  EXPECT_EQ(status["teams"]["yellow"]["name"], "ibis");
+  EXPECT_EQ(status["referee"]["source"], "another");
+}
+
 TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["network"]["packets_sent"] > 50; });
   // The daemon's own packets are no other vision's, also when its socket was opened anew.
-  daemon.patch(Json::parse(R"([{"op": "replace", "path": "/network/vision/ttl", "value": 3}])"));
+  daemon.set("/network/vision/ttl", 3);
   Json status = daemon.wait_for_status([](const Json& s) { return s["network"]["packets_sent"] > 150; });
   EXPECT_THAT(status["alerts"], IsEmpty());
   EXPECT_THAT(status["network"]["other_visions"], IsEmpty());

@@ -8,6 +8,16 @@
 #include <httplib.h>
 
 namespace sslv::test {
+namespace {
+
+Json checked(const httplib::Result& answer, const std::string& asked, int expected) {
+  if (!answer) throw std::runtime_error(asked + ": no answer");
+  if (answer->status != expected)
+    throw std::runtime_error(asked + ": " + std::to_string(answer->status) + " " + answer->body);
+  return Json::parse(answer->body);
+}
+
+}  // namespace
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "ssl-visiond-test.XXXXXX").string();
@@ -21,9 +31,8 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
-  const auto file = path_ / name;
-  std::ofstream(file, std::ios::binary) << text;
-  return file.string();
+  std::ofstream(file(name), std::ios::binary) << text;
+  return file(name);
 }
 
 Json demo_settings(int multicast_port) {
@@ -42,36 +51,26 @@ RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesy
 }
 
 Json RunningDaemon::get(const std::string& path, int expected) const {
-  const auto answer = httplib::Client(address()).Get(path);
-  if (!answer) throw std::runtime_error(path + ": no answer");
-  if (answer->status != expected)
-    throw std::runtime_error(path + ": " + std::to_string(answer->status) + answer->body);
-  return Json::parse(answer->body);
+  return checked(httplib::Client(address()).Get(path), "GET " + path, expected);
 }
 
 Json RunningDaemon::patch(const Json& json_patch, int expected) const {
-  const auto answer =
-      httplib::Client(address()).Patch("/api/settings", json_patch.dump(), "application/json-patch+json");
-  if (!answer) throw std::runtime_error("PATCH: no answer");
-  if (answer->status != expected)
-    throw std::runtime_error("PATCH: " + std::to_string(answer->status) + answer->body);
-  return Json::parse(answer->body);
+  return checked(
+      httplib::Client(address()).Patch("/api/settings", json_patch.dump(), "application/json-patch+json"),
+      "PATCH", expected);
+}
+
+Json RunningDaemon::set(const std::string& settings_path, const Json& value, int expected) const {
+  return patch(Json::array({{{"op", "replace"}, {"path", settings_path}, {"value", value}}}), expected);
 }
 
 Json RunningDaemon::post(const std::string& path, const Json& body, int expected) const {
-  const auto answer = httplib::Client(address()).Post(path, body.dump(), "application/json");
-  if (!answer) throw std::runtime_error("POST " + path + ": no answer");
-  if (answer->status != expected)
-    throw std::runtime_error("POST " + path + ": " + std::to_string(answer->status) + answer->body);
-  return Json::parse(answer->body);
+  return checked(httplib::Client(address()).Post(path, body.dump(), "application/json"), "POST " + path,
+                 expected);
 }
 
 Json RunningDaemon::remove(const std::string& path, int expected) const {
-  const auto answer = httplib::Client(address()).Delete(path);
-  if (!answer) throw std::runtime_error("DELETE " + path + ": no answer");
-  if (answer->status != expected)
-    throw std::runtime_error("DELETE " + path + ": " + std::to_string(answer->status) + answer->body);
-  return Json::parse(answer->body);
+  return checked(httplib::Client(address()).Delete(path), "DELETE " + path, expected);
 }
 
 void RunningDaemon::give_up(const Json& answer) {

@@ -10,6 +10,8 @@
 #include <optional>
 #include <string>
 
+#include <gtest/gtest.h>
+
 namespace sslv::test {
 
 /// A folder that goes with the test.
@@ -18,6 +20,8 @@ class TemporaryFolder {
   TemporaryFolder();
   ~TemporaryFolder();
   const std::filesystem::path& path() const { return path_; }
+  /// Path of a file in it.
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
   /// Writes a file into it and returns its path.
   std::string write(const std::string& name, const std::string& text) const;
 
@@ -37,6 +41,8 @@ class RunningDaemon {
   /// Answer of the panel's API. Throws std::runtime_error unless the HTTP status is `expected`.
   Json get(const std::string& path, int expected = 200) const;
   Json patch(const Json& json_patch, int expected = 200) const;
+  /// Patches one place of the settings.
+  Json set(const std::string& settings_path, const Json& value, int expected = 200) const;
   Json post(const std::string& path, const Json& body = Json::object(), int expected = 200) const;
   Json remove(const std::string& path, int expected = 200) const;
   /// Asks until `good` says so of the answer; throws std::runtime_error with the last one after 30 s.
@@ -65,6 +71,17 @@ Json RunningDaemon::wait_for(const std::string& path, Good good) const {
     if (std::chrono::steady_clock::now() > deadline) give_up(answer);
   }
 }
+
+/// A test of the daemon with the demo's settings, which it may change before it starts.
+class DaemonTest : public ::testing::Test {
+ protected:
+  std::string settings_file() const { return folder_.write("settings.json", settings_.dump(2)); }
+
+  GroupListener listener_;
+  TemporaryFolder folder_;
+  Json settings_ = demo_settings(listener_.port());
+  const std::filesystem::path state_ = folder_.path() / "state";
+};
 
 /// The next packet of the group; throws std::runtime_error when none comes.
 SSL_WrapperPacket receive(GroupListener& listener);

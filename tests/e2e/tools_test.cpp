@@ -25,7 +25,6 @@ class Tools : public ::testing::Test {
     settings["cameras"][0].merge_patch(Json::parse(camera_patch));
     return folder_.write("settings.json", settings.dump(2));
   }
-  std::string in_folder(const char* name) const { return (folder_.path() / name).string(); }
   static void must_run(const std::vector<std::string>& words) {
     const auto run = run_to_end(words);
     ASSERT_EQ(run.exit_code, 0) << run.output;
@@ -33,11 +32,12 @@ class Tools : public ::testing::Test {
   /// simulate -> process -> score over `frames` frames.
   Json score(const std::string& settings, int frames, const std::vector<std::string>& raw_format = {}) const {
     std::vector<std::string> simulate{
-        SSLV_CTL,  "simulate", "--settings", settings,           "--frames", std::to_string(frames),
-        "--start", "1000",     "--output",   in_folder("frames")};
-    std::vector<std::string> process{
-        SSLV_CTL,  "process",           "--settings", settings,
-        "--input", in_folder("frames"), "--output",   in_folder("detections.jsonl")};
+        SSLV_CTL, "simulate", "--settings",          settings, "--frames", std::to_string(frames), "--start",
+        "1000",   "--output", folder_.file("frames")};
+    std::vector<std::string> process{SSLV_CTL,     "process",
+                                     "--settings", settings,
+                                     "--input",    folder_.file("frames"),
+                                     "--output",   folder_.file("detections.jsonl")};
     if (!raw_format.empty()) {
       simulate.push_back("--raw");
       process.insert(process.end(), raw_format.begin(), raw_format.end());
@@ -45,8 +45,8 @@ class Tools : public ::testing::Test {
     must_run(simulate);
     must_run(process);
     const auto scored =
-        run_to_end({SSLV_CTL, "score", "--json", "--detections", in_folder("detections.jsonl"), "--truth",
-                    in_folder("frames/truth.jsonl")});
+        run_to_end({SSLV_CTL, "score", "--json", "--detections", folder_.file("detections.jsonl"), "--truth",
+                    folder_.file("frames/truth.jsonl")});
     EXPECT_EQ(scored.exit_code, 0) << scored.output;
     return Json::parse(scored.output);
   }
@@ -77,7 +77,7 @@ TEST_F(Tools, RawFramesOfEveryFormat) {
     const Json score = this->score(settings, 10, {"--pixel-format", format, "--size", "780x580"});
     EXPECT_EQ(score["robots"]["recall"], 1.0) << format;
     EXPECT_EQ(score["robots"]["wrong_id"], 0) << format;
-    std::filesystem::remove_all(in_folder("frames"));
+    std::filesystem::remove_all(folder_.file("frames"));
   }
 }
 
@@ -92,18 +92,19 @@ TEST_F(Tools, BayerOfALargerSensor) {
     const Json score = this->score(settings, 10, {"--pixel-format", format, "--size", "1280x952"});
     EXPECT_EQ(score["robots"]["recall"], 1.0) << format;
     EXPECT_EQ(score["robots"]["wrong_id"], 0) << format;
-    std::filesystem::remove_all(in_folder("frames"));
+    std::filesystem::remove_all(folder_.file("frames"));
   }
 }
 
 TEST_F(Tools, ProcessingIsDeterministic) {
   const std::string settings = settings_with("{}");
-  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "3", "--output", in_folder("frames")});
+  must_run(
+      {SSLV_CTL, "simulate", "--settings", settings, "--frames", "3", "--output", folder_.file("frames")});
   const auto detections = [&](const char* name) {
-    must_run({SSLV_CTL, "process", "--settings", settings, "--input", in_folder("frames"), "--output",
-              in_folder(name)});
+    must_run({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("frames"), "--output",
+              folder_.file(name)});
     std::vector<Json> lines;
-    std::istringstream text(text_of(in_folder(name)));
+    std::istringstream text(text_of(folder_.file(name)));
     for (std::string line; std::getline(text, line);) {
       lines.push_back(Json::parse(line));
       EXPECT_EQ(lines.back()["timing_us"].size(), 4u);
@@ -119,16 +120,18 @@ TEST_F(Tools, ProcessingIsDeterministic) {
 
 TEST_F(Tools, WhatCannotBeReadIsNamedAndSkipped) {
   const std::string settings = settings_with("{}");
-  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "2", "--output", in_folder("frames")});
+  must_run(
+      {SSLV_CTL, "simulate", "--settings", settings, "--frames", "2", "--output", folder_.file("frames")});
   folder_.write("frames/frame_000000a.png", "this is no picture");
-  const auto run = run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", in_folder("frames")});
+  const auto run =
+      run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("frames")});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("frame_000000a.png"), HasSubstr("\"frame\":\"frame_000000\""),
                     HasSubstr("\"frame\":\"frame_000001\""), HasSubstr("1 frames could not be read")));
-  must_run(
-      {SSLV_CTL, "simulate", "--settings", settings, "--frames", "1", "--raw", "--output", in_folder("raw")});
-  const auto wrong = run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", in_folder("raw"),
+  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "1", "--raw", "--output",
+            folder_.file("raw")});
+  const auto wrong = run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("raw"),
                                  "--pixel-format", "uyvy", "--size", "640x480"});
   EXPECT_THAT(wrong.output, AllOf(HasSubstr("frame_000000.raw"), HasSubstr("904800"), HasSubstr("614400")));
   EXPECT_THAT(run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", "/no/such"}).output,
@@ -154,9 +157,9 @@ TEST_F(Tools, BenchTimesEveryStage) {
 TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
   const std::string golden = SSLV_SOURCE_DIR "/tests/golden/division_b";
   must_run({SSLV_CTL, "process", "--settings", golden + ".json", "--input", golden + ".jpg", "--output",
-            in_folder("detections.jsonl")});
-  const auto scored = run_to_end({SSLV_CTL, "score", "--json", "--detections", in_folder("detections.jsonl"),
-                                  "--truth", golden + ".truth.jsonl"});
+            folder_.file("detections.jsonl")});
+  const auto scored = run_to_end({SSLV_CTL, "score", "--json", "--detections",
+                                  folder_.file("detections.jsonl"), "--truth", golden + ".truth.jsonl"});
   ASSERT_EQ(scored.exit_code, 0) << scored.output;
   const Json score = Json::parse(scored.output);
   EXPECT_EQ(score["frames_compared"], 1);

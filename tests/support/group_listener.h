@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "net/multicast.h"
+
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -40,6 +43,7 @@ class GroupListener {
   GroupListener& operator=(const GroupListener&) = delete;
 
   std::uint16_t port() const { return port_; }
+  int fd() const { return fd_; }
 
   /// The next datagram; nothing when none comes in that time.
   std::optional<std::string> receive(int timeout_ms = 10'000) {
@@ -79,5 +83,18 @@ class GroupListener {
   std::uint16_t port_ = 0;
   int last_ttl_ = 0;
 };
+
+/// Of a sender that this listener hears.
+inline MulticastSettings settings_for(const GroupListener& listener) {
+  MulticastSettings settings;
+  settings.group = GroupListener::kGroup;
+  settings.port = listener.port();
+  settings.interface = "127.0.0.1";
+  return settings;
+}
+
+inline bool send(MulticastSender& sender, const std::string& datagram) {
+  return sender.send(std::as_bytes(std::span(datagram)));
+}
 
 }  // namespace sslv

@@ -248,6 +248,15 @@ FieldSize floor_field(int size) {
     field.penalty_area_depth = 500;
     field.penalty_area_width = 1200;
     field.goal_width = 700;
+  } else if (size == 3) {
+    field.field_length = 3025;
+    field.field_width = 2025;
+    field.penalty_area_depth = 250;
+    field.penalty_area_width = 600;
+    field.goal_width = 350;
+    field.center_circle_radius = 250;
+    field.boundary_width = 150;
+    field.boundary_width_goal_line = 150;
   } else if (size == 2) {
     field.field_length = 12000;
     field.field_width = 9000;
@@ -259,8 +268,8 @@ FieldSize floor_field(int size) {
 }
 
 LensCamera floor_camera(const FloorSetting& setting) {
-  constexpr std::array kWidth{780, 1280, 2448}, kHeight{580, 1024, 2048};
-  constexpr std::array kHeightMm{4000.0, 5000.0, 6000.0};
+  constexpr std::array kWidth{780, 1280, 2448, 390}, kHeight{580, 1024, 2048, 290};
+  constexpr std::array kHeightMm{4000.0, 5000.0, 6000.0, 2000.0};
   const auto size = static_cast<std::size_t>(setting.size);
   const FieldSize field = floor_field(setting.size);
   LensCamera camera;

@@ -109,6 +109,25 @@ TEST_F(CalibrationJobsTest, OneAtATimeForEachCameraUntilItIsCancelled) {
   EXPECT_EQ(deliver_until(0, CalibrationState::kDone).frames, 2);
 }
 
+TEST_F(CalibrationJobsTest, FailsWhenTheCameraShowsSomethingElse) {
+  jobs_.invalidate(0);
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kIdle);
+  ASSERT_TRUE(jobs_.start(0, order(request(1))));
+  deliver_until(0, CalibrationState::kDone);
+  jobs_.invalidate(1);
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kDone);
+  jobs_.invalidate(0);
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kFailed);
+  EXPECT_FALSE(jobs_.job(0).report);
+  EXPECT_THAT(jobs_.job(0).problem, HasSubstr("was changed since"));
+
+  ASSERT_TRUE(jobs_.start(0, order(request(100))));
+  jobs_.invalidate(0);
+  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kFailed);
+  ASSERT_TRUE(jobs_.start(0, order(request(2)))) << "it need not be cancelled";
+  EXPECT_EQ(deliver_until(0, CalibrationState::kDone).frames, 2);
+}
+
 TEST_F(CalibrationJobsTest, CamerasTakeTurns) {
   ASSERT_TRUE(jobs_.start(0, order(request(1))));
   ASSERT_TRUE(jobs_.start(1, order(request(1))));

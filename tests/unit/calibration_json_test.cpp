@@ -122,13 +122,17 @@ TEST(CalibrationReport, WithoutACameraHasNone) {
   EXPECT_TRUE(json["moved_on_floor_mm"].is_null());
 }
 
-TEST(NamedPoints, HaveTheirPlaces) {
-  const Json points = named_points_json(FieldSize{});
-  const auto corner = std::find_if(points.begin(), points.end(),
-                                   [](const Json& p) { return p["name"] == "corner left top"; });
-  ASSERT_NE(corner, points.end()) << points.dump();
-  EXPECT_NEAR((*corner)["field_x"].get<double>(), -4500, 10);
-  EXPECT_NEAR((*corner)["field_y"].get<double>(), 3000, 10);
+TEST(NamedPoints, LieInTheMiddleOfThePaint) {
+  const auto corner = [](LinesMeasured measured) {
+    const Json points = named_points_json(FieldSize{}, measured);
+    const auto found = std::find_if(points.begin(), points.end(),
+                                    [](const Json& p) { return p["name"] == "corner left top"; });
+    return found == points.end() ? points : *found;
+  };
+  EXPECT_EQ(corner(LinesMeasured::kToMiddle),
+            (Json{{"name", "corner left top"}, {"field_x", -4500.0}, {"field_y", 3000.0}}));
+  EXPECT_EQ(corner(LinesMeasured::kToOuterEdge),
+            (Json{{"name", "corner left top"}, {"field_x", -4495.0}, {"field_y", 2995.0}}));
 }
 
 }  // namespace

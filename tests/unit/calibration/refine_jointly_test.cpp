@@ -19,14 +19,18 @@ struct Pair {
   std::vector<JointCamera> seen;
 };
 
+/// Sizes of pictures: small unless a test's bounds need larger ones.
+constexpr int kUsual = 0, kSmall = 3;
+
 /// Two cameras over the halves of a field whose lines are off by some millimetres.
-Pair two_halves(const PaintedFloor& given) {
+Pair two_halves(int size, const PaintedFloor& given) {
   Pair out;
-  out.a = floor_camera({});
+  out.a = floor_camera({size});
   out.b = turned_round(out.a);
   out.b.center_x += 4;
   PaintedFloor floor = given;
-  floor.field = out.field = floor_field(0);
+  floor.field = out.field = floor_field(size);
+  if (size == kSmall) floor.robots /= 3;
   out.curves = painted_curves(out.field, LinesMeasured::kToOuterEdge);
   for (const LensCamera& camera : {out.a, out.b}) {
     MeanPicture picture;
@@ -45,9 +49,11 @@ std::vector<OverlapTie> robots_in_both(const Pair& pair) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.1);
   std::vector<OverlapTie> out;
+  const double width = pair.field.field_width;
   for (int i = 0; i < 30; ++i) {
     const Eigen::Vector3d place(std::uniform_real_distribution<double>(-300, 300)(random),
-                                std::uniform_real_distribution<double>(-1900, 1900)(random), 140);
+                                std::uniform_real_distribution<double>(-0.47 * width, 0.47 * width)(random),
+                                140);
     const auto p = pair.a.project(place), q = pair.b.project(place);
     if (!p || !q || !pair.a.is_in_picture(*p) || !pair.b.is_in_picture(*q)) continue;
     out.push_back({0, 1, *p + Eigen::Vector2d(noise(random), noise(random)),
@@ -60,7 +66,7 @@ TEST(RefineJointly, CamerasAgreeWhereBothSee) {
   for (const bool wavy : {false, true}) {
     PaintedFloor floor;
     (wavy ? floor.wavy_mm : floor.shifted_mm) = 1.5;
-    const Pair pair = two_halves(floor);
+    const Pair pair = two_halves(kSmall, floor);
     ASSERT_EQ(pair.seen.size(), 2U);
     const auto ties = robots_in_both(pair);
     ASSERT_GT(ties.size(), 10U);
@@ -82,7 +88,7 @@ TEST(RefineJointly, CamerasAgreeWhereBothSee) {
 }
 
 TEST(RefineJointly, LeavesExactCamerasAlone) {
-  const Pair pair = two_halves({});
+  const Pair pair = two_halves(kUsual, {});
   ASSERT_EQ(pair.seen.size(), 2U);
   const JointCalibration joint = refine_jointly(pair.seen, pair.curves, {});
   EXPECT_LT(field_error_mm(pair.a, joint.cameras[0], pair.field, 0), 0.2);
@@ -90,7 +96,7 @@ TEST(RefineJointly, LeavesExactCamerasAlone) {
 }
 
 TEST(RefineJointly, OneCameraHasNobodyToDisagreeWith) {
-  Pair pair = two_halves({});
+  Pair pair = two_halves(kSmall, {});
   ASSERT_EQ(pair.seen.size(), 2U);
   pair.seen.pop_back();
   const JointCalibration joint = refine_jointly(pair.seen, pair.curves, {});

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/multicast_receiver.h"
 
-#include "net/multicast.h"
 #include "support/group_listener.h"
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 
@@ -26,9 +26,9 @@ class Heard {
       came_.notify_one();
     };
   }
-  std::string next() {
+  std::string next(std::chrono::milliseconds patience = std::chrono::seconds(10)) {
     std::unique_lock lock(mutex_);
-    if (!came_.wait_for(lock, std::chrono::seconds(10), [this] { return !texts_.empty(); })) return "nothing";
+    if (!came_.wait_for(lock, patience, [this] { return !texts_.empty(); })) return "nothing";
     std::string text = std::move(texts_.front());
     texts_.pop_front();
     return text;
@@ -50,11 +50,23 @@ GroupAddress at(const GroupListener& listener, const std::string& interface = "l
 }
 
 void send(const GroupListener& to, const std::string& text) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = to.port();
-  settings.interface = "lo";
-  MulticastSender(settings).send(std::as_bytes(std::span(text)));
+  MulticastSender sender(settings_for(to));
+  send(sender, text);
+}
+
+/// Takes this program's sockets, but for the listener's own, out of its group: as the system does when the
+/// network card goes.
+void lose_membership(const GroupListener& listener) {
+  const ip_mreq membership{{inet_addr(GroupListener::kGroup)}, {htonl(INADDR_LOOPBACK)}};
+  for (int fd = 0; fd < 1024; ++fd) {
+    sockaddr_in local{};
+    socklen_t length = sizeof local;
+    if (getsockname(fd, reinterpret_cast<sockaddr*>(&local), &length) == 0 && local.sin_family == AF_INET &&
+        local.sin_port == htons(listener.port()) && fd != listener.fd() &&
+        setsockopt(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, &membership, sizeof membership) == 0)
+      return;
+  }
+  throw std::runtime_error("nobody else has joined the group");
 }
 
 TEST(MulticastReceiver, HearsEveryDatagramFromTheMomentItListens) {
@@ -85,6 +97,22 @@ TEST(MulticastReceiver, ListensElsewhereOrNowhereWhenTold) {
   receiver.listen(at(first));
   send(first, "first");
   EXPECT_EQ(heard.next(), "first");
+}
+
+TEST(MulticastReceiver, JoinsASilentGroupAnew) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(20));
+  receiver.listen(at(group));
+  lose_membership(group);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  std::string text = "nothing";
+  while (text == "nothing" && std::chrono::steady_clock::now() < deadline) {
+    send(group, "again");
+    text = heard.next(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(text, "again");
+  EXPECT_EQ(receiver.error(), "");
 }
 
 TEST(MulticastReceiver, SaysWhichCardIsNotThere) {

@@ -21,18 +21,6 @@ using testing::HasSubstr;
 using testing::Optional;
 using testing::StartsWith;
 
-MulticastSettings settings_for(const GroupListener& listener) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = listener.port();
-  settings.interface = "127.0.0.1";
-  return settings;
-}
-
-bool send(MulticastSender& sender, const std::string& text) {
-  return sender.send(std::as_bytes(std::span(text)));
-}
-
 /// Runs `act` in a process of its own; its result is the exit status.
 int in_child(const std::function<int()>& act) {
   const pid_t child = fork();
@@ -123,8 +111,9 @@ TEST(Multicast, AnAbsentInterfaceIsSaidAndCountedUntilItIsSetRight) {
     EXPECT_FALSE(send(sender, "lost"));
     EXPECT_EQ(sender.status().packets_sent, 0U);
     EXPECT_EQ(sender.status().send_errors, 2U);
-    EXPECT_THAT(sender.status().error, StartsWith("no network card has the name or IPv4 address '" +
-                                                  std::string(interface) + "': set network/vision/interface"));
+    EXPECT_THAT(sender.status().error,
+                StartsWith("no network card has the name or IPv4 address '" + std::string(interface) +
+                           "': set network/vision/interface"));
     EXPECT_THAT(sender.status().error, HasSubstr("lo (127.0.0.1)"));
 
     sender.configure(settings_for(listener));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/other_visions.h"
 
-#include "net/multicast.h"
 #include "net/packets.h"
 #include "support/group_listener.h"
 
@@ -132,10 +131,7 @@ TEST(OtherVisions, AFloodOfSendersAndCamerasIsNotKept) {
 
 TEST(OtherVisions, HearsTheGroupAndNotItself) {
   GroupListener listener;
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = listener.port();
-  settings.interface = "lo";
+  const MulticastSettings settings = settings_for(listener);
   MulticastSender self(settings), other(settings);
   OtherVisions others([&](const udp::endpoint& sender) { return self.is_own(sender); });
   others.listen({settings.group, settings.port, settings.interface});

@@ -10,11 +10,17 @@
 namespace sslv {
 namespace {
 
+using boost::asio::ip::udp;
 using testing::ElementsAre;
 using testing::Optional;
 
+udp::endpoint from(const char* address) {
+  return {boost::asio::ip::make_address(address), 40'000};
+}
+
 /// As a game controller sends it, with fields that the vision does not know.
-std::string message(const std::string& yellow, const std::string& blue) {
+std::string message(const std::string& yellow, const std::string& blue,
+                    const std::string& source = "field-1") {
   Referee referee;
   referee.set_stage(1);
   referee.set_command(0);
@@ -22,7 +28,7 @@ std::string message(const std::string& yellow, const std::string& blue) {
   referee.mutable_blue()->set_name(blue);
   referee.mutable_yellow()->mutable_unknown_fields()->AddVarint(2, 5);  // score
   referee.set_blue_team_on_positive_half(true);
-  referee.set_source_identifier("field-1");
+  referee.set_source_identifier(source);
   referee.mutable_unknown_fields()->AddVarint(1, 1'790'000'000'000'000);  // packet_timestamp
   return referee.SerializeAsString();
 }
@@ -30,8 +36,8 @@ std::string message(const std::string& yellow, const std::string& blue) {
 struct Listener {
   int changes = 0;
   RefereeListener referee{[this] { ++changes; }};
-  void receive(const std::string& datagram, double now_s = 100) {
-    referee.receive(std::as_bytes(std::span(datagram)), now_s);
+  void receive(const std::string& datagram, double now_s = 100, const char* address = "10.0.0.2") {
+    referee.receive(std::as_bytes(std::span(datagram)), from(address), now_s);
   }
 };
 
@@ -43,7 +49,9 @@ TEST(RefereeListener, HearsTheNamesOfTheTeams) {
   EXPECT_THAT(listener.referee.team_names(), ElementsAre("TIGERs Mannheim", "CMμs"));
   const RefereeStatus status = listener.referee.status(102);
   EXPECT_THAT(status.silent_s, Optional(2.0));
-  EXPECT_EQ(status.source, "field-1");
+  EXPECT_EQ(status.followed.source, "field-1");
+  EXPECT_EQ(status.followed.address, "10.0.0.2");
+  EXPECT_FALSE(status.other);
   EXPECT_EQ(status.refused, 0U);
 }
 
@@ -57,12 +65,59 @@ TEST(RefereeListener, SaysWhenANameIsAnotherAndOnlyThen) {
   EXPECT_EQ(listener.changes, 3);
 }
 
+TEST(RefereeListener, FollowsTheFirstOfTwoUntilItIsSilent) {
+  Listener listener;
+  const auto other = [&](double now_s) {
+    const auto seen = listener.referee.status(now_s).other;
+    return seen ? seen->source + " at " + seen->address : "none";
+  };
+  for (double now_s = 100; now_s < 110; ++now_s) {
+    listener.receive(message("MRL", "KIKS"), now_s);
+    listener.receive(message("KIKS", "MRL", "field-2"), now_s + 0.5, "10.0.0.3");
+  }
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
+  EXPECT_EQ(listener.changes, 1);
+  EXPECT_EQ(listener.referee.status(110).followed.source, "field-1");
+  EXPECT_THAT(listener.referee.status(110).silent_s, Optional(1.0));
+  EXPECT_EQ(listener.referee.status(110).refused, 0U);
+  EXPECT_EQ(other(110), "field-2 at 10.0.0.3");
+  EXPECT_EQ(other(115), "none") << "it has been silent for longer than 5 s";
+  // The first was heard at 109 last.
+  listener.receive(message("KIKS", "MRL", "field-2"), 114, "10.0.0.3");
+  EXPECT_EQ(listener.changes, 1);
+  listener.receive(message("KIKS", "MRL", "field-2"), 114.5, "10.0.0.3");
+  EXPECT_EQ(listener.changes, 2);
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("KIKS", "MRL"));
+  EXPECT_EQ(listener.referee.status(115).followed.source, "field-2");
+  EXPECT_EQ(other(115), "none");
+  listener.receive(message("MRL", "KIKS"), 115);
+  EXPECT_EQ(listener.changes, 2) << "it comes back, and is the second now";
+  EXPECT_EQ(other(115), "field-1 at 10.0.0.2");
+}
+
+TEST(RefereeListener, OneGameControllerMaySendFromSeveralAddresses) {
+  Listener listener;
+  listener.receive(message("MRL", "KIKS"));
+  listener.receive(message("MRL", "ibis"), 100, "10.0.1.2");
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "ibis"));
+  EXPECT_FALSE(listener.referee.status(100).other);
+}
+
+TEST(RefereeListener, GameControllersWithoutNamesAreToldApartByTheirAddresses) {
+  Listener listener;
+  listener.receive(message("MRL", "KIKS", ""));
+  listener.receive(message("KIKS", "MRL", ""), 100, "10.0.0.3");
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
+  EXPECT_EQ(listener.referee.status(100).followed.source, "10.0.0.2");
+  EXPECT_EQ(listener.referee.status(100).other->source, "10.0.0.3");
+}
+
 TEST(RefereeListener, ReadsTheBytesOfTheWire) {
   // By hand: tag is (field << 3 | 2) for content with its length.
   Listener listener;
   listener.receive("\x10\x01\x20\x02\x3A\x05\x0A\x03MRL\x42\x06\x0A\x04KIKS\x50\x01\x92\x01\x02gc");
   EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
-  EXPECT_EQ(listener.referee.status(100).source, "gc");
+  EXPECT_EQ(listener.referee.status(100).followed.source, "gc");
 }
 
 TEST(RefereeListener, WhatIsNoRefereeChangesNothingAndIsCounted) {
@@ -113,7 +168,9 @@ TEST(RefereeListener, KnowsWhetherTheGameRuns) {
   listener.receive(says(1, kForceStart));
   listener.receive("garbage");
   EXPECT_TRUE(listener.referee.game_is_running());
-  listener.receive("\x3A\x05\x0A\x03MRL\x42\x06\x0A\x04KIKS");  // neither stage nor command
+  listener.receive(
+      "\x3A\x05\x0A\x03MRL\x42\x06\x0A\x04KIKS\x92\x01\x07"
+      "field-1");  // neither stage nor command
   EXPECT_FALSE(listener.referee.game_is_running());
 }
 

@@ -2,8 +2,8 @@
 #include "net/vision_sender.h"
 
 #include "base/clock.h"
-#include "support/group_listener.h"
 #include "support/allocation_count.h"
+#include "support/group_listener.h"
 
 #include <gmock/gmock.h>
 
@@ -11,14 +11,6 @@ namespace sslv {
 namespace {
 
 using std::chrono::duration;
-
-MulticastSettings settings_for(const GroupListener& listener) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = listener.port();
-  settings.interface = "127.0.0.1";
-  return settings;
-}
 
 SSL_WrapperPacket receive(GroupListener& listener) {
   SSL_WrapperPacket packet;
