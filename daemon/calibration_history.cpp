@@ -53,11 +53,12 @@ const CalibrationHistory::Records& CalibrationHistory::of(int camera_id) const {
   return found == records_.end() ? kNone : found->second;
 }
 
-void CalibrationHistory::set(int camera_id, Records records) {
-  const auto count = static_cast<std::ptrdiff_t>(records.size());
-  if (count > kMostRecords) records.erase(records.begin(), records.end() - kMostRecords);
+void CalibrationHistory::set(const ByCamera& records) {
   auto next = records_;
-  next[camera_id] = std::move(records);
+  for (const auto& [id, of_camera] : records) {
+    const auto count = static_cast<std::ptrdiff_t>(of_camera.size());
+    next[id].assign(of_camera.end() - std::min(count, kMostRecords), of_camera.end());
+  }
   File file;
   for (const auto& [id, of_camera] : next) file.cameras.push_back({id, of_camera});
   std::error_code ignored;

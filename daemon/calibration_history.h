@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace sslv {
@@ -43,6 +44,7 @@ struct CalibrationRecord {
 class CalibrationHistory {
  public:
   using Records = std::vector<CalibrationRecord>;
+  using ByCamera = std::map<int, Records>;
 
   /// A file that cannot be used is set aside (renamed *.rejected).
   explicit CalibrationHistory(std::filesystem::path file);
@@ -50,13 +52,14 @@ class CalibrationHistory {
   /// Of a camera; empty when there are none.
   const Records& of(int camera_id) const;
 
-  /// Replaces a camera's records, on disk first, but for those that are too many. Throws StorageError;
+  /// Replaces these cameras' records, on disk first, but for those that are too many. Throws StorageError;
   /// nothing has changed then.
-  void set(int camera_id, Records records);
+  void set(const ByCamera& records);
+  void set(int camera_id, Records records) { set({{camera_id, std::move(records)}}); }
 
  private:
   const std::filesystem::path file_;
-  std::map<int, Records> records_;
+  ByCamera records_;
 };
 
 /// The newest record that was not taken back; nullptr when there is none.

@@ -14,10 +14,6 @@
 namespace sslv {
 namespace {
 
-bool is_running(CalibrationState state) {
-  return state == CalibrationState::kCollecting || state == CalibrationState::kSolving;
-}
-
 /// Points outside the picture are a mistake that the engine would search in vain for.
 void check_points(const CalibrationRequest& request, const MeanPicture& picture) {
   for (std::size_t i = 0; i < request.points.size(); ++i) {
@@ -46,6 +42,22 @@ const char* name_of(CalibrationState state) {
     case CalibrationState::kCancelled: break;
   }
   return "cancelled";
+}
+
+bool is_running(CalibrationState state) {
+  return state == CalibrationState::kCollecting || state == CalibrationState::kSolving;
+}
+
+void add_frame(MeanPicture& mean, const ImageView& frame) {
+  if (mean.add(frame)) return;
+  throw CaptureError(mean.frames() == 0
+                         ? fmt::format("the camera's pictures have no colours ({})", name_of(frame.format))
+                         : "the camera's pictures have changed meanwhile; start again");
+}
+
+void throw_no_picture(std::chrono::milliseconds silence) {
+  throw CaptureError(fmt::format("no picture came for {:g} s; is the camera running?",
+                                 std::chrono::duration<double>(silence).count()));
 }
 
 CalibrationJobs::CalibrationJobs(WaitFrame wait_frame, std::chrono::milliseconds silence)
@@ -176,16 +188,11 @@ std::optional<MeanPicture> CalibrationJobs::collect(const RunningPtr& running) {
     const auto frame = wait_frame_(camera_id, version, kLook);
     if (!frame) {
       if (Clock::now() - heard < silence_) continue;
-      throw CaptureError(fmt::format("no picture came for {:g} s; is the camera running?",
-                                     std::chrono::duration<double>(silence_).count()));
+      throw_no_picture(silence_);
     }
     heard = Clock::now();
     version = frame->version;
-    if (!mean.add(frame->image)) {
-      throw CaptureError(mean.frames() == 0 ? fmt::format("the camera's pictures have no colours ({})",
-                                                          name_of(frame->image.format))
-                                            : "the camera's pictures have changed meanwhile; start again");
-    }
+    add_frame(mean, frame->image);
     change(running, [&](Job& job) { job.frames = mean.frames(); });
   }
   return mean;

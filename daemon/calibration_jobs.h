@@ -3,6 +3,7 @@
 
 #include "calibration_json.h"
 #include "image/image.h"
+#include "vision/detections.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -13,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -21,6 +23,11 @@ namespace sslv {
 
 enum class CalibrationState : std::uint8_t { kIdle, kCollecting, kSolving, kDone, kFailed, kCancelled };
 const char* name_of(CalibrationState state);
+bool is_running(CalibrationState state);
+
+/// Adds a camera's frame to the mean. Throws CaptureError when it has no colours or another size.
+void add_frame(MeanPicture& mean, const ImageView& frame);
+[[noreturn]] void throw_no_picture(std::chrono::milliseconds silence);
 
 /// Calibrates cameras while they go on working: in one thread of low priority, one camera after the other, at
 /// most one job for each. May be used from any thread.
@@ -31,6 +38,8 @@ class CalibrationJobs {
     std::uint64_t version = 0;
     std::shared_ptr<const void> hold;
     ImageView image;
+    double t_capture_s = 0;
+    std::span<const Robot> robots{};
   };
   /// The newest frame once its version is newer than the given one (0: any); nothing after the timeout.
   using WaitFrame = std::function<std::optional<LentFrame>(int camera_id, std::uint64_t newer_than,

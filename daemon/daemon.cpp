@@ -68,7 +68,11 @@ Daemon::Daemon(const Options& options)
       calibration_history_(options.state_folder / "calibrations.json"),
       calibration_jobs_([this](int camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
         return wait_frame(camera_id, newer_than, timeout);
-      }) {
+      }),
+      joint_calibration_job_(
+          [this](int camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
+            return wait_frame(camera_id, newer_than, timeout);
+          }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -175,18 +179,21 @@ StatusInput Daemon::status_input(const Config& config) const {
   return input;
 }
 
-std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
-                                      std::chrono::milliseconds timeout) {
-  // What a viewer holds on to: the camera, because the frame lies in its ring.
-  struct Hold {
-    std::shared_ptr<RunningCamera> camera;
-    FrameRef frame;
-  };
+std::optional<Daemon::NewestFrame> Daemon::hold_frame(std::uint32_t camera_id, std::uint64_t newer_than,
+                                                      std::chrono::milliseconds timeout) {
   auto running = camera(camera_id);
   if (!running) return std::nullopt;
   auto newest = running->pipeline().finished().wait_newer(newer_than, timeout);
   if (!newest) return std::nullopt;
-  auto hold = std::make_shared<const Hold>(Hold{std::move(running), std::move(newest->value)});
+  return NewestFrame{newest->version, std::make_shared<const HeldFrame>(
+                                          HeldFrame{std::move(running), std::move(newest->value)})};
+}
+
+std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
+                                      std::chrono::milliseconds timeout) {
+  const auto newest = hold_frame(camera_id, newer_than, timeout);
+  if (!newest) return std::nullopt;
+  const auto& hold = newest->hold;
   const Frame& frame = *hold->frame;
   View view{newest->version,
             hold,

@@ -5,6 +5,7 @@
 #include "calibration_history.h"
 #include "calibration_jobs.h"
 #include "config.h"
+#include "joint_calibration_job.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
@@ -21,6 +22,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -49,6 +51,17 @@ class Daemon {
   void put_robot_heights_into_force();
   Json status() const;
   StatusInput status_input(const Config& config) const;
+  /// A camera's finished frame on loan. The camera is held too, because the frame lies in its ring.
+  struct HeldFrame {
+    std::shared_ptr<RunningCamera> camera;
+    FrameRef frame;
+  };
+  struct NewestFrame {
+    std::uint64_t version;
+    std::shared_ptr<const HeldFrame> hold;
+  };
+  std::optional<NewestFrame> hold_frame(std::uint32_t camera_id, std::uint64_t newer_than,
+                                        std::chrono::milliseconds timeout);
   std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
                                 std::chrono::milliseconds timeout);
   std::shared_ptr<RunningCamera> camera(std::uint32_t id) const;
@@ -64,10 +77,25 @@ class Daemon {
   Json reject_calibration(int camera_id);
   Json revert_calibration(int camera_id, bool force, const std::string& who);
   void refuse_while_game_runs() const;
-  /// Puts a calibration and the records that go with it onto disk and into force, both or none. The settings
-  /// are those that the change was decided on.
-  void put_calibration_into_force(int camera_id, const Json& calibration, CalibrationHistory::Records records,
-                                  const SettingsStore::Version& current, const std::string& what);
+  struct CalibrationChange {
+    int camera_id;
+    Json calibration;
+    CalibrationHistory::Records records;  // all of the camera's
+  };
+  /// With a record of it. The settings are those that the change is decided on.
+  CalibrationChange new_calibration(const SettingsStore::Version& current, int camera_id,
+                                    const CameraCalibration& calibration, Json figures,
+                                    const std::string& who) const;
+  /// Puts calibrations and the records that go with them onto disk and into force, all or none.
+  void put_calibrations_into_force(const std::vector<CalibrationChange>& changes,
+                                   const SettingsStore::Version& current, const std::string& what);
+
+  // daemon_joint_calibration.cpp
+  Json joint_calibration() const;
+  Json start_joint_calibration(const Json& request, bool force, const std::string& who);
+  Json cancel_joint_calibration();
+  Json accept_joint_calibration(bool force, const std::string& who);
+  Json reject_joint_calibration();
 
   const double started_s_;
   SettingsStore store_;
@@ -82,6 +110,7 @@ class Daemon {
   mutable std::mutex calibration_mutex_;  // guards the history; held during a whole change of a calibration
   CalibrationHistory calibration_history_;
   CalibrationJobs calibration_jobs_;
+  JointCalibrationJob joint_calibration_job_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

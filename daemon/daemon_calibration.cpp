@@ -53,13 +53,24 @@ void Daemon::add_calibration_to(WebHost& host) {
   host.revert_calibration = [this](std::uint32_t id, bool force, const std::string& who) {
     return revert_calibration(static_cast<int>(id), force, who);
   };
+  host.joint_calibration = [this] { return joint_calibration(); };
+  host.start_joint_calibration = [this](const Json& request, bool force, const std::string& who) {
+    return start_joint_calibration(request, force, who);
+  };
+  host.cancel_joint_calibration = [this] { return cancel_joint_calibration(); };
+  host.accept_joint_calibration = [this](bool force, const std::string& who) {
+    return accept_joint_calibration(force, who);
+  };
+  host.reject_joint_calibration = [this] { return reject_joint_calibration(); };
 }
 
 std::optional<CalibrationJobs::LentFrame> Daemon::wait_frame(int camera_id, std::uint64_t newer_than,
                                                              std::chrono::milliseconds timeout) {
-  auto view = wait_view(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
-  if (!view) return std::nullopt;
-  return CalibrationJobs::LentFrame{view->version, std::move(view->hold), view->image};
+  const auto held = hold_frame(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
+  if (!held) return std::nullopt;
+  const Frame& frame = *held->hold->frame;
+  return CalibrationJobs::LentFrame{held->version, held->hold, frame.image.view(), frame.info.t_capture_s,
+                                    frame.robots.robots};
 }
 
 Json Daemon::calibration(int camera_id) const {
@@ -140,17 +151,9 @@ Json Daemon::accept_calibration(int camera_id, bool force, const std::string& wh
   }
   {
     const std::lock_guard lock(calibration_mutex_);
-    const Json& before = calibration_in(current.settings, camera_id);
-    CalibrationRecord record;
-    record.time_s = unix_time_s();
-    record.who = who;
-    record.figures = figures_json(*job.report);
-    record.calibration = job.report->calibration;
-    if (!before.is_null()) record.replaced = params_from_json<CameraCalibration>(before, "");
-    CalibrationHistory::Records records = calibration_history_.of(camera_id);
-    records.push_back(std::move(record));
-    put_calibration_into_force(camera_id, params_to_json(job.report->calibration), std::move(records),
-                               current, "accepted by " + who);
+    put_calibrations_into_force(
+        {new_calibration(current, camera_id, job.report->calibration, figures_json(*job.report), who)},
+        current, "accepted by " + who);
     calibration_jobs_.forget(camera_id, job.report.get());
   }
   return calibration(camera_id);
@@ -175,29 +178,50 @@ Json Daemon::revert_calibration(int camera_id, bool force, const std::string& wh
     newest->reverted_s = unix_time_s();
     newest->reverted_by = who;
     const Json back = json_of(newest->replaced);
-    put_calibration_into_force(camera_id, back, std::move(records), current, "reverted by " + who);
+    put_calibrations_into_force({{camera_id, back, std::move(records)}}, current, "reverted by " + who);
   }
   return calibration(camera_id);
 }
 
-void Daemon::put_calibration_into_force(int camera_id, const Json& calibration,
-                                        CalibrationHistory::Records records,
-                                        const SettingsStore::Version& current, const std::string& what) {
-  const std::string path = fmt::format("/cameras/{}/calibration", place_of(current.settings, camera_id));
-  const Json patch = Json::array({{{"op", "replace"}, {"path", path}, {"value", calibration}}});
-  const CalibrationHistory::Records old_records = calibration_history_.of(camera_id);
+Daemon::CalibrationChange Daemon::new_calibration(const SettingsStore::Version& current, int camera_id,
+                                                  const CameraCalibration& calibration, Json figures,
+                                                  const std::string& who) const {
+  const Json& before = calibration_in(current.settings, camera_id);
+  CalibrationChange out{camera_id, params_to_json(calibration), calibration_history_.of(camera_id)};
+  CalibrationRecord& record = out.records.emplace_back();
+  record.time_s = unix_time_s();
+  record.who = who;
+  record.figures = std::move(figures);
+  record.calibration = calibration;
+  if (!before.is_null()) record.replaced = params_from_json<CameraCalibration>(before, "");
+  return out;
+}
+
+void Daemon::put_calibrations_into_force(const std::vector<CalibrationChange>& changes,
+                                         const SettingsStore::Version& current, const std::string& what) {
+  Json patch = Json::array();
+  CalibrationHistory::ByCamera records, old_records;
+  std::string cameras;
+  for (const CalibrationChange& change : changes) {
+    const std::string path =
+        fmt::format("/cameras/{}/calibration", place_of(current.settings, change.camera_id));
+    patch.push_back({{"op", "replace"}, {"path", path}, {"value", change.calibration}});
+    records[change.camera_id] = change.records;
+    old_records[change.camera_id] = calibration_history_.of(change.camera_id);
+    cameras += fmt::format("{}camera {}'s", cameras.empty() ? "" : ", ", change.camera_id);
+  }
   bool is_recorded = false;
   try {
     const auto version = store_.patch(patch, current.revision, [&](const Json& next) {
       auto put_into_force = prepare(next);
       // Before the settings: whatever happens in between, what is replaced is on disk.
-      calibration_history_.set(camera_id, std::move(records));
+      calibration_history_.set(records);
       is_recorded = true;
       return put_into_force;
     });
-    log::info("settings revision {} saved, camera {}'s calibration {}", version.revision, camera_id, what);
+    log::info("settings revision {} saved, {} calibration {}", version.revision, cameras, what);
   } catch (const std::exception&) {
-    if (is_recorded) calibration_history_.set(camera_id, old_records);
+    if (is_recorded) calibration_history_.set(old_records);
     throw;
   }
 }

@@ -168,7 +168,8 @@ class Problem : public LeastSquaresTypes {
   int rows_ = 0;
 };
 
-/// Differences across the lines between where two cameras have the same paint.
+}  // namespace
+
 std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const JointCamera> seen,
                                      std::span<const PaintedCurve> curves) {
   constexpr double kNearMm = 60;
@@ -204,6 +205,8 @@ std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::s
   }
   return out;
 }
+
+namespace {
 
 double rms(const std::vector<double>& values) {
   double squares = 0;

@@ -24,6 +24,11 @@ struct JointCamera {
   CameraPrior prior;
 };
 
+/// How far apart two cameras have the same paint, across the line, wherever both see it. `cameras` may be
+/// others than `seen` was fitted to.
+std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const JointCamera> seen,
+                                     std::span<const PaintedCurve> curves);
+
 struct JointCalibration {
   std::vector<LensCamera> cameras;
   /// Where one camera has a painted line and where the other has it, across the line: root mean square over

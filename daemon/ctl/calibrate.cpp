@@ -31,6 +31,29 @@ std::string shown(const Json& number, const char* unit, int digits = 2) {
   return number.is_number() ? fmt::format("{:.{}f} {}", number.get<double>(), digits, unit) : "not known";
 }
 
+/// Starts a calibration and waits for its report.
+Json report_of(const Client& daemon, const std::string& path, const Json& request) {
+  Json state = daemon.post(path, request);
+  while (state.at("state") == "collecting" || state.at("state") == "solving") {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    state = daemon.get_json(path);
+  }
+  if (!state.at("report").is_object()) {
+    const std::string problem = state.at("problem").get<std::string>();
+    throw ClientError(problem.empty() ? fmt::format("the calibration was ended: it is {}",
+                                                    state.at("state").get<std::string>())
+                                      : problem);
+  }
+  return state.at("report");
+}
+
+std::string remarks(const Json& report) {
+  std::string out;
+  for (const Json& note : report.at("notes")) out += "note: " + note.get<std::string>() + "\n";
+  for (const Json& problem : report.at("problems")) out += "problem: " + problem.get<std::string>() + "\n";
+  return out;
+}
+
 }  // namespace
 
 Json calibration_request(const CalibrateWords& words) {
@@ -99,19 +122,11 @@ CameraCalibration read_calibration(const std::string& file) {
 }
 
 Json calibrate_running(const Client& daemon, int camera_id, const Json& request) {
-  const std::string path = fmt::format("/api/cameras/{}/calibration", camera_id);
-  Json state = daemon.post(path, request);
-  while (state.at("state") == "collecting" || state.at("state") == "solving") {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    state = daemon.get_json(path);
-  }
-  if (!state.at("report").is_object()) {
-    const std::string problem = state.at("problem").get<std::string>();
-    throw ClientError(problem.empty() ? fmt::format("the calibration was ended: it is {}",
-                                                    state.at("state").get<std::string>())
-                                      : problem);
-  }
-  return state.at("report");
+  return report_of(daemon, fmt::format("/api/cameras/{}/calibration", camera_id), request);
+}
+
+Json calibrate_together(const Client& daemon, const Json& request) {
+  return report_of(daemon, "/api/calibration", request);
 }
 
 std::string calibration_text(const Json& report) {
@@ -144,9 +159,33 @@ std::string calibration_text(const Json& report) {
                        shown(point.at("off_px"), "px", 0),
                        point.at("name") == "" ? "any given one" : point.at("name").get<std::string>());
   }
-  for (const Json& note : report.at("notes")) out += "note: " + note.get<std::string>() + "\n";
-  for (const Json& problem : report.at("problems")) out += "problem: " + problem.get<std::string>() + "\n";
-  return out;
+  return out + remarks(report);
+}
+
+std::string joint_calibration_text(const Json& report) {
+  std::string out;
+  if (report.at("found") == true) {
+    out += report.at("accepted") == true ? "Calibrated together: accepted.\n"
+                                         : "Calibrated together, but NOT accepted.\n";
+    const auto disagreement = [&](const char* what, const char* key, int count, const char* of) {
+      const Json& value = report.at(key);
+      out += value.is_object() ? fmt::format("  {:<10}{} apart, before {} ({} {})\n", what,
+                                             shown(value.at("after_mm"), "mm"),
+                                             shown(value.at("before_mm"), "mm"), count, of)
+                               : fmt::format("  {:<10}seen by no two cameras\n", what);
+    };
+    disagreement("lines", "on_floor", report.at("overlapping_patches").get<int>(), "pieces of line");
+    disagreement("robots", "of_robots", report.at("ties").get<int>(), "places");
+    for (const Json& camera : report.at("cameras")) {
+      out += fmt::format("  camera {:<2} lines {} off; moved {} on the floor, {} at 150 mm\n",
+                         camera.at("camera").get<int>(), shown(camera.at("rms_px"), "px"),
+                         shown(camera.at("moved_on_floor_mm"), "mm", 1),
+                         shown(camera.at("moved_at_150_mm"), "mm", 1));
+    }
+  } else {
+    out += "NOT calibrated.\n";
+  }
+  return out + remarks(report);
 }
 
 }  // namespace sslv

@@ -44,7 +44,11 @@ CameraCalibration read_calibration(const std::string& file);
 /// fails or is cancelled.
 Json calibrate_running(const Client& daemon, int camera_id, const Json& request);
 
-/// A report of docs/api.md for a terminal.
+/// The same for several cameras together.
+Json calibrate_together(const Client& daemon, const Json& request);
+
+/// Reports of docs/api.md for a terminal.
 std::string calibration_text(const Json& report);
+std::string joint_calibration_text(const Json& report);
 
 }  // namespace sslv

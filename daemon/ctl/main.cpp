@@ -91,7 +91,7 @@ class Output {
 /// Writes what became of a calibration: the calibration to `calibration_file` when there is one, the whole
 /// report to `report_file`, unless they are empty, and what a person wants to know.
 int tell_calibration(const Json& report, const std::string& calibration_file, const std::string& report_file,
-                     bool as_json) {
+                     bool as_json, std::string (*text)(const Json&)) {
   const auto write = [](const std::string& file, const Json& json) {
     Output output(file);
     output.stream() << json.dump(2) << std::endl;
@@ -102,7 +102,7 @@ int tell_calibration(const Json& report, const std::string& calibration_file, co
     write(calibration_file, report.at("calibration"));
   // Standard output belongs to the file that is written there.
   (calibration_file == "-" || report_file == "-" ? std::cerr : std::cout)
-      << (as_json ? report.dump(2) + "\n" : calibration_text(report));
+      << (as_json ? report.dump(2) + "\n" : text(report));
   return report.at("accepted") == true ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -314,13 +314,30 @@ int run(CLI::App& app, int argc, char** argv) {
   CalibrateWords words;
   std::string calibrate_input, field_name, previous_file, calibration_file, report_file;
   int calibrate_camera = 0;
-  bool accept = false, force = false;
+  std::vector<int> together_cameras;
+  double together_s = 10;
+  bool together = false, accept = false, force = false;
   CLI::App* calibrate = app.add_subcommand(
       "calibrate", "find where a camera hangs, from its picture: of the daemon's camera, or of files");
   CLI::Option* of_daemon = calibrate->add_option("--camera", calibrate_camera, "id of the daemon's camera");
   CLI::Option* of_files = calibrate->add_option(
       "--input", calibrate_input, "picture, raw frame, video, or a folder; their mean is taken");
   of_files->excludes(of_daemon);
+  CLI::Option* of_several =
+      calibrate
+          ->add_flag("--together", together,
+                     "refine several calibrated cameras of the daemon, so that they agree where they overlap")
+          ->excludes(of_daemon)
+          ->excludes(of_files);
+  calibrate
+      ->add_option("--cameras", together_cameras,
+                   "ids of those, such as 0,1; all that are calibrated unless said")
+      ->delimiter(',')
+      ->needs(of_several);
+  calibrate->add_option("--seconds", together_s, "how long robots are looked for that two of them see")
+      ->check(CLI::Range(0.0, 600.0))
+      ->capture_default_str()
+      ->needs(of_several);
   raw.add_to(*calibrate);
   CLI::Option* field_option =
       calibrate
@@ -347,19 +364,38 @@ int run(CLI::App& app, int argc, char** argv) {
       "--output", calibration_file, "calibration to write, as settings have it; -: standard output");
   calibrate->add_option("--report", report_file, "file for all figures");
   calibrate->add_flag("--json", as_json, "print the report as JSON");
-  calibrate->add_flag("--accept", accept, "put it into force when it is good enough")->needs(of_daemon);
-  calibrate->add_flag("--force", force, "also while the game runs")->needs(of_daemon);
+  calibrate->add_flag("--accept", accept, "put it into force when it is good enough")->excludes(of_files);
+  calibrate->add_flag("--force", force, "also while the game runs")->excludes(of_files);
+  for (const char* of_one_camera :
+       {"--points", "--height", "--height-sigma", "--focal", "--plus-x", "--lines", "--output"})
+    of_several->excludes(calibrate->get_option(of_one_camera));
   calibrate->callback([&] {
-    if (of_daemon->empty() && (of_files->empty() || field_option->empty() || output_option->empty())) {
-      throw CLI::ValidationError("calibrate", "needs --camera, or --input, --field and --output");
+    if (of_daemon->empty() && !together &&
+        (of_files->empty() || field_option->empty() || output_option->empty())) {
+      throw CLI::ValidationError("calibrate",
+                                 "needs --camera, or --together, or --input, --field and --output");
     }
     act = [&] {
+      if (together) {
+        const Client client(daemon);
+        const Json report = calibrate_together(client, {{"cameras", together_cameras},
+                                                        {"frames", words.frames.value_or(10)},
+                                                        {"seconds", together_s},
+                                                        {"force", force}});
+        const int exit_code = tell_calibration(report, "", report_file, as_json, joint_calibration_text);
+        if (accept && exit_code == EXIT_SUCCESS) {
+          client.post("/api/calibration/accept", {{"force", force}});
+          std::cerr << "They are in force.\n";
+        }
+        return exit_code;
+      }
       Json asked = calibration_request(words);
       if (!of_daemon->empty()) {
         const Client client(daemon);
         asked["force"] = force;
         const Json report = calibrate_running(client, calibrate_camera, asked);
-        const int exit_code = tell_calibration(report, calibration_file, report_file, as_json);
+        const int exit_code =
+            tell_calibration(report, calibration_file, report_file, as_json, calibration_text);
         if (accept && exit_code == EXIT_SUCCESS) {
           client.post(fmt::format("/api/cameras/{}/calibration/accept", calibrate_camera),
                       {{"force", force}});
@@ -374,7 +410,7 @@ int run(CLI::App& app, int argc, char** argv) {
       if (!previous_file.empty()) previous = read_calibration(previous_file);
       const CalibrationReport report = calibrate_recording(
           {calibrate_input, raw.pixel_format, raw.width, raw.height}, request, field, previous, std::cerr);
-      return tell_calibration(report_json(report), calibration_file, report_file, as_json);
+      return tell_calibration(report_json(report), calibration_file, report_file, as_json, calibration_text);
     };
   });
 

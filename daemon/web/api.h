@@ -32,6 +32,17 @@ void accept_calibration(const WebHost& host, const httplib::Request& request, ht
 void reject_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void revert_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
+// api_calibration.cpp: of several cameras together
+void get_joint_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void start_joint_calibration(const WebHost& host, const httplib::Request& request,
+                             httplib::Response& response);
+void cancel_joint_calibration(const WebHost& host, const httplib::Request& request,
+                              httplib::Response& response);
+void accept_joint_calibration(const WebHost& host, const httplib::Request& request,
+                              httplib::Response& response);
+void reject_joint_calibration(const WebHost& host, const httplib::Request& request,
+                              httplib::Response& response);
+
 // api_settings.cpp
 void get_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);

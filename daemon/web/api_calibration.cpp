@@ -24,6 +24,14 @@ bool force_of(const Json& body) {
   return params_from_json<ForceOption>(body, "").force;
 }
 
+/// Takes it out of a body that says more.
+bool take_force(Json& body) {
+  if (!body.is_object() || !body.contains("force")) return false;
+  const bool force = force_of({{"force", body["force"]}});
+  body.erase("force");
+  return force;
+}
+
 }  // namespace
 
 void get_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
@@ -33,11 +41,7 @@ void get_calibration(const WebHost& host, const httplib::Request& request, httpl
 void start_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   const std::uint32_t id = path_camera(host, request);
   Json body = body_of(request);
-  bool force = false;
-  if (body.is_object() && body.contains("force")) {
-    force = force_of({{"force", body["force"]}});
-    body.erase("force");
-  }
+  const bool force = take_force(body);
   set_json(response, host.start_calibration(id, body, force, request.remote_addr));
   response.status = 202;
 }
@@ -58,6 +62,31 @@ void reject_calibration(const WebHost& host, const httplib::Request& request, ht
 void revert_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   const std::uint32_t id = path_camera(host, request);
   set_json(response, host.revert_calibration(id, force_of(body_of(request)), request.remote_addr));
+}
+
+void get_joint_calibration(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.joint_calibration());
+}
+
+void start_joint_calibration(const WebHost& host, const httplib::Request& request,
+                             httplib::Response& response) {
+  Json body = body_of(request);
+  const bool force = take_force(body);
+  set_json(response, host.start_joint_calibration(body, force, request.remote_addr));
+  response.status = 202;
+}
+
+void cancel_joint_calibration(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.cancel_joint_calibration());
+}
+
+void accept_joint_calibration(const WebHost& host, const httplib::Request& request,
+                              httplib::Response& response) {
+  set_json(response, host.accept_joint_calibration(force_of(body_of(request)), request.remote_addr));
+}
+
+void reject_joint_calibration(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.reject_joint_calibration());
 }
 
 }  // namespace sslv

@@ -65,6 +65,13 @@ struct WebHost {
   std::function<Json(std::uint32_t camera_id)> reject_calibration;
   std::function<Json(std::uint32_t camera_id, bool force, const std::string& who)> revert_calibration;
 
+  /// Calibration of several cameras together: likewise.
+  std::function<Json()> joint_calibration;
+  std::function<Json(const Json& request, bool force, const std::string& who)> start_joint_calibration;
+  std::function<Json()> cancel_joint_calibration;
+  std::function<Json(bool force, const std::string& who)> accept_joint_calibration;
+  std::function<Json()> reject_joint_calibration;
+
   /// The colour lookup table of a camera that is there, as the bytes of a .lut file.
   std::function<std::vector<std::uint8_t>(std::uint32_t camera_id)> lut_file;
 };

@@ -92,6 +92,15 @@ class FakeHost {
       if (!force) throw HttpError(423, "the game is running");
       return Json{{"reverted", id}, {"who", who}};
     };
+    host.joint_calibration = [] { return Json{{"state", "idle"}}; };
+    host.start_joint_calibration = [](const Json& request, bool force, const std::string& who) {
+      return Json{{"request", request}, {"force", force}, {"who", who}};
+    };
+    host.cancel_joint_calibration = [] { return Json{{"cancelled", "all"}}; };
+    host.accept_joint_calibration = [](bool force, const std::string& who) {
+      return Json{{"accepted", "all"}, {"force", force}, {"who", who}};
+    };
+    host.reject_joint_calibration = [] { return Json{{"rejected", "all"}}; };
     host.lut_file = [](std::uint32_t) { return std::vector<std::uint8_t>{1, 2, 3}; };
     return host;
   }

@@ -144,6 +144,23 @@ TEST_F(RouterTest, BadRequestsForCalibrationAreRefused) {
   EXPECT_EQ(ask("PUT", path).status, 405);
 }
 
+TEST_F(RouterTest, CalibrationOfCamerasTogetherReachesTheHost) {
+  const std::string path = "/api/calibration";
+  EXPECT_EQ(Json::parse(ask("GET", path).body)["state"], "idle");
+  const Answer started = ask("POST", path, R"({"cameras": [0, 1], "force": true})");
+  EXPECT_EQ(started.status, 202);
+  EXPECT_EQ(Json::parse(started.body),
+            Json::parse(R"({"request": {"cameras": [0, 1]}, "force": true, "who": "192.0.2.7"})"));
+  EXPECT_EQ(Json::parse(ask("DELETE", path).body)["cancelled"], "all");
+  EXPECT_EQ(Json::parse(ask("POST", path + "/accept").body)["force"], false);
+  EXPECT_EQ(Json::parse(ask("POST", path + "/accept", R"({"force": true})").body)["force"], true);
+  EXPECT_EQ(ask("POST", path + "/reject").status, 200);
+  EXPECT_EQ(ask("POST", path, "{").status, 400);
+  EXPECT_EQ(ask("POST", path + "/accept", R"({"force": 1})").status, 422);
+  EXPECT_EQ(ask("PUT", path).status, 405);
+  EXPECT_EQ(ask("POST", path + "/revert").status, 404);
+}
+
 TEST_F(RouterTest, WritesFromOtherSitesAreRefused) {
   const std::string foreign = "Origin: http://evil.example\r\n";
   EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", foreign).status, 403);
