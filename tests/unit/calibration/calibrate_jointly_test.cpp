@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/calibrate_jointly.h"
+#include "calibration/way_round.h"
 
 #include "calibration/publish.h"
 #include "support/painted_floor.h"
