@@ -7,10 +7,11 @@
 namespace sslv {
 namespace {
 
-constexpr double kBinS = 0.25;
+constexpr double kBinS = 0.25, kLongestBinS = 1;
+constexpr std::size_t kLeastInBin = 10;
 /// Low enough to leave delays out, high enough to be sure of.
 constexpr double kQuantile = 0.2;
-constexpr std::size_t kBinsForDrift = 8;
+constexpr std::size_t kBinsForDrift = 5;
 /// Further off than this for a while, and the clock has jumped. A picture earlier than possible needs little
 /// proof, late ones may come from a host that was busy.
 constexpr double kJumpS = 0.003, kJumpSpreadS = 0.010, kLateForS = 0.5;
@@ -37,7 +38,9 @@ CameraClock::Estimate CameraClock::add(double t_camera_s, double t_arrival_s) {
   last_s_ = t_s;
   const double offset_s = t_arrival_s - base_arrival_s_ - t_s;
   if (strays_ == 0) {
-    if (in_bin_count_ > 0 && (t_s - bin_start_s_ >= kBinS || in_bin_count_ == kMostInBin)) close_bin();
+    const double age_s = t_s - bin_start_s_;
+    const bool full = in_bin_count_ == kMostInBin || (age_s >= kBinS && in_bin_count_ >= kLeastInBin);
+    if (in_bin_count_ > 0 && (full || age_s >= kLongestBinS)) close_bin();
     if (in_bin_count_ == 0) bin_start_s_ = t_s;
     const auto end = in_bin_.begin() + static_cast<std::ptrdiff_t>(in_bin_count_);
     const auto place = std::upper_bound(in_bin_.begin(), end, offset_s);

@@ -93,7 +93,7 @@ TEST(CameraClock, FromTheFirstPictureOn) {
   EXPECT_DOUBLE_EQ(first.t_host_s, 1234.5);
   EXPECT_FALSE(first.settled);
   // The second picture was less late than the first.
-  EXPECT_NEAR(clock.add(78, 1235.4).t_host_s, 1235.4, 1e-9);
+  EXPECT_NEAR(clock.add(77.5, 1234.9).t_host_s, 1234.9, 1e-9);
 }
 
 }  // namespace
