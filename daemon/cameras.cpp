@@ -31,4 +31,19 @@ const Backend& find_backend(const std::string& name, const std::string& path) {
   throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, name, known));
 }
 
+Json found_cameras_json() {
+  Json out = Json::array();
+  for (const Backend& backend : backend_table()) {
+    for (const FoundCamera& found : backend.list()) {
+      out.push_back({{"backend", backend.name},
+                     {"name", found.name},
+                     {"model", found.model},
+                     {"serial", found.serial},
+                     {"formats", found.formats},
+                     {"source", found.source}});
+    }
+  }
+  return out;
+}
+
 }  // namespace sslv

@@ -14,4 +14,7 @@ std::span<const Backend> backend_table();
 /// The named backend; throws SettingsError, beginning with `path`, that lists the known ones.
 const Backend& find_backend(const std::string& name, const std::string& path);
 
+/// Cameras that could be opened now, of all backends, as docs/api.md has them. Takes about a second.
+Json found_cameras_json();
+
 }  // namespace sslv

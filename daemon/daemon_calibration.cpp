@@ -69,8 +69,8 @@ std::optional<CalibrationJobs::LentFrame> Daemon::wait_frame(int camera_id, std:
   const auto held = hold_frame(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
   if (!held) return std::nullopt;
   const Frame& frame = *held->hold->frame;
-  return CalibrationJobs::LentFrame{held->version, held->hold, frame.image.view(), frame.info.t_capture_s,
-                                    frame.robots.robots};
+  return CalibrationJobs::LentFrame{held->version, held->hold, frame.image.view(),
+                                    frame.info.times.t_capture_s, frame.robots.robots};
 }
 
 Json Daemon::calibration(int camera_id) const {

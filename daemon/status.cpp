@@ -27,6 +27,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   // What a camera that is not running last saw and how fast is no news.
   const bool running = health.state == CameraState::kRunning;
   const auto latency = running ? camera.latency() : RecentDurations::Percentiles{};
+  const auto age = running ? camera.age() : RecentDurations::Percentiles{};
   Json out{{"id", settings->id},
            {"name", settings->name},
            {"backend", settings->source.at("backend")},
@@ -42,6 +43,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
            {"frames_capped", counters.capped},
            {"reconnects", health.reconnects},
            {"latency_ms", {{"p50", latency.p50_us * 1e-3}, {"p99", latency.p99_us * 1e-3}}},
+           {"age_ms", {{"p50", age.p50_us * 1e-3}, {"p99", age.p99_us * 1e-3}}},
            {"stages", Json::array()},
            {"robots", running ? counters.robots : 0},
            {"balls", running ? counters.balls : 0}};

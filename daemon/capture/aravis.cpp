@@ -389,8 +389,8 @@ class AravisSource final : public Source {
     image.image = Image(view, nullptr, buffer, &give_back);
     // The moment the picture's first packet came, which is about the end of the exposure.
     const guint64 system_ns = arv_buffer_get_system_timestamp(buffer);
-    image.t_capture_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : unix_time_s();
-    image.t_capture_camera_s = static_cast<double>(arv_buffer_get_timestamp(buffer)) * 1e-9;
+    image.times.t_capture_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : unix_time_s();
+    image.times.t_capture_camera_s = static_cast<double>(arv_buffer_get_timestamp(buffer)) * 1e-9;
     return CaptureStatus::kImage;
   }
 

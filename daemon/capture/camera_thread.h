@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 namespace sslv {
 
@@ -46,7 +47,8 @@ struct CameraHealth {
   double fps = 0;                // pictures handed over a second, over the last second
   int width = 0, height = 0;     // of the last picture; 0 before the first
   PixelFormat format = PixelFormat::kMono8;
-  std::int64_t progress_ns = 0;  // steady_ns() of the thread's last turn; stands still when it hangs
+  std::int64_t progress_ns = 0;         // steady_ns() of the thread's last turn; stands still when it hangs
+  std::vector<std::string> warnings{};  // of the last opening, see Source
 };
 
 /// Waiting times between attempts to open a camera, doubling from the first to the longest.
@@ -79,6 +81,8 @@ class CameraThread {
 
   /// From any thread.
   CameraHealth health() const;
+  /// Those of the open camera; none while it is not open, or has none.
+  std::shared_ptr<Controls> controls() const;
 
  private:
   struct Shared;

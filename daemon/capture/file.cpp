@@ -153,7 +153,7 @@ class FileSource final : public Source {
     try {
       if (period_ > Clock::duration::zero() && !wait_until_due(timeout)) return CaptureStatus::kTimeout;
       const CaptureStatus status = take(image, problem);
-      image.t_capture_s = unix_time_s();
+      image.times.t_capture_s = unix_time_s();
       return status;
     } catch (const std::exception& error) {
       problem = fmt::format("path \"{}\": {}", options_.path, error.what());

@@ -6,12 +6,20 @@
 
 namespace sslv {
 
+/// When a picture was taken.
+struct CaptureTimes {
+  double t_capture_s = 0;                      // Unix time of the middle of the exposure, on the host's clock
+  std::optional<double> t_capture_camera_s{};  // the camera's own clock, when it has one
+  /// Standard deviation of t_capture_s; none: nothing but the picture's arrival is known.
+  std::optional<double> t_capture_sigma_s{};
+  std::int64_t arrived_ns = 0;  // steady_ns() when the picture was handed over; 0: not live
+};
+
 /// What is known about a frame besides its pixels.
 struct FrameInfo {
   std::uint32_t camera_id = 0;
-  std::uint32_t number = 0;                    // counts this camera's processed frames
-  double t_capture_s = 0;                      // Unix time of the exposure on the host's clock
-  std::optional<double> t_capture_camera_s{};  // the camera's own clock, when it has one
+  std::uint32_t number = 0;  // counts this camera's processed frames
+  CaptureTimes times{};
 };
 
 }  // namespace sslv

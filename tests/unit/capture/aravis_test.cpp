@@ -121,10 +121,10 @@ TEST_F(Gige, SetsWhatItIsTold) {
 TEST_F(Gige, PicturesHaveTimes) {
   const auto source = open();
   const CapturedImage first = next_picture(*source), second = next_picture(*source);
-  EXPECT_LT(std::abs(first.t_capture_s - unix_time_s()), 60);
-  EXPECT_LT(first.t_capture_s, second.t_capture_s);
-  ASSERT_TRUE(first.t_capture_camera_s && second.t_capture_camera_s);
-  EXPECT_LT(*first.t_capture_camera_s, *second.t_capture_camera_s);
+  EXPECT_LT(std::abs(first.times.t_capture_s - unix_time_s()), 60);
+  EXPECT_LT(first.times.t_capture_s, second.times.t_capture_s);
+  ASSERT_TRUE(first.times.t_capture_camera_s && second.times.t_capture_camera_s);
+  EXPECT_LT(*first.times.t_capture_camera_s, *second.times.t_capture_camera_s);
 }
 
 TEST_F(Gige, PicturesOutliveTheSource) {
