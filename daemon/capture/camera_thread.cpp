@@ -224,6 +224,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
     std::string problem;
     const CaptureStatus status = turn(source, image, problem);
     const ImageView view = image.image.view();
+    const bool is_damaged = image.is_damaged;
     bool delivered = false;
     if (status == CaptureStatus::kImage) {
       image.times.arrived_ns = steady_ns();
@@ -246,7 +247,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       health.height = view.height;
       health.format = view.format;
     }
-    health.incomplete += status == CaptureStatus::kIncomplete;
+    health.incomplete += status == CaptureStatus::kIncomplete || is_damaged;
     health.dropped = dropped_before + source.dropped();
     if (now_ns - window_start_ns >= kSecondNs) {
       health.fps = window_frames * 1e9 / static_cast<double>(now_ns - window_start_ns);
