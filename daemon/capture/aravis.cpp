@@ -527,9 +527,12 @@ std::vector<FoundCamera> list_cameras() {
   std::vector<FoundCamera> out;
   for (const Device& device : find_devices()) {
     const std::string& known_by = device.serial.empty() ? device.id : device.serial;
-    out.push_back({fmt::format("{} {} {} ({}, {})", device.vendor, device.model, device.serial,
-                               device.protocol, device.address.empty() ? device.physical_id : device.address),
-                   Json{{"backend", "aravis"}, {"camera", known_by}}});
+    FoundCamera& found = out.emplace_back();
+    found.name = fmt::format("{} {} {} ({}, {})", device.vendor, device.model, device.serial, device.protocol,
+                             device.address.empty() ? device.physical_id : device.address);
+    found.source = {{"backend", "aravis"}, {"camera", known_by}};
+    found.model = device.vendor + ' ' + device.model;
+    found.serial = device.serial;
   }
   return out;
 }

@@ -225,6 +225,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
     const CaptureStatus status = turn(source, image, problem);
     const ImageView view = image.image.view();
     const bool is_damaged = image.is_damaged;
+    const auto t_capture_sigma_s = image.times.t_capture_sigma_s;
     bool delivered = false;
     if (status == CaptureStatus::kImage) {
       image.times.arrived_ns = steady_ns();
@@ -246,6 +247,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       health.width = view.width;
       health.height = view.height;
       health.format = view.format;
+      health.t_capture_sigma_s = t_capture_sigma_s;
     }
     health.incomplete += status == CaptureStatus::kIncomplete || is_damaged;
     health.dropped = dropped_before + source.dropped();

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -47,8 +48,9 @@ struct CameraHealth {
   double fps = 0;                // pictures handed over a second, over the last second
   int width = 0, height = 0;     // of the last picture; 0 before the first
   PixelFormat format = PixelFormat::kMono8;
-  std::int64_t progress_ns = 0;         // steady_ns() of the thread's last turn; stands still when it hangs
-  std::vector<std::string> warnings{};  // of the last opening, see Source
+  std::int64_t progress_ns = 0;  // steady_ns() of the thread's last turn; stands still when it hangs
+  std::optional<double> t_capture_sigma_s{};  // of the last picture, see CaptureTimes
+  std::vector<std::string> warnings{};        // of the last opening, see Source
 };
 
 /// Waiting times between attempts to open a camera, doubling from the first to the longest.
