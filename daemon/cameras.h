@@ -16,5 +16,7 @@ const Backend& find_backend(const std::string& name, const std::string& path);
 
 /// Cameras that could be opened now, of all backends, as docs/api.md has them. Takes about a second.
 Json found_cameras_json();
+/// The same for a terminal, with the settings lines to paste.
+std::string found_cameras_text(const Json& found);
 
 }  // namespace sslv
