@@ -34,7 +34,7 @@ int request_buffers(V4l2Device& device, int& count) {
 
 std::shared_ptr<V4l2Stream> V4l2Stream::start(std::shared_ptr<V4l2Device> device, int buffers,
                                               const std::string& label) {
-  const std::shared_ptr<V4l2Stream> stream(new V4l2Stream(std::move(device)));
+  std::shared_ptr<V4l2Stream> stream(new V4l2Stream(std::move(device)));
   stream->map_buffers(buffers, label);
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (const int error = stream->device_->call(VIDIOC_STREAMON, &type); error != 0) {

@@ -89,11 +89,11 @@ bool JpegDecoder::decode_uyvy(std::span<const std::uint8_t> jpeg, std::uint8_t* 
     const std::uint8_t* y = planes[0] + std::ptrdiff_t{row} * y_stride;
     const std::uint8_t* u = planes[1] + std::ptrdiff_t{row / rows_of_color} * uv_stride;
     const std::uint8_t* v = planes[2] + std::ptrdiff_t{row / rows_of_color} * uv_stride;
-    for (int x = 0; x < width / 2; ++x, out += 4) {
+    for (int x = 0; x < width / 2; ++x, y += 2, out += 4) {
       out[0] = u[x];
-      out[1] = y[2 * x];
+      out[1] = y[0];
       out[2] = v[x];
-      out[3] = y[2 * x + 1];
+      out[3] = y[1];
     }
   }
   return sound;
