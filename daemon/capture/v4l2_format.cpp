@@ -69,10 +69,12 @@ class Setup {
     if (made.pixelformat != format.fourcc)
       refuse("pixel_format", format.name, fmt::format("the camera made it {}", letters_of(made.pixelformat)));
     const Size size{static_cast<int>(made.width), static_cast<int>(made.height)};
-    if (size.width != size_.width || size.height != size_.height) {
+    const auto is_other = [](int wanted, int got) { return wanted > 0 && wanted != got; };
+    if (is_other(wish_.width, size.width) || is_other(wish_.height, size.height)) {
       refuse("width x height", fmt::format("{}x{}", size_.width, size_.height),
              fmt::format("the camera made it {}x{}{}", size.width, size.height, known_sizes(format)));
     }
+    size_ = size;
     constexpr std::array<__u32, 4> kWhole{V4L2_FIELD_NONE, V4L2_FIELD_INTERLACED, V4L2_FIELD_INTERLACED_TB,
                                           V4L2_FIELD_INTERLACED_BT};
     if (std::find(kWhole.begin(), kWhole.end(), made.field) == kWhole.end())
@@ -192,7 +194,7 @@ class Setup {
   const V4l2FormatWish& wish_;
   const std::string& label_;
   const std::vector<V4l2Format> formats_;
-  Size size_{};  // wanted
+  Size size_{};  // wanted, then made
 };
 
 }  // namespace
