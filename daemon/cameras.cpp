@@ -6,6 +6,7 @@
 #include "capture/aravis.h"
 #include "capture/file.h"
 #include "capture/simulator.h"
+#include "capture/v4l2.h"
 
 #include <array>
 
@@ -18,6 +19,7 @@ std::span<const Backend> backend_table() {
       aravis_backend(),
       file_backend(),
       simulator_backend(),
+      v4l2_backend(),
   };
   return kBackends;
 }
