@@ -6,6 +6,7 @@
 #include "capture/aravis.h"
 #include "capture/file.h"
 #include "capture/simulator.h"
+#include "capture/tile.h"
 #include "capture/v4l2.h"
 
 #include <array>
@@ -19,6 +20,16 @@ std::span<const Backend> backend_table() {
       aravis_backend(),
       file_backend(),
       simulator_backend(),
+      Backend{"tile", "a part of a big camera's pictures",
+              [](const Json& options, const std::string& path) {
+                return complete_tile(options, path, complete_source);
+              },
+              tile_schema,
+              [](const Json& options, const SourceContext& context) {
+                return open_tile(
+                    options, [&](const Json& of) { return open_source(of, whole_camera(options, context)); });
+              },
+              [] { return std::vector<FoundCamera>{}; }},
       v4l2_backend(),
   };
   return kBackends;
@@ -31,6 +42,25 @@ const Backend& find_backend(const std::string& name, const std::string& path) {
     known += (known.empty() ? "" : ", ") + std::string(backend.name);
   }
   throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, name, known));
+}
+
+Json complete_source(const Json& source, const std::string& path) {
+  if (!source.contains("backend") || !source["backend"].is_string()) {
+    throw SettingsError(path + "/backend: is missing; expected a capture backend's name");
+  }
+  const std::string name = source["backend"].get<std::string>();
+  Json options = source;
+  options.erase("backend");
+  const Json complete = find_backend(name, path + "/backend").complete(options, path);
+  Json out{{"backend", name}};
+  out.update(complete);
+  return out;
+}
+
+std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context) {
+  Json options = source;
+  options.erase("backend");
+  return find_backend(source.at("backend").get<std::string>(), "/source").open(options, context);
 }
 
 Json found_cameras_json() {

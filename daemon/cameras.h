@@ -14,6 +14,12 @@ std::span<const Backend> backend_table();
 /// The named backend; throws SettingsError, beginning with `path`, that lists the known ones.
 const Backend& find_backend(const std::string& name, const std::string& path);
 
+/// A camera's "source" with its backend's defaults written out. Throws SettingsError, beginning with `path`.
+Json complete_source(const Json& source, const std::string& path);
+
+/// Opens what a complete "source" says. Throws CaptureError.
+std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
+
 /// Cameras that could be opened now, of all backends, as docs/api.md has them. Takes about a second.
 Json found_cameras_json();
 /// The same for a terminal, with the settings lines to paste.

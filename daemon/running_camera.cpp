@@ -43,11 +43,8 @@ RunningCamera::~RunningCamera() {
 void RunningCamera::start_thread() {
   const auto settings = settings_.load();
   const Scene scene = *pipeline_.setup()->world.scene;
-  auto open = [settings, scene]() -> std::unique_ptr<Source> {
-    Json options = settings->source;
-    options.erase("backend");
-    const Backend& backend = find_backend(settings->source.at("backend").get<std::string>(), "/source");
-    return backend.open(options, {static_cast<std::uint32_t>(settings->id), scene});
+  auto open = [settings, scene] {
+    return open_source(settings->source, {static_cast<std::uint32_t>(settings->id), scene});
   };
   auto on_image = [this](CapturedImage&& captured) {
     pipeline_.process(std::move(captured.image), captured.times);
