@@ -4,42 +4,83 @@
 
 #include "base/error.h"
 #include "capture/aravis.h"
+#include "capture/dc1394.h"
 #include "capture/file.h"
 #include "capture/simulator.h"
 #include "capture/tile.h"
 #include "capture/v4l2.h"
 
-#include <array>
+#include <vector>
 
 #include <fmt/format.h>
 
 namespace sslv {
 
+namespace {
+
+/// A tile may be of a camera of any other row.
+Backend tile_of_backends() {
+  return {
+      "tile",
+      "a part of a big camera's pictures",
+      [](const Json& options, const std::string& path) {
+        return complete_tile(options, path, complete_source);
+      },
+      tile_schema,
+      [](const Json& options, const SourceContext& context) {
+        return open_tile(options,
+                         [&](const Json& of) { return open_source(of, whole_camera(options, context)); });
+      },
+      [] { return std::vector<FoundCamera>{}; },
+  };
+}
+
+}  // namespace
+
 std::span<const Backend> backend_table() {
-  static const std::array kBackends{
+  // clang-format off
+  static const std::vector<Backend> kBackends{
       aravis_backend(),
+#if SSLV_HAVE_DC1394
+      dc1394_backend(),
+#endif
       file_backend(),
       simulator_backend(),
-      Backend{"tile", "a part of a big camera's pictures",
-              [](const Json& options, const std::string& path) {
-                return complete_tile(options, path, complete_source);
-              },
-              tile_schema,
-              [](const Json& options, const SourceContext& context) {
-                return open_tile(
-                    options, [&](const Json& of) { return open_source(of, whole_camera(options, context)); });
-              },
-              [] { return std::vector<FoundCamera>{}; }},
+      tile_of_backends(),
       v4l2_backend(),
   };
+  // clang-format on
   return kBackends;
 }
 
+std::span<const MissingBackend> missing_backends() {
+  // clang-format off
+  static const std::vector<MissingBackend> kMissing{
+#if !SSLV_HAVE_DC1394
+      {"dc1394", "libdc1394-dev"},
+#endif
+  };
+  // clang-format on
+  return kMissing;
+}
+
 const Backend& find_backend(const std::string& name, const std::string& path) {
+  return find_backend(backend_table(), missing_backends(), name, path);
+}
+
+const Backend& find_backend(std::span<const Backend> backends, std::span<const MissingBackend> missing,
+                            const std::string& name, const std::string& path) {
   std::string known;
-  for (const Backend& backend : backend_table()) {
+  for (const Backend& backend : backends) {
     if (backend.name == name) return backend;
     known += (known.empty() ? "" : ", ") + std::string(backend.name);
+  }
+  for (const MissingBackend& backend : missing) {
+    if (backend.name != name) continue;
+    throw SettingsError(
+        fmt::format("{}: capture backend \"{}\" is not in this program; to build it in, install {} and build "
+                    "again; known: {}",
+                    path, name, backend.package, known));
   }
   throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, name, known));
 }
