@@ -64,13 +64,15 @@ void Daemon::add_calibration_to(WebHost& host) {
   host.reject_joint_calibration = [this] { return reject_joint_calibration(); };
 }
 
-std::optional<CalibrationJobs::LentFrame> Daemon::wait_frame(int camera_id, std::uint64_t newer_than,
-                                                             std::chrono::milliseconds timeout) {
-  const auto held = hold_frame(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
-  if (!held) return std::nullopt;
-  const Frame& frame = *held->hold->frame;
-  return CalibrationJobs::LentFrame{held->version, held->hold, frame.image.view(), frame.info.t_capture_s,
-                                    frame.robots.robots};
+WaitFrame Daemon::frame_waiter() {
+  return [this](int camera_id, std::uint64_t newer_than,
+                std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
+    const auto held = hold_frame(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
+    if (!held) return std::nullopt;
+    const Frame& frame = *held->hold->frame;
+    return LentFrame{held->version, held->hold, frame.image.view(), frame.info.t_capture_s,
+                     frame.robots.robots};
+  };
 }
 
 Json Daemon::calibration(int camera_id) const {
@@ -105,7 +107,7 @@ void Daemon::refuse_while_game_runs() const {
 }
 
 Json Daemon::start_calibration(int camera_id, const Json& request, bool force, const std::string& who) {
-  CalibrationJobs::Order order{read_calibration_request(request), {}, {}, who, unix_time_s()};
+  CalibrationOrder order{read_calibration_request(request), {}, {}, who, unix_time_s()};
   if (!force) refuse_while_game_runs();
   const auto config = config_.load();
   order.field = config->field;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "joint_calibration_job.h"
+#include "joint_calibration_jobs.h"
 
 #include "base/latest.h"
 
@@ -23,13 +23,12 @@ class FakeCameras {
     t_capture_s_[camera] += 0.01;
     cameras_[camera].put({{bytes_.data(), kWidth, kHeight, 3 * kWidth, format}, t_capture_s_[camera]});
   }
-  CalibrationJobs::WaitFrame wait_frame() {
+  WaitFrame wait_frame() {
     return [this](int camera_id, std::uint64_t newer_than,
-                  std::chrono::milliseconds timeout) -> std::optional<CalibrationJobs::LentFrame> {
+                  std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
       const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
       if (!newest) return std::nullopt;
-      return CalibrationJobs::LentFrame{newest->version, nullptr, newest->value.image,
-                                        newest->value.t_capture_s, robots_};
+      return LentFrame{newest->version, nullptr, newest->value.image, newest->value.t_capture_s, robots_};
     };
   }
 
@@ -44,7 +43,7 @@ class FakeCameras {
   std::array<Latest<Delivered>, 2> cameras_;
 };
 
-JointCalibrationJob::Order order(const JointCalibrationRequest& request) {
+JointCalibrationOrder order(const JointCalibrationRequest& request) {
   CameraCalibration calibration;
   calibration.q3 = 0;
   calibration.q0 = 1;
@@ -54,14 +53,14 @@ JointCalibrationJob::Order order(const JointCalibrationRequest& request) {
   return {request, {{0, calibration}, {1, calibration}}, FieldSize{}, "192.0.2.7", 0};
 }
 
-class JointCalibrationJobTest : public testing::Test {
+class JointCalibrationJobsTest : public testing::Test {
  protected:
   /// Delivers frames until the job is as it should be; throws after 30 s.
   template <class Good>
-  JointCalibrationJob::Job deliver_until(Good good, PixelFormat of_camera_1 = PixelFormat::kRgb24) {
+  JointCalibrationJobs::Job deliver_until(Good good, PixelFormat of_camera_1 = PixelFormat::kRgb24) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     for (;;) {
-      auto job = job_.job();
+      auto job = jobs_.job(kJointKey);
       if (good(job)) return job;
       if (std::chrono::steady_clock::now() > deadline)
         throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
@@ -70,63 +69,63 @@ class JointCalibrationJobTest : public testing::Test {
       std::this_thread::yield();
     }
   }
-  static auto is(CalibrationState state) {
-    return [state](const JointCalibrationJob::Job& job) { return job.state == state; };
+  static auto is(JobState state) {
+    return [state](const JointCalibrationJobs::Job& job) { return job.state == state; };
   }
 
   FakeCameras cameras_;
-  JointCalibrationJob job_{cameras_.wait_frame(), std::chrono::seconds(30)};
+  JointCalibrationJobs jobs_ = make_joint_calibration_jobs(cameras_.wait_frame(), std::chrono::seconds(30));
 };
 
-TEST_F(JointCalibrationJobTest, TakesFramesOfEachCameraAndReports) {
-  EXPECT_EQ(job_.job().state, CalibrationState::kIdle);
-  EXPECT_FALSE(job_.cancel());
-  EXPECT_FALSE(job_.forget(nullptr));
-  ASSERT_TRUE(job_.start(order({{}, 3, 0})));
-  const auto job = deliver_until(is(CalibrationState::kDone));
+TEST_F(JointCalibrationJobsTest, TakesFramesOfEachCameraAndReports) {
+  EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kIdle);
+  EXPECT_FALSE(jobs_.cancel(kJointKey));
+  EXPECT_FALSE(jobs_.forget(kJointKey, nullptr));
+  ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 3, 0})));
+  const auto job = deliver_until(is(JobState::kDone));
   EXPECT_EQ(job.frames, 3);
   EXPECT_EQ(job.order->who, "192.0.2.7");
   ASSERT_TRUE(job.report);
   EXPECT_FALSE(job.report->found) << "a grey picture has no lines";
-  EXPECT_FALSE(job_.forget(nullptr));
-  EXPECT_TRUE(job_.forget(job.report.get()));
-  EXPECT_EQ(job_.job().state, CalibrationState::kIdle);
+  EXPECT_FALSE(jobs_.forget(kJointKey, nullptr));
+  EXPECT_TRUE(jobs_.forget(kJointKey, job.report.get()));
+  EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kIdle);
 }
 
-TEST_F(JointCalibrationJobTest, LooksForRobotsAsLongAsItShould) {
-  ASSERT_TRUE(job_.start(order({{}, 1, 600})));
+TEST_F(JointCalibrationJobsTest, LooksForRobotsAsLongAsItShould) {
+  ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 1, 600})));
   deliver_until([](const auto& job) { return job.ties == 1 && job.frames == 1; });
-  EXPECT_EQ(job_.job().state, CalibrationState::kCollecting);
-  EXPECT_FALSE(job_.start(order({{}, 1, 0})));
-  EXPECT_TRUE(job_.cancel());
-  EXPECT_EQ(job_.job().state, CalibrationState::kCancelled);
+  EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kCollecting);
+  EXPECT_FALSE(jobs_.start(kJointKey, order({{}, 1, 0})));
+  EXPECT_TRUE(jobs_.cancel(kJointKey));
+  EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kCancelled);
   // The next one is not touched by what was cancelled.
-  ASSERT_TRUE(job_.start(order({{}, 2, 0})));
-  EXPECT_EQ(deliver_until(is(CalibrationState::kDone)).frames, 2);
+  ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 2, 0})));
+  EXPECT_EQ(deliver_until(is(JobState::kDone)).frames, 2);
 }
 
-TEST_F(JointCalibrationJobTest, PicturesThatCannotBeUsedAreNamed) {
-  ASSERT_TRUE(job_.start(order({{}, 5, 0})));
-  EXPECT_THAT(deliver_until(is(CalibrationState::kFailed), PixelFormat::kMono8).problem,
+TEST_F(JointCalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
+  ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 5, 0})));
+  EXPECT_THAT(deliver_until(is(JobState::kFailed), PixelFormat::kMono8).problem,
               HasSubstr("camera 1: the camera's pictures have no colours (mono8)"));
 }
 
-TEST(JointCalibrationJob, ASilentCameraFails) {
+TEST(JointCalibrationJobs, ASilentCameraFails) {
   FakeCameras cameras;
   cameras.deliver(0);
-  JointCalibrationJob job(cameras.wait_frame(), std::chrono::milliseconds(1));
-  ASSERT_TRUE(job.start(order({{}, 1, 0})));
+  JointCalibrationJobs jobs = make_joint_calibration_jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
+  ASSERT_TRUE(jobs.start(kJointKey, order({{}, 1, 0})));
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (is_running(job.job().state) && std::chrono::steady_clock::now() < deadline)
+  while (is_running(jobs.job(kJointKey).state) && std::chrono::steady_clock::now() < deadline)
     std::this_thread::yield();
-  EXPECT_EQ(job.job().state, CalibrationState::kFailed);
-  EXPECT_THAT(job.job().problem, HasSubstr("camera 0: no picture came for 0.001 s"));
+  EXPECT_EQ(jobs.job(kJointKey).state, JobState::kFailed);
+  EXPECT_THAT(jobs.job(kJointKey).problem, HasSubstr("camera 0: no picture came for 0.001 s"));
 }
 
-TEST(JointCalibrationJob, EndsWithoutWaitingForACamera) {
+TEST(JointCalibrationJobs, EndWithoutWaitingForACamera) {
   FakeCameras cameras;
-  JointCalibrationJob job(cameras.wait_frame(), std::chrono::hours(1));
-  ASSERT_TRUE(job.start(order({{}, 1, 0})));
+  JointCalibrationJobs jobs = make_joint_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
+  ASSERT_TRUE(jobs.start(kJointKey, order({{}, 1, 0})));
 }
 
 }  // namespace
