@@ -122,6 +122,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     }
     cameras_.store(std::move(cameras));
     invalidate(calibration_jobs_, changed);
+    invalidate(joint_calibration_jobs_, changed);
   };
 }
 

@@ -96,6 +96,8 @@ Json Daemon::reject_joint_calibration() {
 }
 
 Json Daemon::accept_joint_calibration(bool force, const std::string& who) {
+  // Before the job: a change of a camera from now on makes these settings old, and so the acceptance fail.
+  const SettingsStore::Version current = store_.current();
   const JointCalibrationJobs::Job job = joint_calibration_jobs_.job(kJointKey);
   if (!job.report || !job.report->found) {
     throw HttpError(409, "there is no new calibration of cameras together to accept");
@@ -110,7 +112,6 @@ Json Daemon::accept_joint_calibration(bool force, const std::string& who) {
   }
   {
     const std::lock_guard lock(calibration_mutex_);
-    const SettingsStore::Version current = store_.current();
     std::vector<CalibrationChange> changes;
     for (const JointCameraReport& camera : job.report->cameras) {
       changes.push_back(new_calibration(current, camera.id, camera.calibration,

@@ -77,4 +77,11 @@ JointCalibrationJobs make_joint_calibration_jobs(WaitFrame wait_frame, std::chro
           }};
 }
 
+void invalidate(JointCalibrationJobs& jobs, const std::set<int>& camera_ids) {
+  jobs.invalidate_if([&](int, const JointCalibrationOrder& order) {
+    return std::any_of(order.cameras.begin(), order.cameras.end(),
+                       [&](const auto& camera) { return camera_ids.contains(camera.id); });
+  });
+}
+
 }  // namespace sslv

@@ -7,6 +7,7 @@
 #include "joint_calibration_json.h"
 
 #include <chrono>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,8 @@ inline constexpr int kJointKey = 0;
 
 JointCalibrationJobs make_joint_calibration_jobs(WaitFrame wait_frame,
                                                  std::chrono::milliseconds silence = kSilence);
+
+/// For cameras that show something else from now on, or are gone.
+void invalidate(JointCalibrationJobs& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

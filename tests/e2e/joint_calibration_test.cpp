@@ -267,6 +267,27 @@ TEST_F(JointCalibration, RunsOnceCanBeCancelledAndIsLockedWhileTheGameRuns) {
   EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
 }
 
+TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
+  RunningDaemon daemon(settings_file(), state_);
+  spoil(daemon);
+  const auto expect_invalid = [&] {
+    const Json state = daemon.get(kPath);
+    EXPECT_EQ(state["state"], "failed");
+    EXPECT_TRUE(state["report"].is_null());
+    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
+    daemon.post(kAccept, {{"force", true}}, 409);
+  };
+  // Done, then a camera gets another source.
+  daemon.post(kPath, {{"seconds", 0}, {"frames", 1}}, 202);
+  ASSERT_EQ(wait_for_end(daemon)["state"], "done");
+  daemon.set("/cameras/1/source/speed", 0.7);
+  expect_invalid();
+  // It goes while the job runs.
+  daemon.post(kPath, {{"seconds", 600}}, 202);
+  daemon.patch(Json::array({{{"op", "remove"}, {"path", "/cameras/1"}}}));
+  expect_invalid();
+}
+
 TEST_F(JointCalibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
   RunningDaemon daemon(settings_file(), state_);
   spoil(daemon);

@@ -104,6 +104,24 @@ TEST_F(JointCalibrationJobsTest, LooksForRobotsAsLongAsItShould) {
   EXPECT_EQ(deliver_until(is(JobState::kDone)).frames, 2);
 }
 
+TEST_F(JointCalibrationJobsTest, FailsWhenOneOfItsCamerasShowsSomethingElse) {
+  const auto expect_invalid = [&] {
+    EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kFailed);
+    EXPECT_FALSE(jobs_.job(kJointKey).report);
+    EXPECT_THAT(jobs_.job(kJointKey).problem, HasSubstr("was changed since"));
+  };
+  ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 1, 600})));
+  invalidate(jobs_, {2, 3});
+  EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kCollecting);
+  invalidate(jobs_, {1, 2});
+  expect_invalid();
+
+  ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 1, 0}))) << "it need not be cancelled";
+  deliver_until(is(JobState::kDone));
+  invalidate(jobs_, {0});
+  expect_invalid();
+}
+
 TEST_F(JointCalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 5, 0})));
   EXPECT_THAT(deliver_until(is(JobState::kFailed), PixelFormat::kMono8).problem,
