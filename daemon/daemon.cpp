@@ -120,9 +120,10 @@ std::function<void()> Daemon::prepare(const Json& settings) {
         cameras[camera.id] = std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_);
       }
     }
-    cameras_.store(std::move(cameras));
+    // Before a camera that goes is missed by its job.
     invalidate(calibration_jobs_, changed);
     invalidate(joint_calibration_jobs_, changed);
+    cameras_.store(std::move(cameras));
   };
 }
 

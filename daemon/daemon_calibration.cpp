@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "capture/source.h"
 #include "daemon.h"
 #include "web/http.h"
 
@@ -67,7 +68,9 @@ void Daemon::add_calibration_to(WebHost& host) {
 WaitFrame Daemon::frame_waiter() {
   return [this](int camera_id, std::uint64_t newer_than,
                 std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
-    const auto held = hold_frame(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
+    const auto id = static_cast<std::uint32_t>(camera_id);
+    if (!camera(id)) throw CaptureError("the camera is not in the settings any more");
+    const auto held = hold_frame(id, newer_than, timeout);
     if (!held) return std::nullopt;
     const Frame& frame = *held->hold->frame;
     return LentFrame{held->version, held->hold, frame.image.view(), frame.info.t_capture_s,

@@ -23,7 +23,8 @@ struct LentFrame {
   std::span<const Robot> robots{};
 };
 
-/// The newest frame once its version is newer than the given one (0: any); nothing after the timeout.
+/// The newest frame once its version is newer than the given one (0: any); nothing after the timeout. Throws
+/// CaptureError when there is no such camera: nobody must ask for it again and again without a pause.
 using WaitFrame = std::function<std::optional<LentFrame>(int camera_id, std::uint64_t newer_than,
                                                          std::chrono::milliseconds timeout)>;
 
@@ -35,7 +36,8 @@ class FreshFrames {
  public:
   FreshFrames(const WaitFrame& wait_frame, int camera_id, std::chrono::milliseconds silence);
 
-  /// The next frame; nothing after the timeout. Throws CaptureError when none came for too long.
+  /// The next frame; nothing after the timeout. Throws CaptureError when none came for too long, or when
+  /// the camera is gone.
   std::optional<LentFrame> next(std::chrono::milliseconds timeout);
 
  private:

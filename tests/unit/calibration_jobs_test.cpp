@@ -2,8 +2,10 @@
 #include "calibration_jobs.h"
 
 #include "base/latest.h"
+#include "capture/source.h"
 
 #include <array>
+#include <atomic>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -24,9 +26,11 @@ class FakeCameras {
   void deliver(int camera_id, int width = kWidth, PixelFormat format = PixelFormat::kRgb24) {
     cameras_[static_cast<std::size_t>(camera_id)].put({bytes_.data(), width, kHeight, 3 * width, format});
   }
+  void remove(int camera_id) { gone_ = camera_id; }
   WaitFrame wait_frame() {
     return [this](int camera_id, std::uint64_t newer_than,
                   std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
+      if (camera_id == gone_) throw CaptureError("no such camera");
       const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
       if (!newest) return std::nullopt;
       return LentFrame{newest->version, nullptr, newest->value};
@@ -36,6 +40,7 @@ class FakeCameras {
  private:
   std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight, 100);
   std::array<Latest<ImageView>, 2> cameras_;
+  std::atomic<int> gone_ = -1;
 };
 
 CalibrationOrder order(const std::string& request) {
@@ -168,6 +173,15 @@ TEST_F(CalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   while (jobs_.job(0).frames == 0 && std::chrono::steady_clock::now() < deadline) cameras_.deliver(0);
   cameras_.deliver(0, kWidth / 2);
   EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("have changed meanwhile"));
+}
+
+TEST(CalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
+  FakeCameras cameras;
+  CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
+  ASSERT_TRUE(jobs.start(0, order(request(1))));
+  cameras.remove(0);
+  while (is_running(jobs.job(0).state)) std::this_thread::yield();
+  EXPECT_EQ(jobs.job(0).problem, "no such camera");
 }
 
 TEST(CalibrationJobs, ASilentCameraFailsEvenThoughItHasAnOldFrame) {

@@ -2,8 +2,10 @@
 #include "joint_calibration_jobs.h"
 
 #include "base/latest.h"
+#include "capture/source.h"
 
 #include <array>
+#include <atomic>
 #include <stdexcept>
 #include <thread>
 
@@ -23,9 +25,11 @@ class FakeCameras {
     t_capture_s_[camera] += 0.01;
     cameras_[camera].put({{bytes_.data(), kWidth, kHeight, 3 * kWidth, format}, t_capture_s_[camera]});
   }
+  void remove(int camera_id) { gone_ = camera_id; }
   WaitFrame wait_frame() {
     return [this](int camera_id, std::uint64_t newer_than,
                   std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
+      if (camera_id == gone_) throw CaptureError("no such camera");
       const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
       if (!newest) return std::nullopt;
       return LentFrame{newest->version, nullptr, newest->value.image, newest->value.t_capture_s, robots_};
@@ -41,6 +45,7 @@ class FakeCameras {
   std::vector<Robot> robots_{{Team::kBlue, 3, 0, 0, 0, 140, 30, 20, 1}};
   std::array<double, 2> t_capture_s_{100, 100};
   std::array<Latest<Delivered>, 2> cameras_;
+  std::atomic<int> gone_ = -1;
 };
 
 JointCalibrationOrder order(const JointCalibrationRequest& request) {
@@ -126,6 +131,15 @@ TEST_F(JointCalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 5, 0})));
   EXPECT_THAT(deliver_until(is(JobState::kFailed), PixelFormat::kMono8).problem,
               HasSubstr("camera 1: the camera's pictures have no colours (mono8)"));
+}
+
+TEST(JointCalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
+  FakeCameras cameras;
+  JointCalibrationJobs jobs = make_joint_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
+  ASSERT_TRUE(jobs.start(kJointKey, order({{}, 1, 0})));
+  cameras.remove(1);
+  while (is_running(jobs.job(kJointKey).state)) std::this_thread::yield();
+  EXPECT_EQ(jobs.job(kJointKey).problem, "camera 1: no such camera");
 }
 
 TEST(JointCalibrationJobs, ASilentCameraFails) {
