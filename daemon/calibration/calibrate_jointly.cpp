@@ -159,7 +159,7 @@ class JointCalibrator {
     choose_model();
     std::vector<JointCamera> seen;
     for (const Refining& camera : cameras_) seen.push_back({camera.refined, camera.prior});
-    const JointCalibration joint = refine_jointly(seen, curves_, task_.ties);
+    const JointCalibration joint = refine_jointly(seen, curves_, task_.ties, stop_);
     if (stop_.stop_requested()) return std::move(report_);
     fill_report(joint, seen);
     add_notes();

@@ -16,6 +16,8 @@ namespace {
 
 /// Unevenly painted lines are followed in pieces of this length.
 constexpr double kPieceMm = 600;
+/// How far lines may be off their places.
+constexpr double kLineSigmaMm = 2;
 /// How exact one patch of a line is.
 constexpr double kPatchSigmaPx = 0.05;
 
@@ -62,13 +64,8 @@ class Paint {
 class Problem : public LeastSquaresTypes {
  public:
   Problem(std::span<const LensCamera> starts, std::span<const JointCamera> cameras,
-          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, double line_sigma_mm)
-      : starts_(starts),
-        cameras_(cameras),
-        curves_(curves),
-        ties_(ties),
-        line_sigma_mm_(line_sigma_mm),
-        paint_(curves) {
+          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, const std::stop_token& stop)
+      : starts_(starts), cameras_(cameras), curves_(curves), ties_(ties), stop_(stop), paint_(curves) {
     for (const JointCamera& camera : cameras)
       rows_ += static_cast<int>(camera.refined.sightings.size()) + PriorRows::kCount;
     rows_ += paint_.count() + 4 * static_cast<int>(ties.size());
@@ -79,14 +76,15 @@ class Problem : public LeastSquaresTypes {
   int first_paint() const { return static_cast<int>(cameras_.size()) * kCameraParams; }
   int first_tie() const { return first_paint() + paint_.count(); }
 
+  /// Less than 0 ends the solver.
   int operator()(const InputType& x, ValueType& out) const {
     visit(x, &out, nullptr);
-    return 0;
+    return stop_.stop_requested() ? -1 : 0;
   }
   int df(const InputType& x, JacobianType& out) const {
     out.setZero();
     visit(x, nullptr, &out);
-    return 0;
+    return stop_.stop_requested() ? -1 : 0;
   }
 
  private:
@@ -132,8 +130,8 @@ class Problem : public LeastSquaresTypes {
       row += PriorRows::kCount;
     }
     for (int i = 0; i < paint_.count(); ++i, ++row) {
-      set(x[first_paint() + i] / line_sigma_mm_);
-      change(first_paint() + i, 1 / line_sigma_mm_);
+      set(x[first_paint() + i] / kLineSigmaMm);
+      change(first_paint() + i, 1 / kLineSigmaMm);
     }
     for (std::size_t t = 0; t < ties_.size(); ++t) {
       const OverlapTie& tie = ties_[t];
@@ -163,7 +161,7 @@ class Problem : public LeastSquaresTypes {
   std::span<const JointCamera> cameras_;
   std::span<const PaintedCurve> curves_;
   std::span<const OverlapTie> ties_;
-  double line_sigma_mm_;
+  const std::stop_token& stop_;
   Paint paint_;
   int rows_ = 0;
 };
@@ -217,7 +215,7 @@ double rms(const std::vector<double>& values) {
 }  // namespace
 
 JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<const PaintedCurve> curves,
-                                std::span<const OverlapTie> ties, double line_sigma_mm) {
+                                std::span<const OverlapTie> ties, const std::stop_token& stop) {
   JointCalibration out;
   for (const JointCamera& camera : cameras) out.cameras.push_back(camera.refined.camera);
   const std::vector<double> before = disagreements_mm(out.cameras, cameras, curves);
@@ -227,7 +225,7 @@ JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<
   constexpr int kRounds = 3, kMostSteps = 25;
   Eigen::VectorXd paint;  // goes on from round to round
   for (int round = 0; round < kRounds; ++round) {
-    Problem problem(out.cameras, cameras, curves, ties, line_sigma_mm);
+    Problem problem(out.cameras, cameras, curves, ties, stop);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.inputs());
     if (paint.size() > 0) x.segment(problem.first_paint(), paint.size()) = paint;
     for (std::size_t t = 0; t < ties.size(); ++t) {
@@ -238,6 +236,7 @@ JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<
     solver.parameters.maxfev = kMostSteps;
     solver.parameters.ftol = solver.parameters.xtol = 1e-9;
     solver.minimize(x);
+    if (stop.stop_requested()) break;
     std::vector<LensCamera> next;
     for (std::size_t c = 0; c < cameras.size(); ++c)
       next.push_back(

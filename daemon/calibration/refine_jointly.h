@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace sslv {
@@ -38,9 +39,9 @@ struct JointCalibration {
 };
 
 /// Cameras that see the same lines and things, fitted together: lines may lie a little off their places, but
-/// then for all cameras alike (bundle adjustment; Triggs et al. 2000). `line_sigma_mm` is how far off they
-/// may be. All cameras' sightings must be of `curves`.
+/// then for all cameras alike (bundle adjustment; Triggs et al. 2000). All cameras' sightings must be of
+/// `curves`. `stop` ends it early, with cameras that are fitted in part.
 JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<const PaintedCurve> curves,
-                                std::span<const OverlapTie> ties, double line_sigma_mm = 2);
+                                std::span<const OverlapTie> ties, const std::stop_token& stop = {});
 
 }  // namespace sslv

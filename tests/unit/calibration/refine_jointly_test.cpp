@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/refine_jointly.h"
-#include "calibration/way_round.h"
 
+#include "calibration/way_round.h"
 #include "support/painted_floor.h"
 
+#include <chrono>
 #include <random>
 #include <vector>
 
@@ -103,6 +104,19 @@ TEST(RefineJointly, OneCameraHasNobodyToDisagreeWith) {
   EXPECT_EQ(joint.overlapping_patches, 0);
   EXPECT_EQ(joint.disagreement_mm, 0);
   EXPECT_LT(field_error_mm(pair.a, joint.cameras[0], pair.field, 0), 0.2);
+}
+
+TEST(RefineJointly, AStopEndsTheSolver) {
+  const Pair pair = two_halves(kSmall, {});
+  ASSERT_EQ(pair.seen.size(), 2U);
+  // So many that one step takes seconds.
+  std::vector<OverlapTie> ties;
+  for (const OverlapTie& tie : robots_in_both(pair)) ties.insert(ties.end(), 30, tie);
+  std::stop_source stop;
+  stop.request_stop();
+  const auto begin = std::chrono::steady_clock::now();
+  refine_jointly(pair.seen, pair.curves, ties, stop.get_token());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
 }
 
 }  // namespace
