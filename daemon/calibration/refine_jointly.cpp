@@ -2,6 +2,7 @@
 #include "calibration/refine_jointly.h"
 
 #include "calibration/least_squares.h"
+#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,11 +64,11 @@ class Paint {
 /// Parameters: each camera's step, each piece of paint, and the place of each tie.
 class Problem : public LeastSquaresTypes {
  public:
-  Problem(std::span<const LensCamera> starts, std::span<const JointCamera> cameras,
+  Problem(std::span<const LensCamera> starts, std::span<const RefinedCamera> cameras,
           std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, const std::stop_token& stop)
       : starts_(starts), cameras_(cameras), curves_(curves), ties_(ties), stop_(stop), paint_(curves) {
-    for (const JointCamera& camera : cameras)
-      rows_ += static_cast<int>(camera.refined.sightings.size()) + PriorRows::kCount;
+    for (const RefinedCamera& camera : cameras)
+      rows_ += static_cast<int>(camera.sightings.size()) + PriorRows::kCount;
     rows_ += paint_.count() + 4 * static_cast<int>(ties.size());
   }
 
@@ -101,7 +102,7 @@ class Problem : public LeastSquaresTypes {
       stepped.emplace_back(starts_[c], CameraStep(x.segment<kCameraParams>(offset(c))));
 
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
-      for (const Sighting& sighting : cameras_[c].refined.sightings) {
+      for (const Sighting& sighting : cameras_[c].sightings) {
         const PaintedCurve& curve = curves_[sighting.curve];
         const double at_mm = place_along(curve, sighting.place_mm.head<2>());
         const Paint::Share share = paint_.at(sighting.curve, at_mm / curve.length_mm());
@@ -158,7 +159,7 @@ class Problem : public LeastSquaresTypes {
   static int offset(std::size_t camera) { return static_cast<int>(camera) * kCameraParams; }
 
   std::span<const LensCamera> starts_;
-  std::span<const JointCamera> cameras_;
+  std::span<const RefinedCamera> cameras_;
   std::span<const PaintedCurve> curves_;
   std::span<const OverlapTie> ties_;
   const std::stop_token& stop_;
@@ -168,7 +169,7 @@ class Problem : public LeastSquaresTypes {
 
 }  // namespace
 
-std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const JointCamera> seen,
+std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const RefinedCamera> seen,
                                      std::span<const PaintedCurve> curves) {
   constexpr double kNearMm = 60;
   struct Mark {
@@ -177,7 +178,7 @@ std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::s
   };
   std::vector<std::vector<Mark>> marks(cameras.size());
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    for (const Sighting& sighting : seen[c].refined.sightings) {
+    for (const Sighting& sighting : seen[c].sightings) {
       const auto place = cameras[c].unproject(sighting.pixel, 0);
       if (!place) continue;
       const PaintedCurve& curve = curves[sighting.curve];
@@ -204,20 +205,10 @@ std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::s
   return out;
 }
 
-namespace {
-
-double rms(const std::vector<double>& values) {
-  double squares = 0;
-  for (const double value : values) squares += value * value;
-  return values.empty() ? 0 : std::sqrt(squares / static_cast<double>(values.size()));
-}
-
-}  // namespace
-
-JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<const PaintedCurve> curves,
+JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::span<const PaintedCurve> curves,
                                 std::span<const OverlapTie> ties, const std::stop_token& stop) {
   JointCalibration out;
-  for (const JointCamera& camera : cameras) out.cameras.push_back(camera.refined.camera);
+  for (const RefinedCamera& camera : cameras) out.cameras.push_back(camera.camera);
   const std::vector<double> before = disagreements_mm(out.cameras, cameras, curves);
   out.disagreement_before_mm = rms(before);
   out.overlapping_patches = static_cast<int>(before.size());
