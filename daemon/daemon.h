@@ -76,6 +76,9 @@ class Daemon {
   Json reject_calibration(int camera_id);
   Json revert_calibration(int camera_id, bool force, const std::string& who);
   void refuse_while_game_runs() const;
+  /// While the game runs, and when a report is not good enough. `what` it is of, with its verb.
+  void refuse_acceptance(bool is_good, const std::vector<std::string>& problems,
+                         const std::string& what) const;
   struct CalibrationChange {
     int camera_id;
     Json calibration;

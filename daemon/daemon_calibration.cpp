@@ -81,19 +81,13 @@ WaitFrame Daemon::frame_waiter() {
 Json Daemon::calibration(int camera_id) const {
   const auto config = config_.load();
   const CalibrationJobs::Job job = calibration_jobs_.job(camera_id);
-  Json out{{"camera", camera_id},
-           {"state", name_of(job.state)},
-           {"frames_taken", job.frames},
-           {"problem", job.problem},
-           {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
-           {"who", job.order ? job.order->who : ""},
-           {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
-           {"report", job.report ? report_json(*job.report) : Json(nullptr)},
-           {"calibration", nullptr},
-           {"game_is_running", referee_.game_is_running()},
-           {"lines_measured_to", name_of(lines_measured_to(job))},
-           {"points", named_points_json(config->field, lines_measured_to(job))},
-           {"history", Json::array()}};
+  Json out = job_json(job);
+  out.update({{"camera", camera_id},
+              {"calibration", nullptr},
+              {"game_is_running", referee_.game_is_running()},
+              {"lines_measured_to", name_of(lines_measured_to(job))},
+              {"points", named_points_json(config->field, lines_measured_to(job))},
+              {"history", Json::array()}});
   for (const CameraSettings& camera : config->cameras) {
     if (camera.id == camera_id) out["calibration"] = json_of(camera.calibration);
   }
@@ -107,6 +101,14 @@ Json Daemon::calibration(int camera_id) const {
 void Daemon::refuse_while_game_runs() const {
   if (!referee_.game_is_running()) return;
   throw HttpError(423, "the game is running, as the game controller says: wait for HALT, or use force");
+}
+
+void Daemon::refuse_acceptance(bool is_good, const std::vector<std::string>& problems,
+                               const std::string& what) const {
+  refuse_while_game_runs();
+  if (is_good) return;
+  throw HttpError(409, fmt::format("{} not good enough: {} Or use force.", what,
+                                   problems.empty() ? "see the figures." : problems.front()));
 }
 
 Json Daemon::start_calibration(int camera_id, const Json& request, bool force, const std::string& who) {
@@ -146,14 +148,9 @@ Json Daemon::accept_calibration(int camera_id, bool force, const std::string& wh
   if (!job.report || !job.report->found) {
     throw HttpError(409, fmt::format("camera {} has no new calibration to accept", camera_id));
   }
-  if (!force) {
-    refuse_while_game_runs();
-    if (!job.report->accepted) {
-      throw HttpError(
-          409, fmt::format("camera {}'s new calibration is not good enough: {} Or use force.", camera_id,
-                           job.report->problems.empty() ? "see its figures." : job.report->problems.front()));
-    }
-  }
+  if (!force)
+    refuse_acceptance(job.report->accepted, job.report->problems,
+                      fmt::format("camera {}'s new calibration is", camera_id));
   {
     const std::lock_guard lock(calibration_mutex_);
     put_calibrations_into_force(

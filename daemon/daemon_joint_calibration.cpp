@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "calibration_json.h"
 #include "daemon.h"
 #include "web/http.h"
 
@@ -54,15 +55,9 @@ std::vector<JointCalibrationOrder::Camera> cameras_for(const JointCalibrationReq
 
 Json Daemon::joint_calibration() const {
   const JointCalibrationJobs::Job job = joint_calibration_jobs_.job(kJointKey);
-  return {{"state", name_of(job.state)},
-          {"frames_taken", job.frames},
-          {"ties", job.ties},
-          {"problem", job.problem},
-          {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
-          {"who", job.order ? job.order->who : ""},
-          {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
-          {"report", job.report ? joint_report_json(*job.report) : Json(nullptr)},
-          {"game_is_running", referee_.game_is_running()}};
+  Json out = job_json(job);
+  out.update({{"ties", job.ties}, {"game_is_running", referee_.game_is_running()}});
+  return out;
 }
 
 Json Daemon::start_joint_calibration(const Json& json, bool force, const std::string& who) {
@@ -102,14 +97,7 @@ Json Daemon::accept_joint_calibration(bool force, const std::string& who) {
   if (!job.report || !job.report->found) {
     throw HttpError(409, "there is no new calibration of cameras together to accept");
   }
-  if (!force) {
-    refuse_while_game_runs();
-    if (!job.report->accepted) {
-      throw HttpError(409, fmt::format("the new calibrations are not good enough: {} Or use force.",
-                                       job.report->problems.empty() ? "see their figures."
-                                                                    : job.report->problems.front()));
-    }
-  }
+  if (!force) refuse_acceptance(job.report->accepted, job.report->problems, "the new calibrations are");
   {
     const std::lock_guard lock(calibration_mutex_);
     std::vector<CalibrationChange> changes;

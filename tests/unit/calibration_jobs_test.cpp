@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration_jobs.h"
 
-#include "base/latest.h"
-#include "capture/source.h"
+#include "support/fake_cameras.h"
 
-#include <array>
-#include <atomic>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -17,31 +14,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr int kWidth = 64, kHeight = 48;
-
-/// Cameras 0 and 1, whose frames a test delivers.
-class FakeCameras {
- public:
-  void deliver(int camera_id, int width = kWidth, PixelFormat format = PixelFormat::kRgb24) {
-    cameras_[static_cast<std::size_t>(camera_id)].put({bytes_.data(), width, kHeight, 3 * width, format});
-  }
-  void remove(int camera_id) { gone_ = camera_id; }
-  WaitFrame wait_frame() {
-    return [this](int camera_id, std::uint64_t newer_than,
-                  std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
-      if (camera_id == gone_) throw CaptureError("no such camera");
-      const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
-      if (!newest) return std::nullopt;
-      return LentFrame{newest->version, nullptr, newest->value};
-    };
-  }
-
- private:
-  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight, 100);
-  std::array<Latest<ImageView>, 2> cameras_;
-  std::atomic<int> gone_ = -1;
-};
 
 CalibrationOrder order(const std::string& request) {
   return {read_calibration_request(Json::parse(request)), FieldSize{}, {}, "192.0.2.7", 0};
@@ -166,12 +138,12 @@ TEST_F(CalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   ASSERT_TRUE(jobs_.start(0, order(request(2))));
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (jobs_.job(0).state == JobState::kCollecting && std::chrono::steady_clock::now() < deadline)
-    cameras_.deliver(0, kWidth, PixelFormat::kMono8);
+    cameras_.deliver(0, FakeCameras::kWidth, PixelFormat::kMono8);
   EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("no colours (mono8)"));
 
   ASSERT_TRUE(jobs_.start(0, order(request(100))));
   while (jobs_.job(0).frames == 0 && std::chrono::steady_clock::now() < deadline) cameras_.deliver(0);
-  cameras_.deliver(0, kWidth / 2);
+  cameras_.deliver(0, FakeCameras::kWidth / 2);
   EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("have changed meanwhile"));
 }
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_calibration_jobs.h"
 
-#include "base/latest.h"
-#include "capture/source.h"
+#include "support/fake_cameras.h"
 
-#include <array>
-#include <atomic>
 #include <stdexcept>
 #include <thread>
 
@@ -16,45 +13,13 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kWidth = 64, kHeight = 48;
-
-/// Cameras 0 and 1, whose frames a test delivers, 10 ms after one another, each with a robot.
-class FakeCameras {
- public:
-  void deliver(std::size_t camera, PixelFormat format = PixelFormat::kRgb24) {
-    t_capture_s_[camera] += 0.01;
-    cameras_[camera].put({{bytes_.data(), kWidth, kHeight, 3 * kWidth, format}, t_capture_s_[camera]});
-  }
-  void remove(int camera_id) { gone_ = camera_id; }
-  WaitFrame wait_frame() {
-    return [this](int camera_id, std::uint64_t newer_than,
-                  std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
-      if (camera_id == gone_) throw CaptureError("no such camera");
-      const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
-      if (!newest) return std::nullopt;
-      return LentFrame{newest->version, nullptr, newest->value.image, newest->value.t_capture_s, robots_};
-    };
-  }
-
- private:
-  struct Delivered {
-    ImageView image;
-    double t_capture_s;
-  };
-  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight, 100);
-  std::vector<Robot> robots_{{Team::kBlue, 3, 0, 0, 0, 140, 30, 20, 1}};
-  std::array<double, 2> t_capture_s_{100, 100};
-  std::array<Latest<Delivered>, 2> cameras_;
-  std::atomic<int> gone_ = -1;
-};
-
 JointCalibrationOrder order(const JointCalibrationRequest& request) {
   CameraCalibration calibration;
   calibration.q3 = 0;
   calibration.q0 = 1;
   calibration.tz = 4000;
-  calibration.pixel_image_width = kWidth;
-  calibration.pixel_image_height = kHeight;
+  calibration.pixel_image_width = FakeCameras::kWidth;
+  calibration.pixel_image_height = FakeCameras::kHeight;
   return {request, {{0, calibration}, {1, calibration}}, FieldSize{}, "192.0.2.7", 0};
 }
 
@@ -70,7 +35,7 @@ class JointCalibrationJobsTest : public testing::Test {
       if (std::chrono::steady_clock::now() > deadline)
         throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
       cameras_.deliver(0);
-      cameras_.deliver(1, of_camera_1);
+      cameras_.deliver(1, FakeCameras::kWidth, of_camera_1);
       std::this_thread::yield();
     }
   }
