@@ -335,7 +335,7 @@ void overlap() {
         const auto curves = painted_curves(floor.field, LinesMeasured::kToOuterEdge);
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
-        std::vector<JointCamera> seen;
+        std::vector<RefinedCamera> seen;
         for (const LensCamera& camera : {a, b}) {
           MeanPicture picture;
           picture.add(draw_floor(floor, camera).view);
@@ -343,7 +343,7 @@ void overlap() {
           prior.height_mm = camera.position_mm.z() + 10 * normal(random);
           prior.height_sigma_mm = 10;
           auto refined = refine_camera(find_line_pixels(picture, 1.5), camera, curves, prior, {20, false});
-          if (refined) seen.push_back({*refined, prior});
+          if (refined) seen.push_back(*refined);
         }
         if (seen.size() < 2) continue;
         std::vector<OverlapTie> ties;
@@ -361,9 +361,9 @@ void overlap() {
         };
         const JointCalibration lines = refine_jointly(seen, curves, {}),
                                robots = refine_jointly(seen, curves, ties);
-        add(0, seen[0].refined.camera, seen[1].refined.camera, 0);
+        add(0, seen[0].camera, seen[1].camera, 0);
         add(1, lines.cameras[0], lines.cameras[1], 0);
-        add(2, seen[0].refined.camera, seen[1].refined.camera, 150);
+        add(2, seen[0].camera, seen[1].camera, 150);
         add(3, lines.cameras[0], lines.cameras[1], 150);
         add(4, robots.cameras[0], robots.cameras[1], 0);
         add(5, robots.cameras[0], robots.cameras[1], 150);
