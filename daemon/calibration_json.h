@@ -5,7 +5,7 @@
 // ssl-visionctl, use these.
 
 #include "base/json.h"
-#include "base/params.h"
+#include "base/params_json.h"
 #include "calibration/calibrate.h"
 
 #include <array>
@@ -76,6 +76,18 @@ CalibrationTask make_task(const CalibrationRequest& request, const FieldSize& fi
 
 /// The whole report, as docs/api.md has it. What is no number is null.
 Json report_json(const CalibrationReport& report);
+
+/// What the JSON of every kind of calibration says of its newest job.
+template <class Job>
+Json job_json(const Job& job) {
+  return {{"state", name_of(job.state)},
+          {"frames_taken", job.frames},
+          {"problem", job.problem},
+          {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
+          {"who", job.order ? job.order->who : ""},
+          {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
+          {"report", job.report ? report_json(*job.report) : Json(nullptr)}};
+}
 
 /// The report's figures that are worth keeping.
 Json figures_json(const CalibrationReport& report);

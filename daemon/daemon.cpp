@@ -70,13 +70,8 @@ Daemon::Daemon(const Options& options)
       referee_([this] { put_robot_heights_into_force(); }),
       other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }),
       calibration_history_(options.state_folder / "calibrations.json"),
-      calibration_jobs_([this](int camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
-        return wait_frame(camera_id, newer_than, timeout);
-      }),
-      joint_calibration_job_(
-          [this](int camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
-            return wait_frame(camera_id, newer_than, timeout);
-          }) {
+      calibration_jobs_(make_calibration_jobs(frame_waiter())),
+      joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -126,22 +121,23 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     const auto heights_mm = robot_heights_mm(*config, referee_);
     for (CameraSetup& setup : *setups) setup = with_robot_heights(std::move(setup), heights_mm);
     Cameras cameras;
-    std::set<int> unchanged;  // ids of the cameras that go on showing what they showed
+    std::set<int> changed;  // ids of the cameras that do not go on showing what they showed
+    for (const auto& [id, camera] : *old_cameras) changed.insert(id);
     for (std::size_t i = 0; i < config->cameras.size(); ++i) {
       const CameraSettings& camera = config->cameras[i];
       const auto running = old_cameras->find(camera.id);
       if (running != old_cameras->end()) {
         if (!running->second->change(camera, std::move((*setups)[i]), (*controls)[i]))
-          unchanged.insert(camera.id);
+          changed.erase(camera.id);
         cameras[camera.id] = running->second;
       } else {
         cameras[camera.id] = std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_);
       }
     }
+    // Before a camera that goes is missed by its job.
+    invalidate(calibration_jobs_, changed);
+    invalidate(joint_calibration_jobs_, changed);
     cameras_.store(std::move(cameras));
-    for (const auto& [id, camera] : *old_cameras) {
-      if (!unchanged.contains(id)) calibration_jobs_.invalidate(id);
-    }
   };
 }
 

@@ -5,7 +5,7 @@
 #include "calibration_history.h"
 #include "calibration_jobs.h"
 #include "config.h"
-#include "joint_calibration_job.h"
+#include "joint_calibration_jobs.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
@@ -73,8 +73,7 @@ class Daemon {
 
   // daemon_calibration.cpp
   void add_calibration_to(WebHost& host);
-  std::optional<CalibrationJobs::LentFrame> wait_frame(int camera_id, std::uint64_t newer_than,
-                                                       std::chrono::milliseconds timeout);
+  WaitFrame frame_waiter();
   Json calibration(int camera_id) const;
   Json start_calibration(int camera_id, const Json& request, bool force, const std::string& who);
   Json cancel_calibration(int camera_id);
@@ -82,6 +81,9 @@ class Daemon {
   Json reject_calibration(int camera_id);
   Json revert_calibration(int camera_id, bool force, const std::string& who);
   void refuse_while_game_runs() const;
+  /// While the game runs, and when a report is not good enough. `what` it is of, with its verb.
+  void refuse_acceptance(bool is_good, const std::vector<std::string>& problems,
+                         const std::string& what) const;
   struct CalibrationChange {
     int camera_id;
     Json calibration;
@@ -115,7 +117,7 @@ class Daemon {
   mutable std::mutex calibration_mutex_;  // guards the history; held during a whole change of a calibration
   CalibrationHistory calibration_history_;
   CalibrationJobs calibration_jobs_;
-  JointCalibrationJob joint_calibration_job_;
+  JointCalibrationJobs joint_calibration_jobs_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "capture/source.h"
 #include "daemon.h"
 #include "web/http.h"
 
@@ -64,31 +65,29 @@ void Daemon::add_calibration_to(WebHost& host) {
   host.reject_joint_calibration = [this] { return reject_joint_calibration(); };
 }
 
-std::optional<CalibrationJobs::LentFrame> Daemon::wait_frame(int camera_id, std::uint64_t newer_than,
-                                                             std::chrono::milliseconds timeout) {
-  const auto held = hold_frame(static_cast<std::uint32_t>(camera_id), newer_than, timeout);
-  if (!held) return std::nullopt;
-  const Frame& frame = *held->hold->frame;
-  return CalibrationJobs::LentFrame{held->version, held->hold, frame.image.view(),
-                                    frame.info.times.t_capture_s, frame.robots.robots};
+WaitFrame Daemon::frame_waiter() {
+  return [this](int camera_id, std::uint64_t newer_than,
+                std::chrono::milliseconds timeout) -> std::optional<LentFrame> {
+    const auto id = static_cast<std::uint32_t>(camera_id);
+    if (!camera(id)) throw CaptureError("the camera is not in the settings any more");
+    const auto held = hold_frame(id, newer_than, timeout);
+    if (!held) return std::nullopt;
+    const Frame& frame = *held->hold->frame;
+    return LentFrame{held->version, held->hold, frame.image.view(), frame.info.times.t_capture_s,
+                     frame.robots.robots};
+  };
 }
 
 Json Daemon::calibration(int camera_id) const {
   const auto config = config_.load();
   const CalibrationJobs::Job job = calibration_jobs_.job(camera_id);
-  Json out{{"camera", camera_id},
-           {"state", name_of(job.state)},
-           {"frames_taken", job.frames},
-           {"problem", job.problem},
-           {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
-           {"who", job.order ? job.order->who : ""},
-           {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
-           {"report", job.report ? report_json(*job.report) : Json(nullptr)},
-           {"calibration", nullptr},
-           {"game_is_running", referee_.game_is_running()},
-           {"lines_measured_to", name_of(lines_measured_to(job))},
-           {"points", named_points_json(config->field, lines_measured_to(job))},
-           {"history", Json::array()}};
+  Json out = job_json(job);
+  out.update({{"camera", camera_id},
+              {"calibration", nullptr},
+              {"game_is_running", referee_.game_is_running()},
+              {"lines_measured_to", name_of(lines_measured_to(job))},
+              {"points", named_points_json(config->field, lines_measured_to(job))},
+              {"history", Json::array()}});
   for (const CameraSettings& camera : config->cameras) {
     if (camera.id == camera_id) out["calibration"] = json_of(camera.calibration);
   }
@@ -104,8 +103,16 @@ void Daemon::refuse_while_game_runs() const {
   throw HttpError(423, "the game is running, as the game controller says: wait for HALT, or use force");
 }
 
+void Daemon::refuse_acceptance(bool is_good, const std::vector<std::string>& problems,
+                               const std::string& what) const {
+  refuse_while_game_runs();
+  if (is_good) return;
+  throw HttpError(409, fmt::format("{} not good enough: {} Or use force.", what,
+                                   problems.empty() ? "see the figures." : problems.front()));
+}
+
 Json Daemon::start_calibration(int camera_id, const Json& request, bool force, const std::string& who) {
-  CalibrationJobs::Order order{read_calibration_request(request), {}, {}, who, unix_time_s()};
+  CalibrationOrder order{read_calibration_request(request), {}, {}, who, unix_time_s()};
   if (!force) refuse_while_game_runs();
   const auto config = config_.load();
   order.field = config->field;
@@ -141,14 +148,9 @@ Json Daemon::accept_calibration(int camera_id, bool force, const std::string& wh
   if (!job.report || !job.report->found) {
     throw HttpError(409, fmt::format("camera {} has no new calibration to accept", camera_id));
   }
-  if (!force) {
-    refuse_while_game_runs();
-    if (!job.report->accepted) {
-      throw HttpError(
-          409, fmt::format("camera {}'s new calibration is not good enough: {} Or use force.", camera_id,
-                           job.report->problems.empty() ? "see its figures." : job.report->problems.front()));
-    }
-  }
+  if (!force)
+    refuse_acceptance(job.report->accepted, job.report->problems,
+                      fmt::format("camera {}'s new calibration is", camera_id));
   {
     const std::lock_guard lock(calibration_mutex_);
     put_calibrations_into_force(

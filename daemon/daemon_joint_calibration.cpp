@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "calibration_json.h"
 #include "daemon.h"
 #include "web/http.h"
 
@@ -21,10 +22,10 @@ std::string joined(const std::vector<int>& ids) {
 }
 
 /// The cameras that are meant, with their calibrations in force.
-std::vector<JointCalibrationJob::Camera> cameras_for(const JointCalibrationRequest& request,
-                                                     const Config& config) {
+std::vector<JointCalibrationOrder::Camera> cameras_for(const JointCalibrationRequest& request,
+                                                       const Config& config) {
   std::vector<int> known;
-  std::vector<JointCalibrationJob::Camera> out;
+  std::vector<JointCalibrationOrder::Camera> out;
   for (const CameraSettings& camera : config.cameras) known.push_back(camera.id);
   for (std::size_t i = 0; i < request.cameras.size(); ++i) {
     if (std::find(known.begin(), known.end(), request.cameras[i]) != known.end()) continue;
@@ -53,16 +54,10 @@ std::vector<JointCalibrationJob::Camera> cameras_for(const JointCalibrationReque
 }  // namespace
 
 Json Daemon::joint_calibration() const {
-  const JointCalibrationJob::Job job = joint_calibration_job_.job();
-  return {{"state", name_of(job.state)},
-          {"frames_taken", job.frames},
-          {"ties", job.ties},
-          {"problem", job.problem},
-          {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
-          {"who", job.order ? job.order->who : ""},
-          {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
-          {"report", job.report ? joint_report_json(*job.report) : Json(nullptr)},
-          {"game_is_running", referee_.game_is_running()}};
+  const JointCalibrationJobs::Job job = joint_calibration_jobs_.job(kJointKey);
+  Json out = job_json(job);
+  out.update({{"ties", job.ties}, {"game_is_running", referee_.game_is_running()}});
+  return out;
 }
 
 Json Daemon::start_joint_calibration(const Json& json, bool force, const std::string& who) {
@@ -71,10 +66,10 @@ Json Daemon::start_joint_calibration(const Json& json, bool force, const std::st
   const auto config = config_.load();
   auto cameras = cameras_for(request, *config);
   request.cameras.clear();
-  for (const JointCalibrationJob::Camera& camera : cameras) request.cameras.push_back(camera.id);
+  for (const JointCalibrationOrder::Camera& camera : cameras) request.cameras.push_back(camera.id);
   const std::string ids = joined(request.cameras);
-  if (!joint_calibration_job_.start(
-          {std::move(request), std::move(cameras), config->field, who, unix_time_s()})) {
+  if (!joint_calibration_jobs_.start(
+          kJointKey, {std::move(request), std::move(cameras), config->field, who, unix_time_s()})) {
     throw HttpError(409, "cameras are being calibrated together already; cancel that first");
   }
   log::info("cameras {}: calibration together started by {}", ids, who);
@@ -82,41 +77,36 @@ Json Daemon::start_joint_calibration(const Json& json, bool force, const std::st
 }
 
 Json Daemon::cancel_joint_calibration() {
-  if (!joint_calibration_job_.cancel()) throw HttpError(409, "no cameras are being calibrated together");
+  if (!joint_calibration_jobs_.cancel(kJointKey))
+    throw HttpError(409, "no cameras are being calibrated together");
   return joint_calibration();
 }
 
 Json Daemon::reject_joint_calibration() {
-  const JointCalibrationJob::Job job = joint_calibration_job_.job();
-  if (!job.order || !joint_calibration_job_.forget(job.report.get())) {
+  const JointCalibrationJobs::Job job = joint_calibration_jobs_.job(kJointKey);
+  if (!job.order || !joint_calibration_jobs_.forget(kJointKey, job.report.get())) {
     throw HttpError(409, "there is no finished calibration of cameras together to reject");
   }
   return joint_calibration();
 }
 
 Json Daemon::accept_joint_calibration(bool force, const std::string& who) {
-  const JointCalibrationJob::Job job = joint_calibration_job_.job();
+  // Before the job: a change of a camera from now on makes these settings old, and so the acceptance fail.
+  const SettingsStore::Version current = store_.current();
+  const JointCalibrationJobs::Job job = joint_calibration_jobs_.job(kJointKey);
   if (!job.report || !job.report->found) {
     throw HttpError(409, "there is no new calibration of cameras together to accept");
   }
-  if (!force) {
-    refuse_while_game_runs();
-    if (!job.report->accepted) {
-      throw HttpError(409, fmt::format("the new calibrations are not good enough: {} Or use force.",
-                                       job.report->problems.empty() ? "see their figures."
-                                                                    : job.report->problems.front()));
-    }
-  }
+  if (!force) refuse_acceptance(job.report->accepted, job.report->problems, "the new calibrations are");
   {
     const std::lock_guard lock(calibration_mutex_);
-    const SettingsStore::Version current = store_.current();
     std::vector<CalibrationChange> changes;
     for (const JointCameraReport& camera : job.report->cameras) {
       changes.push_back(new_calibration(current, camera.id, camera.calibration,
                                         joint_figures_json(*job.report, camera), who));
     }
     put_calibrations_into_force(changes, current, "accepted by " + who);
-    joint_calibration_job_.forget(job.report.get());
+    joint_calibration_jobs_.forget(kJointKey, job.report.get());
   }
   return joint_calibration();
 }

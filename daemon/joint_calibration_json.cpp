@@ -2,6 +2,7 @@
 #include "joint_calibration_json.h"
 
 #include "base/params_json.h"
+#include "calibration_json.h"
 
 namespace sslv {
 namespace {
@@ -27,13 +28,13 @@ Json camera_json(const JointCameraReport& camera) {
 
 }  // namespace
 
-Json joint_report_json(const JointReport& report) {
+Json report_json(const JointReport& report) {
   Json cameras = Json::array();
   for (const JointCameraReport& camera : report.cameras) cameras.push_back(camera_json(camera));
   return {{"found", report.found},
           {"accepted", report.accepted},
           {"cameras", std::move(cameras)},
-          {"lines_measured_to", report.measured == LinesMeasured::kToOuterEdge ? "outer_edge" : "middle"},
+          {"lines_measured_to", name_of(report.measured)},
           {"on_floor", disagreement_json(report.on_floor)},
           {"of_robots", disagreement_json(report.of_robots)},
           {"overlapping_patches", report.overlapping_patches},

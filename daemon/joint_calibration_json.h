@@ -29,7 +29,7 @@ struct JointCalibrationRequest {
 };
 
 /// The whole report, as docs/api.md has it.
-Json joint_report_json(const JointReport& report);
+Json report_json(const JointReport& report);
 
 /// The figures of one camera that are worth keeping.
 Json joint_figures_json(const JointReport& report, const JointCameraReport& camera);

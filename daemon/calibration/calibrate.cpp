@@ -196,10 +196,11 @@ class Calibrator {
   }
 
   CalibrationReport finish(Solution solution) {
-    const CalibrationModel model = choose_model(solution.refined, field_curves_, task_.measured, prior_);
+    const CalibrationModel model = choose_model({&solution.refined, 1}, field_curves_, task_.measured);
+    const CalibrationModel::Lens& lens = model.lenses.front();
     const auto curves = field_curves_.measured(model.measured);
-    if (curves.data() != curves_.data() || model.two_radial) {
-      auto again = refine_again(picture_, model.camera, curves, prior_, {0, model.two_radial}, stop_);
+    if (curves.data() != curves_.data() || lens.two_radial) {
+      auto again = refine_again(picture_, lens.camera, curves, prior_, {0, lens.two_radial}, stop_);
       if (again) solution.refined = std::move(*again);
     }
     curves_ = curves;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/choose_model.h"
 
+#include "calibration/statistics.h"
+
+#include <utility>
+
 namespace sslv {
 namespace {
 
@@ -22,38 +26,54 @@ std::vector<Sighting> on_curves(std::span<const Sighting> sightings, std::span<c
   return out;
 }
 
+CameraFit fit(const RefinedCamera& refined, std::span<const Sighting> sightings, bool two_radial) {
+  constexpr double kCauchy = 3;
+  constexpr int kMostSteps = 40;
+  return fit_camera(refined.camera, sightings, two_radial ? with_second_radial(refined.prior) : refined.prior,
+                    {kCauchy, kMostSteps});
+}
+
+/// All cameras with their sightings on one kind of lines.
+struct Fitted {
+  std::vector<std::vector<Sighting>> sightings;
+  std::vector<CameraFit> fits;
+  Rms rms;
+
+  void add(const RefinedCamera& refined, std::vector<Sighting> on_lines) {
+    fits.push_back(fit(refined, on_lines, false));
+    rms.add(fits.back().rms, static_cast<double>(on_lines.size()));
+    sightings.push_back(std::move(on_lines));
+  }
+};
+
 }  // namespace
 
 FieldCurves::FieldCurves(const FieldSize& field)
     : to_outer_edge(painted_curves(field, LinesMeasured::kToOuterEdge)),
       to_middle(painted_curves(field, LinesMeasured::kToMiddle)) {}
 
-CalibrationModel choose_model(const RefinedCamera& refined, const FieldCurves& curves,
-                              std::optional<LinesMeasured> given, const CameraPrior& prior) {
-  const auto fit = [&](std::span<const Sighting> sightings, bool two_radial) {
-    constexpr double kCauchy = 3;
-    constexpr int kMostSteps = 40;
-    return fit_camera(refined.camera, sightings, two_radial ? with_second_radial(prior) : prior,
-                      {kCauchy, kMostSteps});
-  };
+CalibrationModel choose_model(std::span<const RefinedCamera> cameras, const FieldCurves& curves,
+                              std::optional<LinesMeasured> given) {
   CalibrationModel out;
   out.measured = given.value_or(LinesMeasured::kToOuterEdge);
-  std::vector<Sighting> sightings = refined.sightings;
-  CameraFit best = fit(sightings, false);
+  Fitted best;
+  for (const RefinedCamera& refined : cameras) best.add(refined, refined.sightings);
   if (!given) {
     constexpr double kClearlyBetter = 0.8;
-    std::vector<Sighting> others = on_curves(sightings, curves.to_outer_edge, curves.to_middle);
-    const CameraFit other = fit(others, false);
-    if (other.rms < kClearlyBetter * best.rms) {
+    Fitted other;
+    for (const RefinedCamera& refined : cameras)
+      other.add(refined, on_curves(refined.sightings, curves.to_outer_edge, curves.to_middle));
+    if (other.rms.value() < kClearlyBetter * best.rms.value()) {
       out.measured = LinesMeasured::kToMiddle;
-      sightings = std::move(others);
-      best = other;
+      best = std::move(other);
     }
   }
-  constexpr double kWorthATerm = 0.9;
-  const CameraFit two = fit(sightings, true);
-  out.two_radial = two.rms < kWorthATerm * best.rms;
-  out.camera = out.two_radial ? two.camera : best.camera;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    constexpr double kWorthATerm = 0.9;
+    const CameraFit two = fit(cameras[i], best.sightings[i], true);
+    const bool two_radial = two.rms < kWorthATerm * best.fits[i].rms;
+    out.lenses.push_back({two_radial, two_radial ? two.camera : best.fits[i].camera});
+  }
   return out;
 }
 

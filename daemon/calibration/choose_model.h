@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calibration/camera_prior.h"
 #include "calibration/painted_curves.h"
 #include "calibration/refine.h"
 #include "geometry/field.h"
@@ -23,16 +22,20 @@ struct FieldCurves {
   std::vector<PaintedCurve> to_outer_edge, to_middle;
 };
 
-/// How to describe a field and a lens.
+/// How to describe a field, and the lenses of the cameras over it.
 struct CalibrationModel {
+  struct Lens {
+    bool two_radial = false;
+    LensCamera camera;  // a start for fitting that
+  };
   LinesMeasured measured = LinesMeasured::kToOuterEdge;
-  bool two_radial = false;
-  LensCamera camera;  // a start for fitting that
+  std::vector<Lens> lenses;
 };
 
-/// What suits best a camera that was fitted to lines with one radial term: a model with more than that is
-/// taken when it explains the lines clearly better. `given`: what the sizes were measured to, if known.
-CalibrationModel choose_model(const RefinedCamera& refined, const FieldCurves& curves,
-                              std::optional<LinesMeasured> given, const CameraPrior& prior);
+/// What suits best the cameras over one field that were fitted to its lines with one radial term: a model
+/// with more than that is taken when it explains the lines clearly better. `given`: what the sizes were
+/// measured to, if known.
+CalibrationModel choose_model(std::span<const RefinedCamera> cameras, const FieldCurves& curves,
+                              std::optional<LinesMeasured> given);
 
 }  // namespace sslv

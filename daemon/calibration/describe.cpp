@@ -3,6 +3,7 @@
 
 #include "calibration/measure_lines.h"
 #include "calibration/publish.h"
+#include "calibration/statistics.h"
 #include "calibration/way_round.h"
 
 #include <algorithm>
@@ -16,46 +17,18 @@
 namespace sslv {
 namespace {
 
-constexpr double kRobotsMm = 150;
-
-double mm_per_px(const LensCamera& camera) {
-  return camera.position_mm.z() / camera.focal_px;
-}
-
-/// Root of a mean of squares.
-class Rms {
- public:
-  void add(double value) {
-    squares_ += value * value;
-    ++count_;
-  }
-  double value() const { return count_ > 0 ? std::sqrt(squares_ / count_) : 0; }
-
- private:
-  double squares_ = 0;
-  int count_ = 0;
-};
-
-/// q and -q are the same rotation: the one that looks like the old one.
-void keep_sign(const CameraCalibration& old, CameraCalibration& now) {
-  if (old.q0 * now.q0 + old.q1 * now.q1 + old.q2 * now.q2 + old.q3 * now.q3 >= 0) return;
-  for (double* q : {&now.q0, &now.q1, &now.q2, &now.q3}) *q = -*q;
-}
-
 void add_line_figures(const Finding& finding, CalibrationReport& out) {
   const LensCamera& camera = finding.refined.camera;
   const std::vector<Sighting>& sightings = finding.refined.sightings;
-  const double scale_mm = mm_per_px(camera);
+  const double scale_mm = 1 / camera.px_per_mm();
   std::map<std::size_t, std::vector<double>> off_px;  // by curve
-  const std::vector<double> off = residuals(camera, sightings);
-  Rms rms;
+  const std::vector<double> off = residuals_px(camera, sightings);
   for (std::size_t i = 0; i < off.size(); ++i) {
-    const double px = std::abs(off[i] * sightings[i].sigma_px);
+    const double px = std::abs(off[i]);
     off_px[sightings[i].curve].push_back(px);
-    rms.add(px);
     out.worst_px = std::max(out.worst_px, px);
   }
-  out.rms_px = rms.value();
+  out.rms_px = rms(off);
   out.rms_mm = scale_mm * out.rms_px;
   out.worst_mm = scale_mm * out.worst_px;
 
@@ -69,13 +42,10 @@ void add_line_figures(const Finding& finding, CalibrationReport& out) {
     LineFigure& line = out.line_figures.emplace_back();
     line.name = finding.curves[curve].name;
     line.expected = count;
-    Rms line_rms;
-    for (const double px : off_px[curve]) {
-      ++line.patches;
-      line_rms.add(px);
-      line.worst_px = std::max(line.worst_px, px);
-    }
-    line.rms_px = line_rms.value();
+    const std::vector<double>& off_line = off_px[curve];
+    line.patches = static_cast<int>(off_line.size());
+    for (const double px : off_line) line.worst_px = std::max(line.worst_px, px);
+    line.rms_px = rms(off_line);
     line.rms_mm = scale_mm * line.rms_px;
   }
 }
@@ -153,11 +123,11 @@ void add_errors(const Finding& finding, CalibrationReport& out) {
   Rms on_floor, at_150;
   for (const Eigen::Vector2d& place : places_in_view(refined.camera, finding.task.field)) {
     const auto floor_pixel = refined.camera.project({place.x(), place.y(), 0}),
-               robot_pixel = refined.camera.project({place.x(), place.y(), kRobotsMm});
+               robot_pixel = refined.camera.project({place.x(), place.y(), kRobotTopsMm});
     if (!floor_pixel || !robot_pixel) continue;
     const ExpectedError& error =
         out.error_map.emplace_back(ExpectedError{place, expected_error_mm(refined, *floor_pixel, 0),
-                                                 expected_error_mm(refined, *robot_pixel, kRobotsMm)});
+                                                 expected_error_mm(refined, *robot_pixel, kRobotTopsMm)});
     on_floor.add(error.on_floor_mm);
     at_150.add(error.at_150_mm);
   }
@@ -211,24 +181,12 @@ double condition(const RefinedCamera& refined) {
 }
 
 void add_problems(const Finding& finding, CalibrationReport& out) {
-  const Verdict& verdict = finding.verdict;
   if (!finding.only_one) {
     out.problems.emplace_back(
         "Other parts of the field fit the picture nearly as well: click at four corners or crossings.");
   }
-  if (!verdict.lines_are_found()) {
-    out.problems.push_back(
-        fmt::format("{:.0f} % of the lines that should be in view were found, and {:.0f} % of the white "
-                    "stripes on the field are none of its lines: do the field's sizes fit this field, and "
-                    "were the right points clicked?",
-                    100 * verdict.found_share, 100 * verdict.unexplained_share));
-  }
-  if (!verdict.lines_are_near()) {
-    out.problems.push_back(
-        fmt::format("The lines lie {:.2f} px off on average (expected less than {}): do the field's sizes "
-                    "fit this field?",
-                    verdict.rms_px, kMostRmsPx));
-  }
+  for (std::string& problem : problems_of(finding.verdict, "were the right points clicked"))
+    out.problems.push_back(std::move(problem));
 }
 
 void add_notes(const Finding& finding, CalibrationReport& out) {
@@ -252,17 +210,10 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
     out.notes.emplace_back(
         "The lens' distortion is not observable from this view and held at its usual value.");
   }
-  if (out.lens_rms_mm > 0.5) {
-    out.notes.push_back(
-        fmt::format("This lens bends lines in a way that the league's protocol cannot say: what is published "
-                    "differs by {:.1f} mm on average and {:.1f} mm at most.",
-                    out.lens_rms_mm, out.lens_worst_mm));
-  }
-  if (finding.measured == LinesMeasured::kToMiddle && !finding.task.measured) {
-    out.notes.emplace_back(
-        "The lines lie as if the field's sizes had been measured to their middle, not to their outer edge as "
-        "the rules say.");
-  }
+  if (auto note = lens_note({out.calibration, out.lens_rms_mm, out.lens_worst_mm}))
+    out.notes.push_back(std::move(*note));
+  if (finding.measured == LinesMeasured::kToMiddle && !finding.task.measured)
+    out.notes.emplace_back(kMeasuredToMiddle);
   if (finding.either_way_round) {
     out.notes.push_back(fmt::format(
         "Both ends of the field look alike: the +x half was taken to be at the {} of the picture. "
@@ -280,7 +231,7 @@ CalibrationReport describe(const Finding& finding) {
   out.accepted = finding.verdict.is_acceptable() && finding.only_one;
   out.camera = camera;
   out.measured = finding.measured;
-  const Published published = publish(camera);
+  const Published published = publish(camera, finding.task.previous);
   out.calibration = published.calibration;
   out.lens_rms_mm = published.rms_mm;
   out.lens_worst_mm = published.worst_mm;
@@ -294,15 +245,40 @@ CalibrationReport describe(const Finding& finding) {
   add_errors(finding, out);
   add_held(finding, out);
   if (const auto& previous = finding.task.previous) {
-    keep_sign(*previous, out.calibration);
     const LensCamera before = lens_camera(*previous);
     const auto places = places_in_view(camera, finding.task.field);
     out.moved_on_floor_mm = moved_mm(before, camera, places, 0);
-    out.moved_at_150_mm = moved_mm(before, camera, places, kRobotsMm);
+    out.moved_at_150_mm = moved_mm(before, camera, places, kRobotTopsMm);
   }
   add_problems(finding, out);
   add_notes(finding, out);
   return out;
+}
+
+std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt) {
+  std::vector<std::string> out;
+  if (!verdict.lines_are_found()) {
+    out.push_back(fmt::format(
+        "{:.0f} % of the lines that should be in view were found, and {:.0f} % of the white "
+        "stripes on the field are none of its lines: do the field's sizes fit this field, and {}?",
+        100 * verdict.found_share, 100 * verdict.unexplained_share, doubt));
+  }
+  if (!verdict.lines_are_near()) {
+    out.push_back(
+        fmt::format("The lines lie {:.2f} px off on average (expected less than {}): do the field's sizes "
+                    "fit this field?",
+                    verdict.rms_px, kMostRmsPx));
+  }
+  return out;
+}
+
+std::optional<std::string> lens_note(const Published& published) {
+  constexpr double kWorthSayingMm = 0.5;
+  if (published.rms_mm <= kWorthSayingMm) return std::nullopt;
+  return fmt::format(
+      "This lens bends lines in a way that the league's protocol cannot say: what is published differs by "
+      "{:.1f} mm on average and {:.1f} mm at most.",
+      published.rms_mm, published.worst_mm);
 }
 
 std::vector<Eigen::Vector2d> places_in_view(const LensCamera& camera, const FieldSize& field) {

@@ -6,10 +6,12 @@
 #include "calibration/camera_prior.h"
 #include "calibration/judge.h"
 #include "calibration/painted_curves.h"
+#include "calibration/publish.h"
 #include "calibration/refine.h"
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace sslv {
@@ -29,6 +31,19 @@ struct Finding {
 
 /// Figures for people and programs, and in plain words what to know and what to do.
 CalibrationReport describe(const Finding& finding);
+
+// What the joint calibration says too.
+
+/// What is wrong with a camera, in plain words; nothing when it is acceptable. `doubt`: what else may have
+/// gone wrong with lines that were not found.
+std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt);
+
+/// That the wire cannot describe this lens; nothing when it can.
+std::optional<std::string> lens_note(const Published& published);
+
+inline constexpr const char* kMeasuredToMiddle =
+    "The lines lie as if the field's sizes had been measured to their middle, not to their outer edge as the "
+    "rules say.";
 
 /// Places of the field that a camera shows, on a grid.
 std::vector<Eigen::Vector2d> places_in_view(const LensCamera& camera, const FieldSize& field);

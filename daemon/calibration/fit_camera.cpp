@@ -2,6 +2,7 @@
 #include "calibration/fit_camera.h"
 
 #include "calibration/least_squares.h"
+#include "calibration/statistics.h"
 
 #include <cmath>
 #include <limits>
@@ -130,10 +131,7 @@ CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sighting
   out.by_sightings = seen.transpose() * seen;
   out.by_prior = known.transpose() * known;
   out.cost = 0.5 * values.squaredNorm();
-  const std::vector<double> off = residuals(out.camera, sightings);
-  double squares = 0;
-  for (const double one : off) squares += one * one;
-  out.rms = off.empty() ? 0 : std::sqrt(squares / static_cast<double>(off.size()));
+  out.rms = rms(residuals(out.camera, sightings));
   return out;
 }
 
@@ -149,6 +147,12 @@ std::vector<double> residuals(const LensCamera& camera, std::span<const Sighting
       out.push_back(sighting.normal ? sighting.normal->dot(off) : off.norm());
     }
   }
+  return out;
+}
+
+std::vector<double> residuals_px(const LensCamera& camera, std::span<const Sighting> sightings) {
+  std::vector<double> out = residuals(camera, sightings);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] *= sightings[i].sigma_px;
   return out;
 }
 

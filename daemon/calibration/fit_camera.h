@@ -43,6 +43,8 @@ CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sighting
 
 /// What each sighting is off, in sigmas: along the normal, or the distance.
 std::vector<double> residuals(const LensCamera& camera, std::span<const Sighting> sightings);
+/// The same in pixels.
+std::vector<double> residuals_px(const LensCamera& camera, std::span<const Sighting> sightings);
 
 /// Change of each line sighting's residual by the camera's parameters (rows), at the camera.
 Eigen::Matrix<double, Eigen::Dynamic, kCameraParams> residuals_by_step(const LensCamera& camera,

@@ -3,6 +3,7 @@
 
 #include "geometry/camera_model.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <Eigen/Core>
@@ -22,6 +23,8 @@ struct LensCamera {
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel, double height_mm) const;
   /// Whether a pixel is in the picture, `margin_px` or more from its edge.
   bool is_in_picture(const Eigen::Vector2d& pixel, double margin_px = 0) const;
+  /// Of what lies on the floor below it.
+  double px_per_mm() const { return focal_px / std::max(1.0, position_mm.z()); }
 };
 
 LensCamera lens_camera(const CameraCalibration& calibration);

@@ -2,21 +2,21 @@
 #include "calibration/publish.h"
 
 #include "calibration/fit_camera.h"
+#include "calibration/statistics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 namespace sslv {
 
-Published publish(const LensCamera& camera) {
+Published publish(const LensCamera& camera, const std::optional<CameraCalibration>& previous) {
   LensCamera wire = camera;
   Published out;
   if (camera.k2 != 0) {
     constexpr int kColumns = 16, kRows = 12;
-    constexpr double kPlanesMm[] = {0, 150};
+    constexpr double kPlanesMm[] = {0, kRobotTopsMm};
     std::vector<Sighting> sightings;
     for (int j = 0; j < kRows; ++j) {
       for (int i = 0; i < kColumns; ++i) {
@@ -42,21 +42,23 @@ Published publish(const LensCamera& camera) {
     wire.k2 = 0;
     wire = fit_camera(wire, sightings, anything).camera;
     wire.k2 = 0;
-    double squares = 0;
-    int count = 0;
+    Rms off;
     for (const Sighting& sighting : sightings) {
       if (sighting.place_mm.z() != 0) continue;
       const auto place = wire.unproject(sighting.pixel, 0);
       if (!place) continue;
       const double off_mm = (*place - sighting.place_mm.head<2>()).norm();
-      squares += off_mm * off_mm;
+      off.add(off_mm);
       out.worst_mm = std::max(out.worst_mm, off_mm);
-      ++count;
     }
-    out.rms_mm = count > 0 ? std::sqrt(squares / count) : 0;
+    out.rms_mm = off.value();
   }
   Eigen::Quaterniond q(wire.rotation);
   q.normalize();
+  if (previous) {
+    const Eigen::Quaterniond old(previous->q3, previous->q0, previous->q1, previous->q2);
+    if (old.dot(q) < 0) q.coeffs() *= -1;
+  }
   const Eigen::Vector3d t = -wire.rotation * wire.position_mm;
   out.calibration = {wire.focal_px, wire.center_x, wire.center_y, wire.k1, q.x(),      q.y(),      q.z(),
                      q.w(),         t.x(),         t.y(),         t.z(),   wire.width, wire.height};

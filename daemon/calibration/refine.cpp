@@ -2,6 +2,7 @@
 #include "calibration/refine.h"
 
 #include "calibration/measure_lines.h"
+#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,21 +17,10 @@ namespace {
 constexpr std::size_t kLeastSightings = 12;
 constexpr double kEdgeMarginPx = 9;
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Standard deviation of normally distributed values, by the median.
 double robust_sigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   return median(std::move(values)) / 0.6745;
-}
-
-double px_per_mm(const LensCamera& camera) {
-  return camera.focal_px / std::max(1.0, camera.position_mm.z());
 }
 
 /// Lines to about a pixel: the window narrows as the camera gets better.
@@ -44,7 +34,7 @@ std::optional<LensCamera> fit_roughly(const LinePicture& picture, const LensCame
   constexpr double kCauchyShare = 0.22, kLeastCauchyPx = 0.7;
   constexpr int kLeastPasses = 9, kMostPasses = 16;
   LensCamera camera = start;
-  const double scale = px_per_mm(start);
+  const double scale = start.px_per_mm();
   const auto points = points_along(curves, kStepPx / scale, kClearPx / scale + 10);
   for (int pass = 0; pass < kMostPasses; ++pass) {
     if (stop.stop_requested() || !is_plausible(camera)) return std::nullopt;
@@ -123,12 +113,6 @@ double blur_of(const LinePicture& picture, const LensCamera& camera, std::span<c
   return best;
 }
 
-std::vector<double> off_px(const LensCamera& camera, std::span<const Sighting> sightings) {
-  std::vector<double> out = residuals(camera, sightings);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] *= sightings[i].sigma_px;
-  return out;
-}
-
 /// How many neighbouring sightings say what one does: those on a line that was painted unevenly are off
 /// together (first-order autoregression; Bartlett 1935).
 double redundancy(const LensCamera& camera, std::span<const Sighting> sightings, double step_mm) {
@@ -194,13 +178,14 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
                                           const std::stop_token& stop) {
   if (!is_plausible(start)) return std::nullopt;
   const CameraPrior prior = options.two_radial ? with_second_radial(given_prior) : given_prior;
-  const double scale = px_per_mm(start);
+  const double scale = start.px_per_mm();
   const auto points = points_along(curves, kPatchPx / scale, (kPatchPx / 2 + 4) / scale + 10);
   const double blur_px = blur_of(picture, start, curves, points);
 
   constexpr int kPasses = 3;
   constexpr double kFirstScalePx = 0.5, kLeastScalePx = 0.01, kCauchy = 3, kMostSigmas = 4.5;
   RefinedCamera out;
+  out.prior = prior;
   out.camera = start;
   for (int pass = 0; pass < kPasses; ++pass) {
     if (stop.stop_requested() || !is_plausible(out.camera)) return std::nullopt;
@@ -208,14 +193,14 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
     if (patches.sightings.size() < kLeastSightings) return std::nullopt;
     const double spread_px =
         pass == 0 ? kFirstScalePx
-                  : std::max(kLeastScalePx, robust_sigma(off_px(out.camera, patches.sightings)));
+                  : std::max(kLeastScalePx, robust_sigma(residuals_px(out.camera, patches.sightings)));
     for (Sighting& sighting : patches.sightings) sighting.sigma_px = std::hypot(sighting.sigma_px, spread_px);
     out.camera = fit_camera(out.camera, patches.sightings, prior, {kCauchy, 30}).camera;
     out.sightings = std::move(patches.sightings);
     out.expected = patches.expected;
   }
   // By their true spread, without those that are something else.
-  const double spread_px = std::max(kLeastScalePx / 2, robust_sigma(off_px(out.camera, out.sightings)));
+  const double spread_px = std::max(kLeastScalePx / 2, robust_sigma(residuals_px(out.camera, out.sightings)));
   for (Sighting& sighting : out.sightings) sighting.sigma_px = spread_px;
   const std::vector<double> off = residuals(out.camera, out.sightings);
   std::size_t kept = 0;

@@ -15,6 +15,7 @@ namespace sslv {
 /// A camera fitted to the lines of a picture, and how well.
 struct RefinedCamera {
   LensCamera camera;
+  CameraPrior prior;
   std::vector<Sighting> sightings;                           // that the fit rests on
   int expected = 0;                                          // patches of lines in view
   double rms_px = 0;                                         // of the sightings

@@ -2,6 +2,7 @@
 #include "calibration/refine_jointly.h"
 
 #include "calibration/least_squares.h"
+#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,8 @@ namespace {
 
 /// Unevenly painted lines are followed in pieces of this length.
 constexpr double kPieceMm = 600;
+/// How far lines may be off their places.
+constexpr double kLineSigmaMm = 2;
 /// How exact one patch of a line is.
 constexpr double kPatchSigmaPx = 0.05;
 
@@ -61,16 +64,11 @@ class Paint {
 /// Parameters: each camera's step, each piece of paint, and the place of each tie.
 class Problem : public LeastSquaresTypes {
  public:
-  Problem(std::span<const LensCamera> starts, std::span<const JointCamera> cameras,
-          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, double line_sigma_mm)
-      : starts_(starts),
-        cameras_(cameras),
-        curves_(curves),
-        ties_(ties),
-        line_sigma_mm_(line_sigma_mm),
-        paint_(curves) {
-    for (const JointCamera& camera : cameras)
-      rows_ += static_cast<int>(camera.refined.sightings.size()) + PriorRows::kCount;
+  Problem(std::span<const LensCamera> starts, std::span<const RefinedCamera> cameras,
+          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, const std::stop_token& stop)
+      : starts_(starts), cameras_(cameras), curves_(curves), ties_(ties), stop_(stop), paint_(curves) {
+    for (const RefinedCamera& camera : cameras)
+      rows_ += static_cast<int>(camera.sightings.size()) + PriorRows::kCount;
     rows_ += paint_.count() + 4 * static_cast<int>(ties.size());
   }
 
@@ -79,14 +77,15 @@ class Problem : public LeastSquaresTypes {
   int first_paint() const { return static_cast<int>(cameras_.size()) * kCameraParams; }
   int first_tie() const { return first_paint() + paint_.count(); }
 
+  /// Less than 0 ends the solver.
   int operator()(const InputType& x, ValueType& out) const {
     visit(x, &out, nullptr);
-    return 0;
+    return stop_.stop_requested() ? -1 : 0;
   }
   int df(const InputType& x, JacobianType& out) const {
     out.setZero();
     visit(x, nullptr, &out);
-    return 0;
+    return stop_.stop_requested() ? -1 : 0;
   }
 
  private:
@@ -103,7 +102,7 @@ class Problem : public LeastSquaresTypes {
       stepped.emplace_back(starts_[c], CameraStep(x.segment<kCameraParams>(offset(c))));
 
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
-      for (const Sighting& sighting : cameras_[c].refined.sightings) {
+      for (const Sighting& sighting : cameras_[c].sightings) {
         const PaintedCurve& curve = curves_[sighting.curve];
         const double at_mm = place_along(curve, sighting.place_mm.head<2>());
         const Paint::Share share = paint_.at(sighting.curve, at_mm / curve.length_mm());
@@ -132,8 +131,8 @@ class Problem : public LeastSquaresTypes {
       row += PriorRows::kCount;
     }
     for (int i = 0; i < paint_.count(); ++i, ++row) {
-      set(x[first_paint() + i] / line_sigma_mm_);
-      change(first_paint() + i, 1 / line_sigma_mm_);
+      set(x[first_paint() + i] / kLineSigmaMm);
+      change(first_paint() + i, 1 / kLineSigmaMm);
     }
     for (std::size_t t = 0; t < ties_.size(); ++t) {
       const OverlapTie& tie = ties_[t];
@@ -160,17 +159,17 @@ class Problem : public LeastSquaresTypes {
   static int offset(std::size_t camera) { return static_cast<int>(camera) * kCameraParams; }
 
   std::span<const LensCamera> starts_;
-  std::span<const JointCamera> cameras_;
+  std::span<const RefinedCamera> cameras_;
   std::span<const PaintedCurve> curves_;
   std::span<const OverlapTie> ties_;
-  double line_sigma_mm_;
+  const std::stop_token& stop_;
   Paint paint_;
   int rows_ = 0;
 };
 
 }  // namespace
 
-std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const JointCamera> seen,
+std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const RefinedCamera> seen,
                                      std::span<const PaintedCurve> curves) {
   constexpr double kNearMm = 60;
   struct Mark {
@@ -179,7 +178,7 @@ std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::s
   };
   std::vector<std::vector<Mark>> marks(cameras.size());
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    for (const Sighting& sighting : seen[c].refined.sightings) {
+    for (const Sighting& sighting : seen[c].sightings) {
       const auto place = cameras[c].unproject(sighting.pixel, 0);
       if (!place) continue;
       const PaintedCurve& curve = curves[sighting.curve];
@@ -206,20 +205,10 @@ std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::s
   return out;
 }
 
-namespace {
-
-double rms(const std::vector<double>& values) {
-  double squares = 0;
-  for (const double value : values) squares += value * value;
-  return values.empty() ? 0 : std::sqrt(squares / static_cast<double>(values.size()));
-}
-
-}  // namespace
-
-JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<const PaintedCurve> curves,
-                                std::span<const OverlapTie> ties, double line_sigma_mm) {
+JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::span<const PaintedCurve> curves,
+                                std::span<const OverlapTie> ties, const std::stop_token& stop) {
   JointCalibration out;
-  for (const JointCamera& camera : cameras) out.cameras.push_back(camera.refined.camera);
+  for (const RefinedCamera& camera : cameras) out.cameras.push_back(camera.camera);
   const std::vector<double> before = disagreements_mm(out.cameras, cameras, curves);
   out.disagreement_before_mm = rms(before);
   out.overlapping_patches = static_cast<int>(before.size());
@@ -227,7 +216,7 @@ JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<
   constexpr int kRounds = 3, kMostSteps = 25;
   Eigen::VectorXd paint;  // goes on from round to round
   for (int round = 0; round < kRounds; ++round) {
-    Problem problem(out.cameras, cameras, curves, ties, line_sigma_mm);
+    Problem problem(out.cameras, cameras, curves, ties, stop);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.inputs());
     if (paint.size() > 0) x.segment(problem.first_paint(), paint.size()) = paint;
     for (std::size_t t = 0; t < ties.size(); ++t) {
@@ -238,6 +227,7 @@ JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<
     solver.parameters.maxfev = kMostSteps;
     solver.parameters.ftol = solver.parameters.xtol = 1e-9;
     solver.minimize(x);
+    if (stop.stop_requested()) break;
     std::vector<LensCamera> next;
     for (std::size_t c = 0; c < cameras.size(); ++c)
       next.push_back(

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace sslv {
@@ -19,14 +20,9 @@ struct OverlapTie {
   double sigma_px = 0.3;
 };
 
-struct JointCamera {
-  RefinedCamera refined;  // by itself
-  CameraPrior prior;
-};
-
 /// How far apart two cameras have the same paint, across the line, wherever both see it. `cameras` may be
 /// others than `seen` was fitted to.
-std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const JointCamera> seen,
+std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const RefinedCamera> seen,
                                      std::span<const PaintedCurve> curves);
 
 struct JointCalibration {
@@ -37,10 +33,10 @@ struct JointCalibration {
   int overlapping_patches = 0;
 };
 
-/// Cameras that see the same lines and things, fitted together: lines may lie a little off their places, but
-/// then for all cameras alike (bundle adjustment; Triggs et al. 2000). `line_sigma_mm` is how far off they
-/// may be. All cameras' sightings must be of `curves`.
-JointCalibration refine_jointly(std::span<const JointCamera> cameras, std::span<const PaintedCurve> curves,
-                                std::span<const OverlapTie> ties, double line_sigma_mm = 2);
+/// Cameras that see the same lines and things, refined each by itself, are fitted together: lines may lie a
+/// little off their places, but then for all cameras alike (bundle adjustment; Triggs et al. 2000). All
+/// cameras' sightings must be of `curves`. `stop` ends it early, with cameras that are fitted in part.
+JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::span<const PaintedCurve> curves,
+                                std::span<const OverlapTie> ties, const std::stop_token& stop = {});
 
 }  // namespace sslv

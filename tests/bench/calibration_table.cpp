@@ -8,10 +8,10 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <numbers>
 #include <random>
 #include <string>
@@ -100,9 +100,9 @@ struct Run {
 };
 
 Run run(const Shot& shot, const CalibrationTask& task) {
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();  // of the processor, whatever else it does
   Run out{calibrate(shot.picture, task), 1e6, 1e6, 0};
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  out.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   if (out.report.found) {
     out.floor_mm = field_error_mm(shot.camera, out.report.camera, shot.floor.field, 0);
     out.robots_mm = field_error_mm(shot.camera, out.report.camera, shot.floor.field, 150);
@@ -335,7 +335,7 @@ void overlap() {
         const auto curves = painted_curves(floor.field, LinesMeasured::kToOuterEdge);
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
-        std::vector<JointCamera> seen;
+        std::vector<RefinedCamera> seen;
         for (const LensCamera& camera : {a, b}) {
           MeanPicture picture;
           picture.add(draw_floor(floor, camera).view);
@@ -343,7 +343,7 @@ void overlap() {
           prior.height_mm = camera.position_mm.z() + 10 * normal(random);
           prior.height_sigma_mm = 10;
           auto refined = refine_camera(find_line_pixels(picture, 1.5), camera, curves, prior, {20, false});
-          if (refined) seen.push_back({*refined, prior});
+          if (refined) seen.push_back(*refined);
         }
         if (seen.size() < 2) continue;
         std::vector<OverlapTie> ties;
@@ -361,9 +361,9 @@ void overlap() {
         };
         const JointCalibration lines = refine_jointly(seen, curves, {}),
                                robots = refine_jointly(seen, curves, ties);
-        add(0, seen[0].refined.camera, seen[1].refined.camera, 0);
+        add(0, seen[0].camera, seen[1].camera, 0);
         add(1, lines.cameras[0], lines.cameras[1], 0);
-        add(2, seen[0].refined.camera, seen[1].refined.camera, 150);
+        add(2, seen[0].camera, seen[1].camera, 150);
         add(3, lines.cameras[0], lines.cameras[1], 150);
         add(4, robots.cameras[0], robots.cameras[1], 0);
         add(5, robots.cameras[0], robots.cameras[1], 150);

@@ -4,13 +4,11 @@
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
-#include "net/multicast.h"
 #include "ssl_gc_referee_message.pb.h"
 
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <span>
 
 #include <gmock/gmock.h>
 #include <httplib.h>
@@ -25,19 +23,11 @@ constexpr const char* kPath = "/api/calibration";
 constexpr const char* kAccept = "/api/calibration/accept";
 constexpr const char* kReject = "/api/calibration/reject";
 
-MulticastSettings group_of(const GroupListener& listener) {
-  MulticastSettings settings;
-  settings.group = GroupListener::kGroup;
-  settings.port = listener.port();
-  settings.interface = "lo";
-  return settings;
-}
-
 CameraModel model_of(const Json& calibration) {
   return CameraModel(params_from_json<CameraCalibration>(calibration, ""));
 }
 
-class JointCalibration : public ::testing::Test {
+class JointCalibration : public DaemonTest {
  protected:
   JointCalibration() {
     // Nearer to the middle than in the demo, so that their pictures overlap by a metre; slow enough for a
@@ -51,7 +41,6 @@ class JointCalibration : public ::testing::Test {
     }
     settings_["network"]["referee"] = {{"group", GroupListener::kGroup}, {"port", referee_group_.port()}};
   }
-  std::string settings_file() const { return folder_.write("settings.json", settings_.dump(2)); }
 
   /// Puts calibrations into force that are some centimetres off, and returns them.
   Json spoil(const RunningDaemon& daemon) const {
@@ -108,16 +97,12 @@ class JointCalibration : public ::testing::Test {
     referee.mutable_blue()->set_name("");
     referee.set_stage(stage);
     referee.set_command(command);
-    const std::string datagram = referee.SerializeAsString();
-    ASSERT_TRUE(game_controller_.send(std::as_bytes(std::span(datagram))));
+    ASSERT_TRUE(send(game_controller_, referee.SerializeAsString()));
   }
 
-  GroupListener listener_, referee_group_;
-  MulticastSender game_controller_{group_of(referee_group_)};
-  TemporaryFolder folder_;
-  Json settings_ = demo_settings(listener_.port());
+  GroupListener referee_group_;
+  MulticastSender game_controller_{settings_for(referee_group_)};
   std::vector<CameraModel> truth_;
-  std::filesystem::path state_ = folder_.path() / "state";
 };
 
 TEST_F(JointCalibration, CamerasAgreeOnceItIsAccepted) {
@@ -172,7 +157,7 @@ TEST_F(JointCalibration, CamerasAgreeOnceItIsAccepted) {
 TEST_F(JointCalibration, FromTheCommandLine) {
   RunningDaemon daemon(settings_file(), state_);
   const Json wrong = spoil(daemon);
-  const std::string figures = (folder_.path() / "report.json").string();
+  const std::string figures = folder_.file("report.json");
   const auto run = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--together", "--cameras",
                                "1,0", "--seconds", "2", "--frames", "3", "--accept", "--report", figures});
   EXPECT_EQ(run.exit_code, 0) << run.output;
@@ -217,9 +202,7 @@ TEST_F(JointCalibration, BadRequestsAreNamedAndChangeNothing) {
   EXPECT_THAT(broken->body, HasSubstr("not JSON"));
 
   const auto uncalibrate = [&](int camera) {
-    daemon.patch(Json::array({{{"op", "replace"},
-                               {"path", "/cameras/" + std::to_string(camera) + "/calibration"},
-                               {"value", nullptr}}}));
+    daemon.set("/cameras/" + std::to_string(camera) + "/calibration", nullptr);
   };
   uncalibrate(2);
   EXPECT_THAT(refusal(R"({"cameras": [0, 2]})", 409),
@@ -265,6 +248,27 @@ TEST_F(JointCalibration, RunsOnceCanBeCancelledAndIsLockedWhileTheGameRuns) {
   daemon.post(kPath, {{"seconds", 600}}, 202);  // the daemon's end does not wait for it
   daemon.process().send_signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
+}
+
+TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
+  RunningDaemon daemon(settings_file(), state_);
+  spoil(daemon);
+  const auto expect_invalid = [&] {
+    const Json state = daemon.get(kPath);
+    EXPECT_EQ(state["state"], "failed");
+    EXPECT_TRUE(state["report"].is_null());
+    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
+    daemon.post(kAccept, {{"force", true}}, 409);
+  };
+  // Done, then a camera gets another source.
+  daemon.post(kPath, {{"seconds", 0}, {"frames", 1}}, 202);
+  ASSERT_EQ(wait_for_end(daemon)["state"], "done");
+  daemon.set("/cameras/1/source/speed", 0.7);
+  expect_invalid();
+  // It goes while the job runs.
+  daemon.post(kPath, {{"seconds", 600}}, 202);
+  daemon.patch(Json::array({{{"op", "remove"}, {"path", "/cameras/1"}}}));
+  expect_invalid();
 }
 
 TEST_F(JointCalibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration_jobs.h"
 
-#include "base/latest.h"
+#include "support/fake_cameras.h"
 
-#include <array>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -16,29 +15,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr int kWidth = 64, kHeight = 48;
-
-/// Cameras 0 and 1, whose frames a test delivers.
-class FakeCameras {
- public:
-  void deliver(int camera_id, int width = kWidth, PixelFormat format = PixelFormat::kRgb24) {
-    cameras_[static_cast<std::size_t>(camera_id)].put({bytes_.data(), width, kHeight, 3 * width, format});
-  }
-  CalibrationJobs::WaitFrame wait_frame() {
-    return [this](int camera_id, std::uint64_t newer_than,
-                  std::chrono::milliseconds timeout) -> std::optional<CalibrationJobs::LentFrame> {
-      const auto newest = cameras_.at(static_cast<std::size_t>(camera_id)).wait_newer(newer_than, timeout);
-      if (!newest) return std::nullopt;
-      return CalibrationJobs::LentFrame{newest->version, nullptr, newest->value};
-    };
-  }
-
- private:
-  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight, 100);
-  std::array<Latest<ImageView>, 2> cameras_;
-};
-
-CalibrationJobs::Order order(const std::string& request) {
+CalibrationOrder order(const std::string& request) {
   return {read_calibration_request(Json::parse(request)), FieldSize{}, {}, "192.0.2.7", 0};
 }
 
@@ -54,19 +31,19 @@ std::string request(int frames) {
 class CalibrationJobsTest : public testing::Test {
  protected:
   /// Delivers frames until the job is in this state; throws after 30 s.
-  CalibrationJobs::Job deliver_until(int camera_id, CalibrationState state) {
+  CalibrationJobs::Job deliver_until(int camera_id, JobState state) {
     return wait(camera_id, state, [&] { cameras_.deliver(camera_id); });
   }
-  CalibrationJobs::Job wait_until(int camera_id, CalibrationState state) {
+  CalibrationJobs::Job wait_until(int camera_id, JobState state) {
     return wait(camera_id, state, [] {});
   }
 
   FakeCameras cameras_;
-  CalibrationJobs jobs_{cameras_.wait_frame(), std::chrono::seconds(30)};
+  CalibrationJobs jobs_ = make_calibration_jobs(cameras_.wait_frame(), std::chrono::seconds(30));
 
  private:
   template <class Meanwhile>
-  CalibrationJobs::Job wait(int camera_id, CalibrationState state, Meanwhile meanwhile) {
+  CalibrationJobs::Job wait(int camera_id, JobState state, Meanwhile meanwhile) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     for (;;) {
       auto job = jobs_.job(camera_id);
@@ -80,21 +57,21 @@ class CalibrationJobsTest : public testing::Test {
 };
 
 TEST_F(CalibrationJobsTest, NothingWasOrderedIsIdle) {
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kIdle);
+  EXPECT_EQ(jobs_.job(0).state, JobState::kIdle);
   EXPECT_FALSE(jobs_.cancel(0));
   EXPECT_FALSE(jobs_.forget(0, nullptr));
 }
 
 TEST_F(CalibrationJobsTest, TakesItsFramesAndReports) {
   ASSERT_TRUE(jobs_.start(0, order(request(3))));
-  const auto job = deliver_until(0, CalibrationState::kDone);
+  const auto job = deliver_until(0, JobState::kDone);
   EXPECT_EQ(job.frames, 3);
   EXPECT_EQ(job.order->who, "192.0.2.7");
   ASSERT_TRUE(job.report);
   EXPECT_FALSE(job.report->found);
   EXPECT_FALSE(jobs_.forget(0, nullptr));
   EXPECT_TRUE(jobs_.forget(0, job.report.get()));
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kIdle);
+  EXPECT_EQ(jobs_.job(0).state, JobState::kIdle);
 }
 
 TEST_F(CalibrationJobsTest, OneAtATimeForEachCameraUntilItIsCancelled) {
@@ -102,89 +79,98 @@ TEST_F(CalibrationJobsTest, OneAtATimeForEachCameraUntilItIsCancelled) {
   EXPECT_FALSE(jobs_.start(0, order(request(1))));
   EXPECT_FALSE(jobs_.forget(0, nullptr));
   EXPECT_TRUE(jobs_.cancel(0));
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kCancelled);
+  EXPECT_EQ(jobs_.job(0).state, JobState::kCancelled);
   EXPECT_FALSE(jobs_.cancel(0));
   // The next one is not touched by what was cancelled.
   ASSERT_TRUE(jobs_.start(0, order(request(2))));
-  EXPECT_EQ(deliver_until(0, CalibrationState::kDone).frames, 2);
+  EXPECT_EQ(deliver_until(0, JobState::kDone).frames, 2);
 }
 
 TEST_F(CalibrationJobsTest, FailsWhenTheCameraShowsSomethingElse) {
-  jobs_.invalidate(0);
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kIdle);
+  invalidate(jobs_, {0});
+  EXPECT_EQ(jobs_.job(0).state, JobState::kIdle);
   ASSERT_TRUE(jobs_.start(0, order(request(1))));
-  deliver_until(0, CalibrationState::kDone);
-  jobs_.invalidate(1);
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kDone);
-  jobs_.invalidate(0);
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kFailed);
+  deliver_until(0, JobState::kDone);
+  invalidate(jobs_, {1});
+  EXPECT_EQ(jobs_.job(0).state, JobState::kDone);
+  invalidate(jobs_, {0});
+  EXPECT_EQ(jobs_.job(0).state, JobState::kFailed);
   EXPECT_FALSE(jobs_.job(0).report);
   EXPECT_THAT(jobs_.job(0).problem, HasSubstr("was changed since"));
 
   ASSERT_TRUE(jobs_.start(0, order(request(100))));
-  jobs_.invalidate(0);
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kFailed);
+  invalidate(jobs_, {0});
+  EXPECT_EQ(jobs_.job(0).state, JobState::kFailed);
   ASSERT_TRUE(jobs_.start(0, order(request(2)))) << "it need not be cancelled";
-  EXPECT_EQ(deliver_until(0, CalibrationState::kDone).frames, 2);
+  EXPECT_EQ(deliver_until(0, JobState::kDone).frames, 2);
 }
 
 TEST_F(CalibrationJobsTest, CamerasTakeTurns) {
   ASSERT_TRUE(jobs_.start(0, order(request(1))));
   ASSERT_TRUE(jobs_.start(1, order(request(1))));
-  EXPECT_EQ(jobs_.job(1).state, CalibrationState::kCollecting);
-  deliver_until(0, CalibrationState::kDone);
-  deliver_until(1, CalibrationState::kDone);
+  EXPECT_EQ(jobs_.job(1).state, JobState::kCollecting);
+  deliver_until(0, JobState::kDone);
+  deliver_until(1, JobState::kDone);
 }
 
 TEST_F(CalibrationJobsTest, ACancelledOneLetsTheNextCameraHaveItsTurn) {
   ASSERT_TRUE(jobs_.start(0, order(request(1))));
   ASSERT_TRUE(jobs_.start(1, order(request(1))));
   EXPECT_TRUE(jobs_.cancel(0));
-  deliver_until(1, CalibrationState::kDone);
-  EXPECT_EQ(jobs_.job(0).state, CalibrationState::kCancelled);
+  deliver_until(1, JobState::kDone);
+  EXPECT_EQ(jobs_.job(0).state, JobState::kCancelled);
 }
 
 TEST_F(CalibrationJobsTest, WhatTheEngineRefusesIsTheProblem) {
   ASSERT_TRUE(
       jobs_.start(0, order(R"({"frames": 1, "points": [{"x": 5, "y": 5, "name": "moon"}, {"x": 9, "y": 5},
                                        {"x": 9, "y": 9}, {"x": 5, "y": 9}]})")));
-  EXPECT_THAT(deliver_until(0, CalibrationState::kFailed).problem, HasSubstr("moon"));
+  EXPECT_THAT(deliver_until(0, JobState::kFailed).problem, HasSubstr("moon"));
 }
 
 TEST_F(CalibrationJobsTest, PointsOutsideThePictureAreNamed) {
   ASSERT_TRUE(jobs_.start(0, order(R"({"frames": 1, "points": [{"x": 5, "y": 48}]})")));
-  EXPECT_THAT(deliver_until(0, CalibrationState::kFailed).problem,
+  EXPECT_THAT(deliver_until(0, JobState::kFailed).problem,
               AllOf(HasSubstr("/points/0/y: 48 is not allowed"), HasSubstr("0 .. 47 px")));
 }
 
 TEST_F(CalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   ASSERT_TRUE(jobs_.start(0, order(request(2))));
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (jobs_.job(0).state == CalibrationState::kCollecting && std::chrono::steady_clock::now() < deadline)
-    cameras_.deliver(0, kWidth, PixelFormat::kMono8);
-  EXPECT_THAT(wait_until(0, CalibrationState::kFailed).problem, HasSubstr("no colours (mono8)"));
+  while (jobs_.job(0).state == JobState::kCollecting && std::chrono::steady_clock::now() < deadline)
+    cameras_.deliver(0, FakeCameras::kWidth, PixelFormat::kMono8);
+  EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("no colours (mono8)"));
 
   ASSERT_TRUE(jobs_.start(0, order(request(100))));
   while (jobs_.job(0).frames == 0 && std::chrono::steady_clock::now() < deadline) cameras_.deliver(0);
-  cameras_.deliver(0, kWidth / 2);
-  EXPECT_THAT(wait_until(0, CalibrationState::kFailed).problem, HasSubstr("have changed meanwhile"));
+  cameras_.deliver(0, FakeCameras::kWidth / 2);
+  EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("have changed meanwhile"));
+}
+
+TEST(CalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
+  FakeCameras cameras;
+  CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
+  ASSERT_TRUE(jobs.start(0, order(request(1))));
+  cameras.remove(0);
+  while (is_running(jobs.job(0).state)) std::this_thread::yield();
+  EXPECT_EQ(jobs.job(0).problem, "no such camera");
 }
 
 TEST(CalibrationJobs, ASilentCameraFailsEvenThoughItHasAnOldFrame) {
   FakeCameras cameras;
   cameras.deliver(0);
-  CalibrationJobs jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
+  CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
   ASSERT_TRUE(jobs.start(0, order(request(1))));
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (jobs.job(0).state == CalibrationState::kCollecting && std::chrono::steady_clock::now() < deadline)
+  while (jobs.job(0).state == JobState::kCollecting && std::chrono::steady_clock::now() < deadline)
     std::this_thread::yield();
-  EXPECT_EQ(jobs.job(0).state, CalibrationState::kFailed);
+  EXPECT_EQ(jobs.job(0).state, JobState::kFailed);
   EXPECT_THAT(jobs.job(0).problem, HasSubstr("no picture came for 0.001 s"));
 }
 
 TEST(CalibrationJobs, EndWithoutWaitingForACamera) {
   FakeCameras cameras;
-  CalibrationJobs jobs(cameras.wait_frame(), std::chrono::hours(1));
+  CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
   ASSERT_TRUE(jobs.start(0, order(request(1))));
   ASSERT_TRUE(jobs.start(1, order(request(1))));
 }

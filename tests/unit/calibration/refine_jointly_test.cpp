@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/refine_jointly.h"
-#include "calibration/way_round.h"
 
+#include "calibration/way_round.h"
 #include "support/painted_floor.h"
 
+#include <chrono>
 #include <random>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct Pair {
   LensCamera a, b;
   FieldSize field;
   std::vector<PaintedCurve> curves;
-  std::vector<JointCamera> seen;
+  std::vector<RefinedCamera> seen;
 };
 
 /// Sizes of pictures: small unless a test's bounds need larger ones.
@@ -39,9 +40,15 @@ Pair two_halves(int size, const PaintedFloor& given) {
     prior.height_mm = camera.position_mm.z() + 10;
     prior.height_sigma_mm = 10;
     auto refined = refine_camera(find_line_pixels(picture, 1.5), camera, out.curves, prior, {20, false});
-    if (refined) out.seen.push_back({*refined, prior});
+    if (refined) out.seen.push_back(*refined);
   }
   return out;
+}
+
+/// The same with exact lines, in small pictures.
+const Pair& exact_halves() {
+  static const Pair pair = two_halves(kSmall, {});
+  return pair;
 }
 
 /// Robots that both cameras see, to 0.1 px.
@@ -74,7 +81,7 @@ TEST(RefineJointly, CamerasAgreeWhereBothSee) {
     const auto overlap_mm = [&](const LensCamera& a, const LensCamera& b, double height_mm) {
       return overlap_error_mm(pair.a, pair.b, a, b, pair.field, height_mm);
     };
-    const double before_mm = overlap_mm(pair.seen[0].refined.camera, pair.seen[1].refined.camera, 0);
+    const double before_mm = overlap_mm(pair.seen[0].camera, pair.seen[1].camera, 0);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 0), 0.7);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 0), before_mm);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 150), 0.8);
@@ -96,13 +103,26 @@ TEST(RefineJointly, LeavesExactCamerasAlone) {
 }
 
 TEST(RefineJointly, OneCameraHasNobodyToDisagreeWith) {
-  Pair pair = two_halves(kSmall, {});
+  Pair pair = exact_halves();
   ASSERT_EQ(pair.seen.size(), 2U);
   pair.seen.pop_back();
   const JointCalibration joint = refine_jointly(pair.seen, pair.curves, {});
   EXPECT_EQ(joint.overlapping_patches, 0);
   EXPECT_EQ(joint.disagreement_mm, 0);
   EXPECT_LT(field_error_mm(pair.a, joint.cameras[0], pair.field, 0), 0.2);
+}
+
+TEST(RefineJointly, AStopEndsTheSolver) {
+  const Pair& pair = exact_halves();
+  ASSERT_EQ(pair.seen.size(), 2U);
+  // So many that one step takes seconds.
+  std::vector<OverlapTie> ties;
+  for (const OverlapTie& tie : robots_in_both(pair)) ties.insert(ties.end(), 30, tie);
+  std::stop_source stop;
+  stop.request_stop();
+  const auto begin = std::chrono::steady_clock::now();
+  refine_jointly(pair.seen, pair.curves, ties, stop.get_token());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
 }
 
 }  // namespace
