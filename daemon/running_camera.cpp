@@ -47,7 +47,7 @@ void RunningCamera::start_thread() {
     return open_source(settings->source, {static_cast<std::uint32_t>(settings->id), scene});
   };
   auto on_image = [this](CapturedImage&& captured) {
-    pipeline_.process(std::move(captured.image), captured.times);
+    pipeline_.process(std::move(captured.image), captured.times, captured.whole);
   };
   auto thread = std::make_unique<CameraThread>("camera " + std::to_string(settings->id), settings->thread,
                                                std::move(open), std::move(on_image));

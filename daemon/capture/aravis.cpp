@@ -381,6 +381,7 @@ class AravisSource final : public Source {
     }
     image.image = Image(view, nullptr, buffer, &give_back);
     image.times = times_of(buffer);
+    image.whole = whole_;
     return CaptureStatus::kImage;
   }
 
@@ -454,8 +455,24 @@ class AravisSource final : public Source {
                           new std::shared_ptr<Link>(link_), forget, static_cast<GConnectFlags>(0));
   }
 
+  /// Of the sensor, when only a part of it is read. Cameras that do not tell are taken for whole.
+  void find_whole() {
+    Failure failure;
+    gint sensor_width = 0, sensor_height = 0, x = 0, y = 0, width = 0, height = 0, bin_x = 1, bin_y = 1;
+    arv_camera_get_sensor_size(camera(), &sensor_width, &sensor_height, failure);
+    if (failure.failed()) return;
+    arv_camera_get_region(camera(), &x, &y, &width, &height, failure);
+    if (failure.failed()) return;
+    arv_camera_get_binning(camera(), &bin_x, &bin_y, nullptr);
+    const WholePicture sensor{sensor_width / std::max(1, bin_x), sensor_height / std::max(1, bin_y), x, y};
+    const bool is_part = width < sensor.width || height < sensor.height;
+    const bool is_within = x + width <= sensor.width && y + height <= sensor.height;
+    if (is_part && is_within) whole_ = sensor;
+  }
+
   void start_stream() {
     Failure failure;
+    find_whole();
     const guint payload = arv_camera_get_payload(camera(), failure);
     if (!failure.failed()) stream_.reset(arv_camera_create_stream(camera(), nullptr, nullptr, failure));
     if (!stream_) throw CaptureError(fmt::format("camera \"{}\": no stream: {}", label_, failure.text()));
@@ -520,6 +537,7 @@ class AravisSource final : public Source {
   Object<ArvStream> stream_;  // goes before the camera
   std::vector<std::string> warnings_;
   CameraClock clock_;
+  WholePicture whole_;
   Clock::time_point last_buffer_;
 };
 

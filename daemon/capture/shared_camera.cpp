@@ -80,9 +80,9 @@ void SharedCamera::hand_out(CaptureStatus status, CapturedImage& image, const st
       for (Pool::Held& one : pool_->held) {
         if (one.takers.load() == 0) held = &one;
       }
-      if (held == nullptr)
-        status = CaptureStatus::kTimeout;  // none is let go any more: as if it had not come
     }
+    // When none is let go any more, a picture is as good as not come.
+    const bool none_is_free = status == CaptureStatus::kImage && held == nullptr;
     if (held != nullptr) {
       held->takers.store(static_cast<int>(takers_.size()));
       held->pool = pool_;

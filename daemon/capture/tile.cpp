@@ -56,6 +56,7 @@ class TileSource final : public Source {
     tile.height = options_.height;
     image = std::move(whole);
     image.image.narrow_to(tile);
+    image.whole = {view.width, view.height, options_.x, options_.y};
     return CaptureStatus::kImage;
   }
 

@@ -15,11 +15,19 @@ struct CaptureTimes {
   std::int64_t arrived_ns = 0;  // steady_ns() when the picture was handed over; 0: not live
 };
 
+/// The larger picture that a picture is a part of: a big camera's, of which it is a tile, or the whole
+/// sensor's, of which a part is read.
+struct WholePicture {
+  int width = 0, height = 0;  // px; 0: it is whole itself
+  int x = 0, y = 0;           // of the part's first pixel in it
+};
+
 /// What is known about a frame besides its pixels.
 struct FrameInfo {
   std::uint32_t camera_id = 0;
   std::uint32_t number = 0;  // counts this camera's processed frames
   CaptureTimes times{};
+  WholePicture whole{};
 };
 
 }  // namespace sslv

@@ -38,7 +38,7 @@ class CameraPipeline {
   std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
 
   /// Runs the stack on one picture. The result is valid until the next call.
-  const Frame& process(Image image, const CaptureTimes& times) noexcept;
+  const Frame& process(Image image, const CaptureTimes& times, const WholePicture& whole = {}) noexcept;
 
   /// Finished frames, the newest only.
   const Latest<FrameRef>& finished() const { return finished_; }
