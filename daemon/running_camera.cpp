@@ -29,7 +29,7 @@ Json without_controls(Json source) {
 }  // namespace
 
 RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast)
-    : settings_(settings),
+    : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
       sink_(multicast),
       pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)) {
   start_thread();
@@ -41,10 +41,11 @@ RunningCamera::~RunningCamera() {
 }
 
 void RunningCamera::start_thread() {
-  const auto settings = settings_.load();
+  const auto settings = settings_->load();
   const Scene scene = *pipeline_.setup()->world.scene;
-  auto open = [settings, scene] {
-    return open_source(settings->source, {static_cast<std::uint32_t>(settings->id), scene});
+  auto open = [in_force = settings_, scene] {
+    const auto now = in_force->load();
+    return open_source(now->source, {static_cast<std::uint32_t>(now->id), scene});
   };
   auto on_image = [this](CapturedImage&& captured) {
     pipeline_.process(std::move(captured.image), captured.times, captured.whole);
@@ -56,15 +57,15 @@ void RunningCamera::start_thread() {
 }
 
 ControlChange RunningCamera::change_controls(const CameraSettings& settings, const std::string& path) const {
-  const auto old = settings_.load();
+  const auto old = settings_->load();
   const auto open = controls();
   if (!open || without_controls(old->source) != without_controls(settings.source)) return {};
   return {open, controls_in(old->source), controls_in(settings.source), path};
 }
 
 bool RunningCamera::change(const CameraSettings& settings, CameraSetup setup, ControlChange& controls) {
-  const auto old = settings_.load();
-  settings_.store(settings);
+  const auto old = settings_->load();
+  settings_->store(settings);
   pipeline_.change(std::move(setup));
   controls.keep();
   const bool same_source = without_controls(old->source) == without_controls(settings.source);

@@ -37,7 +37,7 @@ class RunningCamera {
   /// The next frame has robots of these heights. Not while another thread is in change().
   void change_robot_heights(const std::array<double, 2>& robot_height_mm);
 
-  std::shared_ptr<const CameraSettings> settings() const { return settings_.load(); }
+  std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
   CameraHealth health() const;
   /// Those of the open camera; none while it is not open, or has none.
   std::shared_ptr<Controls> controls() const;
@@ -55,7 +55,8 @@ class RunningCamera {
   };
   void start_thread();
 
-  Snapshot<CameraSettings> settings_;
+  /// Shared with the thread, which opens the camera by what is in force then and may be left behind.
+  const std::shared_ptr<Snapshot<CameraSettings>> settings_;
   Sink sink_;
   CameraPipeline pipeline_;
   mutable std::mutex thread_mutex_;  // guards the pointer

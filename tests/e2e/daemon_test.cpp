@@ -384,9 +384,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadSettings{"UnknownStage",
                     R"([{"op": "add", "path": "/cameras/1/stack", "value": ["treshold"]}])",
                     {"/cameras/1/stack/0: unknown stage 'treshold'", "threshold"}},
-        BadSettings{"UnknownBackend",
-                    R"([{"op": "replace", "path": "/cameras/0/source/backend", "value": "firewire"}])",
-                    {"/cameras/0/source/backend", "firewire", "aravis, files, simulator"}},
+        BadSettings{
+            "UnknownBackend",
+            R"([{"op": "replace", "path": "/cameras/0/source/backend", "value": "firewire"}])",
+            {"/cameras/0/source/backend", "firewire", "aravis, dc1394, files, simulator, tile, v4l2"}},
         BadSettings{"UnknownOption",
                     R"([{"op": "add", "path": "/cameras/0/source/robots", "value": 3}])",
                     {"/cameras/0/source/robots: no such parameter", "robots_yellow"}},

@@ -296,7 +296,7 @@ TEST_F(Files, AnyPictureOfAVideoCanBeShown) {
       EXPECT_LE(largest_difference(copy_of(taken.image.image), pictures[static_cast<std::size_t>(i)]), 3)
           << i;
       ASSERT_TRUE(taken.image.times.t_capture_camera_s);
-      EXPECT_NEAR(*taken.image.times.t_capture_camera_s, i / 30.0, 0.01) << name;
+      EXPECT_NEAR(*taken.image.times.t_capture_camera_s, i / 25.0, 0.01) << name;
     }
     controls->set("paused", true);
     EXPECT_EQ(next(*source).status, CaptureStatus::kTimeout);
@@ -349,8 +349,9 @@ TEST_F(Files, UnknownOptionsAreRefused) {
   EXPECT_THROW(file_backend().complete({{"pixel_format", "rgb"}}, "/cameras/0/source"), SettingsError);
   EXPECT_EQ(
       file_backend().complete(Json::object(), ""),
-      Json::parse(R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
-                            "loop": false})"));
+      Json::parse(
+          R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
+                            "loop": false, "controls": {}})"));
 }
 
 /// Whatever bytes lie on the disk: pictures, problems and an end, nothing else.
