@@ -35,7 +35,7 @@ MeanPicture collect(FreshFrames frames, int wanted, const JobProgress& progress,
   while (mean.frames() < wanted && !stop.stop_requested()) {
     const auto frame = frames.next(kLook);
     if (!frame) continue;
-    add_frame(mean, frame->image);
+    add_frame(mean, *frame);
     progress.collected(mean.frames(), 0);
   }
   return mean;

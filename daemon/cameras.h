@@ -5,13 +5,35 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace sslv {
 
 /// Every capture backend a camera's "source" may name.
 std::span<const Backend> backend_table();
 
-/// The named backend; throws SettingsError, beginning with `path`, that lists the known ones.
+/// A backend that this program was built without, for want of a library.
+struct MissingBackend {
+  std::string_view name;
+  std::string_view package;  // of Debian, that brings the library when building
+};
+std::span<const MissingBackend> missing_backends();
+
+/// The named backend; throws SettingsError, beginning with `path`, that lists the known ones or says what a
+/// missing one needs.
 const Backend& find_backend(const std::string& name, const std::string& path);
+const Backend& find_backend(std::span<const Backend> backends, std::span<const MissingBackend> missing,
+                            const std::string& name, const std::string& path);
+
+/// A camera's "source" with its backend's defaults written out. Throws SettingsError, beginning with `path`.
+Json complete_source(const Json& source, const std::string& path);
+
+/// Opens what a complete "source" says. Throws CaptureError.
+std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
+
+/// Cameras that could be opened now, of all backends, as docs/api.md has them. Takes about a second.
+Json found_cameras_json();
+/// The same for a terminal, with the settings lines to paste.
+std::string found_cameras_text(const Json& found);
 
 }  // namespace sslv

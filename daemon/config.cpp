@@ -20,20 +20,6 @@ std::string camera_path(std::size_t i) {
   return fmt::format("/cameras/{}", i);
 }
 
-/// A source with its backend's defaults written out.
-Json complete_source(const Json& source, const std::string& path) {
-  if (!source.contains("backend") || !source["backend"].is_string()) {
-    throw SettingsError(path + "/backend: is missing; expected a capture backend's name");
-  }
-  const std::string name = source["backend"].get<std::string>();
-  Json options = source;
-  options.erase("backend");
-  const Json complete = find_backend(name, path + "/backend").complete(options, path);
-  Json out{{"backend", name}};
-  out.update(complete);
-  return out;
-}
-
 }  // namespace
 
 Config read_config(const Json& settings) {

@@ -4,15 +4,19 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "cameras.h"
 #include "detections_json.h"
 #include "routes.h"
 #include "status.h"
 #include "teams.h"
 #include "vision/label_picture.h"
+#include "web/http.h"
 
 #include <algorithm>
 #include <set>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -88,6 +92,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
   auto config = std::make_shared<const Config>(read_config(settings));
   const auto old_cameras = cameras_.load();
   auto setups = std::make_shared<std::vector<CameraSetup>>();
+  auto controls = std::make_shared<std::vector<ControlChange>>();  // set back unless all this gets into force
   for (std::size_t i = 0; i < config->cameras.size(); ++i) {
     const auto running = old_cameras->find(config->cameras[i].id);
     if (running == old_cameras->end()) {
@@ -97,7 +102,15 @@ std::function<void()> Daemon::prepare(const Json& settings) {
                                    running->second->pipeline().setup().get()));
     }
   }
-  return [this, config, setups, old_cameras] {
+  // Last, when all the rest is known to be allowed.
+  for (std::size_t i = 0; i < config->cameras.size(); ++i) {
+    const auto running = old_cameras->find(config->cameras[i].id);
+    const std::string path = "/cameras/" + std::to_string(i) + "/source/controls";
+    controls->push_back(running == old_cameras->end()
+                            ? ControlChange()
+                            : running->second->change_controls(config->cameras[i], path));
+  }
+  return [this, config, setups, controls, old_cameras] {
     config_.store(*config);
     multicast_.configure(config->network.vision, "/network/vision");
     geometry_.store(make_geometry(*config));
@@ -114,7 +127,8 @@ std::function<void()> Daemon::prepare(const Json& settings) {
       const CameraSettings& camera = config->cameras[i];
       const auto running = old_cameras->find(camera.id);
       if (running != old_cameras->end()) {
-        if (!running->second->change(camera, std::move((*setups)[i]))) changed.erase(camera.id);
+        if (!running->second->change(camera, std::move((*setups)[i]), (*controls)[i]))
+          changed.erase(camera.id);
         cameras[camera.id] = running->second;
       } else {
         cameras[camera.id] = std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_);
@@ -185,6 +199,38 @@ std::optional<Daemon::NewestFrame> Daemon::hold_frame(std::uint32_t camera_id, s
                                           HeldFrame{std::move(running), std::move(newest->value)})};
 }
 
+Json Daemon::answer_of_camera(std::uint32_t camera_id, const std::function<Json(Controls&)>& ask) const {
+  const auto running = camera(camera_id);
+  if (!running) throw HttpError(404, fmt::format("no camera {}", camera_id));
+  const auto controls = running->controls();
+  if (!controls) {
+    const bool is_open = running->health().state == CameraState::kRunning;
+    throw HttpError(409, fmt::format("camera {} {}", camera_id, is_open ? "has no controls" : "is not open"));
+  }
+  try {
+    return ask(*controls);
+  } catch (const CaptureError& error) {
+    throw HttpError(503, error.what());
+  }
+}
+
+Json Daemon::controls(std::uint32_t camera_id) const {
+  return answer_of_camera(camera_id, [&](Controls& controls) {
+    Json out = Json::array();
+    for (const Control& control : controls.list()) out.push_back(control_json(control));
+    return out;
+  });
+}
+
+Json Daemon::set_control(std::uint32_t camera_id, const std::string& name, const Json& value,
+                         const std::string& who) const {
+  return answer_of_camera(camera_id, [&](Controls& controls) {
+    controls.set(name, value);
+    log::info("camera {}: {} set to {} by {}, not saved", camera_id, Json(name).dump(), value.dump(), who);
+    return control_json(controls.get(name));
+  });
+}
+
 std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
                                       std::chrono::milliseconds timeout) {
   const auto newest = hold_frame(camera_id, newer_than, timeout);
@@ -196,7 +242,7 @@ std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t new
             frame.image.view(),
             camera_id,
             frame.info.number,
-            frame.info.t_capture_s,
+            frame.info.times.t_capture_s,
             detections_json(frame.robots, frame.balls),
             {}};
   if (frame.runs.width > 0) {
@@ -231,6 +277,10 @@ WebHost Daemon::make_web_host() {
     out["saved"] = true;
     return out;
   };
+  host.controls = [this](std::uint32_t id) { return controls(id); };
+  host.set_control = [this](std::uint32_t id, const std::string& name, const Json& value,
+                            const std::string& who) { return set_control(id, name, value, who); };
+  host.sources = [] { return found_cameras_json(); };
   host.camera_ids = [this] {
     std::vector<std::uint32_t> ids;
     const auto cameras = cameras_.load();

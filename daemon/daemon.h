@@ -65,6 +65,11 @@ class Daemon {
   std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
                                 std::chrono::milliseconds timeout);
   std::shared_ptr<RunningCamera> camera(std::uint32_t id) const;
+  /// Throws HttpError: 404 no such camera, 409 not open or without controls, 503 it does not answer.
+  Json answer_of_camera(std::uint32_t camera_id, const std::function<Json(Controls&)>& ask) const;
+  Json controls(std::uint32_t camera_id) const;
+  Json set_control(std::uint32_t camera_id, const std::string& name, const Json& value,
+                   const std::string& who) const;
 
   // daemon_calibration.cpp
   void add_calibration_to(WebHost& host);

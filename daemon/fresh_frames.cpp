@@ -25,11 +25,12 @@ std::optional<LentFrame> FreshFrames::next(std::chrono::milliseconds timeout) {
   return frame;
 }
 
-void add_frame(MeanPicture& mean, const ImageView& frame) {
-  if (mean.add(frame)) return;
-  throw CaptureError(mean.frames() == 0
-                         ? fmt::format("the camera's pictures have no colours ({})", name_of(frame.format))
-                         : "the camera's pictures have changed meanwhile; start again");
+void add_frame(MeanPicture& mean, const LentFrame& frame) {
+  mean.whole = frame.whole;
+  if (mean.add(frame.image)) return;
+  throw CaptureError(mean.frames() == 0 ? fmt::format("the camera's pictures have no colours ({})",
+                                                      name_of(frame.image.format))
+                                        : "the camera's pictures have changed meanwhile; start again");
 }
 
 }  // namespace sslv

@@ -21,6 +21,7 @@ struct LentFrame {
   ImageView image;
   double t_capture_s = 0;
   std::span<const Robot> robots{};
+  WholePicture whole{};
 };
 
 /// The newest frame once its version is newer than the given one (0: any); nothing after the timeout. Throws
@@ -51,6 +52,6 @@ class FreshFrames {
 };
 
 /// Adds a camera's frame to the mean. Throws CaptureError when it has no colours or another size.
-void add_frame(MeanPicture& mean, const ImageView& frame);
+void add_frame(MeanPicture& mean, const LentFrame& frame);
 
 }  // namespace sslv

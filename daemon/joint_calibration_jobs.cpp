@@ -52,7 +52,7 @@ JointTask collect(const WaitFrame& wait_frame, std::chrono::milliseconds silence
         const auto frame = fresh[i].next(kLook);
         if (!frame) return;
         collector.add(i, frame->t_capture_s, frame->robots);
-        if (camera.picture.frames() < wanted) add_frame(camera.picture, frame->image);
+        if (camera.picture.frames() < wanted) add_frame(camera.picture, *frame);
       });
     }
     progress.collected(frames(), static_cast<int>(collector.count()));

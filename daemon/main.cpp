@@ -63,19 +63,6 @@ Json checked_settings(const std::filesystem::path& file) {
   });
 }
 
-void list_cameras() {
-  bool any = false;
-  for (const Backend& backend : backend_table()) {
-    for (const FoundCamera& found : backend.list()) {
-      std::cout << found.name << "\n  \"source\": " << found.source.dump() << "\n";
-      any = true;
-    }
-  }
-  if (!any)
-    std::cout << "No camera found. Check power, cable and network; GigE cameras must have an address of your "
-                 "network.\n";
-}
-
 int run(const Daemon::Options& options) {
   // Blocked before any thread starts, so that all of them inherit it and this one takes the signals.
   sigset_t signals;
@@ -122,7 +109,7 @@ int main(int argc, char** argv) {
   }
   try {
     if (list) {
-      list_cameras();
+      std::cout << found_cameras_text(found_cameras_json());
       return EXIT_SUCCESS;
     }
     if (!check_file.empty()) {

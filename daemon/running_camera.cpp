@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "running_camera.h"
 
+#include "base/clock.h"
 #include "base/params_json.h"
 #include "cameras.h"
 
@@ -14,10 +15,21 @@ bool same(const P& a, const P& b) {
   return params_to_json(a) == params_to_json(b);
 }
 
+const Json& controls_in(const Json& source) {
+  static const Json kNone = Json::object();
+  const auto found = source.find("controls");
+  return found == source.end() ? kNone : *found;
+}
+
+Json without_controls(Json source) {
+  source.erase("controls");
+  return source;
+}
+
 }  // namespace
 
 RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast)
-    : settings_(settings),
+    : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
       sink_(multicast),
       pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)) {
   start_thread();
@@ -29,16 +41,14 @@ RunningCamera::~RunningCamera() {
 }
 
 void RunningCamera::start_thread() {
-  const auto settings = settings_.load();
+  const auto settings = settings_->load();
   const Scene scene = *pipeline_.setup()->world.scene;
-  auto open = [settings, scene]() -> std::unique_ptr<Source> {
-    Json options = settings->source;
-    options.erase("backend");
-    const Backend& backend = find_backend(settings->source.at("backend").get<std::string>(), "/source");
-    return backend.open(options, {static_cast<std::uint32_t>(settings->id), scene});
+  auto open = [in_force = settings_, scene] {
+    const auto now = in_force->load();
+    return open_source(now->source, {static_cast<std::uint32_t>(now->id), scene});
   };
   auto on_image = [this](CapturedImage&& captured) {
-    pipeline_.process(std::move(captured.image), captured.t_capture_s, captured.t_capture_camera_s);
+    pipeline_.process(std::move(captured.image), captured.times, captured.whole);
   };
   auto thread = std::make_unique<CameraThread>("camera " + std::to_string(settings->id), settings->thread,
                                                std::move(open), std::move(on_image));
@@ -46,11 +56,20 @@ void RunningCamera::start_thread() {
   thread_ = std::move(thread);
 }
 
-bool RunningCamera::change(const CameraSettings& settings, CameraSetup setup) {
-  const auto old = settings_.load();
-  settings_.store(settings);
+ControlChange RunningCamera::change_controls(const CameraSettings& settings, const std::string& path) const {
+  const auto old = settings_->load();
+  const auto open = controls();
+  if (!open || without_controls(old->source) != without_controls(settings.source)) return {};
+  return {open, controls_in(old->source), controls_in(settings.source), path};
+}
+
+bool RunningCamera::change(const CameraSettings& settings, CameraSetup setup, ControlChange& controls) {
+  const auto old = settings_->load();
+  settings_->store(settings);
   pipeline_.change(std::move(setup));
-  if (old->source == settings.source && same(old->thread, settings.thread)) return false;
+  controls.keep();
+  const bool same_source = without_controls(old->source) == without_controls(settings.source);
+  if (same_source && same(old->thread, settings.thread) && !controls.needs_opening()) return false;
   std::unique_ptr<CameraThread> ended;
   {
     const std::lock_guard lock(thread_mutex_);
@@ -72,10 +91,16 @@ CameraHealth RunningCamera::health() const {
   return thread_ ? thread_->health() : CameraHealth{};
 }
 
+std::shared_ptr<Controls> RunningCamera::controls() const {
+  const std::lock_guard lock(thread_mutex_);
+  return thread_ ? thread_->controls() : nullptr;
+}
+
 void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots,
                                   const BallList& balls) noexcept {
   const double t_sent_s = sender.send(info, robots, balls);
-  latency.add_ns(static_cast<std::int64_t>((t_sent_s - info.t_capture_s) * 1e9));
+  latency.add_ns(steady_ns() - info.times.arrived_ns);
+  age.add_ns(static_cast<std::int64_t>((t_sent_s - info.times.t_capture_s) * 1e9));
 }
 
 CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings* previous_settings,

@@ -5,6 +5,7 @@
 #include "base/snapshot.h"
 #include "capture/camera_thread.h"
 #include "config.h"
+#include "control_change.h"
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
 
@@ -24,28 +25,38 @@ class RunningCamera {
   RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast);
   ~RunningCamera();
 
+  /// Sets what changed among the camera's own controls, before the settings that say so are in force. Throws
+  /// SettingsError, beginning with `path`, for what an open camera refuses; one that is not open is not
+  /// asked.
+  ControlChange change_controls(const CameraSettings& settings, const std::string& path) const;
+
   /// The next frame uses the new setup. The camera is closed and opened anew only when its source or thread
-  /// settings have changed; says whether it was.
-  bool change(const CameraSettings& settings, CameraSetup setup);
+  /// settings have changed, other than in `controls`; says whether it was.
+  bool change(const CameraSettings& settings, CameraSetup setup, ControlChange& controls);
 
   /// The next frame has robots of these heights. Not while another thread is in change().
   void change_robot_heights(const std::array<double, 2>& robot_height_mm);
 
-  std::shared_ptr<const CameraSettings> settings() const { return settings_.load(); }
+  std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
   CameraHealth health() const;
+  /// Those of the open camera; none while it is not open, or has none.
+  std::shared_ptr<Controls> controls() const;
   const CameraPipeline& pipeline() const { return pipeline_; }
   RecentDurations::Percentiles latency() const { return sink_.latency.percentiles(); }
+  RecentDurations::Percentiles age() const { return sink_.age.percentiles(); }
 
  private:
   struct Sink : DetectionSink {
     explicit Sink(MulticastSender& multicast) : sender(multicast) {}
     void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept override;
     DetectionSender sender;
-    RecentDurations latency;  // from capture to the packet on the socket
+    RecentDurations latency;  // from the picture's arrival to the packet on the socket
+    RecentDurations age;      // from the exposure's middle to there
   };
   void start_thread();
 
-  Snapshot<CameraSettings> settings_;
+  /// Shared with the thread, which opens the camera by what is in force then and may be left behind.
+  const std::shared_ptr<Snapshot<CameraSettings>> settings_;
   Sink sink_;
   CameraPipeline pipeline_;
   mutable std::mutex thread_mutex_;  // guards the pointer

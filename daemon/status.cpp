@@ -27,6 +27,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   // What a camera that is not running last saw and how fast is no news.
   const bool running = health.state == CameraState::kRunning;
   const auto latency = running ? camera.latency() : RecentDurations::Percentiles{};
+  const auto age = running ? camera.age() : RecentDurations::Percentiles{};
   Json out{{"id", settings->id},
            {"name", settings->name},
            {"backend", settings->source.at("backend")},
@@ -42,6 +43,10 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
            {"frames_capped", counters.capped},
            {"reconnects", health.reconnects},
            {"latency_ms", {{"p50", latency.p50_us * 1e-3}, {"p99", latency.p99_us * 1e-3}}},
+           {"age_ms", {{"p50", age.p50_us * 1e-3}, {"p99", age.p99_us * 1e-3}}},
+           {"t_capture_from", health.t_capture_sigma_s ? "camera" : "arrival"},
+           {"t_capture_sigma_ms",
+            health.t_capture_sigma_s ? Json(*health.t_capture_sigma_s * 1e3) : Json(nullptr)},
            {"stages", Json::array()},
            {"robots", running ? counters.robots : 0},
            {"balls", running ? counters.balls : 0}};
@@ -111,6 +116,11 @@ std::string game_controller_text(const GameController& one) {
 Json alerts_json(const StatusInput& input) {
   Json alerts = Json::array();
   for (const auto& [camera, health] : input.cameras) {
+    for (const std::string& warning : health.warnings) {
+      add_alert(
+          alerts, "warn", fmt::format("Camera {} refused a control: {}", camera->settings()->id, warning),
+          "Set it to what the camera takes, or remove it from source/controls.", camera->settings()->id);
+    }
     if (health.state == CameraState::kLost) {
       add_alert(alerts, "bad", fmt::format("Camera {} is lost: {}", camera->settings()->id, health.error),
                 camera->settings()->source.at("backend") == "files"

@@ -20,8 +20,8 @@ struct Solution {
   bool only_one = true;           // no other part of the field suits the picture
 };
 
-CameraPrior prior_of(const CalibrationTask& task, int width_px, int height_px) {
-  CameraPrior out = camera_prior(width_px, height_px);
+CameraPrior prior_of(const CalibrationTask& task, const MeanPicture& picture) {
+  CameraPrior out = camera_prior(picture.width(), picture.height(), picture.whole);
   if (task.height_mm) {
     out.height_mm = task.height_mm;
     out.height_sigma_mm = task.height_sigma_mm;
@@ -44,7 +44,7 @@ class Calibrator {
         // Before the scale is known: about half a field's length across the picture.
         picture_(find_line_pixels(picture, 1.4 * picture.width() * task.field.line_thickness /
                                                std::max(1000, task.field.field_length))),
-        prior_(prior_of(task, picture.width(), picture.height())) {}
+        prior_(prior_of(task, picture)) {}
 
   CalibrationReport run() {
     std::optional<Solution> best = clicks_.pixels.empty() ? propose() : solve(clicks_.pixels, prior_);

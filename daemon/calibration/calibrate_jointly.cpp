@@ -27,8 +27,8 @@ constexpr double kAgreeMm = 0.5;
 
 /// What the lines do not show, such as the height of a camera that looks straight down, stays as it is in
 /// force: somebody may have measured it.
-CameraPrior prior_in_force(const CameraCalibration& calibration) {
-  CameraPrior prior = camera_prior(calibration.pixel_image_width, calibration.pixel_image_height);
+CameraPrior prior_in_force(const CameraCalibration& calibration, const MeanPicture& picture) {
+  CameraPrior prior = camera_prior(picture.width(), picture.height(), picture.whole);
   prior.focal_px = calibration.focal_length;
   prior.focal_share = kHeightShare;
   return prior;
@@ -95,8 +95,8 @@ class JointCalibrator {
       }
       LinePicture picture = find_line_pixels(view.picture, task_.field.line_thickness * start.px_per_mm());
       const double window_px = std::max(kLeastWindowPx, kWindowShare * start.width);
-      auto refined =
-          refine_camera(picture, start, curves_, prior_in_force(view.calibration), {window_px, false}, stop_);
+      auto refined = refine_camera(picture, start, curves_, prior_in_force(view.calibration, view.picture),
+                                   {window_px, false}, stop_);
       if (stop_.stop_requested()) return false;
       if (!refined) {
         report_.problems.push_back(lines_not_found(view.id));

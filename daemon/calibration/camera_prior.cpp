@@ -5,12 +5,14 @@
 
 namespace sslv {
 
-CameraPrior camera_prior(int width_px, int height_px) {
+CameraPrior camera_prior(int width_px, int height_px, const WholePicture& whole) {
+  const int width = whole.width > 0 ? whole.width : width_px;
+  const int height = whole.height > 0 ? whole.height : height_px;
   CameraPrior out;
-  out.focal_px = 0.85 * width_px;
-  out.center_x = (width_px - 1) / 2.0;
-  out.center_y = (height_px - 1) / 2.0;
-  out.center_sigma_px = 0.015 * width_px;
+  out.focal_px = 0.85 * width;
+  out.center_x = (width - 1) / 2.0 - whole.x;
+  out.center_y = (height - 1) / 2.0 - whole.y;
+  out.center_sigma_px = 0.015 * width;
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "calibration/lens_camera.h"
+#include "image/frame_info.h"
 
 #include <optional>
 
@@ -19,9 +20,9 @@ struct CameraPrior {
   double height_sigma_mm = 1;
 };
 
-/// For a picture of this size, of which nothing else is known: lenses on fields have .5 to 1.3 picture
-/// widths.
-CameraPrior camera_prior(int width_px, int height_px);
+/// For a picture of this size, of which nothing else is known: lenses on fields have .5 to 1.3 widths of the
+/// whole picture, and look through its middle.
+CameraPrior camera_prior(int width_px, int height_px, const WholePicture& whole = {});
 
 /// The same for a lens that may bend more than one radial term says.
 CameraPrior with_second_radial(CameraPrior prior);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "image/frame_info.h"
 #include "image/image.h"
 
 #include <array>
@@ -27,6 +28,8 @@ class MeanPicture {
   /// False for a frame of another size than the first, or without colours; it is left out.
   bool add(const ImageView& frame);
   int frames() const { return frames_; }
+  /// What the picture is a part of.
+  WholePicture whole{};
   int width() const { return sums_[0].width; }
   int height() const { return sums_[0].height; }
   /// A channel's mean.

@@ -4,6 +4,9 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "capture/aravis_controls.h"
+#include "capture/aravis_library.h"
+#include "capture/camera_clock.h"
 #include "capture/pixel_format_choice.h"
 
 #include <algorithm>
@@ -17,13 +20,6 @@
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-// The library's headers convert as C does.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wconversion"
-#include <arv.h>
-#pragma GCC diagnostic pop
 
 namespace sslv {
 namespace {
@@ -39,6 +35,8 @@ struct Options {
   int packet_size = 0;
   int socket_buffer_bytes = 4 << 20;
   double silence_s = 2;
+  bool resend = true, use_incomplete = false;
+  Json controls = Json::object();
   static constexpr auto fields() {
     using O = Options;
     return std::tuple{
@@ -67,6 +65,12 @@ struct Options {
                "of GigE Vision: what the system keeps for us while we are busy"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
                "a camera that sends nothing for this long is taken for lost"),
+        flag("resend", &O::resend, "of GigE Vision: ask again for packets that did not come"),
+        flag("use_incomplete", &O::use_incomplete,
+             "look at pictures with packets missing too: what is missing shows an older picture"),
+        object("controls", &O::controls,
+               "what to set at the camera itself, by the camera's own names (GenICam), such as "
+               "{\"GainAuto\": \"Off\", \"Gain\": 6}; changed while it runs"),
     };
   }
 };
@@ -99,32 +103,6 @@ ArvPixelFormat arv_format_of(PixelFormat format) {
   return std::find_if(kFormats.begin(), kFormats.end(),
                       [=](const NamedFormat& n) { return n.format == format; })
       ->arv;
-}
-
-/// Receives a call's GError.
-class Failure {
- public:
-  Failure() = default;
-  ~Failure() { g_clear_error(&error_); }
-  Failure(const Failure&) = delete;
-  Failure& operator=(const Failure&) = delete;
-
-  operator GError**() { return &error_; }
-  bool failed() const { return error_ != nullptr; }
-  std::string_view text() const { return error_ != nullptr ? error_->message : "no reason given"; }
-
- private:
-  GError* error_ = nullptr;
-};
-
-struct Unref {
-  void operator()(void* object) const { g_object_unref(object); }
-};
-template <class T>
-using Object = std::unique_ptr<T, Unref>;
-
-std::string text_or_empty(const char* text) {
-  return text != nullptr ? text : "";
 }
 
 // ---- finding
@@ -337,23 +315,37 @@ class AravisSource final : public Source {
  public:
   explicit AravisSource(const Options& options) : options_(options) {
     Failure failure;
-    camera_.reset(arv_camera_new(resolve(options_.camera).c_str(), failure));
-    label_ = !options_.camera.empty() || !camera_
+    shared_->camera.reset(arv_camera_new(resolve(options_.camera).c_str(), failure));
+    label_ = !options_.camera.empty() || !shared_->camera
                  ? options_.camera
-                 : text_or_empty(arv_camera_get_device_serial_number(camera_.get(), nullptr));
-    if (!camera_)
+                 : text_or_empty(arv_camera_get_device_serial_number(camera(), nullptr));
+    if (!shared_->camera)
       throw CaptureError(fmt::format("camera \"{}\": cannot be opened: {}", label_, failure.text()));
+    warnings_ = apply_controls(*controls_, options_.controls);
+    const std::lock_guard lock(shared_->mutex);
     set_up();
     watch_control();
     start_stream();
   }
 
   ~AravisSource() override {
-    // A dead camera would only make us wait for its answers.
-    if (!link_->control_lost) arv_camera_stop_acquisition(camera_.get(), nullptr);
-    const std::lock_guard lock(link_->mutex);
-    link_->stream = nullptr;
+    {
+      const std::lock_guard lock(shared_->mutex);
+      // A dead camera would only make us wait for its answers.
+      if (!link_->control_lost) arv_camera_stop_acquisition(camera(), nullptr);
+      shared_->is_closed = true;
+    }
+    {
+      const std::lock_guard lock(link_->mutex);
+      link_->stream = nullptr;
+    }
+    stream_.reset();
+    const std::lock_guard lock(shared_->mutex);
+    shared_->camera.reset();  // controls that somebody still holds must not keep it
   }
+
+  std::shared_ptr<Controls> controls() override { return controls_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
 
   std::uint64_t dropped() const noexcept override {
     guint64 completed = 0, failed = 0, without_buffer = 0;
@@ -382,22 +374,43 @@ class AravisSource final : public Source {
       arv_stream_push_buffer(stream_.get(), buffer);
       return CaptureStatus::kIncomplete;
     }
+    image.is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     {
       const std::lock_guard lock(link_->mutex);
       lease_of(buffer).link = link_;
     }
     image.image = Image(view, nullptr, buffer, &give_back);
-    // The moment the picture's first packet came, which is about the end of the exposure.
-    const guint64 system_ns = arv_buffer_get_system_timestamp(buffer);
-    image.t_capture_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : unix_time_s();
-    image.t_capture_camera_s = static_cast<double>(arv_buffer_get_timestamp(buffer)) * 1e-9;
+    image.times = times_of(buffer);
+    image.whole = whole_;
     return CaptureStatus::kImage;
   }
 
  private:
+  ArvCamera* camera() const { return shared_->camera.get(); }
+
+  /// The camera's own clock says when a picture was taken far more evenly than its arrival does.
+  CaptureTimes times_of(ArvBuffer* buffer) {
+    // The moment the picture's first packet came, which is about the end of the exposure.
+    const guint64 system_ns = arv_buffer_get_system_timestamp(buffer);
+    const double now_s = unix_time_s(), steady_s = static_cast<double>(steady_ns()) * 1e-9;
+    const double arrival_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : now_s;
+    CaptureTimes out;
+    out.t_capture_s = arrival_s;
+    if (const guint64 camera_ns = arv_buffer_get_timestamp(buffer); camera_ns != 0) {
+      out.t_capture_camera_s = static_cast<double>(camera_ns) * 1e-9;
+      const auto estimate = clock_.add(*out.t_capture_camera_s, arrival_s - now_s + steady_s);
+      if (estimate.settled) {
+        out.t_capture_s = estimate.t_host_s - steady_s + now_s;
+        out.t_capture_sigma_s = estimate.sigma_s;
+      }
+    }
+    out.t_capture_s -= shared_->exposure_s / 2;
+    return out;
+  }
+
   void set_up() {
-    const Setup setup(camera_.get(), label_);
-    ArvCamera* camera = camera_.get();
+    const Setup setup(camera(), label_);
+    ArvCamera* camera = this->camera();
     setup.pixel_format(options_.pixel_format);
     setup.region(options_);
     if (options_.exposure_us) {
@@ -418,6 +431,7 @@ class AravisSource final : public Source {
       setup.real("frame_rate_hz", *options_.frame_rate_hz, arv_camera_is_frame_rate_available,
                  arv_camera_get_frame_rate_bounds, arv_camera_set_frame_rate);
     }
+    read_exposure(*shared_);
     Failure failure;
     arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, failure);
     setup.check(failure, "acquisition mode", "Continuous");
@@ -437,34 +451,55 @@ class AravisSource final : public Source {
     const auto on_lost =
         +[](ArvDevice*, gpointer link) { (*static_cast<std::shared_ptr<Link>*>(link))->control_lost = true; };
     const auto forget = +[](gpointer link, GClosure*) { delete static_cast<std::shared_ptr<Link>*>(link); };
-    g_signal_connect_data(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_lost),
+    g_signal_connect_data(arv_camera_get_device(camera()), "control-lost", G_CALLBACK(on_lost),
                           new std::shared_ptr<Link>(link_), forget, static_cast<GConnectFlags>(0));
+  }
+
+  /// Of the sensor, when only a part of it is read. Cameras that do not tell are taken for whole.
+  void find_whole() {
+    Failure failure;
+    gint sensor_width = 0, sensor_height = 0, x = 0, y = 0, width = 0, height = 0, bin_x = 1, bin_y = 1;
+    arv_camera_get_sensor_size(camera(), &sensor_width, &sensor_height, failure);
+    if (failure.failed()) return;
+    arv_camera_get_region(camera(), &x, &y, &width, &height, failure);
+    if (failure.failed()) return;
+    arv_camera_get_binning(camera(), &bin_x, &bin_y, nullptr);
+    const WholePicture sensor{sensor_width / std::max(1, bin_x), sensor_height / std::max(1, bin_y), x, y};
+    const bool is_part = width < sensor.width || height < sensor.height;
+    const bool is_within = x + width <= sensor.width && y + height <= sensor.height;
+    if (is_part && is_within) whole_ = sensor;
   }
 
   void start_stream() {
     Failure failure;
-    const guint payload = arv_camera_get_payload(camera_.get(), failure);
-    if (!failure.failed()) stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, failure));
+    find_whole();
+    const guint payload = arv_camera_get_payload(camera(), failure);
+    if (!failure.failed()) stream_.reset(arv_camera_create_stream(camera(), nullptr, nullptr, failure));
     if (!stream_) throw CaptureError(fmt::format("camera \"{}\": no stream: {}", label_, failure.text()));
     if (ARV_IS_GV_STREAM(stream_.get())) {
       g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
-                   options_.socket_buffer_bytes, nullptr);
+                   options_.socket_buffer_bytes, "packet-resend",
+                   options_.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
+                   nullptr);
     }
     for (int i = 0; i < options_.buffers; ++i) {
       const auto destroy = [](gpointer lease) { delete static_cast<Lease*>(lease); };
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_full(payload, nullptr, new Lease, destroy));
     }
     link_->stream = stream_.get();
-    arv_camera_start_acquisition(camera_.get(), failure);
+    arv_camera_start_acquisition(camera(), failure);
     if (failure.failed())
       throw CaptureError(fmt::format("camera \"{}\": does not start: {}", label_, failure.text()));
+    shared_->is_streaming = true;
     last_buffer_ = Clock::now();
   }
 
   /// Empty, with the reason, when the buffer holds no sound picture.
-  static ImageView view_of(ArvBuffer* buffer, std::string& problem) {
+  ImageView view_of(ArvBuffer* buffer, std::string& problem) const {
     const ArvBufferStatus status = arv_buffer_get_status(buffer);
-    if (status != ARV_BUFFER_STATUS_SUCCESS) {
+    const bool lacks_packets =
+        status == ARV_BUFFER_STATUS_TIMEOUT || status == ARV_BUFFER_STATUS_MISSING_PACKETS;
+    if (status != ARV_BUFFER_STATUS_SUCCESS && !(lacks_packets && options_.use_incomplete)) {
       problem = text_of(status);
       return {};
     }
@@ -497,8 +532,12 @@ class AravisSource final : public Source {
   const Options options_;
   std::string label_;  // as the admin calls the camera
   const std::shared_ptr<Link> link_ = std::make_shared<Link>();
-  Object<ArvCamera> camera_;
+  const std::shared_ptr<AravisCamera> shared_ = std::make_shared<AravisCamera>();
+  const std::shared_ptr<Controls> controls_ = aravis_controls(shared_);
   Object<ArvStream> stream_;  // goes before the camera
+  std::vector<std::string> warnings_;
+  CameraClock clock_;
+  WholePicture whole_;
   Clock::time_point last_buffer_;
 };
 
@@ -506,9 +545,12 @@ std::vector<FoundCamera> list_cameras() {
   std::vector<FoundCamera> out;
   for (const Device& device : find_devices()) {
     const std::string& known_by = device.serial.empty() ? device.id : device.serial;
-    out.push_back({fmt::format("{} {} {} ({}, {})", device.vendor, device.model, device.serial,
-                               device.protocol, device.address.empty() ? device.physical_id : device.address),
-                   Json{{"backend", "aravis"}, {"camera", known_by}}});
+    FoundCamera& found = out.emplace_back();
+    found.name = fmt::format("{} {} {} ({}, {})", device.vendor, device.model, device.serial, device.protocol,
+                             device.address.empty() ? device.physical_id : device.address);
+    found.source = {{"backend", "aravis"}, {"camera", known_by}};
+    found.model = device.vendor + ' ' + device.model;
+    found.serial = device.serial;
   }
   return out;
 }

@@ -133,6 +133,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   CaptureStatus serve(Source& source);
   CaptureStatus turn(Source& source, CapturedImage& image, std::string& problem);
   bool deliver(CapturedImage&& image);
+  void forget_controls();
   void lose(const std::string& reason);
   void close_aside(std::unique_ptr<Source> source);
   CameraHealth health_now() const {
@@ -161,6 +162,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   mutable std::mutex mutex;  // guards what follows
   std::condition_variable changed;
   CameraHealth health;
+  std::shared_ptr<Controls> controls;
   bool stop_asked = false;
   bool finished = false;
   int closing = 0;  // sources being closed aside
@@ -171,6 +173,7 @@ void CameraThread::Shared::run() {
   while (!stopping()) {
     if (std::unique_ptr<Source> source = try_open()) {
       const CaptureStatus end = serve(*source);
+      forget_controls();
       close_aside(std::move(source));
       if (end == CaptureStatus::kEnd) break;
     }
@@ -192,8 +195,14 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
   }
   try {
     std::unique_ptr<Source> source = open();
-    if (!stopping()) losses.opened();
+    std::vector<std::string> warnings = source->warnings();
+    if (!stopping()) {
+      losses.opened();
+      for (const std::string& warning : warnings) log::warning("{}: {}", name, warning);
+    }
     const std::lock_guard lock(mutex);
+    controls = source->controls();
+    health.warnings = std::move(warnings);
     if (std::exchange(was_open, true)) ++health.reconnects;
     health.state = CameraState::kRunning;
     health.error.clear();
@@ -215,8 +224,11 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
     std::string problem;
     const CaptureStatus status = turn(source, image, problem);
     const ImageView view = image.image.view();
+    const bool is_damaged = image.is_damaged;
+    const auto t_capture_sigma_s = image.times.t_capture_sigma_s;
     bool delivered = false;
     if (status == CaptureStatus::kImage) {
+      image.times.arrived_ns = steady_ns();
       delivered = deliver(std::move(image));
       window_frames += delivered;
       delay = delays.first;
@@ -235,8 +247,9 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       health.width = view.width;
       health.height = view.height;
       health.format = view.format;
+      health.t_capture_sigma_s = t_capture_sigma_s;
     }
-    health.incomplete += status == CaptureStatus::kIncomplete;
+    health.incomplete += status == CaptureStatus::kIncomplete || is_damaged;
     health.dropped = dropped_before + source.dropped();
     if (now_ns - window_start_ns >= kSecondNs) {
       health.fps = window_frames * 1e9 / static_cast<double>(now_ns - window_start_ns);
@@ -265,6 +278,11 @@ bool CameraThread::Shared::deliver(CapturedImage&& image) {
   if (silenced) return false;
   on_image(std::move(image));
   return true;
+}
+
+void CameraThread::Shared::forget_controls() {
+  const std::lock_guard lock(mutex);
+  controls.reset();
 }
 
 void CameraThread::Shared::lose(const std::string& reason) {
@@ -329,6 +347,11 @@ void CameraThread::stop() {
 
 CameraHealth CameraThread::health() const {
   return shared_->health_now();
+}
+
+std::shared_ptr<Controls> CameraThread::controls() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->controls;
 }
 
 }  // namespace sslv

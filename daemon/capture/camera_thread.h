@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 namespace sslv {
 
@@ -47,6 +49,8 @@ struct CameraHealth {
   int width = 0, height = 0;     // of the last picture; 0 before the first
   PixelFormat format = PixelFormat::kMono8;
   std::int64_t progress_ns = 0;  // steady_ns() of the thread's last turn; stands still when it hangs
+  std::optional<double> t_capture_sigma_s{};  // of the last picture, see CaptureTimes
+  std::vector<std::string> warnings{};        // of the last opening, see Source
 };
 
 /// Waiting times between attempts to open a camera, doubling from the first to the longest.
@@ -79,6 +83,8 @@ class CameraThread {
 
   /// From any thread.
   CameraHealth health() const;
+  /// Those of the open camera; none while it is not open, or has none.
+  std::shared_ptr<Controls> controls() const;
 
  private:
   struct Shared;

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/params_json.h"
 #include "capture/file_media.h"
+#include "capture/file_playback.h"
 #include "capture/pixel_format_choice.h"
 
 #include <algorithm>
@@ -11,7 +12,6 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include <fcntl.h>
@@ -23,7 +23,6 @@ namespace sslv {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr double kStillRateHz = 30;
 
@@ -33,6 +32,7 @@ struct Options {
   int width = 0, height = 0;
   std::optional<double> frame_rate_hz;
   bool loop = false;
+  Json controls = Json::object();
   static constexpr auto fields() {
     using O = Options;
     return std::tuple{
@@ -47,6 +47,8 @@ struct Options {
         number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
                "pictures a second; 0: as fast as they are taken; null: a video's own rate, 30 for the rest"),
         flag("loop", &O::loop, "begin again at the end"),
+        object("controls", &O::controls,
+               "how it is played, such as {\"paused\": true, \"position\": 100}; changed while it runs"),
     };
   }
 };
@@ -120,8 +122,7 @@ class Descriptor {
 
 class FileSource final : public Source {
  public:
-  explicit FileSource(const Options& options)
-      : options_(options), items_(find_items(options.path)), next_due_(Clock::now()) {
+  explicit FileSource(const Options& options) : options_(options), items_(find_items(options.path)) {
     const bool raw =
         std::any_of(items_.begin(), items_.end(), [](const Item& i) { return i.kind == Kind::kRaw; });
     if (raw &&
@@ -134,63 +135,59 @@ class FileSource final : public Source {
                       options_.width, options_.height));
     }
     double rate_hz = kStillRateHz;
+    auto count = static_cast<std::int64_t>(items_.size());
     if (items_.front().kind == Kind::kVideo) {
       try {
-        open_media(items_.front());
+        media_ = std::make_unique<MediaReader>(items_.front().path, false);
       } catch (const std::exception& error) {
         throw CaptureError(
             fmt::format("path \"{}\": {}; expected a folder of pictures, a picture, a raw frame or a video",
                         options_.path, error.what()));
       }
       if (const double own_hz = media_->frame_rate_hz(); own_hz > 0) rate_hz = own_hz;
+      count = media_->count() > 0 ? media_->count() : kEndless;
     }
-    rate_hz = options_.frame_rate_hz.value_or(rate_hz);
-    if (rate_hz > 0)
-      period_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate_hz));
+    playback_ = std::make_shared<Playback>(count, options_.frame_rate_hz.value_or(rate_hz), options_.loop);
+    warnings_ = apply_controls(*playback_, options_.controls);
   }
 
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
     try {
-      if (period_ > Clock::duration::zero() && !wait_until_due(timeout)) return CaptureStatus::kTimeout;
-      const CaptureStatus status = take(image, problem);
-      image.t_capture_s = unix_time_s();
-      return status;
+      const auto turn = playback_->wait_turn(timeout);
+      if (!turn) return CaptureStatus::kTimeout;
+      return show(*turn, image, problem);
     } catch (const std::exception& error) {
       problem = fmt::format("path \"{}\": {}", options_.path, error.what());
       return CaptureStatus::kLost;
     }
   }
 
- private:
-  /// False when the next picture is not due within `timeout`. A reader that comes late is not rushed
-  /// afterwards.
-  bool wait_until_due(std::chrono::milliseconds timeout) {
-    const Clock::time_point now = Clock::now();
-    std::this_thread::sleep_until(std::min(next_due_, now + timeout));
-    if (next_due_ > now + timeout) return false;
-    next_due_ = std::max(next_due_ + period_, now);
-    return true;
-  }
+  std::shared_ptr<Controls> controls() override { return playback_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
 
-  CaptureStatus take(CapturedImage& image, std::string& problem) {
-    if (place_ == items_.size()) {
-      if (!options_.loop) return CaptureStatus::kEnd;
-      if (!any_good_) {
-        problem = fmt::format("path \"{}\": nothing in it can be read", options_.path);
-        return CaptureStatus::kLost;
-      }
-      place_ = 0;
-      any_good_ = false;
-    }
-    const Item& item = items_[place_];
+ private:
+  CaptureStatus show(std::int64_t place, CapturedImage& image, std::string& problem) {
     const CaptureStatus status =
-        item.kind == Kind::kVideo ? take_video(item, image, problem) : take_still(item, image, problem);
+        media_ ? take_video(place, image, problem) : take_still(place, image, problem);
     any_good_ = any_good_ || status == CaptureStatus::kImage;
+    image.times.t_capture_s = unix_time_s();
     return status;
   }
 
-  CaptureStatus take_still(const Item& item, CapturedImage& image, std::string& problem) {
-    ++place_;
+  /// At the end, behind so many pictures.
+  CaptureStatus begin_again(std::int64_t count, CapturedImage& image, std::string& problem) {
+    if (!playback_->begin_again(count)) return CaptureStatus::kEnd;
+    if (!std::exchange(any_good_, false)) {
+      problem = fmt::format("path \"{}\": nothing in it can be read", options_.path);
+      return CaptureStatus::kLost;
+    }
+    return show(0, image, problem);
+  }
+
+  CaptureStatus take_still(std::int64_t place, CapturedImage& image, std::string& problem) {
+    if (const auto count = static_cast<std::int64_t>(items_.size()); place >= count)
+      return begin_again(count, image, problem);
+    const Item& item = items_[static_cast<std::size_t>(place)];
     try {
       image.image = item.kind == Kind::kRaw ? read_raw(item.path) : read_picture(item.path);
       image.name = item.name;
@@ -232,37 +229,38 @@ class FileSource final : public Source {
     return image;
   }
 
-  CaptureStatus take_video(const Item& item, CapturedImage& image, std::string& problem) {
-    if (!media_) open_media(item);
-    const MediaReader::Result result = media_->read(pool_, image.image, problem);
-    if (result == MediaReader::Result::kEnd) {
-      media_.reset();
-      ++place_;
-      return take(image, problem);
+  CaptureStatus take_video(std::int64_t place, CapturedImage& image, std::string& problem) {
+    const Item& item = items_.front();
+    if (place != video_place_) {
+      if (place > 0) {
+        media_->seek(place);
+      } else {  // without reading through all of it
+        media_ = std::make_unique<MediaReader>(item.path, false);
+      }
+      video_place_ = place;
     }
-    const int number = video_frame_++;
+    const MediaReader::Result result = media_->read(pool_, image.image, problem);
+    if (result == MediaReader::Result::kEnd) return begin_again(video_place_, image, problem);
+    const std::int64_t number = video_place_++;
     if (result == MediaReader::Result::kDamaged) {
       problem = fmt::format("{}: frame {}: {}", item.path, number, problem);
       return CaptureStatus::kIncomplete;
     }
     image.name = fmt::format("{}{:06}", item.name, number);
+    image.times.t_capture_camera_s = media_->time_s();
     return CaptureStatus::kImage;
   }
 
-  void open_media(const Item& item) {
-    media_ = std::make_unique<MediaReader>(item.path, false);
-    video_frame_ = 0;
-  }
+  static constexpr std::int64_t kEndless = std::int64_t{1} << 40;  // pictures of a video that does not say
 
   const Options options_;
   const std::vector<Item> items_;
-  Clock::duration period_{};  // zero: as fast as possible
-  Clock::time_point next_due_;
+  std::shared_ptr<Playback> playback_;
+  std::vector<std::string> warnings_;
   PicturePool pool_;
-  std::unique_ptr<MediaReader> media_;  // the video being read
-  int video_frame_ = 0;
-  std::size_t place_ = 0;  // in items_
-  bool any_good_ = false;  // in this pass through items_
+  std::unique_ptr<MediaReader> media_;  // of a video
+  std::int64_t video_place_ = 0;        // of the picture it gives next
+  bool any_good_ = false;               // in this pass
 };
 
 }  // namespace

@@ -8,12 +8,14 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <mutex>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace sslv {
 namespace {
@@ -69,6 +71,8 @@ struct MediaReader::Libraries {
   AVFrame* frame = allocated(av_frame_alloc());
   SwsContext* converter = nullptr;
   int stream = 0;
+  std::vector<std::int64_t> times;            // of all pictures in order, once they are wanted
+  std::int64_t skip_before = AV_NOPTS_VALUE;  // pictures on the way to the one that was sought
   bool draining = false;  // the file has been read to its end; the decoder may still hold pictures
 
   Libraries() = default;
@@ -83,6 +87,7 @@ struct MediaReader::Libraries {
   }
 
   void feed();
+  void read_times();
   void convert(std::uint8_t* rgb);
 };
 
@@ -117,6 +122,41 @@ MediaReader::~MediaReader() = default;
 double MediaReader::frame_rate_hz() const {
   const AVRational rate = av_guess_frame_rate(av_->container, av_->container->streams[av_->stream], nullptr);
   return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : 0;
+}
+
+std::int64_t MediaReader::count() const {
+  const AVStream& stream = *av_->container->streams[av_->stream];
+  if (stream.nb_frames > 0) return stream.nb_frames;
+  const double length_s = static_cast<double>(av_->container->duration) / AV_TIME_BASE;
+  return length_s > 0 ? static_cast<std::int64_t>(length_s * frame_rate_hz() + 0.5) : 0;
+}
+
+std::optional<double> MediaReader::time_s() const {
+  const std::int64_t time = av_->frame->best_effort_timestamp;
+  if (time == AV_NOPTS_VALUE) return std::nullopt;
+  return static_cast<double>(time) * av_q2d(av_->container->streams[av_->stream]->time_base);
+}
+
+void MediaReader::seek(std::int64_t picture) {
+  if (av_->times.empty()) av_->read_times();
+  if (picture < 0 || picture >= static_cast<std::int64_t>(av_->times.size()))
+    throw std::runtime_error("it has only " + std::to_string(av_->times.size()) + " pictures");
+  const std::int64_t time = av_->times[static_cast<std::size_t>(picture)];
+  check(av_seek_frame(av_->container, av_->stream, time, AVSEEK_FLAG_BACKWARD), "cannot be sought");
+  avcodec_flush_buffers(av_->decoder);
+  av_->draining = false;
+  av_->skip_before = time;
+}
+
+/// Packets come in the order they are decoded in, pictures in that of their times.
+void MediaReader::Libraries::read_times() {
+  check(av_seek_frame(container, stream, 0, AVSEEK_FLAG_BACKWARD), "cannot be sought");
+  while (av_read_frame(container, packet) >= 0) {
+    const std::int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
+    if (packet->stream_index == stream && time != AV_NOPTS_VALUE) times.push_back(time);
+    av_packet_unref(packet);
+  }
+  std::sort(times.begin(), times.end());
 }
 
 /// Hands the decoder the next packet, or the news that there are no more. Throws std::runtime_error for one
@@ -165,6 +205,11 @@ MediaReader::Result MediaReader::read(PicturePool& pool, Image& image, std::stri
         continue;
       }
       check(received, "damaged");
+      const bool is_on_the_way = av_->skip_before != AV_NOPTS_VALUE &&
+                                 av_->frame->best_effort_timestamp != AV_NOPTS_VALUE &&
+                                 av_->frame->best_effort_timestamp < av_->skip_before;
+      if (is_on_the_way) continue;
+      av_->skip_before = AV_NOPTS_VALUE;
       if (av_->frame->decode_error_flags != 0 || (av_->frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
         throw std::runtime_error("damaged");
       }

@@ -36,6 +36,14 @@ class MediaReader {
   /// Pictures a second as the file says; 0 when it does not.
   double frame_rate_hz() const;
 
+  /// How many pictures the file says it has, or would have by its length; 0 when it does not say.
+  std::int64_t count() const;
+  /// The next picture will be this one, counted from 0. Reads through the whole file the first time. Throws
+  /// std::runtime_error.
+  void seek(std::int64_t picture);
+  /// Of the last picture, on the file's clock.
+  std::optional<double> time_s() const;
+
   /// The next picture. For kDamaged `problem` says why; the next call goes on behind the damage.
   Result read(PicturePool& pool, Image& image, std::string& problem);
 

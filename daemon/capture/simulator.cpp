@@ -44,7 +44,7 @@ class SimulatorSource final : public Source {
       return CaptureStatus::kTimeout;
     }
     std::this_thread::sleep_until(due_);
-    image = {std::exchange(ready_, Image()), t_capture_s_, {}, {}};
+    image = {std::exchange(ready_, Image()), {t_capture_s_}, {}};
     return CaptureStatus::kImage;
   }
 

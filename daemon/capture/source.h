@@ -2,7 +2,9 @@
 #pragma once
 
 #include "base/json.h"
+#include "capture/controls.h"
 #include "geometry/scene.h"
+#include "image/frame_info.h"
 #include "image/image.h"
 
 #include <chrono>
@@ -19,10 +21,11 @@ namespace sslv {
 
 /// A picture as the camera gave it.
 struct CapturedImage {
-  Image image;                                 // borrows the driver's buffer
-  double t_capture_s = 0;                      // Unix time of the exposure, as well as the backend knows it
-  std::optional<double> t_capture_camera_s{};  // the camera's own clock
-  std::string name{};  // file stem of a recorded frame; empty (no allocation) for live ones
+  Image image;           // borrows the driver's buffer
+  CaptureTimes times{};     // arrived_ns is the camera thread's work
+  WholePicture whole{};
+  bool is_damaged = false;  // parts of it are missing, and it is wanted all the same
+  std::string name{};    // file stem of a recorded frame; empty (no allocation) for live ones
 };
 
 /// What became of one attempt to get a picture.
@@ -47,6 +50,12 @@ class Source {
 
   /// Pictures since the opening that were never handed over, because nobody took them in time.
   virtual std::uint64_t dropped() const noexcept { return 0; }
+
+  /// What can be set at the camera itself; none: nothing.
+  virtual std::shared_ptr<Controls> controls() { return nullptr; }
+
+  /// What the admin should know of the opening, a line for each: settings that the camera refused.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 /// A camera that cannot be opened; one line for the admin.
@@ -62,8 +71,11 @@ struct SourceContext {
 
 /// A camera that could be opened.
 struct FoundCamera {
-  std::string name;  // model and serial, for people
-  Json source;       // settings lines to paste
+  std::string name;               // with model and serial, for people
+  Json source;                    // settings lines to paste
+  std::string model{}, serial{};  // empty: not known
+  std::vector<std::string>
+      formats{};  // of pixels that it offers and we take; empty: not known before it is opened
 };
 
 /// A row of the table of capture backends. `options` are the keys beside "backend" in a camera's "source".

@@ -439,7 +439,7 @@ Score run_trial(const Trial& trial, const AccuracyCondition& condition, int fram
   for (int i = 0; i < frames; ++i) {
     const double t_s = kFirstS + kStepS * i;
     camera.draw(t_s, picture.data());
-    const Frame& frame = pipeline.process(Image(view, nullptr, nullptr, nullptr), t_s, {});
+    const Frame& frame = pipeline.process(Image(view, nullptr, nullptr, nullptr), {t_s});
     Json found{{"frame", std::to_string(i)}};
     found.update(detections_json(frame.robots, frame.balls));
     const Json expected = camera.truth(std::to_string(i), t_s);

@@ -43,6 +43,11 @@ Json Client::post(const std::string& path, const Json& body) const {
       body_of(client_of(address_).Post(path, body.dump(), "application/json"), address_, path));
 }
 
+Json Client::patch(const std::string& path, const Json& body) const {
+  return Json::parse(
+      body_of(client_of(address_).Patch(path, body.dump(), "application/json"), address_, path));
+}
+
 std::string status_text(const Json& status) {
   const Json& network = status.at("network");
   std::string out = fmt::format("{}  ({}, up {:.0f} s)\n", status.at("site").get<std::string>(),

@@ -21,8 +21,9 @@ class Client {
   /// Body of GET `path`. Throws ClientError with the daemon's own words when it refuses.
   std::string get(const std::string& path) const;
   Json get_json(const std::string& path) const { return Json::parse(get(path)); }
-  /// Answer of POST `path`. Throws likewise.
+  /// Answer of POST or PATCH `path`. Throws likewise.
   Json post(const std::string& path, const Json& body) const;
+  Json patch(const std::string& path, const Json& body) const;
 
  private:
   std::string address_;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
 #include "calibration_json.h"
+#include "cameras.h"
 #include "capture/source.h"
 #include "ctl/accuracy.h"
 #include "ctl/bench.h"
 #include "ctl/calibrate.h"
 #include "ctl/client.h"
+#include "ctl/controls.h"
 #include "ctl/process.h"
 #include "ctl/score.h"
 #include "ctl/simulate.h"
@@ -185,6 +187,39 @@ int run(CLI::App& app, int argc, char** argv) {
           Client(daemon).get(fmt::format("/api/cameras/{}/snapshot.jpg", snapshot_camera));
       Output output(snapshot_file);
       output.stream() << jpeg;
+      return EXIT_SUCCESS;
+    };
+  });
+
+  int controls_camera = 0;
+  bool for_now = false;
+  std::vector<std::string> assignments;
+  CLI::App* controls = app.add_subcommand(
+      "controls", "what can be set at a camera itself; with NAME=VALUE sets it, with NAME does an action");
+  controls->add_option("assignments", assignments, "NAME=VALUE, or the NAME of an action");
+  controls->add_option("--camera", controls_camera, "id of the camera")->capture_default_str();
+  controls->add_flag("--for-now", for_now, "do not save it in the settings");
+  controls->add_flag("--json", as_json, "as the API gives it");
+  controls->callback([&] {
+    act = [&] {
+      const Client client(daemon);
+      Json shown = Json::array();
+      for (const std::string& one : assignments)
+        shown.push_back(set_control(client, controls_camera, one, !for_now));
+      if (assignments.empty())
+        shown = client.get_json(fmt::format("/api/cameras/{}/controls", controls_camera)).at("controls");
+      std::cout << (as_json ? shown.dump(2) + "\n" : controls_text(shown));
+      return EXIT_SUCCESS;
+    };
+  });
+
+  CLI::App* sources =
+      app.add_subcommand("sources", "cameras that the daemon could open, with their settings");
+  sources->add_flag("--json", as_json, "as the API gives it");
+  sources->callback([&] {
+    act = [&] {
+      const Json found = Client(daemon).get_json("/api/sources").at("sources");
+      std::cout << (as_json ? found.dump(2) + "\n" : found_cameras_text(found));
       return EXIT_SUCCESS;
     };
   });

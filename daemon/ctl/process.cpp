@@ -38,7 +38,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
       case CaptureStatus::kImage: {
         const std::string name = captured.name;
         const Frame& frame =
-            pipeline.process(std::move(captured.image), captured.t_capture_s, captured.t_capture_camera_s);
+            pipeline.process(std::move(captured.image), captured.times);
         Json line{{"frame", name}};
         line.update(detections_json(frame.robots, frame.balls));
         line["timing_us"] = Json::object();

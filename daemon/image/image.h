@@ -74,6 +74,8 @@ class Image {
   }
 
   const ImageView& view() const { return view_; }
+  /// From now on it is only this part of the same buffer.
+  void narrow_to(const ImageView& part) { view_ = part; }
 
  private:
   void swap(Image& other) noexcept {

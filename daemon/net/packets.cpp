@@ -142,10 +142,10 @@ void write_detection(const FrameInfo& info, const RobotList& robots, const BallL
   packet.set_source(SSL_SOURCE_OTHER);
   SSL_DetectionFrame& frame = *packet.mutable_detection();
   frame.set_frame_number(info.number);
-  frame.set_t_capture(info.t_capture_s);
+  frame.set_t_capture(info.times.t_capture_s);
   frame.set_t_sent(t_sent_s);
   frame.set_camera_id(info.camera_id);
-  if (info.t_capture_camera_s) frame.set_t_capture_camera(*info.t_capture_camera_s);
+  if (info.times.t_capture_camera_s) frame.set_t_capture_camera(*info.times.t_capture_camera_s);
   for (const Robot& robot : robots.robots) {
     auto& team = robot.team == Team::kYellow ? *frame.mutable_robots_yellow() : *frame.mutable_robots_blue();
     write_robot(robot, *team.Add());

@@ -25,12 +25,12 @@ void forget_results(Frame& frame) {
 CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup)
     : camera_id_(camera_id), sink_(sink), setup_(std::move(setup)) {}
 
-const Frame& CameraPipeline::process(Image image, double t_capture_s,
-                                     std::optional<double> t_capture_camera_s) noexcept {
+const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
+                                     const WholePicture& whole) noexcept {
   const auto setup = setup_.load();
   current_ = ring_.acquire();
   Frame& frame = current_ ? *current_ : spare_;
-  frame.info = {camera_id_, next_number_++, t_capture_s, t_capture_camera_s};
+  frame.info = {camera_id_, next_number_++, times, whole};
   frame.image = std::move(image);
   forget_results(frame);
   setup->pipeline->run(frame, setup->world, sink_, setup->parameters);

@@ -38,7 +38,7 @@ class CameraPipeline {
   std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
 
   /// Runs the stack on one picture. The result is valid until the next call.
-  const Frame& process(Image image, double t_capture_s, std::optional<double> t_capture_camera_s) noexcept;
+  const Frame& process(Image image, const CaptureTimes& times, const WholePicture& whole = {}) noexcept;
 
   /// Finished frames, the newest only.
   const Latest<FrameRef>& finished() const { return finished_; }

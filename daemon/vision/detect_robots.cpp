@@ -60,7 +60,7 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   work_ = 0;
   if (!scene.camera || image.view().empty()) return;
   const Frame frame{image.view(), *scene.camera, patterns, lut, params.blur_px};
-  const double now_s = info.t_capture_s;
+  const double now_s = info.times.t_capture_s;
   memory_.forget(now_s, params.memory_ms * 1e-3);
 
   double dots_height_mm = std::numeric_limits<double>::quiet_NaN();

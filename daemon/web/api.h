@@ -24,6 +24,11 @@ std::uint32_t path_camera(const WebHost& host, const httplib::Request& request);
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
+// api_controls.cpp: the path holds the camera's id
+void get_controls(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void set_control(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_sources(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+
 // api_calibration.cpp: the path holds the camera's id
 void get_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void start_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);

@@ -54,6 +54,17 @@ struct WebHost {
                                     std::chrono::milliseconds timeout)>
       wait_view;
 
+  /// What can be set at a camera itself, as it is now. May take as long as the camera needs. Throws
+  /// HttpError: 404 no such camera, 409 not open, or it has none.
+  std::function<Json(std::uint32_t camera_id)> controls;
+  /// Sets one without saving it, or does an action; answers with the control. Throws SettingsError when the
+  /// camera refuses it, and as `controls` does.
+  std::function<Json(std::uint32_t camera_id, const std::string& name, const Json& value,
+                     const std::string& who)>
+      set_control;
+  /// Cameras found now, of all backends. Takes a second or so.
+  std::function<Json()> sources;
+
   /// Calibration of a camera; each answers with its state. All but the first may throw HttpError: 404 no such
   /// camera, 409 not in this state, 423 not while the game runs, unless `force`; and what patch_settings
   /// throws.

@@ -117,6 +117,51 @@ TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
   EXPECT_LT(worst_turn_rad, 0.12);
 }
 
+TEST_F(Daemon, TilesOfOneCameraFindWhatItShows) {
+  constexpr int kWidth = 440;
+  const Truth truth(settings_);
+  const Json whole = settings_["cameras"][0];
+  settings_["cameras"] = Json::array();
+  for (const int i : {0, 1}) {
+    Json tile = whole;
+    const int x = 340 * i;
+    tile["id"] = i;
+    tile["source"] = {{"backend", "tile"}, {"of", whole["source"]}, {"x", x}, {"y", 0},
+                      {"width", kWidth},   {"height", 580}};
+    tile["calibration"]["principal_point_x"] = whole["calibration"]["principal_point_x"].get<double>() - x;
+    tile["calibration"]["pixel_image_width"] = kWidth;
+    settings_["cameras"].push_back(tile);
+  }
+  RunningDaemon daemon(settings_file(), state_);
+  std::array<int, 2> frames{}, robots{};
+  while (frames[0] < 40 || frames[1] < 40) {
+    const SSL_WrapperPacket packet = receive(listener_);
+    if (!packet.has_detection()) continue;
+    const SSL_DetectionFrame& frame = packet.detection();
+    const auto camera = frame.camera_id();
+    ASSERT_LT(camera, 2U);
+    ++frames[camera];
+    for (const SimulatedRobot& robot : truth.world->at(frame.t_capture()).robots) {
+      // The whole camera's picture, of which a tile shows a part.
+      const auto pixel = truth.cameras.at(0).project({robot.x_mm, robot.y_mm, robot.height_mm});
+      const double x = pixel ? pixel->x() - 340.0 * camera : 0;
+      if (!pixel || x < 20 || x > kWidth - 20 || pixel->y() < 20 || pixel->y() > 560) continue;
+      const auto& seen = robot.team == Team::kBlue ? frame.robots_blue() : frame.robots_yellow();
+      const auto found = std::find_if(seen.begin(), seen.end(), [&](const SSL_DetectionRobot& one) {
+        return one.robot_id() == static_cast<std::uint32_t>(robot.id);
+      });
+      ASSERT_NE(found, seen.end()) << "tile " << camera << " does not report robot " << robot.id;
+      EXPECT_LT(std::hypot(found->x() - robot.x_mm, found->y() - robot.y_mm), 12);
+      ++robots[camera];
+    }
+  }
+  EXPECT_GT(robots[0], 40);
+  EXPECT_GT(robots[1], 40);
+  const Json status = daemon.get("/api/status");
+  EXPECT_EQ(status["cameras"][1]["width"], kWidth);
+  EXPECT_EQ(status["cameras"][1]["backend"], "tile");
+}
+
 TEST_F(Daemon, EndsCleanlyWhenAsked) {
   for (const int signal : {SIGTERM, SIGINT}) {
     RunningDaemon daemon(settings_file(), state_);
@@ -339,9 +384,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadSettings{"UnknownStage",
                     R"([{"op": "add", "path": "/cameras/1/stack", "value": ["treshold"]}])",
                     {"/cameras/1/stack/0: unknown stage 'treshold'", "threshold"}},
-        BadSettings{"UnknownBackend",
-                    R"([{"op": "replace", "path": "/cameras/0/source/backend", "value": "firewire"}])",
-                    {"/cameras/0/source/backend", "firewire", "aravis, files, simulator"}},
+        BadSettings{
+            "UnknownBackend",
+            R"([{"op": "replace", "path": "/cameras/0/source/backend", "value": "firewire"}])",
+            {"/cameras/0/source/backend", "firewire", "aravis, dc1394, files, simulator, tile, v4l2"}},
         BadSettings{"UnknownOption",
                     R"([{"op": "add", "path": "/cameras/0/source/robots", "value": 3}])",
                     {"/cameras/0/source/robots: no such parameter", "robots_yellow"}},

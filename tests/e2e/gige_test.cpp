@@ -137,6 +137,66 @@ TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
   EXPECT_EQ(back["cameras"][1]["reconnects"], 0);
 }
 
+TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
+  auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  const auto is_running = [](const Json& s) { return s["cameras"][0]["state"] == "running"; };
+  const auto exposure_us = [&] {
+    const Json answer = daemon.get("/api/cameras/0/controls");
+    for (const Json& control : answer["controls"]) {
+      if (control["name"] == "ExposureTimeAbs") return control["value"].get<double>();
+    }
+    return 0.0;
+  };
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
+
+  // Saved, and in force at once without opening the camera anew.
+  const Json patch = {
+      {{"op", "add"}, {"path", "/cameras/0/source/controls/ExposureTimeAbs"}, {"value", 4000.0}}};
+  daemon.patch(patch);
+  EXPECT_EQ(exposure_us(), 4000);
+  EXPECT_EQ(daemon.get("/api/status")["cameras"][0]["reconnects"], 0);
+
+  // Refused with what is allowed: neither saved nor set, and what went with it is set back.
+  const Json refused = daemon.patch(
+      {{{"op", "replace"}, {"path", "/cameras/0/source/controls/ExposureTimeAbs"}, {"value", 5000.0}},
+       {{"op", "add"}, {"path", "/cameras/0/source/controls/PixelFormat"}, {"value", "Sepia"}}},
+      422);
+  EXPECT_THAT(refused["error"].get<std::string>(),
+              HasSubstr("/cameras/0/source/controls/PixelFormat: \"Sepia\" is not allowed; expected one of"));
+  EXPECT_EQ(exposure_us(), 4000);
+  EXPECT_EQ(daemon.get("/api/settings")["settings"]["cameras"][0]["source"]["controls"],
+            Json({{"ExposureTimeAbs", 4000.0}}));
+
+  // For a moment only.
+  EXPECT_EQ(daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", 6000.0}})["value"], 6000);
+  daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", -6000.0}}, 422);
+  EXPECT_EQ(exposure_us(), 6000);
+
+  // A camera that lost its power comes back as it was saved.
+  camera->send_signal(SIGKILL);
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["state"] == "lost"; });
+  daemon.get("/api/cameras/0/controls", 409);
+  camera.reset();
+  camera = start_camera();
+  daemon.wait_for_status(is_running);
+  EXPECT_EQ(exposure_us(), 4000);
+}
+
+TEST_F(Gige, AControlThatTheCameraRefusesAtTheOpeningIsAnAlert) {
+  settings_["cameras"][0]["source"]["controls"] = {{"Colour", 1}, {"ExposureTimeAbs", 3000.0}};
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
+  EXPECT_EQ(status["alerts"][0]["title"],
+            "Camera 0 refused a control: Colour: the camera has no such control");
+  bool is_found = false;
+  const Json answer = daemon.get("/api/sources");
+  for (const Json& source : answer["sources"])
+    is_found = is_found || (source["backend"] == "aravis" && source["serial"] == "TEST01");
+  EXPECT_TRUE(is_found);
+}
+
 TEST_F(Gige, ACameraThatIsSwitchedOnLaterIsFound) {
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["state"] == "lost"; });

@@ -142,7 +142,7 @@ TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
                          [&](const std::string& title) { return title.find(part) != std::string::npos; });
     });
   };
-  write_detection({.camera_id = 7, .number = 1, .t_capture_s = 1}, {}, {}, 2, packet);
+  write_detection({.camera_id = 7, .number = 1, .times = {1}}, {}, {}, 2, packet);
   status = wait_for_title("127.0.0.1 sends to the vision group too");
   EXPECT_EQ(status["alerts"][0]["severity"], "info");
   EXPECT_EQ(status["network"]["other_visions"][0]["cameras"], Json{7});

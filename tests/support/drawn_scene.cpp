@@ -259,7 +259,7 @@ RobotList DrawnScene::robots(const DetectRobots::Params& params) {
 RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const DetectRobots::Params& params) {
   RobotList out;
   FrameInfo info;
-  info.t_capture_s = t_s;
+  info.times.t_capture_s = t_s;
   const RegionList& found = regions();
   detector.process(params, scene_, league_patterns(), *lut_, info, image(), found, out);
   return out;

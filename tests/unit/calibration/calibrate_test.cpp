@@ -74,6 +74,29 @@ void swap_pixels(CalibrationTask& task, std::size_t a, std::size_t b) {
   std::swap(task.clicks[a].pixel, task.clicks[b].pixel);
 }
 
+TEST(Calibrate, ATileKnowsThePictureItIsAPartOf) {
+  constexpr int kX = 360, kWidth = 420;
+  LensCamera whole = floor_camera({0, FloorView::kWhole});
+  PaintedFloor floor;
+  floor.field = floor_field(0);
+  const FloorPicture drawn = draw_floor(floor, whole);
+  Shot tile{whole, floor, {}};
+  tile.camera.width = kWidth;
+  tile.camera.center_x -= kX;
+  ImageView view = drawn.view;
+  view.data += kX * bytes_per_pixel(view.format);
+  view.width = kWidth;
+  tile.picture.add(view);
+  tile.picture.whole = {whole.width, whole.height, kX, 0};
+  CalibrationTask task = clicked(tile, kHalfCorners);
+  task.height_mm = tile.camera.position_mm.z() + 10;
+  const CalibrationReport report = calibrate(tile.picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(tile.floor_error_mm(report), 0.15);
+  EXPECT_LT(tile.robots_error_mm(report), 0.5);
+  EXPECT_NEAR(report.calibration.principal_point_x, tile.camera.center_x, 12);
+}
+
 TEST(Calibrate, FindsTheCameraFromFourClicks) {
   CalibrationTask task = clicked(usual_half(), kHalfCorners);
   task.height_mm = usual_half().camera.position_mm.z() + 8;

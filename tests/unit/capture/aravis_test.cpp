@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include <gmock/gmock.h>
@@ -121,10 +122,82 @@ TEST_F(Gige, SetsWhatItIsTold) {
 TEST_F(Gige, PicturesHaveTimes) {
   const auto source = open();
   const CapturedImage first = next_picture(*source), second = next_picture(*source);
-  EXPECT_LT(std::abs(first.t_capture_s - unix_time_s()), 60);
-  EXPECT_LT(first.t_capture_s, second.t_capture_s);
-  ASSERT_TRUE(first.t_capture_camera_s && second.t_capture_camera_s);
-  EXPECT_LT(*first.t_capture_camera_s, *second.t_capture_camera_s);
+  EXPECT_LT(std::abs(first.times.t_capture_s - unix_time_s()), 60);
+  EXPECT_LT(first.times.t_capture_s, second.times.t_capture_s);
+  ASSERT_TRUE(first.times.t_capture_camera_s && second.times.t_capture_camera_s);
+  EXPECT_LT(*first.times.t_capture_camera_s, *second.times.t_capture_camera_s);
+  // From nothing but its arrival, until the camera's clock is known.
+  EXPECT_FALSE(first.times.t_capture_sigma_s);
+  CapturedImage later;
+  for (int i = 0; i < 400 && !later.times.t_capture_sigma_s; ++i) later = next_picture(*source);
+  EXPECT_TRUE(later.times.t_capture_sigma_s);
+}
+
+TEST_F(Gige, ControlsAreThoseOfTheCamera) {
+  const auto source = open({{"exposure_us", 1500}});
+  const auto controls = source->controls();
+  std::map<std::string, Control> all;
+  for (const Control& control : controls->list()) all[control.name] = control;
+  EXPECT_EQ(all["ExposureTimeAbs"].kind, ControlKind::kNumber);
+  EXPECT_EQ(all["ExposureTimeAbs"].value, 1500);
+  EXPECT_GT(all["ExposureTimeAbs"].most, 10000);
+  EXPECT_EQ(all["ExposureTimeAbs"].category, "AcquisitionControl");
+  EXPECT_TRUE(all["ExposureTimeAbs"].writable);
+  EXPECT_EQ(all["Width"].kind, ControlKind::kInteger);
+  EXPECT_EQ(all["Width"].value, 320);
+  EXPECT_EQ(all["PixelFormat"].kind, ControlKind::kChoice);
+  EXPECT_EQ(all["PixelFormat"].value, "BayerRG8");
+  EXPECT_THAT(all["PixelFormat"].choices, testing::Contains("Mono8"));
+  EXPECT_EQ(all["TriggerSoftware"].kind, ControlKind::kAction);
+  EXPECT_EQ(all["DeviceModelName"].kind, ControlKind::kText);
+  EXPECT_FALSE(all["SensorWidth"].writable);
+  EXPECT_FALSE(all.contains("AcquisitionStop"));
+}
+
+TEST_F(Gige, ControlsAreSetWhileItRuns) {
+  const auto source = open();
+  const auto controls = source->controls();
+  EXPECT_EQ(controls->set("GainRaw", 7), ControlEffect::kAtOnce);
+  EXPECT_EQ(controls->get("GainRaw").value, 7);
+  controls->set("ExposureTimeAbs", 2500.0);
+  EXPECT_EQ(controls->get("ExposureTimeAbs").value, 2500.0);
+  // What changes the size of pictures cannot be changed under a running stream.
+  EXPECT_EQ(controls->set("Width", 100), ControlEffect::kWhenOpened);
+  expect_our_pixels(next_picture(*source).image.view());
+}
+
+TEST_F(Gige, ControlsSayWhatTheyTake) {
+  const auto source = open();
+  const auto controls = source->controls();
+  const auto refusal_of = [&](const char* name, const Json& value) -> std::string {
+    try {
+      controls->set(name, value);
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(refusal_of("GainRaw", 99), "GainRaw: 99 is not allowed; expected a whole number from 0 to 10");
+  EXPECT_THAT(refusal_of("PixelFormat", "Sepia"),
+              HasSubstr("\"Sepia\" is not allowed; expected one of \"BayerBG8\", "));
+  EXPECT_EQ(refusal_of("Colour", 1), "Colour: the camera has no such control");
+  EXPECT_EQ(refusal_of("SensorWidth", 100), "SensorWidth: cannot be set now: the camera only shows it");
+}
+
+TEST_F(Gige, ControlsOfTheSettingsAreSetAtTheOpening) {
+  const auto source = open({{"controls", {{"GainRaw", 5}, {"TriggerMode", "Off"}, {"ExposureTimeAbs", -4}}}});
+  EXPECT_EQ(source->controls()->get("GainRaw").value, 5);
+  ASSERT_EQ(source->warnings().size(), 1u);
+  EXPECT_THAT(source->warnings()[0], HasSubstr("ExposureTimeAbs: -4 is not allowed; expected a number from"));
+  expect_our_pixels(next_picture(*source).image.view());  // all the same
+}
+
+TEST_F(Gige, ControlsOutliveTheSource) {
+  auto source = open();
+  const auto controls = source->controls();
+  source.reset();
+  EXPECT_THROW(controls->list(), CaptureError);
+  EXPECT_THROW(controls->set("GainRaw", 1), CaptureError);
 }
 
 TEST_F(Gige, PicturesOutliveTheSource) {

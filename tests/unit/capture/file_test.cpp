@@ -280,6 +280,41 @@ TEST_F(Files, AVideoBeginsAgainWhenAskedTo) {
     EXPECT_EQ(next(*source).image.name, name);
 }
 
+TEST_F(Files, AnyPictureOfAVideoCanBeShown) {
+  for (const char* name : {"a.mkv", "a.mp4"}) {
+    std::vector<RgbPicture> pictures;
+    for (int i = 0; i < 40; ++i)
+      pictures.push_back(
+          {64, 64, std::vector<std::uint8_t>(64 * 64 * 3, static_cast<std::uint8_t>(10 + 5 * i))});
+    write_media(path(name), pictures);
+    const auto source = open(path(name));
+    const auto controls = source->controls();
+    for (const int i : {17, 3, 39, 0, 16, 17}) {
+      controls->set("position", i);
+      const Taken taken = next(*source);
+      ASSERT_EQ(taken.status, CaptureStatus::kImage) << taken.problem;
+      EXPECT_LE(largest_difference(copy_of(taken.image.image), pictures[static_cast<std::size_t>(i)]), 3)
+          << i;
+      ASSERT_TRUE(taken.image.times.t_capture_camera_s);
+      EXPECT_NEAR(*taken.image.times.t_capture_camera_s, i / 25.0, 0.01) << name;
+    }
+    controls->set("paused", true);
+    EXPECT_EQ(next(*source).status, CaptureStatus::kTimeout);
+    controls->set("step", nullptr);
+    EXPECT_EQ(next(*source).image.name, "a000018");
+    controls->set("step_back", nullptr);
+    EXPECT_EQ(next(*source).image.name, "a000017");
+  }
+}
+
+TEST_F(Files, ARecordingOpensAsItsControlsSay) {
+  for (const char* name : {"a.png", "b.png", "c.png"}) write_media(path(name), {picture(0)});
+  const auto source =
+      open(folder_.string(), {{"controls", {{"position", 1}, {"paused", true}, {"zoom", 2}}}});
+  ASSERT_EQ(source->warnings().size(), 1U);
+  EXPECT_EQ(source->warnings()[0], "zoom: a recording has no such control");
+}
+
 TEST_F(Files, ACutVideoEnds) {
   write_media(path("a.mkv"), std::vector<RgbPicture>(20, picture(0)));
   const std::string whole = read("a.mkv");
@@ -314,8 +349,9 @@ TEST_F(Files, UnknownOptionsAreRefused) {
   EXPECT_THROW(file_backend().complete({{"pixel_format", "rgb"}}, "/cameras/0/source"), SettingsError);
   EXPECT_EQ(
       file_backend().complete(Json::object(), ""),
-      Json::parse(R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
-                            "loop": false})"));
+      Json::parse(
+          R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
+                            "loop": false, "controls": {}})"));
 }
 
 /// Whatever bytes lie on the disk: pictures, problems and an end, nothing else.

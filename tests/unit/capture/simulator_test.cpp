@@ -43,7 +43,7 @@ TEST(Simulator, GivesPicturesOfTheAskedKind) {
   EXPECT_EQ(image.image.view().height, 96);
   EXPECT_EQ(image.image.view().format, PixelFormat::kBayerGb8);
   EXPECT_EQ(image.image.view().stride_bytes, 128);
-  EXPECT_FALSE(image.t_capture_camera_s);
+  EXPECT_FALSE(image.times.t_capture_camera_s);
   EXPECT_EQ(image.name, "");
 }  // the picture outlives its source
 
@@ -55,9 +55,9 @@ TEST(Simulator, ExposesAtWholeMultiplesOfThePeriod) {
   for (int i = 0; i < 5; ++i) {
     while (source->next(image, problem, 100ms) != CaptureStatus::kImage) {
     }
-    EXPECT_NEAR(std::remainder(image.t_capture_s, 0.02), 0, 1e-5);
-    EXPECT_GT(image.t_capture_s, last_s + 0.019);
-    last_s = image.t_capture_s;
+    EXPECT_NEAR(std::remainder(image.times.t_capture_s, 0.02), 0, 1e-5);
+    EXPECT_GT(image.times.t_capture_s, last_s + 0.019);
+    last_s = image.times.t_capture_s;
   }
 }
 

@@ -24,7 +24,7 @@ udp::endpoint from(const char* address, std::uint16_t port = 40'000) {
 
 SSL_WrapperPacket detection(std::uint32_t camera_id) {
   SSL_WrapperPacket packet;
-  write_detection({.camera_id = camera_id, .number = 1, .t_capture_s = 1}, {}, {}, 2, packet);
+  write_detection({.camera_id = camera_id, .number = 1, .times = {1}}, {}, {}, 2, packet);
   return packet;
 }
 

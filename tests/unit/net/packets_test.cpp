@@ -60,7 +60,7 @@ CameraModel camera() {
 }
 
 TEST(Packets, DetectionBytes) {
-  const FrameInfo info{.camera_id = 3, .number = 300, .t_capture_s = 1000.5, .t_capture_camera_s = 2.25};
+  const FrameInfo info{.camera_id = 3, .number = 300, .times = {1000.5, 2.25}};
   Robot blue{};
   blue.team = Team::kBlue;
   blue.height_mm = 150;
@@ -106,7 +106,7 @@ TEST(Packets, DetectionBytes) {
 TEST(Packets, EmptyDetectionBytes) {
   SSL_WrapperPacket packet;
   std::vector<std::byte> buffer;
-  write_detection({.camera_id = 0, .number = 1, .t_capture_s = 0}, {}, {}, 2, packet);
+  write_detection({.camera_id = 0, .number = 1, .times = {0}}, {}, {}, 2, packet);
   EXPECT_EQ(text(serialize(packet, buffer)), bytes("0a 16"
                                                    "  08 01"                       // frame_number 1
                                                    "  11 00 00 00 00 00 00 00 00"  // t_capture 0
@@ -433,9 +433,9 @@ TEST(Packets, OrientationIsAboveMinusPiAndAtMostPi) {
 TEST(Packets, AUsedMessageKeepsNothingOfTheLastFrame) {
   SSL_WrapperPacket packet;
   write_geometry({.field = {}, .cameras = {{4, camera()}}}, packet);
-  write_detection({.camera_id = 1, .number = 2, .t_capture_s = 3, .t_capture_camera_s = 4},
+  write_detection({.camera_id = 1, .number = 2, .times = {3, 4}},
                   {{robot(Team::kBlue, 1)}}, {{ball(1)}}, 5, packet);
-  write_detection({.camera_id = 1, .number = 3, .t_capture_s = 4}, {}, {}, 6, packet);
+  write_detection({.camera_id = 1, .number = 3, .times = {4}}, {}, {}, 6, packet);
   EXPECT_FALSE(packet.has_geometry());
   EXPECT_FALSE(packet.detection().has_t_capture_camera());
   EXPECT_EQ(packet.detection().robots_blue_size(), 0);

@@ -36,8 +36,8 @@ TEST(DetectionSender, SendsOnePacketAFrameAlsoWhenNothingWasFound) {
   MulticastSender out(settings_for(listener));
   DetectionSender sender(out);
   const double before_s = unix_time_s();
-  const double first_s = sender.send({.camera_id = 2, .number = 5, .t_capture_s = 1}, {{robot(3)}}, {});
-  const double second_s = sender.send({.camera_id = 2, .number = 6, .t_capture_s = 2}, {}, {});
+  const double first_s = sender.send({.camera_id = 2, .number = 5, .times = {1}}, {{robot(3)}}, {});
+  const double second_s = sender.send({.camera_id = 2, .number = 6, .times = {2}}, {}, {});
   EXPECT_LE(before_s, first_s);
   EXPECT_LE(second_s, unix_time_s());
 
@@ -62,7 +62,7 @@ TEST(DetectionSender, AllocatesNothingInSteadyState) {
   for (int id = 0; id < 16; ++id) full.robots.push_back(robot(id));
   for (int i = 0; i < 5; ++i) balls.balls.push_back({0, 0, 0, 0, 40, 0.2 * i});
   const RobotList none;
-  FrameInfo info{.camera_id = 0, .number = 0, .t_capture_s = 0, .t_capture_camera_s = 0};
+  FrameInfo info{.camera_id = 0, .number = 0, .times = {0, 0}};
   const auto publish = [&] {
     sender.send(info, info.number % 2 == 0 ? full : none, balls);  // the counts change, as they do on a field
     ++info.number;

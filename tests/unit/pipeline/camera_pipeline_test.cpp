@@ -66,7 +66,7 @@ TEST(CameraPipeline, NumbersPublishesAndOffersEveryFrame) {
   CountingSink sink;
   CameraPipeline camera(7, sink, setup_of({"mark", "publish"}));
   for (std::uint32_t i = 0; i < 5; ++i) {
-    const Frame& frame = camera.process({}, 100.0 + i, std::nullopt);
+    const Frame& frame = camera.process({}, {100.0 + i});
     EXPECT_EQ(frame.info.camera_id, 7u);
     EXPECT_EQ(frame.info.number, i);
     EXPECT_EQ(frame.stage_ns.size(), 2u);
@@ -82,9 +82,9 @@ TEST(CameraPipeline, NumbersPublishesAndOffersEveryFrame) {
 TEST(CameraPipeline, ANewSetupTakesForceWithTheNextFrame) {
   CountingSink sink;
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
-  EXPECT_EQ(camera.process({}, 0, {}).balls.balls.size(), 0u);
+  EXPECT_EQ(camera.process({}, {}).balls.balls.size(), 0u);
   camera.change(setup_of({"mark", "publish"}, {{"mark", {{"balls", 3}}}}));
-  EXPECT_EQ(camera.process({}, 0, {}).balls.balls.size(), 3u);
+  EXPECT_EQ(camera.process({}, {}).balls.balls.size(), 3u);
   EXPECT_EQ(camera.counters().balls, 3u);
 }
 
@@ -95,10 +95,10 @@ TEST(CameraPipeline, WhatTheStackMakesNoMoreIsNotLeftFromEarlierFrames) {
   const auto picture = [&] {
     return Image({pixels.data(), 8, 4, 16, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
   };
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(camera.process(picture(), 0, {}).runs.width, 8);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(camera.process(picture(), {}).runs.width, 8);
   camera.change(setup_of({}));
   for (int i = 0; i < 20; ++i) {
-    const Frame& frame = camera.process(picture(), 0, {});
+    const Frame& frame = camera.process(picture(), {});
     EXPECT_EQ(frame.runs.width, 0);
     EXPECT_TRUE(frame.balls.balls.empty());
   }
@@ -110,14 +110,14 @@ TEST(CameraPipeline, ViewersThatHoldEverythingCostNoDetection) {
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
   std::vector<FrameRef> held;
   for (int i = 0; i < 20; ++i) {
-    camera.process({}, 0, {});
+    camera.process({}, {});
     held.push_back(camera.finished().peek()->value);
   }
   EXPECT_EQ(sink.packets, 20u);
   const auto unseen = camera.counters().unseen;
   EXPECT_GT(unseen, 10u);
   held.clear();
-  camera.process({}, 0, {});
+  camera.process({}, {});
   EXPECT_EQ(camera.counters().unseen, unseen);
 }
 
@@ -131,13 +131,13 @@ TEST(CameraPipeline, FramesInTheSpareGiveTheirBufferBackAtOnce) {
   };
   std::vector<FrameRef> held;
   for (int i = 0; i < 20; ++i) {
-    camera.process(picture(), 0, {});
+    camera.process(picture(), {});
     held.push_back(camera.finished().peek()->value);
   }
   EXPECT_LE(buffers_out, 9);
   held.clear();
   camera.close();
-  camera.process({}, 0, {});
+  camera.process({}, {});
   EXPECT_LE(buffers_out, 1);
 }
 
@@ -173,7 +173,7 @@ TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {
       for (int i = 0; i < frames; ++i) {
         const ImageView view{pictures[static_cast<std::size_t>(i) % pictures.size()].data(), 200, 160, 400,
                              PixelFormat::kUyvy};
-        camera.process(Image(view, nullptr, nullptr, nullptr), 0, {});
+        camera.process(Image(view, nullptr, nullptr, nullptr), {});
       }
     };
     run(100);  // lists of all slots grow to what the pictures need

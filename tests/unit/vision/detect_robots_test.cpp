@@ -575,7 +575,7 @@ TEST(DetectRobots, NothingInAPictureWithoutColours) {
   ASSERT_THAT(colored.robots_by(detector, 1).robots, SizeIs(1));
   RobotList out;
   FrameInfo info;
-  info.t_capture_s = 1.016;
+  info.times.t_capture_s = 1.016;
   detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), info, drawn.image(), colored.regions(),
                    out);
   EXPECT_THAT(out.robots, IsEmpty());
@@ -597,7 +597,7 @@ TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
     large.robots_by(detector, 1);
     RobotList out;
     FrameInfo info;
-    info.t_capture_s = 1.016;
+    info.times.t_capture_s = 1.016;
     detector.process({}, small.scene(), league_patterns(), small.lut(), info, small.image(), large.regions(),
                      out);
     EXPECT_LE(out.robots.size(), 2U);
@@ -646,7 +646,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
       params.max_work = most;
       const auto process = [&](double t_s) {
         FrameInfo info;
-        info.t_capture_s = t_s;
+        info.times.t_capture_s = t_s;
         detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), info, image, regions, out);
       };
       process(1);

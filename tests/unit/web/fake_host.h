@@ -67,6 +67,13 @@ class FakeHost {
       last_author_ = who;
       return Json{{"revision", 8}, {"settings", patch}, {"saved", true}};
     };
+    host.controls = [](std::uint32_t id) { return Json{{{"name", "Gain"}, {"camera", id}}}; };
+    host.set_control = [](std::uint32_t id, const std::string& name, const Json& value,
+                          const std::string& who) {
+      if (name != "Gain") throw SettingsError(name + ": the camera has no such control");
+      return Json{{"camera", id}, {"name", name}, {"value", value}, {"who", who}};
+    };
+    host.sources = [] { return Json{{{"backend", "aravis"}}}; };
     host.camera_ids = [] { return std::vector<std::uint32_t>{0}; };
     host.wait_view = [this](std::uint32_t camera_id, std::uint64_t newer_than,
                             std::chrono::milliseconds timeout) -> std::optional<View> {

@@ -161,6 +161,19 @@ TEST_F(RouterTest, CalibrationOfCamerasTogetherReachesTheHost) {
   EXPECT_EQ(ask("POST", path + "/revert").status, 404);
 }
 
+TEST_F(RouterTest, ControlsOfACameraReachTheHost) {
+  const std::string path = "/api/cameras/0/controls";
+  EXPECT_EQ(Json::parse(ask("GET", path).body)["controls"][0]["name"], "Gain");
+  const Json set = Json::parse(ask("POST", path + "/Gain", R"({"value": 3})").body);
+  EXPECT_EQ(set, Json::parse(R"({"camera": 0, "name": "Gain", "value": 3, "who": "192.0.2.7"})"));
+  EXPECT_EQ(Json::parse(ask("POST", path + "/Gain").body)["value"], nullptr);  // an action
+  EXPECT_EQ(ask("POST", path + "/Glow", R"({"value": 3})").status, 422);
+  EXPECT_EQ(ask("POST", path + "/Gain", "3").status, 400);
+  EXPECT_EQ(ask("POST", path + "/Gain", R"({"value": 3, "save": true})").status, 400);
+  EXPECT_EQ(ask("GET", "/api/cameras/7/controls").status, 404);
+  EXPECT_EQ(Json::parse(ask("GET", "/api/sources").body)["sources"][0]["backend"], "aravis");
+}
+
 TEST_F(RouterTest, WritesFromOtherSitesAreRefused) {
   const std::string foreign = "Origin: http://evil.example\r\n";
   EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", foreign).status, 403);

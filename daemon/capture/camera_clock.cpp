@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/camera_clock.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+constexpr double kBinS = 0.25, kLongestBinS = 1;
+constexpr std::size_t kLeastInBin = 10;
+/// Low enough to leave delays out, high enough to be sure of.
+constexpr double kQuantile = 0.2;
+constexpr std::size_t kBinsForDrift = 5;
+/// Further off than this for a while, and the clock has jumped. A picture earlier than possible needs little
+/// proof, late ones may come from a host that was busy.
+constexpr double kJumpS = 0.003, kJumpSpreadS = 0.010, kLateForS = 0.5;
+constexpr int kEarlyPictures = 3, kLatePictures = 8;
+/// A camera that was silent for so long may have been switched off and on.
+constexpr double kGapS = 10;
+
+double quantile(const double* sorted, std::size_t count) {
+  return sorted[static_cast<std::size_t>(kQuantile * static_cast<double>(count - 1) + 0.5)];
+}
+
+}  // namespace
+
+CameraClock::Estimate CameraClock::add(double t_camera_s, double t_arrival_s) {
+  const double t_s = t_camera_s - base_camera_s_;
+  if (!started_ || t_s < last_s_ || t_s > last_s_ + kGapS ||
+      has_jumped(t_s, t_arrival_s - base_arrival_s_ - t_s)) {
+    restart();
+    started_ = true;
+    base_camera_s_ = t_camera_s;
+    base_arrival_s_ = t_arrival_s;
+    return add(t_camera_s, t_arrival_s);
+  }
+  last_s_ = t_s;
+  const double offset_s = t_arrival_s - base_arrival_s_ - t_s;
+  if (strays_ == 0) {
+    const double age_s = t_s - bin_start_s_;
+    const bool full = in_bin_count_ == kMostInBin || (age_s >= kBinS && in_bin_count_ >= kLeastInBin);
+    if (in_bin_count_ > 0 && (full || age_s >= kLongestBinS)) close_bin();
+    if (in_bin_count_ == 0) bin_start_s_ = t_s;
+    const auto end = in_bin_.begin() + static_cast<std::ptrdiff_t>(in_bin_count_);
+    const auto place = std::upper_bound(in_bin_.begin(), end, offset_s);
+    std::copy_backward(place, end, end + 1);
+    *place = offset_s;
+    ++in_bin_count_;
+    bin_sum_s_ += t_s;
+    if (bin_count_ == 0) {
+      offset_s_ = quantile(in_bin_.data(), in_bin_count_);
+      residual_s_ = in_bin_[in_bin_count_ - 1] - in_bin_[0];
+      rise_s_ = offset_s_ - in_bin_[0];
+    }
+  }
+  Estimate out;
+  out.t_host_s = base_arrival_s_ + t_s + predicted_offset_s(t_s);
+  out.settled = bin_count_ >= kBinsForDrift;
+  // At the end of its points a fitted line is twice as uncertain as in their middle; how far the quantile
+  // lies above a picture without any delay is not known better than how far it lies above the earliest.
+  out.sigma_s = std::hypot(
+      2 * residual_s_ / std::sqrt(static_cast<double>(std::max<std::size_t>(1, bin_count_))), rise_s_);
+  return out;
+}
+
+bool CameraClock::has_jumped(double t_s, double offset_s) {
+  if (bin_count_ == 0) return false;
+  const double off_s = offset_s - predicted_offset_s(t_s);
+  const double spread_s = std::max(kJumpS, 6 * residual_s_);
+  const bool early = off_s<-spread_s, late = off_s> std::max(kJumpSpreadS, spread_s);
+  const bool goes_on = strays_ > 0 && std::abs(off_s - stray_offset_s_) < kJumpSpreadS;
+  if (!early && !late) {
+    strays_ = 0;
+    return false;
+  }
+  if (!goes_on) {
+    strays_ = 0;
+    stray_offset_s_ = off_s;
+    first_stray_s_ = t_s;
+  }
+  ++strays_;
+  return early ? strays_ >= kEarlyPictures : strays_ >= kLatePictures && t_s - first_stray_s_ >= kLateForS;
+}
+
+void CameraClock::restart() {
+  *this = CameraClock{};
+}
+
+void CameraClock::close_bin() {
+  const auto count = static_cast<double>(in_bin_count_);
+  const double low_s = quantile(in_bin_.data(), in_bin_count_);
+  bins_[next_bin_] = {bin_sum_s_ / count, low_s, low_s - in_bin_[0]};
+  next_bin_ = (next_bin_ + 1) % kBins;
+  bin_count_ = std::min(bin_count_ + 1, kBins);
+  in_bin_count_ = 0;
+  bin_sum_s_ = 0;
+  fit();
+}
+
+/// Least squares, with points far off the last line counted less (Huber's weights).
+void CameraClock::fit() {
+  constexpr int kRounds = 4;
+  constexpr double kLeastSpreadS = 2e-6;
+  double spread_s = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    double weights = 0, t_sum = 0, offset_sum = 0;
+    const auto weight_of = [&](const Point& point) {
+      const double off_s = std::abs(point.offset_s - predicted_offset_s(point.t_s));
+      return spread_s > 0 && off_s > 1.5 * spread_s ? 1.5 * spread_s / off_s : 1;
+    };
+    std::array<double, kBins> weight{};
+    for (std::size_t i = 0; i < bin_count_; ++i) {
+      weight[i] = weight_of(bins_[i]);
+      weights += weight[i];
+      t_sum += weight[i] * bins_[i].t_s;
+      offset_sum += weight[i] * bins_[i].offset_s;
+    }
+    middle_s_ = t_sum / weights;
+    offset_s_ = offset_sum / weights;
+    double tt = 0, to = 0;
+    for (std::size_t i = 0; i < bin_count_; ++i) {
+      const double t_s = bins_[i].t_s - middle_s_;
+      tt += weight[i] * t_s * t_s;
+      to += weight[i] * t_s * (bins_[i].offset_s - offset_s_);
+    }
+    slope_ = bin_count_ >= kBinsForDrift && tt > 0 ? to / tt : 0;
+    std::array<double, kBins> off_s{};
+    for (std::size_t i = 0; i < bin_count_; ++i)
+      off_s[i] = std::abs(bins_[i].offset_s - predicted_offset_s(bins_[i].t_s));
+    const auto middle = off_s.begin() + static_cast<std::ptrdiff_t>(bin_count_ / 2);
+    std::nth_element(off_s.begin(), middle, off_s.begin() + static_cast<std::ptrdiff_t>(bin_count_));
+    spread_s = std::max(kLeastSpreadS, *middle / 0.6745);
+  }
+  residual_s_ = spread_s;
+  rise_s_ = 0;
+  for (std::size_t i = 0; i < bin_count_; ++i) rise_s_ += bins_[i].rise_s / static_cast<double>(bin_count_);
+}
+
+}  // namespace sslv

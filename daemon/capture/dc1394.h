@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capture/source.h"
+
+namespace sslv {
+
+/// IIDC cameras on IEEE 1394 (FireWire), and those on USB that libdc1394 knows.
+Backend dc1394_backend();
+
+}  // namespace sslv

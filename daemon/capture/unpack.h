@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace sslv {
+
+// How IIDC cameras send pictures that the pipeline does not read, made into those that it does. `pixels` is
+// the whole picture's number of pixels; rows follow each other without a gap, on both sides.
+
+/// U Y Y V Y Y for four pixels -> U Y V Y for two; `pixels` divisible by 4. Both pairs get the colour of the
+/// four.
+void yuv411_to_uyvy(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to) noexcept;
+
+/// U Y V for each pixel -> U Y V Y for two, with their mean colour; `pixels` even.
+void yuv444_to_uyvy(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to) noexcept;
+
+/// 16 bits a pixel, the high byte first, of which the lower `depth_bits` (8..16) are used -> the upper 8 of
+/// those. What exceeds the depth is white.
+void big_endian_to_8_bit(const std::uint8_t* from, std::size_t pixels, int depth_bits,
+                         std::uint8_t* to) noexcept;
+
+}  // namespace sslv

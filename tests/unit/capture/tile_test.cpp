@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/tile.h"
+
+#include "base/error.h"
+#include "support/allocation_count.h"
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+
+/// A big camera of which a test says what comes when.
+struct BigCamera {
+  static constexpr int kWidth = 64, kHeight = 48;
+  std::array<std::uint8_t, kWidth * kHeight> pixels{};
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::optional<CaptureStatus> coming;
+  std::atomic<int> opened{0}, given_back{0};
+
+  BigCamera() {
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i % 251);
+  }
+  /// Returns when the camera has handed it over.
+  void send(CaptureStatus status) {
+    std::unique_lock lock(mutex);
+    coming = status;
+    changed.notify_all();
+    changed.wait(lock, [&] { return !coming; });
+  }
+
+  class View : public Source {
+   public:
+    explicit View(BigCamera& camera) : camera_(camera) { ++camera.opened; }
+    CaptureStatus next(CapturedImage& image, std::string& problem, milliseconds timeout) override {
+      std::unique_lock lock(camera_.mutex);
+      if (!camera_.changed.wait_for(lock, timeout, [&] { return camera_.coming.has_value(); }))
+        return CaptureStatus::kTimeout;
+      const CaptureStatus status = *camera_.coming;
+      camera_.coming.reset();
+      camera_.changed.notify_all();
+      if (status == CaptureStatus::kImage) {
+        const auto give_back = [](void* owner, void*) noexcept {
+          ++static_cast<BigCamera*>(owner)->given_back;
+        };
+        image.image = Image({camera_.pixels.data(), kWidth, kHeight, kWidth, PixelFormat::kMono8}, &camera_,
+                            nullptr, give_back);
+        image.times.t_capture_s = 7;
+      } else {
+        problem = "so it is";
+      }
+      return status;
+    }
+
+   private:
+    BigCamera& camera_;
+  };
+};
+
+class Tile : public testing::Test {
+ protected:
+  std::unique_ptr<Source> open(int x, int y, int width, int height) {
+    const Json options{{"of", {{"backend", "big"}, {"test", name_}}},
+                       {"x", x},
+                       {"y", y},
+                       {"width", width},
+                       {"height", height}};
+    return open_tile(options, [this](const Json& of) -> std::unique_ptr<Source> {
+      EXPECT_EQ(of.at("backend"), "big");
+      return std::make_unique<BigCamera::View>(camera_);
+    });
+  }
+  static CaptureStatus next(Source& source, CapturedImage& image) {
+    std::string problem;
+    for (;;) {
+      const CaptureStatus status = source.next(image, problem, milliseconds(100));
+      if (status != CaptureStatus::kTimeout) return status;
+    }
+  }
+
+  const std::string name_ = testing::UnitTest::GetInstance()->current_test_info()->name();
+  BigCamera camera_;
+};
+
+TEST_F(Tile, TilesOfOneCameraShareItsBuffer) {
+  const auto left = open(0, 0, 32, 48), right = open(32, 10, 32, 20);
+  camera_.send(CaptureStatus::kImage);
+  EXPECT_EQ(camera_.opened, 1);
+  CapturedImage a, b;
+  ASSERT_EQ(next(*left, a), CaptureStatus::kImage);
+  ASSERT_EQ(next(*right, b), CaptureStatus::kImage);
+  EXPECT_EQ(a.image.view().data, camera_.pixels.data());
+  EXPECT_EQ(b.image.view().data, camera_.pixels.data() + 10 * BigCamera::kWidth + 32);
+  EXPECT_EQ(b.image.view().width, 32);
+  EXPECT_EQ(b.image.view().height, 20);
+  EXPECT_EQ(b.image.view().stride_bytes, BigCamera::kWidth);
+  EXPECT_EQ(b.times.t_capture_s, 7);
+  a = {};
+  EXPECT_EQ(camera_.given_back, 0) << "the other tile has it still";
+  b = {};
+  EXPECT_EQ(camera_.given_back, 1);
+}
+
+TEST_F(Tile, ATileThatDoesNotLookLosesPicturesAndTheOtherNone) {
+  const auto slow = open(0, 0, 32, 48), quick = open(32, 0, 32, 48);
+  for (int i = 0; i < 5; ++i) {
+    camera_.send(CaptureStatus::kImage);
+    CapturedImage image;
+    ASSERT_EQ(next(*quick, image), CaptureStatus::kImage);
+  }
+  EXPECT_EQ(quick->dropped(), 0U);
+  EXPECT_EQ(slow->dropped(), 4U);
+  CapturedImage newest;
+  EXPECT_EQ(next(*slow, newest), CaptureStatus::kImage);
+  newest = {};
+  EXPECT_EQ(camera_.given_back, 5);
+}
+
+TEST_F(Tile, ALostCameraIsLostForAllAndOpenedAnew) {
+  auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
+  camera_.send(CaptureStatus::kLost);
+  CapturedImage image;
+  EXPECT_EQ(next(*left, image), CaptureStatus::kLost);
+  EXPECT_EQ(next(*right, image), CaptureStatus::kLost);
+  left = open(0, 0, 32, 48);  // while the right one still holds the dead camera
+  EXPECT_EQ(camera_.opened, 2);
+  right = open(32, 0, 32, 48);
+  EXPECT_EQ(camera_.opened, 2);
+  camera_.send(CaptureStatus::kImage);
+  EXPECT_EQ(next(*left, image), CaptureStatus::kImage);
+  EXPECT_EQ(next(*right, image), CaptureStatus::kImage);
+}
+
+TEST_F(Tile, DamagedPicturesAreSaidToAll) {
+  const auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
+  camera_.send(CaptureStatus::kIncomplete);
+  CapturedImage image;
+  EXPECT_EQ(next(*left, image), CaptureStatus::kIncomplete);
+  EXPECT_EQ(next(*right, image), CaptureStatus::kIncomplete);
+}
+
+TEST_F(Tile, PicturesOutliveAllTiles) {
+  auto left = open(0, 0, 32, 48);
+  camera_.send(CaptureStatus::kImage);
+  CapturedImage image;
+  ASSERT_EQ(next(*left, image), CaptureStatus::kImage);
+  left.reset();
+  EXPECT_EQ(image.image.view().data[5], 5);
+  image = {};
+  EXPECT_EQ(camera_.given_back, 1);
+}
+
+TEST_F(Tile, ATileOutsideThePictureIsSaid) {
+  const auto tile = open(40, 0, 32, 48);
+  camera_.send(CaptureStatus::kImage);
+  CapturedImage image;
+  std::string problem;
+  EXPECT_EQ(tile->next(image, problem, milliseconds(10'000)), CaptureStatus::kLost);
+  EXPECT_EQ(problem, "the tile of 32 x 48 at (40, 0) is not within the camera's 64 x 48 pixels");
+}
+
+TEST_F(Tile, APictureCostsNoAllocation) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  const auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
+  const auto round = [&] {
+    camera_.send(CaptureStatus::kImage);
+    CapturedImage a, b;
+    next(*left, a);
+    next(*right, b);
+  };
+  round();
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 50; ++i) round();
+  EXPECT_EQ(allocation_count(), before);
+}
+
+std::string refusal(const Json& options) {
+  try {
+    complete_tile(options, "/source", [](const Json& source, const std::string&) { return source; });
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(TileOptions, AreChecked) {
+  const Json good{{"of", {{"backend", "aravis"}}}, {"x", 2}, {"y", 0}, {"width", 32}, {"height", 48}};
+  EXPECT_EQ(refusal(good), "no error");
+  Json odd = good;
+  odd["x"] = 3;
+  EXPECT_EQ(refusal(odd), "/source/x: 3 is not allowed; expected an even number");
+  Json tile = good;
+  tile["of"]["backend"] = "tile";
+  EXPECT_THAT(refusal(tile), HasSubstr("/source/of/backend: \"tile\" is not allowed"));
+}
+
+}  // namespace
+}  // namespace sslv
