@@ -12,7 +12,8 @@ struct SharedCamera::Pool {
   struct Held {
     Image image;
     std::shared_ptr<Pool> pool;  // while it is out
-    std::atomic<int> takers{0};  // 0: free
+    std::atomic<int> takers{0};
+    std::atomic<bool> is_free{true};  // only when all of the above is done with
   };
   static constexpr std::size_t kMostOut = 64;  // more than any backend lends at once
   std::array<Held, kMostOut> held;
@@ -20,10 +21,10 @@ struct SharedCamera::Pool {
   /// Called by the last taker of a picture, among others.
   static void let_go(void*, void* lent) noexcept {
     auto& held = *static_cast<Held*>(lent);
-    if (held.takers.load() > 1 && held.takers.fetch_sub(1) > 1) return;
+    if (held.takers.fetch_sub(1) > 1) return;
     held.image = Image();
     const std::shared_ptr<Pool> pool = std::move(held.pool);
-    held.takers.store(0);
+    held.is_free.store(true);
   }
 };
 
@@ -78,12 +79,13 @@ void SharedCamera::hand_out(CaptureStatus status, CapturedImage& image, const st
     Pool::Held* held = nullptr;
     if (status == CaptureStatus::kImage && !takers_.empty()) {
       for (Pool::Held& one : pool_->held) {
-        if (one.takers.load() == 0) held = &one;
+        if (one.is_free.load()) held = &one;
       }
     }
     // When none is let go any more, a picture is as good as not come.
     const bool none_is_free = status == CaptureStatus::kImage && held == nullptr;
     if (held != nullptr) {
+      held->is_free.store(false);
       held->takers.store(static_cast<int>(takers_.size()));
       held->pool = pool_;
       held->image = std::move(image.image);

@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -146,6 +147,21 @@ TEST_F(Tile, DamagedPicturesAreSaidToAll) {
   CapturedImage image;
   EXPECT_EQ(next(*left, image), CaptureStatus::kIncomplete);
   EXPECT_EQ(next(*right, image), CaptureStatus::kIncomplete);
+}
+
+TEST_F(Tile, TilesLetGoAtTheSameMoment) {
+  constexpr int kPictures = 500;
+  const auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
+  const auto take_all = [](Source& tile) {
+    CapturedImage image;
+    while (next(tile, image) == CaptureStatus::kImage) image = {};
+  };
+  std::thread one([&] { take_all(*left); }), other([&] { take_all(*right); });
+  for (int i = 0; i < kPictures; ++i) camera_.send(CaptureStatus::kImage);
+  camera_.send(CaptureStatus::kEnd);
+  one.join();
+  other.join();
+  EXPECT_EQ(camera_.given_back, kPictures);
 }
 
 TEST_F(Tile, PicturesOutliveAllTiles) {
