@@ -14,6 +14,7 @@
 #include <atomic>
 #include <fstream>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include <arpa/inet.h>
@@ -282,6 +283,12 @@ std::string_view text_of(ArvBufferStatus status) {
 
 // ---- pictures
 
+constexpr std::chrono::milliseconds kForeignPackets(100);
+/// Nothing but damaged pictures for this long after the opening: foreign packets came all the same.
+constexpr std::chrono::milliseconds kFirstPicture(500);
+/// The best of what came since the opening.
+enum class Beginning { kNothing, kDamaged, kWhole };
+
 /// What the source, the library's threads and the pictures still out share.
 struct Link {
   std::mutex mutex;
@@ -363,6 +370,7 @@ class AravisSource final : public Source {
     }
     const Clock::time_point now = Clock::now();
     if (buffer == nullptr) {
+      if (beginning_ == Beginning::kDamaged && now - started_ > kFirstPicture) return bad_beginning(problem);
       if (now - last_buffer_ < std::chrono::duration<double>(options_.silence_s))
         return CaptureStatus::kTimeout;
       problem = fmt::format("camera \"{}\": no picture for {} s", label_, options_.silence_s);
@@ -372,8 +380,11 @@ class AravisSource final : public Source {
     const ImageView view = view_of(buffer, problem);
     if (view.empty()) {
       arv_stream_push_buffer(stream_.get(), buffer);
-      return CaptureStatus::kIncomplete;
+      if (beginning_ == Beginning::kWhole) return CaptureStatus::kIncomplete;
+      beginning_ = Beginning::kDamaged;
+      return now - started_ < kFirstPicture ? CaptureStatus::kIncomplete : bad_beginning(problem);
     }
+    beginning_ = Beginning::kWhole;
     image.is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     {
       const std::lock_guard lock(link_->mutex);
@@ -386,6 +397,11 @@ class AravisSource final : public Source {
   }
 
  private:
+  CaptureStatus bad_beginning(std::string& problem) const {
+    problem = fmt::format("camera \"{}\": none of its first pictures can be read", label_);
+    return CaptureStatus::kLost;
+  }
+
   ArvCamera* camera() const { return shared_->camera.get(); }
 
   /// The camera's own clock says when a picture was taken far more evenly than its arrival does.
@@ -482,6 +498,9 @@ class AravisSource final : public Source {
                    options_.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                    nullptr);
     }
+    // The packet socket takes in what is meant for others until its filter is set, and such packets' numbers
+    // would make the camera's own pictures look late. Without buffers the library throws them away.
+    std::this_thread::sleep_for(kForeignPackets);
     for (int i = 0; i < options_.buffers; ++i) {
       const auto destroy = [](gpointer lease) { delete static_cast<Lease*>(lease); };
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_full(payload, nullptr, new Lease, destroy));
@@ -491,7 +510,7 @@ class AravisSource final : public Source {
     if (failure.failed())
       throw CaptureError(fmt::format("camera \"{}\": does not start: {}", label_, failure.text()));
     shared_->is_streaming = true;
-    last_buffer_ = Clock::now();
+    started_ = last_buffer_ = Clock::now();
   }
 
   /// Empty, with the reason, when the buffer holds no sound picture.
@@ -538,7 +557,8 @@ class AravisSource final : public Source {
   std::vector<std::string> warnings_;
   CameraClock clock_;
   WholePicture whole_;
-  Clock::time_point last_buffer_;
+  Clock::time_point started_, last_buffer_;
+  Beginning beginning_ = Beginning::kNothing;
 };
 
 std::vector<FoundCamera> list_cameras() {

@@ -148,14 +148,15 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
     }
     return 0.0;
   };
-  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
+  const Json before = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
 
   // Saved, and in force at once without opening the camera anew.
   const Json patch = {
       {{"op", "add"}, {"path", "/cameras/0/source/controls/ExposureTimeAbs"}, {"value", 4000.0}}};
   daemon.patch(patch);
   EXPECT_EQ(exposure_us(), 4000);
-  EXPECT_EQ(daemon.get("/api/status")["cameras"][0]["reconnects"], 0);
+  const Json after = daemon.get("/api/status");
+  EXPECT_EQ(after["cameras"][0]["reconnects"], before["cameras"][0]["reconnects"]);
 
   // Refused with what is allowed: neither saved nor set, and what went with it is set back.
   const Json refused = daemon.patch(

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "e2e/running_daemon.h"
 
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <fstream>
 #include <stdexcept>
 
@@ -48,6 +51,18 @@ RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesy
     : process_({SSLV_DAEMON, "--config", settings_file}, {"STATE_DIRECTORY=" + state.string()}) {
   const std::string line = process_.wait_for_line("panel on port ");
   port_ = line.substr(line.rfind(' ') + 1);
+}
+
+RunningDaemon::~RunningDaemon() {
+  if (!::testing::Test::HasFailure() && std::uncaught_exceptions() == 0) return;
+  try {
+    process_.send_signal(SIGKILL);
+    process_.wait_for_exit();
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+    return;
+  }
+  std::printf("the daemon printed:\n%s\n", process_.output().c_str());
 }
 
 Json RunningDaemon::get(const std::string& path, int expected) const {

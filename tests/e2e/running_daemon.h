@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -37,6 +38,10 @@ class RunningDaemon {
  public:
   /// Waits until it is ready. `state`: its state folder.
   RunningDaemon(const std::string& settings_file, const std::filesystem::path& state);
+  /// Kills it; prints what it said when the test has failed.
+  ~RunningDaemon();
+  RunningDaemon(const RunningDaemon&) = delete;
+  RunningDaemon& operator=(const RunningDaemon&) = delete;
 
   /// Answer of the panel's API. Throws std::runtime_error unless the HTTP status is `expected`.
   Json get(const std::string& path, int expected = 200) const;
@@ -69,6 +74,8 @@ Json RunningDaemon::wait_for(const std::string& path, Good good) const {
     const Json answer = get(path);
     if (good(answer)) return answer;
     if (std::chrono::steady_clock::now() > deadline) give_up(answer);
+    // Leaves the processors to those who are waited for.
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
 

@@ -71,7 +71,7 @@ std::string ChildProcess::wait_for_line(const std::string& text, std::chrono::se
 }
 
 void ChildProcess::send_signal(int signal) const {
-  ::kill(pid_, signal);
+  if (pid_ > 0) ::kill(pid_, signal);
 }
 
 int ChildProcess::wait_for_exit(std::chrono::seconds timeout) {
@@ -79,7 +79,7 @@ int ChildProcess::wait_for_exit(std::chrono::seconds timeout) {
   while (read_some(deadline)) {
   }
   int status = 0;
-  ::waitpid(pid_, &status, 0);
+  if (pid_ > 0) ::waitpid(pid_, &status, 0);
   pid_ = -1;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
