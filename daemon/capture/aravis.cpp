@@ -360,6 +360,13 @@ class AravisSource final : public Source {
     return without_buffer;
   }
 
+  std::optional<PacketCounts> packets() const noexcept override {
+    if (!ARV_IS_GV_STREAM(stream_.get())) return std::nullopt;
+    guint64 resent = 0, missing = 0;
+    arv_gv_stream_get_statistics(ARV_GV_STREAM(stream_.get()), &resent, &missing);
+    return PacketCounts{missing, resent};
+  }
+
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
     const auto wait_us = std::chrono::duration_cast<std::chrono::microseconds>(timeout).count();
     ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream_.get(), static_cast<guint64>(wait_us));

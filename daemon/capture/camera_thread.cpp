@@ -218,14 +218,14 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
   DamageLog damages(name);
   std::int64_t window_start_ns = steady_ns();
   int window_frames = 0;
-  const std::uint64_t dropped_before = health_now().dropped;
+  const CameraHealth before = health_now();
   for (;;) {
     CapturedImage image;
     std::string problem;
     const CaptureStatus status = turn(source, image, problem);
     const ImageView view = image.image.view();
     const bool is_damaged = image.is_damaged;
-    const auto t_capture_sigma_s = image.times.t_capture_sigma_s;
+    const CaptureTimes times = image.times;
     bool delivered = false;
     if (status == CaptureStatus::kImage) {
       image.times.arrived_ns = steady_ns();
@@ -247,10 +247,14 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       health.width = view.width;
       health.height = view.height;
       health.format = view.format;
-      health.t_capture_sigma_s = t_capture_sigma_s;
+      health.times = times;
     }
     health.incomplete += status == CaptureStatus::kIncomplete || is_damaged;
-    health.dropped = dropped_before + source.dropped();
+    health.dropped = before.dropped + source.dropped();
+    if (const auto packets = source.packets()) {
+      const PacketCounts earlier = before.packets.value_or(PacketCounts{});
+      health.packets = {earlier.missing + packets->missing, earlier.resent + packets->resent};
+    }
     if (now_ns - window_start_ns >= kSecondNs) {
       health.fps = window_frames * 1e9 / static_cast<double>(now_ns - window_start_ns);
       window_start_ns = now_ns;

@@ -44,12 +44,13 @@ struct CameraHealth {
   std::uint64_t frames = 0;      // handed over
   std::uint64_t incomplete = 0;  // came damaged
   std::uint64_t dropped = 0;     // were never handed over, because nobody took them in time
+  std::optional<PacketCounts> packets{};
   std::uint64_t reconnects = 0;  // times it was opened again after a loss
   double fps = 0;                // pictures handed over a second, over the last second
   int width = 0, height = 0;     // of the last picture; 0 before the first
   PixelFormat format = PixelFormat::kMono8;
   std::int64_t progress_ns = 0;  // steady_ns() of the thread's last turn; stands still when it hangs
-  std::optional<double> t_capture_sigma_s{};  // of the last picture, see CaptureTimes
+  CaptureTimes times{};          // of the last picture
   std::vector<std::string> warnings{};        // of the last opening, see Source
 };
 

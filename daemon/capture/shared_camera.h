@@ -52,6 +52,7 @@ class SharedCamera {
   std::shared_ptr<Controls> controls() { return source_->controls(); }
   std::vector<std::string> warnings() const { return source_->warnings(); }
   std::uint64_t dropped() const noexcept { return source_->dropped(); }
+  std::optional<PacketCounts> packets() const noexcept { return source_->packets(); }
 
  private:
   /// Pictures that several takers have; the last one to let go gives a picture back to the camera, which may

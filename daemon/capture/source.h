@@ -37,6 +37,12 @@ enum class CaptureStatus {
   kLost,        // the camera is gone: close it and open it anew
 };
 
+/// Packets of a camera that sends over a network, since the opening.
+struct PacketCounts {
+  std::uint64_t missing = 0;  // never came
+  std::uint64_t resent = 0;   // came when they were asked for again
+};
+
 /// An open camera. One thread uses it. Opening is the constructor's work and reports failure by throwing
 /// CaptureError; closing is the destructor's and may block on dead hardware, so keep it off critical threads.
 class Source {
@@ -50,6 +56,9 @@ class Source {
 
   /// Pictures since the opening that were never handed over, because nobody took them in time.
   virtual std::uint64_t dropped() const noexcept { return 0; }
+
+  /// None: it does not send over a network.
+  virtual std::optional<PacketCounts> packets() const noexcept { return std::nullopt; }
 
   /// What can be set at the camera itself; none: nothing.
   virtual std::shared_ptr<Controls> controls() { return nullptr; }

@@ -61,6 +61,7 @@ class TileSource final : public Source {
   }
 
   std::uint64_t dropped() const noexcept override { return taker_.dropped() + taker_.camera().dropped(); }
+  std::optional<PacketCounts> packets() const noexcept override { return taker_.camera().packets(); }
   std::shared_ptr<Controls> controls() override { return taker_.camera().controls(); }
   std::vector<std::string> warnings() const override { return warnings_; }
 
