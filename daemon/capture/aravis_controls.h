@@ -18,6 +18,7 @@ struct AravisCamera {
   bool is_streaming = false;          // guarded
   bool is_closed = false;             // guarded
   std::atomic<double> exposure_s{0};  // as it was last read; 0: not known
+  std::atomic<bool> is_exposure_auto{false};
 };
 
 /// All features of the camera's GenICam description that somebody may see.

@@ -5,10 +5,13 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -65,13 +68,87 @@ void wait_for_port(const std::string& address) {
   }
 }
 
+std::string enumeration(const std::string& name, const std::string& entries) {
+  return "<Enumeration Name=\"" + name + "\">" + entries + "<pValue>" + name +
+         "Register</pValue></Enumeration>";
+}
+
+std::string entry(const std::string& name, int value) {
+  return fmt::format("<EnumEntry Name=\"{}\"><Value>{}</Value></EnumEntry>", name, value);
+}
+
+std::string on_or_off(const std::string& name) {
+  return fmt::format(
+      "<Boolean Name=\"{0}\"><pValue>{0}Register</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>",
+      name);
+}
+
+std::string with_register(const std::string& name, int address, const std::string& feature) {
+  return fmt::format("{}<IntReg Name=\"{}Register\"><Address>{}</Address><Length>4</Length><AccessMode>RW"
+                     "</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess>"
+                     "</IntReg>",
+                     feature, name, address);
+}
+
+/// The library's own description of its camera and what else ours has, as a file, which is how it takes one.
+class Description {
+ public:
+  Description() {
+    GBytes* own = g_resources_lookup_data("/org/aravis/arv-fake-camera.xml", G_RESOURCE_LOOKUP_FLAGS_NONE,
+                                          nullptr);
+    if (own == nullptr) throw std::runtime_error("Aravis has no description of its fake camera");
+    gsize size = 0;
+    const auto* data = static_cast<const char*>(g_bytes_get_data(own, &size));
+    std::string text(data, size);
+    g_bytes_unref(own);
+    const auto insert = [&](const std::string& before, const std::string& what) {
+      const std::size_t place = text.find(before);
+      if (place == std::string::npos) throw std::runtime_error("no " + before + " in Aravis' description");
+      text.insert(place, what);
+    };
+    insert("<pFeature>PayloadSize</pFeature>",
+           "<pFeature>ExposureAuto</pFeature><pFeature>PtpEnable</pFeature><pFeature>ChunkModeActive</pFeature>");
+    insert("</RegisterDescription>",
+           with_register("ExposureAuto", 0x400,
+                         enumeration("ExposureAuto", entry("Off", 0) + entry("Continuous", 2))) +
+               with_register("PtpEnable", 0x404, on_or_off("PtpEnable")) +
+               with_register("ChunkModeActive", 0x408, on_or_off("ChunkModeActive")) +
+               with_register("ChunkEnable", 0x40c, on_or_off("ChunkEnable")) +
+               with_register("ChunkSelector", 0x410, enumeration("ChunkSelector", entry("ExposureTime", 0))));
+    path_ = (std::filesystem::temp_directory_path() / "ssl-visiond-camera.XXXXXX").string();
+    const int file = ::mkstemp(path_.data());
+    const bool is_written = file >= 0 && ::write(file, text.data(), text.size()) == ssize_t(text.size());
+    if (file >= 0) ::close(file);
+    if (!is_written) throw std::runtime_error(path_ + " cannot be written");
+    arv_set_fake_camera_genicam_filename(path_.c_str());
+  }
+  ~Description() { ::unlink(path_.c_str()); }
+  Description(const Description&) = delete;
+  Description& operator=(const Description&) = delete;
+
+ private:
+  std::string path_;
+};
+
 }  // namespace
 
 struct GigeServer::Library {
   Fill fill;
+  PixelFormat format = PixelFormat::kMono8;
+  std::uint32_t packed_format = 0;
+  Pack pack;
   ArvGvFakeCamera* server = nullptr;
 
   ArvFakeCamera* camera() const { return arv_gv_fake_camera_get_fake_camera(server); }
+  void fill_buffer(std::uint8_t* out, int width, int height, ArvPixelFormat pixels) {
+    if (pack && pixels == packed_format) {
+      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+      fill(bytes.data(), width, height, format);
+      return pack(bytes.data(), bytes.size(), out);
+    }
+    for (const auto& [format_of_ours, arv] : kFormats)
+      if (arv == pixels) fill(out, width, height, format_of_ours);
+  }
   ~Library() {
     if (server != nullptr) g_object_unref(server);
   }
@@ -80,6 +157,7 @@ struct GigeServer::Library {
 GigeServer::GigeServer(const std::string& interface_address, const std::string& serial, Fill fill)
     : library_(std::make_unique<Library>()) {
   wait_for_port(interface_address);
+  static const Description description;  // read by the library once
   library_->fill = std::move(fill);
   library_->server = arv_gv_fake_camera_new(interface_address.c_str(), serial.c_str());
   if (!arv_gv_fake_camera_is_running(library_->server)) {
@@ -91,11 +169,8 @@ GigeServer::GigeServer(const std::string& interface_address, const std::string& 
     // set.
     std::size_t size = 0;
     auto* out = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &size)));
-    for (const auto& [format, arv] : kFormats) {
-      if (arv != pixels) continue;
-      static_cast<Library*>(library)->fill(out, arv_buffer_get_image_width(buffer),
-                                           arv_buffer_get_image_height(buffer), format);
-    }
+    static_cast<Library*>(library)->fill_buffer(out, arv_buffer_get_image_width(buffer),
+                                                arv_buffer_get_image_height(buffer), pixels);
   };
   arv_fake_camera_set_fill_pattern(library_->camera(), on_fill, library_.get());
 }
@@ -112,6 +187,7 @@ void GigeServer::set_defaults(int width, int height, PixelFormat format, double 
     throw std::runtime_error(
         fmt::format("pixel_format {}: only mono8, rgb24 and bayer_* can be served", name_of(format)));
   }
+  library_->format = format;
   write(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, known->second);
   write(ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, static_cast<std::uint32_t>(width));
   write(ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, static_cast<std::uint32_t>(height));
@@ -119,6 +195,17 @@ void GigeServer::set_defaults(int width, int height, PixelFormat format, double 
   write(ARV_FAKE_CAMERA_REGISTER_HEIGHT, static_cast<std::uint32_t>(height));
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US,
         static_cast<std::uint32_t>(1e6 / frame_rate_hz));
+}
+
+void GigeServer::send_packed(std::uint32_t format, Pack pack) {
+  library_->pack = std::move(pack);
+  library_->packed_format = format;
+  arv_fake_camera_write_register(library_->camera(), ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format);
+}
+
+void GigeServer::set_exposure(int exposure_us) {
+  arv_fake_camera_write_register(library_->camera(), ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US,
+                                 static_cast<std::uint32_t>(exposure_us));
 }
 
 void GigeServer::lose_packets(double ratio) {

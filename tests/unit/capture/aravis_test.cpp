@@ -102,6 +102,62 @@ TEST_F(Gige, PicturesArriveUnchanged) {
   }
 }
 
+/// Lowest bits first, as "p" says.
+GigeServer::Pack packed_p(std::size_t bits) {
+  return [bits](const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed) {
+    std::fill_n(packed, count * bits / 8, std::uint8_t{0});
+    for (std::size_t i = 0; i < count; ++i) {
+      // Noise below the upper eight bits.
+      const unsigned value = (pixels[i] << (bits - 8)) | (i & ((1u << (bits - 8)) - 1));
+      for (std::size_t bit = 0; bit < bits; ++bit) {
+        const std::size_t place = i * bits + bit;
+        packed[place / 8] = static_cast<std::uint8_t>(packed[place / 8] | (value >> bit & 1) << place % 8);
+      }
+    }
+  };
+}
+
+TEST_F(Gige, DeeperPixelsAreReadAsTheirUpperEightBits) {
+  const auto twelve_unpacked = [](const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed) {
+    for (std::size_t i = 0; i < count; ++i) {
+      packed[2 * i] = static_cast<std::uint8_t>(pixels[i] << 4 | (i & 15));
+      packed[2 * i + 1] = static_cast<std::uint8_t>(pixels[i] >> 4);
+    }
+  };
+  const auto gige_packed = [](const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed) {
+    for (std::size_t i = 0; i < count; i += 2) {
+      packed[i / 2 * 3] = pixels[i];
+      packed[i / 2 * 3 + 1] = static_cast<std::uint8_t>(i);
+      packed[i / 2 * 3 + 2] = pixels[i + 1];
+    }
+  };
+  const std::vector<std::pair<std::uint32_t, GigeServer::Pack>> formats{
+      {0x01100011, twelve_unpacked},  // BayerRG12
+      {0x010a0058, packed_p(10)},     // BayerRG10p
+      {0x010c0059, packed_p(12)},     // BayerRG12p
+      {0x010c002b, gige_packed},      // BayerRG12Packed
+  };
+  for (const auto& [format, pack] : formats) {
+    server_->send_packed(format, pack);
+    const auto source = open({{"buffers", 3}});
+    for (int i = 0; i < 10; ++i) {
+      const CapturedImage image = next_picture(*source);
+      ASSERT_EQ(image.image.view().format, PixelFormat::kBayerRg8) << std::hex << format;
+      expect_our_pixels(image.image.view());
+    }
+  }
+}
+
+TEST_F(Gige, AHeldUnpackedPictureOutlivesTheSource) {
+  server_->send_packed(0x010c0059, packed_p(12));
+  CapturedImage held;
+  {
+    const auto source = open();
+    held = next_picture(*source);
+  }
+  expect_our_pixels(held.image.view());
+}
+
 TEST_F(Gige, SetsWhatItIsTold) {
   const auto source = open({{"pixel_format", "rgb24"},
                             {"width", 200},
@@ -131,6 +187,34 @@ TEST_F(Gige, PicturesHaveTimes) {
   CapturedImage later;
   for (int i = 0; i < 400 && !later.times.t_capture_sigma_s; ++i) later = next_picture(*source);
   EXPECT_TRUE(later.times.t_capture_sigma_s);
+}
+
+TEST_F(Gige, TheClockOfACameraWithPtpIsTheHosts) {
+  // The played camera's clock is this computer's.
+  const auto source = open({{"controls", {{"PtpEnable", true}, {"ExposureTimeAbs", 2000}}}});
+  EXPECT_TRUE(source->warnings().empty());
+  CapturedImage image;
+  for (int i = 0; i < 100 && !image.times.is_by_ptp; ++i) image = next_picture(*source);
+  ASSERT_TRUE(image.times.is_by_ptp);
+  EXPECT_NEAR(image.times.t_capture_s, *image.times.t_capture_camera_s + 0.001, 1e-6);
+}
+
+TEST_F(Gige, AnAutomaticExposureIsFollowed) {
+  const auto source = open({{"controls", {{"ExposureAuto", "Continuous"}, {"ExposureTimeAbs", 2000}}}});
+  const auto shift_s = [&] {
+    const CapturedImage image = next_picture(*source);
+    return image.times.t_capture_s - *image.times.t_capture_camera_s;
+  };
+  // Until its clock is known, from the arrival: about none of which, and half the exposure before it.
+  server_->set_exposure(300000);
+  double least_s = shift_s();
+  for (int i = 0; i < 300 && least_s > -0.1; ++i) least_s = shift_s();
+  EXPECT_LT(least_s, -0.1);
+}
+
+TEST_F(Gige, ChunksThatDoNotComeAreNotMissed) {
+  const auto source = open({{"chunks", true}});
+  expect_our_pixels(next_picture(*source).image.view());
 }
 
 TEST_F(Gige, ControlsAreThoseOfTheCamera) {

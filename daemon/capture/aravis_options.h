@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params_json.h"
+#include "capture/pixel_format_choice.h"
+
+#include <optional>
+#include <string>
+
+namespace sslv {
+
+/// A camera's settings, beside "backend".
+struct AravisOptions {
+  std::string camera;
+  PixelFormatOrAuto pixel_format;
+  int width = 0, height = 0, offset_x = 0, offset_y = 0;
+  std::optional<double> frame_rate_hz, exposure_us, gain;
+  int buffers = 8;
+  int packet_size = 0;
+  int socket_buffer_bytes = 4 << 20;
+  double silence_s = 2;
+  bool resend = true, use_incomplete = false, chunks = false;
+  Json controls = Json::object();
+  static constexpr auto fields() {
+    using O = AravisOptions;
+    return std::tuple{
+        text("camera", &O::camera,
+             "the camera's serial number, IP address or Aravis id; empty: the first that is found"),
+        choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
+               "auto: what the camera is set to; deeper and packed formats are chosen in controls, by "
+               "PixelFormat, and read as their upper 8 bits"),
+        number("width", &O::width, 0, 16384, "px",
+               "of the part of the sensor that is read; 0: leave as it is"),
+        number("height", &O::height, 0, 16384, "px",
+               "of the part of the sensor that is read; 0: leave as it is"),
+        number("offset_x", &O::offset_x, 0, 16384, "px",
+               "left edge of that part, when width or height is set"),
+        number("offset_y", &O::offset_y, 0, 16384, "px",
+               "upper edge of that part, when width or height is set"),
+        number("frame_rate_hz", &O::frame_rate_hz, 0.01, 10000.0, "Hz",
+               "switches triggers off; null: leave as it is"),
+        number("exposure_us", &O::exposure_us, 1.0, 1e7, "us",
+               "switches automatic exposure off; null: leave as it is"),
+        number("gain", &O::gain, -100.0, 10000.0, "",
+               "in the camera's unit; switches automatic gain off; null: leave as it is"),
+        number("buffers", &O::buffers, 3, 200, "", "pictures that may be under way at once"),
+        number("packet_size", &O::packet_size, 0, 65535, "bytes",
+               "of GigE Vision; 0: the largest that gets through"),
+        number("socket_buffer_bytes", &O::socket_buffer_bytes, 65536, 1 << 30, "bytes",
+               "of GigE Vision: what the system keeps for us while we are busy"),
+        number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
+               "a camera that sends nothing for this long is taken for lost"),
+        flag("resend", &O::resend, "of GigE Vision: ask again for packets that did not come"),
+        flag("use_incomplete", &O::use_incomplete,
+             "look at pictures with packets missing too: what is missing shows an older picture"),
+        flag("chunks", &O::chunks,
+             "have each picture say its own exposure time, and when it was taken (GenICam chunk data)"),
+        object("controls", &O::controls,
+               "what to set at the camera itself, by the camera's own names (GenICam), such as "
+               "{\"GainAuto\": \"Off\", \"Gain\": 6}; changed while it runs"),
+    };
+  }
+};
+
+}  // namespace sslv

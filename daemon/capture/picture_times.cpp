@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/picture_times.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+constexpr int kPicturesToTrust = 20;
+/// PTP counts in TAI, which is ahead of UTC: 37 s in 2026, and more one day.
+constexpr double kMostLeapS = 45;
+/// From the beginning of an exposure to the first packet, with the errors of the host's clock.
+constexpr double kEarliestS = -0.001, kLatestS = 0.3;
+/// Of clocks that follow the same master: an assumption.
+constexpr double kPtpSigmaS = 20e-6;
+
+}  // namespace
+
+CaptureTimes PictureTimes::of(const PictureStamps& stamps, double now_s, double steady_s) {
+  CaptureTimes out;
+  out.t_capture_camera_s = stamps.camera_s;
+  out.t_capture_s = stamps.arrival_s - stamps.exposure_s / 2;
+  if (!stamps.camera_s) return out;
+
+  // Learnt in any case: PTP may fail later.
+  const auto estimate = clock_.add(*stamps.camera_s, stamps.arrival_s - now_s + steady_s);
+  double leap_s = 0;
+  if (follows_ptp(stamps, leap_s)) {
+    out.t_capture_s = *stamps.camera_s - leap_s + stamps.exposure_s / 2;
+    out.t_capture_sigma_s = kPtpSigmaS;
+    out.is_by_ptp = true;
+  } else if (estimate.settled) {
+    out.t_capture_s = estimate.t_host_s - steady_s + now_s - stamps.exposure_s / 2;
+    out.t_capture_sigma_s = estimate.sigma_s;
+  }
+  return out;
+}
+
+bool PictureTimes::follows_ptp(const PictureStamps& stamps, double& leap_s) {
+  if (!stamps.has_ptp) return false;
+  const double ahead_s = *stamps.camera_s - stamps.arrival_s;
+  leap_s = std::ceil(ahead_s + kEarliestS);
+  const double late_s = leap_s - ahead_s;
+  const bool agrees = leap_s >= 0 && leap_s <= kMostLeapS && late_s <= kLatestS + stamps.exposure_s;
+  ptp_pictures_ = agrees ? std::min(ptp_pictures_ + 1, kPicturesToTrust) : 0;
+  return ptp_pictures_ == kPicturesToTrust;
+}
+
+}  // namespace sslv
