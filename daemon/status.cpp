@@ -46,16 +46,15 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
            {"frames_dropped", health.dropped},
            {"frames_incomplete", health.incomplete},
            {"frames_capped", counters.capped},
-           {"packets", health.packets ? Json{{"missing", health.packets->missing},
-                                             {"resent", health.packets->resent}}
-                                      : Json(nullptr)},
+           {"packets", health.packets
+                           ? Json{{"missing", health.packets->missing}, {"resent", health.packets->resent}}
+                           : Json(nullptr)},
            {"reconnects", health.reconnects},
            {"latency_ms", {{"p50", latency.p50_us * 1e-3}, {"p99", latency.p99_us * 1e-3}}},
            {"age_ms", {{"p50", age.p50_us * 1e-3}, {"p99", age.p99_us * 1e-3}}},
            {"t_capture_from", t_capture_from(health.times)},
-           {"t_capture_sigma_ms", health.times.t_capture_sigma_s
-                                      ? Json(*health.times.t_capture_sigma_s * 1e3)
-                                      : Json(nullptr)},
+           {"t_capture_sigma_ms",
+            health.times.t_capture_sigma_s ? Json(*health.times.t_capture_sigma_s * 1e3) : Json(nullptr)},
            {"stages", Json::array()},
            {"robots", running ? counters.robots : 0},
            {"balls", running ? counters.balls : 0}};

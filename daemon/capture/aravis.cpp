@@ -219,8 +219,7 @@ class AravisSource final : public Source {
     const double exposure_us =
         arv_chunk_parser_get_float_value(chunks_.get(), buffer, "ChunkExposureTime", failure);
     if (!failure.failed()) stamps.exposure_s = exposure_us * 1e-6;
-    const gint64 ticks =
-        arv_chunk_parser_get_integer_value(chunks_.get(), buffer, "ChunkTimestamp", failure);
+    const gint64 ticks = arv_chunk_parser_get_integer_value(chunks_.get(), buffer, "ChunkTimestamp", failure);
     if (!failure.failed()) stamps.camera_s = static_cast<double>(ticks) / ticks_per_s_;
   }
 
@@ -346,8 +345,8 @@ class AravisSource final : public Source {
   CaptureStatus unpack(const SentPicture& sent, ArvBuffer* buffer, CapturedImage& image) {
     ImageView layout{nullptr, sent.width, sent.height, 0, sent.format->format};
     layout.stride_bytes = std::ptrdiff_t{sent.width} * bytes_per_pixel(layout.format);
-    const auto picture_bytes = static_cast<std::size_t>(layout.stride_bytes) *
-                               static_cast<std::size_t>(sent.height);
+    const auto picture_bytes =
+        static_cast<std::size_t>(layout.stride_bytes) * static_cast<std::size_t>(sent.height);
     if (picture_bytes > pool_bytes_) {
       pool_.emplace(static_cast<std::size_t>(options_.buffers), picture_bytes);
       pool_bytes_ = picture_bytes;

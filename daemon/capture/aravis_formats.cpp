@@ -77,9 +77,8 @@ const AravisFormat* find_aravis_format(ArvPixelFormat arv) {
 }
 
 ArvPixelFormat arv_format_of(PixelFormat format) {
-  return std::find_if(
-             kFormats.begin(), kFormats.end(),
-             [=](const AravisFormat& one) { return one.format == format && one.unpack == nullptr; })
+  return std::find_if(kFormats.begin(), kFormats.end(),
+                      [=](const AravisFormat& one) { return one.format == format && one.unpack == nullptr; })
       ->arv;
 }
 

@@ -143,7 +143,8 @@ void ask_for_chunks(ArvCamera* camera, std::vector<std::string>& warnings) {
     }
   }
   if (!has_chunks || failure.failed())
-    warnings.emplace_back(fmt::format("chunks: {}", failure.failed() ? failure.text() : "the camera has none"));
+    warnings.emplace_back(
+        fmt::format("chunks: {}", failure.failed() ? failure.text() : "the camera has none"));
 }
 
 }  // namespace

@@ -49,9 +49,9 @@ struct CameraHealth {
   double fps = 0;                // pictures handed over a second, over the last second
   int width = 0, height = 0;     // of the last picture; 0 before the first
   PixelFormat format = PixelFormat::kMono8;
-  std::int64_t progress_ns = 0;  // steady_ns() of the thread's last turn; stands still when it hangs
-  CaptureTimes times{};          // of the last picture
-  std::vector<std::string> warnings{};        // of the last opening, see Source
+  std::int64_t progress_ns = 0;         // steady_ns() of the thread's last turn; stands still when it hangs
+  CaptureTimes times{};                 // of the last picture
+  std::vector<std::string> warnings{};  // of the last opening, see Source
 };
 
 /// Waiting times between attempts to open a camera, doubling from the first to the longest.

@@ -22,10 +22,10 @@ namespace sslv {
 /// A picture as the camera gave it.
 struct CapturedImage {
   Image image;           // borrows the driver's buffer
-  CaptureTimes times{};     // arrived_ns is the camera thread's work
+  CaptureTimes times{};  // arrived_ns is the camera thread's work
   WholePicture whole{};
   bool is_damaged = false;  // parts of it are missing, and it is wanted all the same
-  std::string name{};    // file stem of a recorded frame; empty (no allocation) for live ones
+  std::string name{};       // file stem of a recorded frame; empty (no allocation) for live ones
 };
 
 /// What became of one attempt to get a picture.

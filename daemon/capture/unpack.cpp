@@ -10,9 +10,9 @@ void sixteen_to_8_bit(const std::uint8_t* from, std::size_t pixels, int depth_bi
                       std::uint8_t* to) noexcept {
   const int shift = std::clamp(depth_bits, 8, 16) - 8;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const int value = (from[2 * i + static_cast<std::size_t>(high)] << 8 |
-                       from[2 * i + static_cast<std::size_t>(low)]) >>
-                      shift;
+    const int value =
+        (from[2 * i + static_cast<std::size_t>(high)] << 8 | from[2 * i + static_cast<std::size_t>(low)]) >>
+        shift;
     to[i] = static_cast<std::uint8_t>(std::min(value, 255));
   }
 }
@@ -61,8 +61,7 @@ void packed_10p_to_8_bit(const std::uint8_t* from, std::size_t pixels, std::uint
   constexpr std::size_t kInGroup = 4;
   for (; pixels > 0; from += 5, to += kInGroup) {
     const std::size_t here = std::min(pixels, kInGroup);
-    for (std::size_t i = 0; i < here; ++i)
-      to[i] = joined(from[i], 2 * static_cast<int>(i) + 2, from[i + 1]);
+    for (std::size_t i = 0; i < here; ++i) to[i] = joined(from[i], 2 * static_cast<int>(i) + 2, from[i + 1]);
     pixels -= here;
   }
 }

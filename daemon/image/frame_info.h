@@ -12,7 +12,7 @@ struct CaptureTimes {
   std::optional<double> t_capture_camera_s{};  // the camera's own clock, when it has one
   /// Standard deviation of t_capture_s; none: nothing but the picture's arrival is known.
   std::optional<double> t_capture_sigma_s{};
-  bool is_by_ptp = false;  // the camera's clock and the host's follow the same master
+  bool is_by_ptp = false;       // the camera's clock and the host's follow the same master
   std::int64_t arrived_ns = 0;  // steady_ns() when the picture was handed over; 0: not live
 };
 

@@ -79,23 +79,25 @@ std::string entry(const std::string& name, int value) {
 
 std::string on_or_off(const std::string& name) {
   return fmt::format(
-      "<Boolean Name=\"{0}\"><pValue>{0}Register</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>",
+      "<Boolean "
+      "Name=\"{0}\"><pValue>{0}Register</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>",
       name);
 }
 
 std::string with_register(const std::string& name, int address, const std::string& feature) {
-  return fmt::format("{}<IntReg Name=\"{}Register\"><Address>{}</Address><Length>4</Length><AccessMode>RW"
-                     "</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess>"
-                     "</IntReg>",
-                     feature, name, address);
+  return fmt::format(
+      "{}<IntReg Name=\"{}Register\"><Address>{}</Address><Length>4</Length><AccessMode>RW"
+      "</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess>"
+      "</IntReg>",
+      feature, name, address);
 }
 
 /// The library's own description of its camera and what else ours has, as a file, which is how it takes one.
 class Description {
  public:
   Description() {
-    GBytes* own = g_resources_lookup_data("/org/aravis/arv-fake-camera.xml", G_RESOURCE_LOOKUP_FLAGS_NONE,
-                                          nullptr);
+    GBytes* own =
+        g_resources_lookup_data("/org/aravis/arv-fake-camera.xml", G_RESOURCE_LOOKUP_FLAGS_NONE, nullptr);
     if (own == nullptr) throw std::runtime_error("Aravis has no description of its fake camera");
     gsize size = 0;
     const auto* data = static_cast<const char*>(g_bytes_get_data(own, &size));
@@ -107,7 +109,8 @@ class Description {
       text.insert(place, what);
     };
     insert("<pFeature>PayloadSize</pFeature>",
-           "<pFeature>ExposureAuto</pFeature><pFeature>PtpEnable</pFeature><pFeature>ChunkModeActive</pFeature>");
+           "<pFeature>ExposureAuto</pFeature><pFeature>PtpEnable</pFeature><pFeature>ChunkModeActive</"
+           "pFeature>");
     insert("</RegisterDescription>",
            with_register("ExposureAuto", 0x400,
                          enumeration("ExposureAuto", entry("Off", 0) + entry("Continuous", 2))) +
