@@ -22,7 +22,7 @@ struct Device {
 /// Cameras that answer now. Takes about a second, because the library waits for late answers; several camera
 /// threads that start together share one search.
 std::vector<Device> find_devices() {
-  constexpr std::chrono::seconds kFresh(2);
+  constexpr std::chrono::milliseconds kFresh(300);
   static std::mutex mutex;  // also guards the library's list, which is read by index
   static std::vector<Device> devices;
   static std::optional<Clock::time_point> searched;

@@ -171,14 +171,18 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
 void CameraThread::Shared::run() {
   apply(settings, name);
   while (!stopping()) {
+    const std::int64_t began_ns = steady_ns();
+    milliseconds tried_for{0};
     if (std::unique_ptr<Source> source = try_open()) {
       const CaptureStatus end = serve(*source);
       forget_controls();
       close_aside(std::move(source));
       if (end == CaptureStatus::kEnd) break;
+    } else {
+      tried_for = milliseconds((steady_ns() - began_ns) / 1'000'000);
     }
     std::unique_lock lock(mutex);
-    changed.wait_for(lock, delay, [&] { return stop_asked; });
+    changed.wait_for(lock, std::max(delays.first, delay - tried_for), [&] { return stop_asked; });
     delay = std::min(2 * delay, delays.longest);
   }
   {

@@ -54,9 +54,10 @@ struct CameraHealth {
   std::vector<std::string> warnings{};  // of the last opening, see Source
 };
 
-/// Waiting times between attempts to open a camera, doubling from the first to the longest.
+/// Times between attempts to open a camera, doubling from the first to the longest; the pause between two is
+/// shorter by what the first of them took, and never below the first.
 struct RetryDelays {
-  std::chrono::milliseconds first{250}, longest{2000};
+  std::chrono::milliseconds first{250}, longest{1000};
 };
 
 /// Keeps one camera open on a thread of its own and hands over its pictures. A camera that fails, dies or
