@@ -77,34 +77,39 @@ std::vector<StripePoint> stripe_points(const LinePicture& picture) {
   return out;
 }
 
-/// Undistorted radius = distorted (1 + bend distorted^2), in units of half the picture's width.
+/// Pixels without distortion, in px from the picture's middle, and back. Undistorted radius = distorted (1 +
+/// k1 distorted^2), from the lens' middle and in units of its focal length.
 class Straightener {
  public:
-  Straightener(int width, int height, double bend)
-      : middle_((width - 1) / 2.0, (height - 1) / 2.0), half_px_(width / 2.0), bend_(bend) {}
+  Straightener(int width, int height, const CameraPrior& lens, double k1)
+      : lens_(lens.center_x, lens.center_y), focal_px_(lens.focal_px), half_px_(width / 2.0), k1_(k1) {
+    const Eigen::Vector2d middle = Eigen::Vector2d((width - 1) / 2.0, (height - 1) / 2.0) - lens_;
+    middle_ = middle * (1 + k1_ * middle.squaredNorm() / (focal_px_ * focal_px_));
+  }
 
   StripePoint straight(const StripePoint& point) const {
-    const double x = point.x - middle_.x(), y = point.y - middle_.y(), unit2 = half_px_ * half_px_;
-    const double scale = 1 + bend_ * (x * x + y * y) / unit2;
+    const double x = point.x - lens_.x(), y = point.y - lens_.y(), unit2 = focal_px_ * focal_px_;
+    const double scale = 1 + k1_ * (x * x + y * y) / unit2;
     const double tx = -std::sin(point.normal_rad), ty = std::cos(point.normal_rad);
-    const double change = 2 * bend_ * (x * tx + y * ty) / unit2;
+    const double change = 2 * k1_ * (x * tx + y * ty) / unit2;
     const double vx = tx * scale + x * change, vy = ty * scale + y * change;
     double normal = std::atan2(vx, -vy);
     normal -= kPi * std::floor(normal / kPi);
-    return {x * scale, y * scale, normal};
+    return {x * scale - middle_.x(), y * scale - middle_.y(), normal};
   }
-  /// The pixel of a straight place, given in px from the middle.
+  /// The pixel of a straight place.
   Eigen::Vector2d bent(const Eigen::Vector2d& place) const {
-    const double undistorted = place.norm() / half_px_;
+    const Eigen::Vector2d from_lens = place + middle_;
+    const double undistorted = from_lens.norm() / focal_px_;
     double r = undistorted;
-    for (int i = 0; i < 6; ++i) r -= (r * (1 + bend_ * r * r) - undistorted) / (1 + 3 * bend_ * r * r);
-    return middle_ + place * (undistorted > 1e-9 ? r / undistorted : 1);
+    for (int i = 0; i < 6; ++i) r -= (r * (1 + k1_ * r * r) - undistorted) / (1 + 3 * k1_ * r * r);
+    return lens_ + from_lens * (undistorted > 1e-9 ? r / undistorted : 1);
   }
   double half_px() const { return half_px_; }
 
  private:
-  Eigen::Vector2d middle_;
-  double half_px_, bend_;
+  Eigen::Vector2d lens_, middle_;  // the lens' middle, a pixel; the picture's, straight, from it
+  double focal_px_, half_px_, k1_;
 };
 
 /// Votes for straight lines (Hough 1962, Duda and Hart 1972), points voting near their own direction only.
@@ -112,7 +117,7 @@ class Votes {
  public:
   static constexpr int kAngles = 360;
   Votes(int width, int height)
-      : reach_px_(0.75 * std::hypot(width, height)),
+      : reach_px_(1.1 * std::hypot(width, height)),  // straight tiles are larger, far from the lens' middle
         step_px_(std::max(1.5, width / 600.0)),
         distances_(static_cast<int>(2 * reach_px_ / step_px_) + 3) {}
 
@@ -362,21 +367,21 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   }
   Votes votes(width, height);
   std::vector<StripePoint> points(bent_points.size());
-  const auto vote = [&](double bend) {
-    const Straightener straightener(width, height, bend);
+  const auto vote = [&](double k1) {
+    const Straightener straightener(width, height, prior, k1);
     std::transform(bent_points.begin(), bent_points.end(), points.begin(),
                    [&](const StripePoint& point) { return straightener.straight(point); });
     votes.count(points);
   };
-  double bend = 0, sharpest = -1;
-  for (const double one : {0., .01, .02, .03, .045, .06, .08, .1, .13, .16, .2, .25, .3}) {
+  double k1 = 0, sharpest = -1;
+  for (const double one : {0., .03, .06, .09, .13, .17, .23, .29, .38, .46, .58, .72, .87}) {
     vote(one);
     if (votes.sharpness() <= sharpest) continue;
     sharpest = votes.sharpness();
-    bend = one;
+    k1 = one;
   }
-  vote(bend);
-  const Straightener straightener(width, height, bend);
+  vote(k1);
+  const Straightener straightener(width, height, prior, k1);
   const auto families = two_families(straight_lines(points, votes, width));
   const auto &a = families[0], &b = families[1];
   if (a.size() < 2 || b.size() < 2) {
@@ -459,15 +464,13 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     }
     if (pixels.size() < 4) continue;
     CameraPrior held = prior;
-    // The bend in units of the focal length, which is known roughly.
-    const double k1 = bend * std::pow(prior.focal_px / straightener.half_px(), 2);
-    held.k1 = k1;
+    held.k1 = k1;  // roughly, as the focal length is
     held.k1_sigma = 0.05 + 0.3 * k1;
     const CameraFit fit = camera_of_points(pixels, places, kSigmaPx, width, height, held);
     if (!is_plausible(fit.camera) || fit.camera.rotation(2, 2) > -0.8) continue;
     const bool is_known = std::any_of(out.cameras.begin(), out.cameras.end(), [&](const LensCamera& other) {
       for (const double side : {0.0, 0.4}) {
-        const Eigen::Vector2d pixel(held.center_x + side * width, held.center_y);
+        const Eigen::Vector2d pixel((0.5 + side) * width, 0.5 * height);
         const auto p = other.unproject(pixel, 0), q = fit.camera.unproject(pixel, 0);
         if (!p || !q || (*p - *q).norm() > kSameShare * length_mm) return false;
       }

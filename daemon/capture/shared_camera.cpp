@@ -99,6 +99,7 @@ void SharedCamera::hand_out(CaptureStatus status, CapturedImage& image, const st
       if (held == nullptr) continue;
       taker->image_.image = Image(held->image.view(), nullptr, held, &Pool::let_go);
       taker->image_.times = image.times;
+      taker->image_.whole = image.whole;
       taker->image_.is_damaged = image.is_damaged;
       taker->image_.name = image.name;
     }

@@ -44,7 +44,7 @@ class TileSource final : public Source {
     CapturedImage whole;
     const CaptureStatus status = taker_.next(whole, problem, timeout);
     if (status != CaptureStatus::kImage) return status;
-    const ImageView& view = whole.image.view();
+    const ImageView view = whole.image.view();
     if (options_.x + options_.width > view.width || options_.y + options_.height > view.height) {
       problem = fmt::format("the tile of {} x {} at ({}, {}) is not within the camera's {} x {} pixels",
                             options_.width, options_.height, options_.x, options_.y, view.width, view.height);
@@ -56,7 +56,10 @@ class TileSource final : public Source {
     tile.height = options_.height;
     image = std::move(whole);
     image.image.narrow_to(tile);
-    image.whole = {view.width, view.height, options_.x, options_.y};
+    // The camera may itself read a part of its sensor.
+    if (image.whole.width == 0) image.whole = {view.width, view.height};
+    image.whole.x += options_.x;
+    image.whole.y += options_.y;
     return CaptureStatus::kImage;
   }
 

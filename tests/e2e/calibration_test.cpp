@@ -121,6 +121,29 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
               HasSubstr("no earlier calibration"));
 }
 
+TEST_F(Calibration, ATileOfABigCameraNeedsNoClicks) {
+  constexpr int kX = 340, kWidth = 440;
+  Json& camera = settings_["cameras"][0];
+  camera["source"] = {{"backend", "tile"}, {"of", camera["source"]}, {"x", kX}, {"y", 0},
+                      {"width", kWidth},   {"height", 580}};
+  Json& calibration = camera["calibration"];
+  calibration["distortion"] = 0.25;
+  calibration["principal_point_x"] = calibration["principal_point_x"].get<double>() - kX;
+  calibration["pixel_image_width"] = kWidth;
+  const Json truth = calibration;
+  RunningDaemon daemon(settings_file(), state_);
+  spoil(daemon);
+  daemon.post(kPath, {{"height_mm", 4000}, {"frames", 5}}, 202);
+  const Json done = wait_for_end(daemon);
+  ASSERT_EQ(done["state"], "done") << done.dump(2);
+  const Json& report = done["report"];
+  EXPECT_EQ(report["accepted"], true) << report.dump(2);
+  EXPECT_LT(worst_error_mm(model_of(truth), model_of(report["calibration"]), 0), 2);
+  // The lens' middle is that of the big picture, at the tile's edge.
+  EXPECT_NEAR(report["calibration"]["principal_point_x"].get<double>(),
+              truth["principal_point_x"].get<double>(), 12);
+}
+
 TEST_F(Calibration, FromTheCommandLine) {
   RunningDaemon daemon(settings_file(), state_);
   const Json wrong = spoil(daemon);

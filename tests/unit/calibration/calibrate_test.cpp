@@ -2,6 +2,8 @@
 #include "calibration/calibrate.h"
 
 #include "base/error.h"
+#include "calibration/propose.h"
+#include "calibration/way_round.h"
 #include "support/painted_floor.h"
 
 #include <algorithm>
@@ -74,20 +76,31 @@ void swap_pixels(CalibrationTask& task, std::size_t a, std::size_t b) {
   std::swap(task.clicks[a].pixel, task.clicks[b].pixel);
 }
 
-TEST(Calibrate, ATileKnowsThePictureItIsAPartOf) {
-  constexpr int kX = 360, kWidth = 420;
-  LensCamera whole = floor_camera({0, FloorView::kWhole});
+/// A tile of a picture that shows the whole field, in all of its height, and the camera that it comes from.
+struct DrawnWhole {
+  LensCamera camera;
   PaintedFloor floor;
-  floor.field = floor_field(0);
-  const FloorPicture drawn = draw_floor(floor, whole);
-  Shot tile{whole, floor, {}};
-  tile.camera.width = kWidth;
-  tile.camera.center_x -= kX;
-  ImageView view = drawn.view;
-  view.data += kX * bytes_per_pixel(view.format);
-  view.width = kWidth;
-  tile.picture.add(view);
-  tile.picture.whole = {whole.width, whole.height, kX, 0};
+  FloorPicture drawn;
+
+  explicit DrawnWhole(const FloorSetting& setting) : camera(floor_camera(setting)) {
+    floor.field = floor_field(setting.size);
+    drawn = draw_floor(floor, camera);
+  }
+  Shot tile(int x, int width) const {
+    Shot out{camera, floor, {}};
+    out.camera.width = width;
+    out.camera.center_x -= x;
+    ImageView view = drawn.view;
+    view.data += std::ptrdiff_t{x} * bytes_per_pixel(view.format);
+    view.width = width;
+    out.picture.add(view);
+    out.picture.whole = {camera.width, camera.height, x, 0};
+    return out;
+  }
+};
+
+TEST(Calibrate, ATileKnowsThePictureItIsAPartOf) {
+  const Shot tile = DrawnWhole({0, FloorView::kWhole}).tile(360, 420);
   CalibrationTask task = clicked(tile, kHalfCorners);
   task.height_mm = tile.camera.position_mm.z() + 10;
   const CalibrationReport report = calibrate(tile.picture, task);
@@ -95,6 +108,29 @@ TEST(Calibrate, ATileKnowsThePictureItIsAPartOf) {
   EXPECT_LT(tile.floor_error_mm(report), 0.15);
   EXPECT_LT(tile.robots_error_mm(report), 0.5);
   EXPECT_NEAR(report.calibration.principal_point_x, tile.camera.center_x, 12);
+}
+
+TEST(Calibrate, ATileNeedsNoClicks) {
+  const DrawnWhole whole({1, FloorView::kWhole, 1.5, 0.4});
+  for (const int x : {0, 576}) {
+    const Shot tile = whole.tile(x, 704);
+    CalibrationTask task;
+    task.field = tile.floor.field;
+    task.plus_x = PlusX::kRight;
+    // Before it is refined, which makes up for much: lines are straightened about the whole picture's middle.
+    const Proposal proposal = propose_cameras(
+        find_line_pixels(tile.picture, 2), painted_curves(task.field, LinesMeasured::kToOuterEdge),
+        camera_prior(tile.camera.width, tile.camera.height, tile.picture.whole));
+    ASSERT_THAT(proposal.cameras, Not(IsEmpty())) << x;
+    const LensCamera& first = proposal.cameras.front();
+    const bool turned = !is_right_way_round(first, task);
+    EXPECT_LT(field_error_mm(tile.camera, turned ? turned_round(first) : first, task.field, 0), 40) << x;
+
+    const CalibrationReport report = calibrate(tile.picture, task);
+    EXPECT_TRUE(report.accepted) << x;
+    EXPECT_LT(tile.floor_error_mm(report), 0.15) << x;
+    EXPECT_NEAR(report.calibration.principal_point_x, tile.camera.center_x, 12) << x;
+  }
 }
 
 TEST(Calibrate, FindsTheCameraFromFourClicks) {

@@ -27,6 +27,7 @@ struct BigCamera {
   std::condition_variable changed;
   std::optional<CaptureStatus> coming;
   std::atomic<int> opened{0}, given_back{0};
+  WholePicture whole{};
 
   BigCamera() {
     for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i % 251);
@@ -56,6 +57,7 @@ struct BigCamera {
         image.image = Image({camera_.pixels.data(), kWidth, kHeight, kWidth, PixelFormat::kMono8}, &camera_,
                             nullptr, give_back);
         image.times.t_capture_s = 7;
+        image.whole = camera_.whole;
       } else {
         problem = "so it is";
       }
@@ -109,6 +111,20 @@ TEST_F(Tile, TilesOfOneCameraShareItsBuffer) {
   EXPECT_EQ(camera_.given_back, 0) << "the other tile has it still";
   b = {};
   EXPECT_EQ(camera_.given_back, 1);
+}
+
+TEST_F(Tile, ATileKnowsThePictureItIsAPartOf) {
+  const auto tile = open(32, 10, 32, 20);
+  const auto whole = [&] {
+    camera_.send(CaptureStatus::kImage);
+    CapturedImage image;
+    EXPECT_EQ(next(*tile, image), CaptureStatus::kImage);
+    const WholePicture& of = image.whole;
+    return std::array{of.width, of.height, of.x, of.y};
+  };
+  EXPECT_THAT(whole(), testing::ElementsAre(64, 48, 32, 10));
+  camera_.whole = {100, 80, 20, 16};  // reads a part of its sensor
+  EXPECT_THAT(whole(), testing::ElementsAre(100, 80, 52, 26));
 }
 
 TEST_F(Tile, ATileThatDoesNotLookLosesPicturesAndTheOtherNone) {
