@@ -74,7 +74,7 @@ CalibrationRequest read_calibration_request(const Json& json);
 CalibrationTask make_task(const CalibrationRequest& request, const FieldSize& field,
                           std::optional<CameraCalibration> previous);
 
-/// The whole report, as docs/api.md has it. What is no number is null.
+/// The whole report, as docs/openapi.json has it. What is no number is null.
 Json report_json(const CalibrationReport& report);
 
 /// What the JSON of every kind of calibration says of its newest job.

@@ -31,7 +31,7 @@ Json complete_source(const Json& source, const std::string& path);
 /// Opens what a complete "source" says. Throws CaptureError.
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
 
-/// Cameras that could be opened now, of all backends, as docs/api.md has them. Takes about a second.
+/// Cameras that could be opened now, of all backends, as docs/openapi.json has them. Takes about a second.
 Json found_cameras_json();
 /// The same for a terminal, with the settings lines to paste.
 std::string found_cameras_text(const Json& found);

@@ -6,7 +6,7 @@
 
 namespace sslv {
 
-/// {"robots": [...], "balls": [...]} as docs/api.md says: millimetres, radians, pixels of the camera's
+/// {"robots": [...], "balls": [...]} as docs/openapi.json says: millimetres, radians, pixels of the camera's
 /// picture.
 Json detections_json(const RobotList& robots, const BallList& balls);
 

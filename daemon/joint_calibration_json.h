@@ -28,7 +28,7 @@ struct JointCalibrationRequest {
   }
 };
 
-/// The whole report, as docs/api.md has it.
+/// The whole report, as docs/openapi.json has it.
 Json report_json(const JointReport& report);
 
 /// The figures of one camera that are worth keeping.

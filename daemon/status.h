@@ -38,7 +38,7 @@ struct StatusInput {
   std::vector<CameraNow> cameras;
 };
 
-/// The status object of docs/api.md.
+/// The status object of docs/openapi.json.
 Json status_json(const StatusInput& input);
 
 /// One line: "2/2 cameras 60.0 fps p99 0.9 ms -> 224.5.23.2:10006".

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { readFileSync } from 'node:fs';
 import vue from '@vitejs/plugin-vue';
 import { defineConfig } from 'vitest/config';
 
@@ -7,7 +8,15 @@ const daemon = process.env.SSL_VISIOND ?? 'http://127.0.0.1:8090';
 
 export default defineConfig({
   base: './',
-  plugins: [vue()],
+  plugins: [
+    vue(),
+    {
+      name: 'openapi',
+      generateBundle() {
+        this.emitFile({ type: 'asset', fileName: 'api/openapi.json', source: readFileSync('../docs/openapi.json') });
+      },
+    },
+  ],
   build: {
     target: 'es2022',
     // A strict content security policy forbids data: fonts and scripts; whole files keep it simple.

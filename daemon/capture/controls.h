@@ -29,7 +29,7 @@ struct Control {
   bool writable = true;                     // now
 };
 
-/// As docs/api.md has it.
+/// As docs/openapi.json has it.
 Json control_json(const Control& control);
 
 /// Throws SettingsError "NAME: VALUE is not allowed; expected ..." for a value that the control does not

@@ -38,7 +38,7 @@ class SimulatedCamera {
 
   /// {"frame", "t", "robots": [{"team", "id", "x", "y", "orientation", "height", "covered_dot", "visible",
   /// "visible_share", "pixel_x", "pixel_y"}], "balls": [{"x", "y", "visible", "visible_share", "pixel_x",
-  /// "pixel_y"}]} with the names and units of docs/api.md. "visible": all of the robot's top, or of the ball,
+  /// "pixel_y"}]} with the names and units of docs/openapi.json. "visible": all of the robot's top, or of the ball,
   /// is in the picture and not hidden by a robot, nor nearly so. "visible_share": how much of it is in the
   /// picture and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in the
   /// pattern table), or null. Things out of sight are left out.

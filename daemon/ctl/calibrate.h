@@ -47,7 +47,7 @@ Json calibrate_running(const Client& daemon, int camera_id, const Json& request)
 /// The same for several cameras together.
 Json calibrate_together(const Client& daemon, const Json& request);
 
-/// Reports of docs/api.md for a terminal.
+/// Reports of docs/openapi.json for a terminal.
 std::string calibration_text(const Json& report);
 std::string joint_calibration_text(const Json& report);
 

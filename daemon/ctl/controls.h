@@ -8,7 +8,7 @@
 
 namespace sslv {
 
-/// Controls of docs/api.md as a table for a terminal.
+/// Controls of docs/openapi.json as a table for a terminal.
 std::string controls_text(const Json& controls);
 
 /// Sets "NAME=VALUE" at a camera, or does the action "NAME", and answers with the control. `save`: into the

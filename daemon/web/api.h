@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The handlers behind the table of routes; docs/api.md says what each answers.
+// The handlers behind the table of routes; docs/openapi.json says what each answers.
 
 #include "web/host.h"
 

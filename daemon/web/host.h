@@ -23,7 +23,7 @@ struct View {
   std::uint32_t camera_id = 0;
   std::uint32_t frame_number = 0;
   double t_capture_s = 0;
-  Json detections;  // {"robots": [...], "balls": [...]} as docs/api.md has them
+  Json detections;  // {"robots": [...], "balls": [...]} as docs/openapi.json has them
 
   /// Draws the labelled picture into the buffer, where it then lies; not set when the camera's stack makes no
   /// runs.
@@ -31,7 +31,7 @@ struct View {
 };
 
 /// All that the web server needs of the daemon. Every member must be set, and is called from several threads
-/// at once. JSON values are those of docs/api.md.
+/// at once. JSON values are those of docs/openapi.json.
 struct WebHost {
   std::function<Json()> status;
   std::function<Json()> settings;  // with its revision

@@ -102,7 +102,7 @@ void explain_refusal(std::span<const Route> routes, const httplib::Request& requ
     response.set_header("Allow", allowed);
     set_error(response, 405, request.method + " is not allowed here; expected " + allowed);
   } else {
-    set_error(response, 404, is_api ? "no such route; docs/api.md lists them" : "no such file");
+    set_error(response, 404, is_api ? "no such route; docs/openapi.json lists them" : "no such file");
   }
 }
 

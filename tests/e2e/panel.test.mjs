@@ -1,100 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel as a user sees it: the real service with its simulated cameras, in a real browser.
-//   SSLV_DAEMON         the service; default: the release build
+//   SSLV_DAEMON         see service.mjs
 //   SSLV_CHROMIUM       the browser; default: the system's
 //   SSLV_SCREENSHOTS=1  also takes the pictures in docs/images
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
-import { createSocket } from 'node:dgram';
-import { once } from 'node:events';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { createInterface } from 'node:readline';
 import { after, before, describe, it } from 'node:test';
-import { setTimeout as pause } from 'node:timers/promises';
-import { fileURLToPath } from 'node:url';
+import { createService, PATIENCE_MS, root } from './service.mjs';
 
-const root = fileURLToPath(new URL('../..', import.meta.url));
 const require = createRequire(join(root, 'webui/package.json'));
 const { chromium } = require('playwright-core');
 const axeSource = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 
-const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
 const CHROMIUM = process.env.SSLV_CHROMIUM ?? '/usr/bin/chromium';
-const PATIENCE_MS = 60_000; // for a busy machine; nothing waits this long when all is well
 const DESKTOP = { width: 1440, height: 900 };
 const PHONE = { width: 360, height: 740 };
 
-// ---- the service
-
-async function freeUdpPort() {
-  const socket = createSocket('udp4').bind(0);
-  await once(socket, 'listening');
-  const { port } = socket.address();
-  socket.close();
-  return port;
-}
-
-const folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-panel.'));
-const settingsFile = join(folder, 'admin.json');
-const stateFolder = join(folder, 'state');
-const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
-Object.assign(settings.network.vision, { group: '239.255.77.78', interface: 'lo', port: await freeUdpPort() });
-settings.network.referee = { enabled: false };
-settings.panel = { port: 0 };
-
-let daemon = null;
-
-/** Starts the service; it answers on `settings.panel.port` when this returns. */
-async function startDaemon() {
-  mkdirSync(stateFolder, { recursive: true });
-  writeFileSync(settingsFile, JSON.stringify(settings));
-  daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', join(root, 'webui/dist')], {
-    env: { ...process.env, STATE_DIRECTORY: stateFolder },
-    stdio: ['ignore', 'ignore', 'pipe'],
-  });
-  const ended = Promise.race([once(daemon, 'exit'), once(daemon, 'error').then(([error]) => { throw error; })]);
-  const log = [];
-  const ready = new Promise((resolve) => {
-    createInterface(daemon.stderr).on('line', (line) => {
-      log.push(line);
-      const port = /panel on port (\d+)/.exec(line)?.[1];
-      if (port) resolve(Number(port));
-    });
-  });
-  const port = await Promise.race([ready, ended]);
-  assert.equal(typeof port, 'number', `${DAEMON} ended at once:\n${log.join('\n')}`);
-  ended.catch(() => {});
-  settings.panel.port = port;
-}
-
-async function stopDaemon() {
-  if (!daemon || daemon.exitCode !== null || daemon.signalCode !== null) return;
-  const exit = once(daemon, 'exit');
-  daemon.kill('SIGTERM');
-  const [code] = await exit;
-  assert.equal(code, 0, 'the service ends cleanly');
-}
-
-const address = (path) => `http://127.0.0.1:${settings.panel.port}/${path}`;
-
-async function patch(...operations) {
-  const answer = await fetch(address('api/settings'), { method: 'PATCH', body: JSON.stringify(operations) });
-  assert.equal(answer.status, 200, await answer.text());
-}
-
-/** Asks for the service's status until it is as wanted. */
-async function statusBecomes(wanted) {
-  const deadline = Date.now() + PATIENCE_MS;
-  for (;;) {
-    const status = await (await fetch(address('api/status'))).json();
-    if (wanted(status)) return status;
-    assert.ok(Date.now() < deadline, `the status does not become as wanted: ${JSON.stringify(status)}`);
-    await pause(50);
-  }
-}
+const service = await createService('239.255.77.78');
+const { settings, folder, address, patch, statusBecomes } = service;
 
 // ---- the browser
 
@@ -283,12 +208,11 @@ describe('panel', () => {
       chromiumSandbox: process.getuid() !== 0,
       args: ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
     });
-    await startDaemon();
+    await service.start();
   });
   after(async () => {
     await browser?.close();
-    await stopDaemon();
-    rmSync(folder, { recursive: true, force: true });
+    await service.end();
   });
 
   for (const { name, viewport, options } of views) {
@@ -569,7 +493,7 @@ describe('panel', () => {
     for (const { id } of settings.cameras) await picturesGoOn(page, id);
     await page.evaluate(() => { window.notReloaded = true; });
     panel.errorsExpected = true;
-    await stopDaemon();
+    await service.stop();
     const lastFrames = {};
     for (const { id } of settings.cameras) lastFrames[id] = await frameNumber(page, id);
     await page.waitForSelector(`${byId('connection')}[data-state="stale"]`);
@@ -581,7 +505,7 @@ describe('panel', () => {
     await accessible(page, 'Overview without the service');
 
     const port = settings.panel.port;
-    await startDaemon();
+    await service.start();
     assert.equal(settings.panel.port, port);
     await live(page);
     panel.errorsExpected = false;

@@ -5,7 +5,7 @@ import { CameraModel, distortRadius } from './cameraModel';
 
 const overhead: Calibration = {
   focal_length: 600, principal_point_x: 390, principal_point_y: 290, distortion: 0.1,
-  q0: 0.7071, q1: -0.7071, q2: 0, q3: 0, tx: 0, ty: 1250, tz: 3500,
+  q0: 0.7071, q1: -0.7071, q2: 0, q3: 0, tx: 0, ty: 1250, tz: 3500, pixel_image_width: 780, pixel_image_height: 580,
   derived_camera_world_tx: 1250, derived_camera_world_ty: 0, derived_camera_world_tz: 3500,
 };
 

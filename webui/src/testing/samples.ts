@@ -11,11 +11,11 @@ export const divisionB: FieldSize = {
 export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
   return {
     id: 0, name: '+x half', backend: 'simulator', state: 'running', error: '', width: 780, height: 580, pixel_format: 'uyvy',
-    fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, reconnects: 0,
-    latency_ms: { p50: 0.6, p99: 0.9 }, stages: [], robots: 6, balls: 1,
+    fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, packets: null, reconnects: 0,
+    latency_ms: { p50: 0.6, p99: 0.9 }, age_ms: { p50: 3.1, p99: 3.4 }, t_capture_from: 'camera', t_capture_sigma_ms: 0.05, stages: [], robots: 6, balls: 1,
     calibration: {
       focal_length: 600, principal_point_x: 390, principal_point_y: 290, distortion: 0.1,
-      q0: 0.7071, q1: -0.7071, q2: 0, q3: 0, tx: 0, ty: 1250, tz: 3500,
+      q0: 0.7071, q1: -0.7071, q2: 0, q3: 0, tx: 0, ty: 1250, tz: 3500, pixel_image_width: 780, pixel_image_height: 580,
       derived_camera_world_tx: 1250, derived_camera_world_ty: 0, derived_camera_world_tz: 3500,
     },
     ...changes,
@@ -25,7 +25,12 @@ export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
 export function status(changes: Partial<Status> = {}): Status {
   return {
     version: '0.1.0', site: 'Demo field', time: 1790000000, uptime_s: 60, field: divisionB,
-    network: { group: '224.5.23.2', port: 10006, interface: 'lo', error: '', packets_sent: 1234, send_errors: 0, packets_per_s: 121 },
+    network: { group: '224.5.23.2', port: 10006, interface: 'lo', error: '', packets_sent: 1234, send_errors: 0, packets_per_s: 121, packets_refused: 0, other_visions: [] },
+    referee: {
+      enabled: true, group: '224.5.23.1', port: 10003, error: '', source: '', address: '', other: null, silent_s: null,
+      game_is_running: false, packets_refused: 0,
+    },
+    teams: { yellow: { name: '', robot_height: 140, height_from: 'settings' }, blue: { name: '', robot_height: 140, height_from: 'settings' } },
     viewers: 1, alerts: [], cameras: [camera(), camera({ id: 1, name: '-x half' })],
     ...changes,
   };

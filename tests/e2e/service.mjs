@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real service with its simulated cameras, for tests that talk to its port.
+//   SSLV_DAEMON  the service; default: the release build
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { setTimeout as pause } from 'node:timers/promises';
+import { fileURLToPath } from 'node:url';
+
+export const root = fileURLToPath(new URL('../..', import.meta.url));
+export const PATIENCE_MS = 60_000; // for a busy machine; nothing waits this long when all is well
+const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
+
+async function freeUdpPort() {
+  const socket = createSocket('udp4').bind(0);
+  await once(socket, 'listening');
+  const { port } = socket.address();
+  socket.close();
+  return port;
+}
+
+/** The demo with packets to `group`; nothing runs yet. `settings` may be changed before the start. */
+export async function createService(group) {
+  const folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-panel.'));
+  const settingsFile = join(folder, 'admin.json');
+  const stateFolder = join(folder, 'state');
+  const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
+  Object.assign(settings.network.vision, { group, interface: 'lo', port: await freeUdpPort() });
+  settings.network.referee = { enabled: false };
+  settings.panel = { port: 0 };
+  let daemon = null;
+
+  const service = {
+    folder,
+    settings,
+    address: (path) => `http://127.0.0.1:${settings.panel.port}/${path}`,
+
+    /** It answers on `settings.panel.port` when this returns. */
+    async start() {
+      mkdirSync(stateFolder, { recursive: true });
+      writeFileSync(settingsFile, JSON.stringify(settings));
+      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', join(root, 'webui/dist')], {
+        env: { ...process.env, STATE_DIRECTORY: stateFolder },
+        stdio: ['ignore', 'ignore', 'pipe'],
+      });
+      const ended = Promise.race([once(daemon, 'exit'), once(daemon, 'error').then(([error]) => { throw error; })]);
+      const log = [];
+      const ready = new Promise((resolve) => {
+        createInterface(daemon.stderr).on('line', (line) => {
+          log.push(line);
+          const port = /panel on port (\d+)/.exec(line)?.[1];
+          if (port) resolve(Number(port));
+        });
+      });
+      const port = await Promise.race([ready, ended]);
+      assert.equal(typeof port, 'number', `${DAEMON} ended at once:\n${log.join('\n')}`);
+      ended.catch(() => {});
+      settings.panel.port = port;
+    },
+
+    async stop() {
+      if (!daemon || daemon.exitCode !== null || daemon.signalCode !== null) return;
+      const exit = once(daemon, 'exit');
+      daemon.kill('SIGTERM');
+      const [code] = await exit;
+      assert.equal(code, 0, 'the service ends cleanly');
+    },
+
+    async end() {
+      await service.stop();
+      rmSync(folder, { recursive: true, force: true });
+    },
+
+    async patch(...operations) {
+      const answer = await fetch(service.address('api/settings'), { method: 'PATCH', body: JSON.stringify(operations) });
+      assert.equal(answer.status, 200, await answer.text());
+    },
+
+    /** Asks for the service's status until it is as wanted. */
+    async statusBecomes(wanted) {
+      const deadline = Date.now() + PATIENCE_MS;
+      for (;;) {
+        const status = await (await fetch(service.address('api/status'))).json();
+        if (wanted(status)) return status;
+        assert.ok(Date.now() < deadline, `the status does not become as wanted: ${JSON.stringify(status)}`);
+        await pause(50);
+      }
+    },
+  };
+  return service;
+}
