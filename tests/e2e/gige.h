@@ -24,8 +24,8 @@ class Gige : public DaemonTest {
                                       {"principal_point_y", 472.8},
                                       {"pixel_image_width", kWidth},
                                       {"pixel_image_height", kHeight}});
-    camera["source"].update(Json{
-        {"width", kWidth}, {"height", kHeight}, {"pixel_format", "bayer_rg8"}, {"frame_rate_hz", 30}});
+    camera["source"].update(
+        Json{{"width", kWidth}, {"height", kHeight}, {"pixel_format", "bayer_rg8"}, {"frame_rate_hz", 30}});
     scene_.emplace(camera);
     camera["source"] = {{"backend", "aravis"}, {"camera", "127.0.0.1"}};
   }
@@ -57,7 +57,8 @@ inline double exposure_us(const RunningDaemon& daemon) {
 /// Camera 1 was watched, and nothing of it is missing.
 inline void expect_nothing_missing(FrameNumbers& other) {
   other.stop();
-  std::printf("other camera: %d frames, the longest gap %.1f ms\n", other.frames(), other.longest_gap_s() * 1e3);
+  std::printf("other camera: %d frames, the longest gap %.1f ms\n", other.frames(),
+              other.longest_gap_s() * 1e3);
   EXPECT_GT(other.frames(), 30);
   EXPECT_EQ(other.missing(), 0);
 }

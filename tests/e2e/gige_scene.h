@@ -14,9 +14,9 @@ namespace sslv::test {
 
 /// What is right in a published frame.
 struct FrameCheck {
-  int robots = 0;  // that are wholly in the picture
-  int missed = 0;  // of these
-  int wrong = 0;   // published ids that are not there
+  int robots = 0;       // that are wholly in the picture
+  int missed = 0;       // of these
+  int wrong = 0;        // published ids that are not there
   double error_mm = 0;  // summed up over those that were found
 
   FrameCheck& operator+=(const FrameCheck& other);

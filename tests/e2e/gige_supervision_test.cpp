@@ -38,17 +38,19 @@ TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
   ASSERT_GT(seen.robots, 90);
   EXPECT_EQ(seen.missed, 0);
   EXPECT_EQ(seen.wrong, 0);
-  const Json status =
-      daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames_incomplete"] > 5; })["cameras"][0];
+  const Json status = daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"][0]["frames_incomplete"] > 5; })["cameras"][0];
   EXPECT_GT(status["packets"]["missing"], 5);
-  std::printf("frames %d, damaged %d, packets missing %d, resent %d, reconnects %d\n", status["frames"].get<int>(),
-              status["frames_incomplete"].get<int>(), status["packets"]["missing"].get<int>(),
-              status["packets"]["resent"].get<int>(), status["reconnects"].get<int>());
+  std::printf("frames %d, damaged %d, packets missing %d, resent %d, reconnects %d\n",
+              status["frames"].get<int>(), status["frames_incomplete"].get<int>(),
+              status["packets"]["missing"].get<int>(), status["packets"]["resent"].get<int>(),
+              status["reconnects"].get<int>());
 }
 
 /// Closing waits for the stopped camera's answers, so the other camera must not depend on it.
 TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
-  settings_["cameras"][0]["source"].update(Json{{"silence_s", 0.5}, {"controls", {{"ExposureTimeAbs", 4000.0}}}});
+  settings_["cameras"][0]["source"].update(
+      Json{{"silence_s", 0.5}, {"controls", {{"ExposureTimeAbs", 4000.0}}}});
   const auto camera = start_camera();
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });

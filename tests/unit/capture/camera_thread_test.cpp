@@ -3,6 +3,7 @@
 
 #include "support/allocation_count.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <deque>
@@ -317,26 +318,39 @@ TEST_F(CameraThreadTest, WritesFewLinesOfAStorm) {
     const auto thread = start();
     std::vector<FakeCamera::Step> steps;
     for (int i = 0; i < kLosses; ++i) {
-      steps.insert(steps.end(), {damaged("packets are missing"), damaged("packets are missing"), lost("no heartbeat")});
+      steps.insert(steps.end(),
+                   {damaged("packets are missing"), damaged("packets are missing"), lost("no heartbeat")});
     }
     camera_->play(steps);
-    EXPECT_EQ(wait_for(*thread, [](const CameraHealth& health) { return health.reconnects >= kLosses; }).incomplete,
-              2U * kLosses);
+    EXPECT_EQ(
+        wait_for(*thread, [](const CameraHealth& health) { return health.reconnects >= kLosses; }).incomplete,
+        2U * kLosses);
   }
   const std::string log = testing::internal::GetCapturedStderr();
   std::printf("%d lines\n", static_cast<int>(std::count(log.begin(), log.end(), '\n')));
   EXPECT_LT(std::count(log.begin(), log.end(), '\n'), 20) << log;
 }
 
+TEST_F(CameraThreadTest, ASourceThatFailsAtOnceWithoutEndIsNotAskedWithoutPause) {
+  constexpr std::uint64_t kDamaged = 60;
+  const auto begin = std::chrono::steady_clock::now();
+  camera_->play_forever(damaged("packets are missing"));
+  const auto thread = start();
+  wait_for(*thread, [](const CameraHealth& health) { return health.incomplete >= kDamaged; });
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(kDamaged - 20));
+}
+
 TEST_F(CameraThreadTest, StopsDuringAStorm) {
-  for (const FakeCamera::Step& step : {damaged("packets are missing"), lost("no heartbeat"), throwing("a defect")}) {
+  for (const FakeCamera::Step& step :
+       {damaged("packets are missing"), lost("no heartbeat"), throwing("a defect")}) {
     camera_->play_forever(step);
-    const auto thread = start();
     const int attempts = camera_->attempts();
-    if (step.status != CaptureStatus::kIncomplete) camera_->wait_for_attempts(attempts + 3);
-    thread->stop();  // the test would not end otherwise
-    const int after = camera_->attempts();
-    EXPECT_EQ(camera_->attempts(), after);
+    const auto thread = start();
+    wait_for(*thread, [&](const CameraHealth& health) {
+      return health.incomplete > 20 || camera_->attempts() > attempts + 20;
+    });
+    thread->stop();
+    EXPECT_EQ(camera_->closed(), camera_->wait_for_opened(0));
   }
 }
 
