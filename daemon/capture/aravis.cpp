@@ -109,12 +109,14 @@ class AravisSource final : public Source {
  public:
   explicit AravisSource(const AravisOptions& options) : options_(options) {
     Failure failure;
-    shared_->camera.reset(arv_camera_new(resolve_aravis_camera(options_.camera).c_str(), failure));
+    const AravisHandle handle = resolve_aravis_camera(options_.camera);
+    shared_->camera.reset(arv_camera_new(handle.name.c_str(), failure));
     label_ = !options_.camera.empty() || !shared_->camera
                  ? options_.camera
                  : text_or_empty(arv_camera_get_device_serial_number(camera(), nullptr));
     if (!shared_->camera)
       throw CaptureError(fmt::format("camera \"{}\": cannot be opened: {}", label_, failure.text()));
+    check_aravis_serial(camera(), handle);
     warnings_ = apply_controls(*controls_, options_.controls);
     const std::lock_guard lock(shared_->mutex);
     set_up_aravis(camera(), options_, label_, warnings_);
