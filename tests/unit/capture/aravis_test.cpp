@@ -206,6 +206,15 @@ TEST_F(Gige, NoTornPictureIsTakenForWhole) {
   EXPECT_GT(source->packets()->missing, 0u);
 }
 
+TEST_F(Gige, PicturesWithPacketsMissingCanBeUsed) {
+  const auto source = open({{"packet_size", 1000}, {"use_incomplete", true}});
+  next_picture(*source);
+  server_->lose_packets(0.01);
+  const auto [taken, torn] = taken_and_torn(*source, 200);
+  EXPECT_EQ(taken, 200);
+  EXPECT_GT(torn, 20);
+}
+
 TEST_F(Gige, PicturesAreTheDriversOwnBuffers) {
   const auto source = open({{"buffers", 5}});
   std::set<const std::uint8_t*> places;
