@@ -109,12 +109,14 @@ class AravisSource final : public Source {
  public:
   explicit AravisSource(const AravisOptions& options) : options_(options) {
     Failure failure;
-    shared_->camera.reset(arv_camera_new(resolve_aravis_camera(options_.camera).c_str(), failure));
+    const AravisHandle handle = resolve_aravis_camera(options_.camera);
+    shared_->camera.reset(arv_camera_new(handle.name.c_str(), failure));
     label_ = !options_.camera.empty() || !shared_->camera
                  ? options_.camera
                  : text_or_empty(arv_camera_get_device_serial_number(camera(), nullptr));
     if (!shared_->camera)
       throw CaptureError(fmt::format("camera \"{}\": cannot be opened: {}", label_, failure.text()));
+    check_aravis_serial(camera(), handle);
     warnings_ = apply_controls(*controls_, options_.controls);
     const std::lock_guard lock(shared_->mutex);
     set_up_aravis(camera(), options_, label_, warnings_);
@@ -209,7 +211,9 @@ class AravisSource final : public Source {
     const guint64 system_ns = arv_buffer_get_system_timestamp(buffer);
     stamps.arrival_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : unix_time_s();
     const guint64 camera_ns = arv_buffer_get_timestamp(buffer);
-    if (camera_ns != 0) stamps.camera_s = static_cast<double>(camera_ns) * 1e-9;
+    // A damaged picture may lack the packet that has its time; the buffer then holds an older one.
+    const bool is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
+    if (camera_ns != 0 && !is_damaged) stamps.camera_s = static_cast<double>(camera_ns) * 1e-9;
     if (chunks_ && arv_buffer_has_chunks(buffer)) read_chunks(buffer, stamps);
     return times_.of(stamps, unix_time_s(), static_cast<double>(steady_ns()) * 1e-9);
   }
@@ -302,14 +306,22 @@ class AravisSource final : public Source {
     started_ = last_buffer_ = Clock::now();
   }
 
+  /// The library does not say how a damaged picture lies in its buffer: as the last whole one did.
+  SentPicture damaged_picture_in(ArvBuffer* buffer) const {
+    SentPicture sent = last_whole_;
+    std::size_t size = 0;
+    sent.data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size)) + last_whole_offset_;
+    return sent;
+  }
+
   /// No format, with the reason, when the buffer holds no sound picture.
-  SentPicture picture_in(ArvBuffer* buffer, std::string& problem) const {
+  SentPicture picture_in(ArvBuffer* buffer, std::string& problem) {
     const ArvBufferStatus status = arv_buffer_get_status(buffer);
     const bool lacks_packets =
         status == ARV_BUFFER_STATUS_TIMEOUT || status == ARV_BUFFER_STATUS_MISSING_PACKETS;
-    if (status != ARV_BUFFER_STATUS_SUCCESS && !(lacks_packets && options_.use_incomplete)) {
+    if (status != ARV_BUFFER_STATUS_SUCCESS) {
       problem = text_of(status);
-      return {};
+      return lacks_packets && options_.use_incomplete ? damaged_picture_in(buffer) : SentPicture{};
     }
     const ArvBufferPayloadType payload = arv_buffer_get_payload_type(buffer);
     if (payload != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && payload != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA &&
@@ -338,6 +350,8 @@ class AravisSource final : public Source {
       return {};
     }
     sent.format = format;
+    last_whole_ = sent;
+    last_whole_offset_ = sent.data - static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
     return sent;
   }
 
@@ -376,6 +390,8 @@ class AravisSource final : public Source {
   std::size_t pool_bytes_ = 0;      // of each
   std::uint64_t dropped_ = 0;
   WholePicture whole_;
+  SentPicture last_whole_;                // its data is not used
+  std::ptrdiff_t last_whole_offset_ = 0;  // of the picture in its buffer
   Clock::time_point started_{}, last_buffer_{};
   Beginning beginning_ = Beginning::kNothing;
 };

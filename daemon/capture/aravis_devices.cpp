@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/aravis_devices.h"
 
-#include "capture/aravis_library.h"
-
+#include <array>
 #include <chrono>
 #include <mutex>
 #include <optional>
@@ -47,18 +46,30 @@ std::string handle_of(const Device& device) {
 }
 }  // namespace
 
-std::string resolve_aravis_camera(const std::string& camera) {
+AravisHandle resolve_aravis_camera(const std::string& camera) {
   in_addr address{};
-  if (inet_pton(AF_INET, camera.c_str(), &address) == 1) return camera;
+  if (inet_pton(AF_INET, camera.c_str(), &address) == 1) return {camera};
   std::string found;
   for (const Device& device : find_devices()) {
     if (camera.empty() || camera == device.serial || camera == device.id || camera == device.physical_id) {
-      return handle_of(device);
+      return {handle_of(device), device.protocol == "GigEVision" ? device.serial : ""};
     }
     found += fmt::format("{}\"{}\" ({})", found.empty() ? "" : ", ", device.serial, device.id);
   }
   if (found.empty()) throw CaptureError(fmt::format("camera \"{}\": no camera answers", camera));
   throw CaptureError(fmt::format("camera \"{}\": not found; there are {}", camera, found));
+}
+
+void check_aravis_serial(ArvCamera* camera, const AravisHandle& handle) {
+  constexpr guint64 kSerialRegister = 0xd8;  // GigE Vision, bootstrap registers: what a search reports
+  if (handle.serial.empty()) return;
+  std::array<char, 17> serial{};
+  Failure failure;
+  arv_device_read_memory(arv_camera_get_device(camera), kSerialRegister, serial.size() - 1, serial.data(),
+                         failure);
+  if (!failure.failed() && handle.serial != serial.data()) {
+    throw CaptureError(fmt::format("camera \"{}\": another one has its address now", handle.serial));
+  }
 }
 
 std::vector<FoundCamera> list_aravis_cameras() {

@@ -22,6 +22,10 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTurn{100};  // the longest wait for a picture, and so for stop() to be seen
 constexpr milliseconds kStopPatience{1500};
+/// After more damaged pictures than this in a row, a pause before the next: a source that fails at once must
+/// not take a whole processor.
+constexpr int kStorm = 10;
+constexpr milliseconds kStormPause{1};
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kRepeatedLossNs = 60 * kSecondNs;
 
@@ -29,26 +33,23 @@ constexpr std::int64_t kRepeatedLossNs = 60 * kSecondNs;
 class DamageLog {
  public:
   explicit DamageLog(const std::string& name) : name_(name) {}
-  ~DamageLog() { write(); }
-  DamageLog(const DamageLog&) = delete;
-  DamageLog& operator=(const DamageLog&) = delete;
 
   void add(std::string& problem) {
     ++count_;
     last_.swap(problem);
   }
   void write_if_due() {
-    if (count_ > 0 && steady_ns() >= due_ns_) write();
+    if (steady_ns() >= due_ns_) write();
   }
-
- private:
   void write() {
+    if (count_ == 0) return;
     if (count_ == 1) log::warning("{}: damaged picture: {}", name_, last_);
     if (count_ > 1) log::warning("{}: {} damaged pictures, the last: {}", name_, count_, last_);
     count_ = 0;
     due_ns_ = steady_ns() + kSecondNs;
   }
 
+ private:
   const std::string& name_;
   std::string last_;
   int count_ = 0;
@@ -152,6 +153,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   const RetryDelays delays;
 
   // Used by the camera's thread alone.
+  DamageLog damages{name};
   LossLog losses{name};
   milliseconds delay = delays.first;
   bool was_open = false;
@@ -185,6 +187,7 @@ void CameraThread::Shared::run() {
     changed.wait_for(lock, std::max(delays.first, delay - tried_for), [&] { return stop_asked; });
     delay = std::min(2 * delay, delays.longest);
   }
+  damages.write();
   {
     const std::lock_guard lock(mutex);
     finished = true;
@@ -219,9 +222,8 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
 
 /// Hands pictures over until the camera is lost, the recording has ended or stop() was called.
 CaptureStatus CameraThread::Shared::serve(Source& source) {
-  DamageLog damages(name);
   std::int64_t window_start_ns = steady_ns();
-  int window_frames = 0;
+  int window_frames = 0, damaged_in_a_row = 0;
   const CameraHealth before = health_now();
   for (;;) {
     CapturedImage image;
@@ -242,8 +244,10 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       damages.add(problem);
     }
     damages.write_if_due();
+    damaged_in_a_row = status == CaptureStatus::kIncomplete ? damaged_in_a_row + 1 : 0;
 
-    const std::lock_guard lock(mutex);
+    std::unique_lock lock(mutex);
+    if (damaged_in_a_row > kStorm) changed.wait_for(lock, kStormPause, [&] { return stop_asked; });
     const std::int64_t now_ns = steady_ns();
     health.progress_ns = now_ns;
     if (delivered) {

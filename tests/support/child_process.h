@@ -28,6 +28,9 @@ class ChildProcess {
   /// Waits for the end; the exit code, or 128 + signal. Throws like wait_for_line when the time runs out.
   int wait_for_exit(std::chrono::seconds timeout = std::chrono::seconds(30));
 
+  /// While it runs.
+  pid_t pid() const { return pid_; }
+
   /// Everything it has printed so far.
   const std::string& output() const { return output_; }
 

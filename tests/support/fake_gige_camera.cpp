@@ -4,8 +4,8 @@
 //   fake_gige_camera INTERFACE_ADDRESS SERIAL FILE
 //
 // FILE is JSON with "source" and "calibration" as a camera of the daemon's settings has them and "field" as
-// the settings have it; the last two may be left out. Prints "ready" once it serves; SIGINT or SIGTERM ends
-// it.
+// the settings have it; the last two may be left out. "lost_packets" is the share of packets that get lost.
+// Prints "ready" once it serves; SIGINT or SIGTERM ends it.
 
 #include "base/params_json.h"
 #include "capture/file.h"
@@ -30,10 +30,12 @@ struct Setup {
   Json source = Json::object();
   std::optional<CameraCalibration> calibration;
   FieldSize field;
+  double lost_packets = 0;
   static constexpr auto fields() {
     return std::tuple{object("source", &Setup::source, "\"backend\" and its options"),
                       group("calibration", &Setup::calibration, "what a simulated camera sees"),
-                      group("field", &Setup::field, "what a simulated camera looks at")};
+                      group("field", &Setup::field, "what a simulated camera looks at"),
+                      number("lost_packets", &Setup::lost_packets, 0.0, 1.0, "", "share that gets lost")};
   }
 };
 
@@ -80,11 +82,13 @@ CapturedImage take(Source& source) {
 /// The picture as the client wants it: black when it has set another size or format than the source's.
 void fill(Source& source, std::uint8_t* pixels, int width, int height, PixelFormat format) {
   const auto row_bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(bytes_per_pixel(format));
-  std::memset(pixels, 0, row_bytes * static_cast<std::size_t>(height));
   try {
     const CapturedImage captured = take(source);
     const ImageView& view = captured.image.view();
-    if (view.format != format || view.width != width || view.height != height) return;
+    if (view.format != format || view.width != width || view.height != height) {
+      std::memset(pixels, 0, row_bytes * static_cast<std::size_t>(height));
+      return;
+    }
     for (int y = 0; y < height; ++y) {
       std::memcpy(pixels + static_cast<std::size_t>(y) * row_bytes, view.row(y), row_bytes);
     }
@@ -95,7 +99,8 @@ void fill(Source& source, std::uint8_t* pixels, int width, int height, PixelForm
 
 void serve(const char* address, const char* serial, const char* path) {
   double frame_rate_hz = 0;
-  const std::unique_ptr<Source> source = open_source(read_setup(path), frame_rate_hz);
+  const Setup setup = read_setup(path);
+  const std::unique_ptr<Source> source = open_source(setup, frame_rate_hz);
   const CapturedImage first = take(*source);
   const ImageView& view = first.image.view();
 
@@ -110,6 +115,7 @@ void serve(const char* address, const char* serial, const char* path) {
     fill(*source, pixels, width, height, format);
   });
   server.set_defaults(view.width, view.height, view.format, frame_rate_hz);
+  server.lose_packets(setup.lost_packets);
   std::puts("ready");
   std::fflush(stdout);
   int signal = 0;

@@ -3,11 +3,13 @@
 
 #include "support/allocation_count.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <latch>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -23,7 +25,7 @@ constexpr RetryDelays kAtOnce{milliseconds(0), milliseconds(0)};
 class FakeCamera {
  public:
   struct Step {
-    CaptureStatus status;
+    CaptureStatus status = CaptureStatus::kImage;
     std::string problem{};
     bool throws = false;
   };
@@ -47,9 +49,20 @@ class FakeCamera {
     block(blocks_opening_, false);
   }
 
+  /// From now on each picture asked for becomes this, at once and without end, once the steps are played.
+  void play_forever(const Step& step) {
+    const std::lock_guard lock(mutex_);
+    forever_ = step;
+    changed_.notify_all();
+  }
+
   int wait_for_opened(int at_least) { return wait_for(opened_, at_least); }
   int wait_for_closed(int at_least) { return wait_for(closed_, at_least); }
   int wait_for_attempts(int at_least) { return wait_for(attempts_, at_least); }
+  int attempts() const {
+    const std::lock_guard lock(mutex_);
+    return attempts_;
+  }
   int closed() const {
     const std::lock_guard lock(mutex_);
     return closed_;
@@ -81,11 +94,17 @@ class FakeCamera {
     }
     CaptureStatus next(CapturedImage& image, std::string& problem, milliseconds timeout) override {
       std::unique_lock lock(camera_.mutex_);
-      if (!camera_.changed_.wait_for(lock, timeout, [&] { return !camera_.steps_.empty(); })) {
+      if (!camera_.changed_.wait_for(lock, timeout,
+                                     [&] { return !camera_.steps_.empty() || camera_.forever_; })) {
         return CaptureStatus::kTimeout;
       }
-      const Step step = camera_.steps_.front();
-      camera_.steps_.pop_front();
+      Step step;
+      if (camera_.steps_.empty()) {
+        step = *camera_.forever_;
+      } else {
+        step = camera_.steps_.front();
+        camera_.steps_.pop_front();
+      }
       if (step.throws) throw std::logic_error(step.problem);
       problem = step.problem;
       if (step.status == CaptureStatus::kImage) {
@@ -117,6 +136,7 @@ class FakeCamera {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Step> steps_;
+  std::optional<Step> forever_;
   int refusals_ = 0, attempts_ = 0, opened_ = 0, closed_ = 0;
   bool blocks_closing_ = false, blocks_opening_ = false;
 };
@@ -253,6 +273,85 @@ TEST_F(CameraThreadTest, ReopensWhileTheDeadOneIsStillClosing) {
   EXPECT_EQ(camera_->closed(), 0);
   camera_->release();
   EXPECT_EQ(camera_->wait_for_closed(2), 2);
+}
+
+/// However fast it fails, the waits between the attempts grow: 1 + 2 + 4 + ... ms before the last one.
+void expect_growing_waits(FakeCamera& camera, std::chrono::steady_clock::time_point start) {
+  constexpr int kAttempts = 9;
+  EXPECT_GE(camera.wait_for_attempts(kAttempts), kAttempts);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, milliseconds((1 << (kAttempts - 1)) - 1));
+}
+constexpr RetryDelays kGrowing{milliseconds(1), std::chrono::hours(1)};
+
+TEST_F(CameraThreadTest, WaitsLongerAndLongerForASourceThatThrowsAtOnce) {
+  camera_->play_forever(throwing("a defect"));
+  const auto begin = std::chrono::steady_clock::now();
+  const auto thread = start(kGrowing);
+  expect_growing_waits(*camera_, begin);
+}
+
+TEST_F(CameraThreadTest, WaitsLongerAndLongerForACameraThatIsLostAtOnce) {
+  camera_->play_forever(lost("no heartbeat"));
+  const auto begin = std::chrono::steady_clock::now();
+  const auto thread = start(kGrowing);
+  expect_growing_waits(*camera_, begin);
+}
+
+TEST_F(CameraThreadTest, WaitsLongerAndLongerForACameraThatIsLostAfterDamagedPictures) {
+  for (int i = 0; i < 20; ++i) camera_->play({damaged("packets are missing"), lost("no heartbeat")});
+  const auto begin = std::chrono::steady_clock::now();
+  const auto thread = start(kGrowing);
+  expect_growing_waits(*camera_, begin);
+}
+
+TEST_F(CameraThreadTest, APictureMakesTheNextWaitShortAgain) {
+  camera_->refuse(6);
+  camera_->play({kImage, lost("no heartbeat"), kImage});
+  const auto thread = start({milliseconds(1), std::chrono::hours(1)});
+  EXPECT_EQ(wait_for(*thread, frames(2)).frames, 2U);
+}
+
+TEST_F(CameraThreadTest, WritesFewLinesOfAStorm) {
+  constexpr int kLosses = 500;
+  testing::internal::CaptureStderr();
+  {
+    const auto thread = start();
+    std::vector<FakeCamera::Step> steps;
+    for (int i = 0; i < kLosses; ++i) {
+      steps.insert(steps.end(),
+                   {damaged("packets are missing"), damaged("packets are missing"), lost("no heartbeat")});
+    }
+    camera_->play(steps);
+    EXPECT_EQ(
+        wait_for(*thread, [](const CameraHealth& health) { return health.reconnects >= kLosses; }).incomplete,
+        2U * kLosses);
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  std::printf("%d lines\n", static_cast<int>(std::count(log.begin(), log.end(), '\n')));
+  EXPECT_LT(std::count(log.begin(), log.end(), '\n'), 20) << log;
+}
+
+TEST_F(CameraThreadTest, ASourceThatFailsAtOnceWithoutEndIsNotAskedWithoutPause) {
+  constexpr std::uint64_t kDamaged = 60;
+  const auto begin = std::chrono::steady_clock::now();
+  camera_->play_forever(damaged("packets are missing"));
+  const auto thread = start();
+  wait_for(*thread, [](const CameraHealth& health) { return health.incomplete >= kDamaged; });
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(kDamaged - 20));
+}
+
+TEST_F(CameraThreadTest, StopsDuringAStorm) {
+  for (const FakeCamera::Step& step :
+       {damaged("packets are missing"), lost("no heartbeat"), throwing("a defect")}) {
+    camera_->play_forever(step);
+    const int attempts = camera_->attempts();
+    const auto thread = start();
+    wait_for(*thread, [&](const CameraHealth& health) {
+      return health.incomplete > 20 || camera_->attempts() > attempts + 20;
+    });
+    thread->stop();
+    EXPECT_EQ(camera_->closed(), camera_->wait_for_opened(0));
+  }
 }
 
 TEST_F(CameraThreadTest, StopClosesTheCamera) {

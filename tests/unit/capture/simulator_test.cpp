@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "capture/simulator_camera.h"
+#include "support/allocation_count.h"
 
 #include <chrono>
 #include <cmath>
@@ -46,6 +47,17 @@ TEST(Simulator, GivesPicturesOfTheAskedKind) {
   EXPECT_FALSE(image.times.t_capture_camera_s);
   EXPECT_EQ(image.name, "");
 }  // the picture outlives its source
+
+TEST(Simulator, AllocatesNothingForAPictureOnceWarm) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  const auto source = small_source(0, "bayer_rg8");
+  CapturedImage image;
+  std::string problem;
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(source->next(image, problem, 1s), CaptureStatus::kImage);
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 200; ++i) ASSERT_EQ(source->next(image, problem, 1s), CaptureStatus::kImage);
+  EXPECT_EQ(allocation_count(), before);
+}
 
 TEST(Simulator, ExposesAtWholeMultiplesOfThePeriod) {
   const auto source = small_source(50);

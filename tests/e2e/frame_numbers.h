@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ssl_vision_wrapper.pb.h"
+#include "support/group_listener.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+namespace sslv::test {
+
+/// Watches one camera's packets in a thread of its own, from the construction on.
+class FrameNumbers {
+ public:
+  FrameNumbers(std::uint16_t port, std::uint32_t camera)
+      : listener_(port), thread_([this, camera] { listen(camera); }) {}
+  ~FrameNumbers() { stop(); }
+  FrameNumbers(const FrameNumbers&) = delete;
+  FrameNumbers& operator=(const FrameNumbers&) = delete;
+
+  void stop() {
+    is_over_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  // After stop().
+  int frames() const { return frames_; }
+  /// Numbers that were left out.
+  int missing() const { return missing_; }
+  /// The longest time between two of its pictures.
+  double longest_gap_s() const { return longest_gap_s_; }
+
+ private:
+  void listen(std::uint32_t camera) {
+    SSL_WrapperPacket packet;
+    SSL_DetectionFrame last;
+    while (!is_over_) {
+      const auto bytes = listener_.receive(100);
+      if (!bytes || !packet.ParseFromString(*bytes) || packet.detection().camera_id() != camera ||
+          !packet.has_detection()) {
+        continue;
+      }
+      const SSL_DetectionFrame& frame = packet.detection();
+      if (frames_++ > 0) {
+        missing_ += static_cast<int>(frame.frame_number() - last.frame_number()) - 1;
+        longest_gap_s_ = std::max(longest_gap_s_, frame.t_capture() - last.t_capture());
+      }
+      last = frame;
+    }
+  }
+
+  GroupListener listener_;
+  std::atomic<bool> is_over_{false};
+  int frames_ = 0, missing_ = 0;
+  double longest_gap_s_ = 0;
+  std::thread thread_;  // the last: works on the others
+};
+
+}  // namespace sslv::test

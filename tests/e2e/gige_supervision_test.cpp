@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of a GigE camera that fails in the ways that such cameras fail.
+#include "e2e/gige.h"
+
+#include <chrono>
+#include <csignal>
+
+#include <gmock/gmock.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+TEST_F(Gige, AMonoCameraRunsAndFindsNothing) {
+  scene_->served["source"]["pixel_format"] = "mono8";
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 10; });
+  EXPECT_EQ(status["cameras"][0]["pixel_format"], "mono8");
+  EXPECT_EQ(status["cameras"][0]["robots"], 0) << "patterns are told apart by colour";
+  EXPECT_EQ(status["cameras"][0]["frames_incomplete"], 0);
+}
+
+/// Aravis' simulated camera answers no request to send a packet again: what is lost stays lost.
+TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
+  scene_->served["lost_packets"] = 0.01;
+  settings_["cameras"][0]["source"]["packet_size"] = 16000;
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  FrameCheck seen;
+  for (int i = 0; i < 30; ++i) seen += scene_->check(next_frame(0));
+  ASSERT_GT(seen.robots, 90);
+  EXPECT_EQ(seen.missed, 0);
+  EXPECT_EQ(seen.wrong, 0);
+  const Json status = daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"][0]["frames_incomplete"] > 5; })["cameras"][0];
+  EXPECT_GT(status["packets"]["missing"], 5);
+  std::printf("frames %d, damaged %d, packets missing %d, resent %d, reconnects %d\n",
+              status["frames"].get<int>(), status["frames_incomplete"].get<int>(),
+              status["packets"]["missing"].get<int>(), status["packets"]["resent"].get<int>(),
+              status["reconnects"].get<int>());
+}
+
+/// Closing waits for the stopped camera's answers, so the other camera must not depend on it.
+TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
+  settings_["cameras"][0]["source"].update(
+      Json{{"silence_s", 0.5}, {"controls", {{"ExposureTimeAbs", 4000.0}}}});
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
+  FrameNumbers other(listener_.port(), 1);
+
+  camera->send_signal(SIGSTOP);
+  const Json lost = daemon.wait_for_status(state_is("lost"));
+  EXPECT_THAT(lost["cameras"][0]["error"].get<std::string>(),
+              AnyOf(HasSubstr("no picture for 0.5 s"), HasSubstr("no longer answers")));
+  EXPECT_THAT(lost["alerts"][0]["title"].get<std::string>(), HasSubstr("Camera 0 is lost"));
+
+  camera->send_signal(SIGCONT);
+  const auto start = std::chrono::steady_clock::now();
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
+  std::printf("back after %.2f s\n", seconds_since(start));
+  EXPECT_EQ(exposure_us(daemon), 4000);
+  expect_nothing_missing(other);
+}
+
+TEST_F(Gige, ACameraThatComesBackWithAnotherSizeRunsAndItsCalibrationIsDoubted) {
+  auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
+  camera.reset();
+  const Json served = scene_->served;
+  scene_->served["source"].update(Json{{"width", 640}, {"height", 480}});
+  scene_->served["calibration"].update(Json{{"pixel_image_width", 640}, {"pixel_image_height", 480}});
+  camera = start_camera();
+  const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["width"] == 640; });
+  EXPECT_EQ(status["cameras"][0]["state"], "running");
+  EXPECT_EQ(status["cameras"][0]["height"], 480);
+  EXPECT_EQ(status["alerts"][0]["title"],
+            "Camera 0 sends 640x480 pixels, its calibration was made for 1280x952");
+
+  // And back.
+  camera.reset();
+  scene_->served = served;
+  camera = start_camera();
+  const Json back = daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"][0]["width"] == kWidth && s["cameras"][0]["robots"] > 0; });
+  EXPECT_EQ(back["alerts"], Json::array());
+}
+
+}  // namespace
+}  // namespace sslv::test
