@@ -39,7 +39,7 @@ enum class CaptureStatus {
 
 /// Packets of a camera that sends over a network, since the opening.
 struct PacketCounts {
-  std::uint64_t missing = 0;  // never came
+  std::uint64_t missing = 0;  // never came; Aravis counts all of a picture from the first gap on
   std::uint64_t resent = 0;   // came when they were asked for again
 };
 
