@@ -40,10 +40,10 @@ std::string_view text_of(ArvBufferStatus status) {
 // ---- pictures
 
 constexpr std::chrono::milliseconds kForeignPackets(100);
-/// Nothing but damaged pictures for this long after the opening: foreign packets came all the same.
+/// Nothing of its own for this long after the opening although something came: foreign packets, all the same.
 constexpr std::chrono::milliseconds kFirstPicture(500);
 /// The best of what came since the opening.
-enum class Beginning { kNothing, kDamaged, kWhole };
+enum class Beginning { kNothing, kForeign, kOwn };
 
 /// What the source, the library's threads and the pictures still out share.
 struct Link {
@@ -167,7 +167,7 @@ class AravisSource final : public Source {
     }
     const Clock::time_point now = Clock::now();
     if (buffer == nullptr) {
-      if (beginning_ == Beginning::kDamaged && now - started_ > kFirstPicture) return bad_beginning(problem);
+      if (beginning_ == Beginning::kForeign && now - started_ > kFirstPicture) return bad_beginning(problem);
       if (now - last_buffer_ < std::chrono::duration<double>(options_.silence_s))
         return CaptureStatus::kTimeout;
       problem = fmt::format("camera \"{}\": no picture for {} s", label_, options_.silence_s);
@@ -176,12 +176,14 @@ class AravisSource final : public Source {
     last_buffer_ = now;
     const SentPicture sent = picture_in(buffer, problem);
     if (sent.format == nullptr) {
+      // Of foreign packets not even a picture's beginning is understood.
+      const bool is_foreign = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_CLEARED;
       arv_stream_push_buffer(stream_.get(), buffer);
-      if (beginning_ == Beginning::kWhole) return CaptureStatus::kIncomplete;
-      beginning_ = Beginning::kDamaged;
-      return now - started_ < kFirstPicture ? CaptureStatus::kIncomplete : bad_beginning(problem);
+      if (beginning_ != Beginning::kOwn) beginning_ = is_foreign ? Beginning::kForeign : Beginning::kOwn;
+      const bool is_bad = beginning_ == Beginning::kForeign && now - started_ > kFirstPicture;
+      return is_bad ? bad_beginning(problem) : CaptureStatus::kIncomplete;
     }
-    beginning_ = Beginning::kWhole;
+    beginning_ = Beginning::kOwn;
     image.is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     image.times = times_of(buffer);
     image.whole = whole_;
