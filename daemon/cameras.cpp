@@ -3,12 +3,12 @@
 #include "cameras.h"
 
 #include "base/error.h"
-#include "capture/aravis.h"
-#include "capture/dc1394.h"
-#include "capture/file.h"
-#include "capture/simulator.h"
+#include "capture/aravis/aravis.h"
+#include "capture/dc1394/dc1394.h"
+#include "capture/files/file.h"
+#include "capture/simulator/simulator.h"
 #include "capture/tile.h"
-#include "capture/v4l2.h"
+#include "capture/v4l2/v4l2.h"
 
 #include <vector>
 

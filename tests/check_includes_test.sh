@@ -25,13 +25,13 @@ expect() {
 
 expect allowed image/jpeg.cpp base/log.h
 expect allowed image/jpeg.cpp image/jpeg.h
-expect allowed capture/simulator.cpp vision/patterns.h
+expect allowed capture/simulator/simulator.cpp vision/patterns.h
 expect allowed daemon.cpp web/server.h
 expect allowed net/packets.cpp ssl_vision_wrapper.pb.h
 expect allowed ctl/bench.cpp pipeline/pipeline.h
 expect "base may include only: itself" base/log.h image/image.h
 expect "vision may include only: itself, base, image, geometry" vision/find_runs.h pipeline/frame.h
-expect "capture may include only:" capture/simulator.cpp vision/lut.h
+expect "capture may include only:" capture/simulator/simulator.cpp vision/lut.h
 expect "net may include only:" net/packets.cpp image/image.h
 expect "web may include only:" web/api_status.cpp ssl_vision_wrapper.pb.h
 expect "pipeline/frame.h may include only:" pipeline/frame.h base/log.h

@@ -2,9 +2,9 @@
 #include "ctl/accuracy.h"
 
 #include "base/params_json.h"
-#include "capture/simulator.h"
-#include "capture/simulator_camera.h"
-#include "capture/simulator_random.h"
+#include "capture/simulator/simulator.h"
+#include "capture/simulator/simulator_camera.h"
+#include "capture/simulator/simulator_random.h"
 #include "config.h"
 #include "ctl/no_sink.h"
 #include "detections_json.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/simulate.h"
 
-#include "capture/simulator.h"
-#include "capture/simulator_camera.h"
+#include "capture/simulator/simulator.h"
+#include "capture/simulator/simulator_camera.h"
 
 #include <cerrno>
 #include <cstddef>

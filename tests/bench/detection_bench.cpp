@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What finding robots and balls costs: fits alone for each instruction set of this CPU, the whole stages, and
 // input that is meant to take long. Medians of many runs over a few pictures, one thread, microseconds.
-#include "capture/simulator.h"
-#include "capture/simulator_camera.h"
+#include "capture/simulator/simulator.h"
+#include "capture/simulator/simulator_camera.h"
 #include "support/simd_target.h"
 #include "vision/detect_balls.h"
 #include "vision/detect_robots.h"

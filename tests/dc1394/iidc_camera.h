@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/error.h"
-#include "capture/dc1394.h"
+#include "capture/dc1394/dc1394.h"
 #include "support/fake_dc1394.h"
 
 #include <memory>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The real daemon with its simulator, real multicast, real HTTP.
 #include "base/params_json.h"
-#include "capture/simulator.h"
-#include "capture/simulator_world.h"
+#include "capture/simulator/simulator.h"
+#include "capture/simulator/simulator_world.h"
 #include "e2e/running_daemon.h"
 #include "geometry/camera_model.h"
 

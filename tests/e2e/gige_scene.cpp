@@ -2,8 +2,8 @@
 #include "e2e/gige_scene.h"
 
 #include "base/params_json.h"
-#include "capture/simulator.h"
-#include "capture/simulator_world.h"
+#include "capture/simulator/simulator.h"
+#include "capture/simulator/simulator_world.h"
 
 #include <algorithm>
 #include <cmath>

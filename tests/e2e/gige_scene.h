@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/json.h"
-#include "capture/simulator_scene.h"
+#include "capture/simulator/simulator_scene.h"
 #include "geometry/camera_model.h"
 #include "ssl_vision_detection.pb.h"
 #include "support/child_process.h"

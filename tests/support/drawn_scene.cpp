@@ -2,7 +2,7 @@
 #include "support/drawn_scene.h"
 
 #include "base/params_json.h"
-#include "capture/simulator_renderer.h"
+#include "capture/simulator/simulator_renderer.h"
 #include "vision/lut_from_samples.h"
 #include "vision/segment.h"
 

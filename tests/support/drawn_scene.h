@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "capture/simulator_options.h"
-#include "capture/simulator_sensor.h"
-#include "capture/simulator_world.h"
+#include "capture/simulator/simulator_options.h"
+#include "capture/simulator/simulator_sensor.h"
+#include "capture/simulator/simulator_world.h"
 #include "geometry/scene.h"
 #include "image/color.h"
 #include "image/image.h"

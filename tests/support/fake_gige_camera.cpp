@@ -8,8 +8,8 @@
 // Prints "ready" once it serves; SIGINT or SIGTERM ends it.
 
 #include "base/params_json.h"
-#include "capture/file.h"
-#include "capture/simulator.h"
+#include "capture/files/file.h"
+#include "capture/simulator/simulator.h"
 #include "support/gige_server.h"
 
 #include <algorithm>

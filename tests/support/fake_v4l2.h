@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "capture/v4l2_device.h"
+#include "capture/v4l2/v4l2_device.h"
 
 #include <condition_variable>
 #include <deque>

@@ -3,7 +3,7 @@
 // controls to break them.
 #include "base/clock.h"
 #include "capture/camera_thread.h"
-#include "capture/v4l2.h"
+#include "capture/v4l2/v4l2.h"
 #include "image/color.h"
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/aravis.h"
+#include "capture/aravis/aravis.h"
 
 #include "base/clock.h"
 #include "base/error.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/file_playback.h"
+#include "capture/files/file_playback.h"
 
 #include "base/error.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/file.h"
+#include "capture/files/file.h"
 
 #include "base/error.h"
 #include "image/jpeg.h"
@@ -347,10 +347,9 @@ TEST_F(Files, WhatCannotBeOpenedIsNamed) {
 TEST_F(Files, UnknownOptionsAreRefused) {
   EXPECT_THROW(file_backend().complete({{"paht", "x"}}, "/cameras/0/source"), SettingsError);
   EXPECT_THROW(file_backend().complete({{"pixel_format", "rgb"}}, "/cameras/0/source"), SettingsError);
-  EXPECT_EQ(
-      file_backend().complete(Json::object(), ""),
-      Json::parse(
-          R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
+  EXPECT_EQ(file_backend().complete(Json::object(), ""),
+            Json::parse(
+                R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "frame_rate_hz": null,
                             "loop": false, "controls": {}})"));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/simulator_camera.h"
+#include "capture/simulator/simulator_camera.h"
 
 #include <algorithm>
 #include <array>

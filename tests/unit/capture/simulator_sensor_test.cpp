@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/simulator_sensor.h"
+#include "capture/simulator/simulator_sensor.h"
 
 #include "image/color.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/simulator.h"
+#include "capture/simulator/simulator.h"
 
 #include "base/error.h"
-#include "capture/simulator_camera.h"
+#include "capture/simulator/simulator_camera.h"
 #include "support/allocation_count.h"
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/simulator_world.h"
+#include "capture/simulator/simulator_world.h"
 
 #include "base/error.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/v4l2.h"
+#include "capture/v4l2/v4l2.h"
 
 #include "base/clock.h"
 #include "base/error.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/disc_fit.h"
 
-#include "capture/simulator_sensor.h"
+#include "capture/simulator/simulator_sensor.h"
 #include "support/drawn_scene.h"
 #include "support/simd_target.h"
 #include "vision/disc_kernel.h"

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/aravis/aravis_controls.h"
+
+#include "base/error.h"
+#include "capture/source.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+/// They change how large pictures are, so that the stream's buffers no longer fit.
+constexpr std::array<std::string_view, 8> kLayout{"Width",
+                                                  "Height",
+                                                  "PixelFormat",
+                                                  "BinningHorizontal",
+                                                  "BinningVertical",
+                                                  "DecimationHorizontal",
+                                                  "DecimationVertical",
+                                                  "SensorBinning"};
+
+/// Starting and stopping is the source's own work.
+constexpr std::array<std::string_view, 5> kOurs{"AcquisitionStart", "AcquisitionStop", "AcquisitionAbort",
+                                                "AcquisitionMode", "TLParamsLocked"};
+
+template <std::size_t N>
+bool is_one_of(const std::array<std::string_view, N>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::optional<double> finite(double value) {
+  // Drivers say the type's limits where there are none.
+  const bool is_limit = !std::isfinite(value) || std::abs(value) >= 9e18;
+  return is_limit ? std::nullopt : std::optional(value);
+}
+
+class AravisControls final : public Controls {
+ public:
+  explicit AravisControls(std::shared_ptr<AravisCamera> camera) : camera_(std::move(camera)) {}
+
+  std::vector<Control> list() override {
+    const std::lock_guard lock(camera_->mutex);
+    std::vector<Control> out;
+    std::set<std::string> seen;  // a feature may be in several categories
+    add_category(genicam(), "Root", "", seen, out);
+    return out;
+  }
+
+  Control get(const std::string& name) override {
+    const std::lock_guard lock(camera_->mutex);
+    return control_of(node_of(name), "");
+  }
+
+ private:
+  ArvGc* genicam() const {
+    if (camera_->is_closed) throw CaptureError("the camera was closed");
+    return arv_device_get_genicam(arv_camera_get_device(camera_->camera.get()));
+  }
+
+  ArvGcFeatureNode* node_of(const std::string& name) const {
+    ArvGcNode* node = arv_gc_get_node(genicam(), name.c_str());
+    if (node == nullptr || !ARV_IS_GC_FEATURE_NODE(node) || !is_shown(ARV_GC_FEATURE_NODE(node)))
+      throw SettingsError(fmt::format("{}: the camera has no such control", name));
+    return ARV_GC_FEATURE_NODE(node);
+  }
+
+  /// Whether it is a feature of this very camera, for people.
+  static bool is_shown(ArvGcFeatureNode* node) {
+    const bool is_kind = ARV_IS_GC_COMMAND(node) || ARV_IS_GC_ENUMERATION(node) || ARV_IS_GC_BOOLEAN(node) ||
+                         ARV_IS_GC_STRING(node) || ARV_IS_GC_FLOAT(node) || ARV_IS_GC_INTEGER(node);
+    return is_kind && !ARV_IS_GC_CATEGORY(node) &&
+           !is_one_of(kOurs, text_or_empty(arv_gc_feature_node_get_name(node))) &&
+           arv_gc_feature_node_get_visibility(node) != ARV_GC_VISIBILITY_INVISIBLE &&
+           arv_gc_feature_node_is_implemented(node, nullptr);
+  }
+
+  static void add_category(ArvGc* genicam, const char* name, const std::string& title,
+                           std::set<std::string>& seen, std::vector<Control>& out) {
+    ArvGcNode* node = arv_gc_get_node(genicam, name);
+    if (node == nullptr || !seen.insert(name).second) return;
+    if (ARV_IS_GC_CATEGORY(node)) {
+      const std::string here = text_or_empty(arv_gc_feature_node_get_display_name(ARV_GC_FEATURE_NODE(node)));
+      for (const GSList* one = arv_gc_category_get_features(ARV_GC_CATEGORY(node)); one != nullptr;
+           one = one->next) {
+        add_category(genicam, static_cast<const char*>(one->data), here.empty() ? name : here, seen, out);
+      }
+    } else if (ARV_IS_GC_FEATURE_NODE(node) && is_shown(ARV_GC_FEATURE_NODE(node))) {
+      out.push_back(control_of(ARV_GC_FEATURE_NODE(node), title));
+    }
+  }
+
+  static Control control_of(ArvGcFeatureNode* node, const std::string& category) {
+    Control out;
+    out.name = text_or_empty(arv_gc_feature_node_get_name(node));
+    out.title = text_or_empty(arv_gc_feature_node_get_display_name(node));
+    out.category = category;
+    out.help = text_or_empty(arv_gc_feature_node_get_description(node));
+    if (out.help.empty()) out.help = text_or_empty(arv_gc_feature_node_get_tooltip(node));
+    const ArvGcVisibility visibility = arv_gc_feature_node_get_visibility(node);
+    out.level = visibility == ARV_GC_VISIBILITY_GURU     ? ControlLevel::kGuru
+                : visibility == ARV_GC_VISIBILITY_EXPERT ? ControlLevel::kExpert
+                                                         : ControlLevel::kBeginner;
+    const bool is_available = arv_gc_feature_node_is_available(node, nullptr);
+    out.writable = is_available && arv_gc_feature_node_get_actual_access_mode(node) != ARV_GC_ACCESS_MODE_RO;
+    fill_kind(node, is_available, out);
+    return out;
+  }
+
+  /// What is not available now has no value and no range.
+  static void fill_kind(ArvGcFeatureNode* node, bool is_available, Control& out) {
+    Failure failure;
+    const auto set = [&](Json value) {
+      if (!failure.failed()) out.value = std::move(value);
+    };
+    // An enumeration is an integer too, so the order matters.
+    if (ARV_IS_GC_COMMAND(node)) {
+      out.kind = ControlKind::kAction;
+    } else if (ARV_IS_GC_ENUMERATION(node)) {
+      out.kind = ControlKind::kChoice;
+      if (!is_available) return;
+      guint count = 0;
+      const std::unique_ptr<const char*, void (*)(void*)> names(
+          arv_gc_enumeration_dup_available_string_values(ARV_GC_ENUMERATION(node), &count, nullptr), g_free);
+      for (guint i = 0; names && i < count; ++i) out.choices.emplace_back(names.get()[i]);
+      set(text_or_empty(arv_gc_enumeration_get_string_value(ARV_GC_ENUMERATION(node), failure)));
+    } else if (ARV_IS_GC_BOOLEAN(node)) {
+      out.kind = ControlKind::kFlag;
+      if (is_available) set(arv_gc_boolean_get_value(ARV_GC_BOOLEAN(node), failure) != FALSE);
+    } else if (ARV_IS_GC_FLOAT(node)) {
+      ArvGcFloat* number = ARV_GC_FLOAT(node);
+      out.kind = ControlKind::kNumber;
+      out.unit = text_or_empty(arv_gc_float_get_unit(number));
+      if (!is_available) return;
+      if (const double least = arv_gc_float_get_min(number, failure); !failure.failed())
+        out.least = finite(least);
+      if (const double most = arv_gc_float_get_max(number, failure); !failure.failed())
+        out.most = finite(most);
+      const double value = arv_gc_float_get_value(number, failure);
+      set(value);
+    } else if (ARV_IS_GC_INTEGER(node)) {
+      ArvGcInteger* number = ARV_GC_INTEGER(node);
+      out.kind = ControlKind::kInteger;
+      out.unit = text_or_empty(arv_gc_integer_get_unit(number));
+      if (!is_available) return;
+      const auto limit = [&](gint64 value) {
+        return failure.failed() ? std::nullopt : finite(static_cast<double>(value));
+      };
+      const gint64 least = arv_gc_integer_get_min(number, failure);
+      out.least = limit(least);
+      const gint64 most = arv_gc_integer_get_max(number, failure);
+      out.most = limit(most);
+      const gint64 step = arv_gc_integer_get_inc(number, failure);
+      if (!failure.failed() && step > 0) out.step = static_cast<double>(step);
+      const gint64 value = arv_gc_integer_get_value(number, failure);
+      set(value);
+    } else {
+      out.kind = ControlKind::kText;
+      if (is_available) set(text_or_empty(arv_gc_string_get_value(ARV_GC_STRING(node), failure)));
+    }
+  }
+
+  ControlEffect write(const Control& control, const Json& value) override {
+    const std::lock_guard lock(camera_->mutex);
+    ArvGcFeatureNode* node = node_of(control.name);
+    const bool waits = is_one_of(kLayout, control.name) || arv_gc_feature_node_is_locked(node, nullptr);
+    if (camera_->is_streaming && waits) return ControlEffect::kWhenOpened;
+    if (!control.writable)
+      throw SettingsError(fmt::format("{}: cannot be set now: the camera only shows it", control.name));
+    Failure failure;
+    switch (control.kind) {
+      case ControlKind::kAction: arv_gc_command_execute(ARV_GC_COMMAND(node), failure); break;
+      case ControlKind::kFlag:
+        arv_gc_boolean_set_value(ARV_GC_BOOLEAN(node), value.get<bool>(), failure);
+        break;
+      case ControlKind::kChoice:
+        arv_gc_enumeration_set_string_value(ARV_GC_ENUMERATION(node), value.get<std::string>().c_str(),
+                                            failure);
+        break;
+      case ControlKind::kNumber:
+        arv_gc_float_set_value(ARV_GC_FLOAT(node), value.get<double>(), failure);
+        break;
+      case ControlKind::kInteger:
+        arv_gc_integer_set_value(ARV_GC_INTEGER(node), value.get<gint64>(), failure);
+        break;
+      case ControlKind::kText:
+        arv_gc_string_set_value(ARV_GC_STRING(node), value.get<std::string>().c_str(), failure);
+        break;
+    }
+    if (failure.failed())
+      throw SettingsError(fmt::format("{}: {} refused: {}", control.name, value.dump(), failure.text()));
+    read_exposure(*camera_);
+    return ControlEffect::kAtOnce;
+  }
+
+  const std::shared_ptr<AravisCamera> camera_;
+};
+
+}  // namespace
+
+std::shared_ptr<Controls> aravis_controls(std::shared_ptr<AravisCamera> camera) {
+  return std::make_shared<AravisControls>(std::move(camera));
+}
+
+void read_exposure(AravisCamera& camera) {
+  Failure failure;
+  const double exposure_us = arv_camera_get_exposure_time(camera.camera.get(), failure);
+  camera.exposure_s = failure.failed() || !(exposure_us > 0) ? 0 : exposure_us * 1e-6;
+  const bool has_auto = arv_camera_is_exposure_auto_available(camera.camera.get(), failure) != FALSE;
+  camera.is_exposure_auto = has_auto && !failure.failed() &&
+                            arv_camera_get_exposure_time_auto(camera.camera.get(), failure) != ARV_AUTO_OFF &&
+                            !failure.failed();
+}
+
+}  // namespace sslv

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capture/aravis/aravis_library.h"
+#include "capture/controls.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+namespace sslv {
+
+/// An open camera, shared by whoever takes its pictures and whoever sets its controls. The library's feature
+/// tree is for one thread at a time.
+struct AravisCamera {
+  std::mutex mutex;  // guards the camera's features
+  Object<ArvCamera> camera;
+  bool is_streaming = false;          // guarded
+  bool is_closed = false;             // guarded
+  std::atomic<double> exposure_s{0};  // as it was last read; 0: not known
+  std::atomic<bool> is_exposure_auto{false};
+};
+
+/// All features of the camera's GenICam description that somebody may see.
+std::shared_ptr<Controls> aravis_controls(std::shared_ptr<AravisCamera> camera);
+
+/// The exposure time as the camera has it now, kept in `camera`; its mutex must be held.
+void read_exposure(AravisCamera& camera);
+
+}  // namespace sslv

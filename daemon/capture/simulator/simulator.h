@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capture/simulator/simulator_options.h"
+#include "capture/source.h"
+
+#include <string>
+
+namespace sslv {
+
+/// Options read over their defaults and checked together. Throws SettingsError, beginning with `path`.
+SimulatorOptions simulator_options(const Json& options, const std::string& path);
+
+/// The row "simulator": a camera over a field with moving robots and balls, drawn with the camera's own
+/// calibration. Pictures are exposed at whole multiples of the frame period in Unix time, so all simulated
+/// cameras expose at once. Each is drawn ahead and handed over at that moment: latency measured from
+/// t_capture_s is the pipeline's alone. With frame_rate_hz 0 there is no waiting, and drawing counts. When
+/// all its buffers are held by others, pictures are left out.
+Backend simulator_backend();
+
+}  // namespace sslv

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/simulator/simulator_camera.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+constexpr int kBandRows = 64;  // the whole picture is developed in bands, to need less memory
+
+Scene checked(const SimulatorOptions& options, const SourceContext& context) {
+  if (!context.scene.camera) {
+    throw CaptureError(
+        fmt::format("camera {}: the simulator draws what a calibrated camera sees and needs its "
+                    "\"calibration\" (focal_length, principal_point_x, ..., tz), which is missing",
+                    context.camera_id));
+  }
+  const CameraCalibration& made_for = context.scene.camera->calibration();
+  if (made_for.pixel_image_width > 0 && made_for.pixel_image_height > 0 &&
+      (made_for.pixel_image_width != options.width || made_for.pixel_image_height != options.height)) {
+    throw CaptureError(
+        fmt::format("camera {}: its calibration is for pictures of {} x {} (pixel_image_width, "
+                    "pixel_image_height), but the simulator's width and height say {} x {}",
+                    context.camera_id, made_for.pixel_image_width, made_for.pixel_image_height, options.width,
+                    options.height));
+  }
+  return context.scene;
+}
+
+SimulatedWorld world_of(const SimulatorOptions& options, const SourceContext& context) {
+  try {
+    return {options, context.scene.field, context.scene.robot_height_mm, &*context.scene.camera};
+  } catch (const SettingsError& error) {
+    throw CaptureError(fmt::format("camera {}: {}", context.camera_id, error.what()));
+  }
+}
+
+const char* name_of(Team team) {
+  return team == Team::kBlue ? "blue" : "yellow";
+}
+
+}  // namespace
+
+SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceContext& context,
+                                 const PatternTable& patterns)
+    : options_(options),
+      scene_(checked(options, context)),
+      world_(world_of(options, context)),
+      renderer_(options, scene_.field, *scene_.camera, patterns),
+      sensor_(options, static_cast<std::uint64_t>(options.seed) << 32 | context.camera_id),
+      layout_{nullptr, options.width, options.height,
+              static_cast<std::ptrdiff_t>(options.width) * bytes_per_pixel(options.pixel_format),
+              options.pixel_format},
+      background_(renderer_.background(options.placement == SimulatorPlacement::kPaths ? world_.at(0)
+                                                                                       : SimulatedScene())),
+      light_(background_),
+      clean_background_(sensor_.picture_bytes()),
+      moments_(options.exposure_ms > 0 ? SimulatorRenderer::kMaxMoments : 1) {
+  for (const SimulatedRobot& robot : world_.at(0).robots) {
+    const bool known = std::any_of(patterns.codes.begin(), patterns.codes.end(),
+                                   [&](const PatternTable::Code& code) { return code.id == robot.id; });
+    if (!known) {
+      throw CaptureError(
+          fmt::format("camera {}: the simulator is to draw the {} robot {}, but pattern table \"{}\" has "
+                      "no such id",
+                      context.camera_id, name_of(robot.team), robot.id, patterns.name));
+    }
+  }
+  for (int top = 0; top < options.height; top += kBandRows) {
+    const PixelBox band{0, top, options.width, std::min(options.height, top + kBandRows)};
+    sensor_.develop(background_, band, clean_background_.data());
+  }
+  clean_ = clean_background_;
+}
+
+void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
+  world_.expose(t_s, options_.exposure_ms * 1e-3, moments_);
+  renderer_.draw(moments_, light_, boxes_);
+  for (const PixelBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());
+  sensor_.add_noise(clean_.data(), picture);
+
+  // Wipe what was drawn, for the next frame.
+  const auto stride = static_cast<std::size_t>(layout_.stride_bytes);
+  const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(layout_.format));
+  for (const PixelBox& box : boxes_) {
+    for (int y = box.top; y < box.bottom; ++y) {
+      std::copy(background_.at(box.left, y), background_.at(box.right, y), light_.at(box.left, y));
+    }
+    const PixelBox reached = sensor_.reached_from(box);
+    const std::size_t bytes = static_cast<std::size_t>(reached.right - reached.left) * pixel_bytes;
+    for (int y = reached.top; y < reached.bottom; ++y) {
+      const std::size_t at =
+          static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(reached.left) * pixel_bytes;
+      std::memcpy(clean_.data() + at, clean_background_.data() + at, bytes);
+    }
+  }
+}
+
+bool SimulatedCamera::fully_visible(const Eigen::Vector3d& center_mm, double radius_mm,
+                                    const SimulatedScene& scene) const {
+  constexpr int kPoints = 32;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = i * 2 * std::numbers::pi / kPoints;
+    const auto pixel =
+        scene_.camera->project(center_mm + radius_mm * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0));
+    if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() > options_.width - 1 ||
+        pixel->y() > options_.height - 1) {
+      return false;
+    }
+  }
+  const Eigen::Vector3d& eye = scene_.camera->position_mm();
+  for (const SimulatedRobot& robot : scene.robots) {
+    if (robot.height_mm <= center_mm.z()) continue;
+    // How near to the other robot the line of sight comes below the plane of its top.
+    const double share = (robot.height_mm - center_mm.z()) / (eye.z() - center_mm.z());
+    const Eigen::Vector2d along = share * (eye - center_mm).head<2>();
+    const Eigen::Vector2d from = center_mm.head<2>() - Eigen::Vector2d(robot.x_mm, robot.y_mm);
+    const double t = std::clamp(-from.dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
+    const double distance = (from + t * along).norm();
+    if (distance < scene_.field.max_robot_radius + radius_mm) return false;
+  }
+  return true;
+}
+
+/// Of a ball's disc, or of a robot's `top`, by points of it; 1 only when it is fully visible.
+double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double radius_mm,
+                                      const SimulatedScene& scene, const SimulatedRobot* top) const {
+  if (fully_visible(center_mm, radius_mm, scene)) return 1;
+  constexpr double kMost = 0.999;  // something of it is or may be missing
+  const auto is_visible = [&](const Eigen::Vector3d& point) {
+    const auto pixel = scene_.camera->project(point);
+    return pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 && pixel->x() <= options_.width - 0.5 &&
+           pixel->y() <= options_.height - 0.5 &&
+           std::none_of(scene.robots.begin(), scene.robots.end(), [&](const SimulatedRobot& robot) {
+             return hides(robot, scene_.field.max_robot_radius, point, scene_.camera->position_mm());
+           });
+  };
+  const Eigen::Rotation2Dd turn(top != nullptr ? top->orientation_rad : 0);
+  int points = 0, visible = 0;
+  for (const Eigen::Vector2d& p : points_of_disc()) {
+    if (top != nullptr && p.x() > kRobotFrontPerRadius) continue;
+    const Eigen::Vector2d offset_mm = radius_mm * (turn * p);
+    ++points;
+    visible += is_visible(center_mm + Eigen::Vector3d(offset_mm.x(), offset_mm.y(), 0));
+  }
+  return std::min(kMost, static_cast<double>(visible) / points);
+}
+
+Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
+  const SimulatedScene scene = world_.at(t_s);
+  Json out{{"frame", frame}, {"t", t_s}, {"robots", Json::array()}, {"balls", Json::array()}};
+  // A thing whose middle lies this far outside cannot show in the picture.
+  const auto pixel_of = [&](const Eigen::Vector3d& center_mm) {
+    auto pixel = scene_.camera->project(center_mm);
+    const double margin = options_.width / 4.0;
+    if (pixel && (pixel->x() < -margin || pixel->y() < -margin || pixel->x() > options_.width + margin ||
+                  pixel->y() > options_.height + margin)) {
+      pixel.reset();
+    }
+    return pixel;
+  };
+  for (const SimulatedRobot& robot : scene.robots) {
+    const Eigen::Vector3d center(robot.x_mm, robot.y_mm, robot.height_mm);
+    const auto pixel = pixel_of(center);
+    if (!pixel) continue;
+    const double share = visible_share(center, scene_.field.max_robot_radius, scene, &robot);
+    out["robots"].push_back({{"team", name_of(robot.team)},
+                             {"id", robot.id},
+                             {"x", robot.x_mm},
+                             {"y", robot.y_mm},
+                             {"orientation", robot.orientation_rad},
+                             {"height", robot.height_mm},
+                             {"covered_dot", robot.covered_dot ? Json(*robot.covered_dot) : Json()},
+                             {"visible", share == 1},
+                             {"visible_share", share},
+                             {"pixel_x", pixel->x()},
+                             {"pixel_y", pixel->y()}});
+  }
+  for (const SimulatedBall& ball : scene.balls) {
+    const Eigen::Vector3d center(ball.x_mm, ball.y_mm, scene_.field.ball_radius);
+    const auto pixel = pixel_of(center);
+    if (!pixel) continue;
+    const double share = visible_share(center, scene_.field.ball_radius, scene, nullptr);
+    out["balls"].push_back({{"x", ball.x_mm},
+                            {"y", ball.y_mm},
+                            {"visible", share == 1},
+                            {"visible_share", share},
+                            {"pixel_x", pixel->x()},
+                            {"pixel_y", pixel->y()}});
+  }
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,545 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/simulator/simulator_renderer.h"
+
+#include "capture/simulator/simulator_random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace sslv {
+namespace {
+
+// Colours under white light at brightness 1, as cameras see a league field's carpet, prints and ball. Chosen
+// so that their hues differ by 25 degrees or more in YUV.
+struct Paint {
+  float r, g, b;
+};
+constexpr Paint kCarpet{30, 92, 62}, kLine{205, 205, 200}, kFloor{92, 88, 84}, kRobotTop{24, 24, 27},
+    kRobotSide{34, 34, 38}, kBall{238, 108, 32}, kLampSpot{260, 255, 235};
+/// Towards the lamp of `ball_gloss`, of length 1.
+const Eigen::Vector3f kLampDirection = Eigen::Vector3f(0.5F, 0.35F, 1).normalized();
+constexpr std::array<Paint, paint::kCount> kPrints{{
+    {24, 24, 27},     // clear
+    {30, 92, 62},     // field
+    {238, 108, 32},   // orange
+    {224, 198, 38},   // yellow
+    {28, 92, 196},    // blue
+    {230, 64, 150},   // pink
+    {60, 190, 205},   // cyan
+    {108, 212, 62},   // green
+    {205, 205, 200},  // white
+    {24, 24, 27},     // black
+    {200, 30, 35},    // red
+    {120, 50, 160},   // purple
+    {130, 90, 60},    // brown
+    {224, 172, 140},  // skin
+}};
+
+constexpr float kMarginPx = 0.75F;  // a pixel's corners are a little less far from its centre
+constexpr auto kEverywhere = [](int /*x*/, int /*y*/) { return true; };
+
+using Vec2 = Eigen::Vector2f;
+
+/// Share of a pixel's square where an edge's signed distance is positive. `distance` is that of the pixel's
+/// centre, `dx` and `dy` its change over one pixel: all in the same unit. Exact for a straight edge.
+float covered(float distance, float dx, float dy) {
+  const float a = std::max(std::abs(dx), std::abs(dy)), b = std::min(std::abs(dx), std::abs(dy));
+  const float far = 0.5F * (a + b), d = std::abs(distance);
+  float inside;  // on the side that holds the centre
+  if (d >= far) {
+    inside = 1;
+  } else if (d <= 0.5F * (a - b)) {
+    inside = 0.5F + d / a;
+  } else {
+    inside = 1 - (far - d) * (far - d) / (2 * a * b);
+  }
+  return distance >= 0 ? inside : 1 - inside;
+}
+
+/// Smooth noise in [-0.5, 0.5] over a lattice of `cell_mm`.
+float lattice_noise(double x_mm, double y_mm, double cell_mm, std::uint64_t layer) {
+  const double x = x_mm / cell_mm, y = y_mm / cell_mm;
+  const double x0 = std::floor(x), y0 = std::floor(y);
+  const auto corner = [&](int dx, int dy) {
+    const auto i = static_cast<std::uint64_t>(static_cast<std::int64_t>(x0) + dx);
+    const auto j = static_cast<std::uint64_t>(static_cast<std::int64_t>(y0) + dy);
+    return static_cast<float>(scatter((i << 32) ^ (j & 0xffffffffU) ^ (layer << 60)) >> 40) * 0x1p-24F - 0.5F;
+  };
+  const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
+  return (corner(0, 0) * (1 - fx) + corner(1, 0) * fx) * (1 - fy) +
+         (corner(0, 1) * (1 - fx) + corner(1, 1) * fx) * fy;
+}
+
+PixelBox join(const PixelBox& a, const PixelBox& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+          std::max(a.bottom, b.bottom)};
+}
+
+/// To a LightPicture's channel: rounded, and no more than it can hold.
+std::uint16_t channel_value(float steps) {
+  const float up = std::min(steps, 65535.0F) + 0.5F;
+  return static_cast<std::uint16_t>(up);
+}
+
+}  // namespace
+
+/// A thing's place as seen from the pixels of one box: its centre, and the turn into its own frame.
+struct SimulatorRenderer::Shape {
+  Eigen::Vector2d center_mm;
+  float cos = 1, sin = 0;
+  Vec2 eye{0, 0};  // above this point of its own frame is the camera
+
+  Vec2 into(const Vec2& v) const { return {cos * v.x() + sin * v.y(), -sin * v.x() + cos * v.y()}; }
+};
+
+struct SimulatorRenderer::Footprint {
+  Vec2 dx, dy;  // mm on the plane per pixel to the right and downwards
+  float reach;  // no point of the pixel's square is further from its centre than this, mm
+
+  Footprint(const Vec2& right, const Vec2& down)
+      : dx(right), dy(down), reach(0.5F * (right.norm() + down.norm())) {}
+
+  /// Share of the pixel inside a disc.
+  float in_disc(const Vec2& from_center, float radius) const {
+    const float r2 = from_center.squaredNorm();
+    if (r2 >= (radius + reach) * (radius + reach)) return 0;
+    if (reach <= radius && r2 <= (radius - reach) * (radius - reach)) return 1;
+    const float r = std::max(std::sqrt(r2), 1e-6F);
+    return covered(radius - r, from_center.dot(dx) / r, from_center.dot(dy) / r);
+  }
+  /// Share of the pixel whose line of sight, which runs from `p` to `q` in the plan, meets a robot's outline.
+  float in_outline(const Vec2& p, const Vec2& q, float radius, float front) const {
+    const Vec2 d = q - p;
+    const auto round = [&](float t) { return (p + t * d).norm() - radius; };
+    const auto flat = [&](float t) { return p.x() + t * d.x() - front; };
+    // How far outside both edges it stays at least is the least of the greater of the two distances. Each has
+    // its own least one somewhere; between these the distances are equal.
+    const float roundest = std::clamp(-p.dot(d) / std::max(d.squaredNorm(), 1e-6F), 0.0F, 1.0F);
+    const Vec2 nearest = p + roundest * d;
+    const float r2 = nearest.squaredNorm();
+    if (r2 >= (radius + reach) * (radius + reach)) return 0;
+    if (reach <= radius && r2 <= (radius - reach) * (radius - reach) && nearest.x() <= front - reach)
+      return 1;
+    const float flattest = d.x() < 0 ? 1 : 0;
+    if (flat(flattest) >= reach) return 0;
+    float t = flattest;
+    if (round(roundest) >= flat(roundest)) {
+      t = roundest;
+    } else if (round(flattest) > flat(flattest)) {
+      float flat_greater = roundest;
+      for (int i = 0; i < 8; ++i) {
+        const float middle = (flat_greater + t) / 2;
+        (round(middle) > flat(middle) ? t : flat_greater) = middle;
+      }
+    }
+    if (round(t) < flat(t)) return below(0, flat(t), Vec2(1, 0));
+    const Vec2 outwards = (p + t * d).normalized();
+    return below(0, round(t), outwards);
+  }
+  /// Share of the pixel where v < limit; `v` and its change per mm along the plane's axes are given.
+  float below(float limit, float v, const Vec2& gradient) const {
+    return covered(limit - v, gradient.dot(dx), gradient.dot(dy));
+  }
+  /// Share of the pixel within `half_width` of a line; `v` is the distance from it.
+  float in_strip(float half_width, float v, const Vec2& gradient) const {
+    if (std::abs(v) >= half_width + reach) return 0;
+    return below(half_width, v, gradient) - below(-half_width, v, gradient);
+  }
+};
+
+struct SimulatorRenderer::Spot {
+  PixelBox box;  // also beyond the picture; empty when the camera cannot see there
+  Vec2 middle;
+  float reach_px;  // all of the disc is nearer to the middle
+};
+
+struct SimulatorRenderer::Coat {
+  float opacity = 0;
+  float r = 0, g = 0, b = 0;  // already weighted by how much of the pixel they cover
+
+  void add(const Paint& paint, float share) {
+    r += paint.r * share;
+    g += paint.g * share;
+    b += paint.b * share;
+  }
+};
+
+SimulatorRenderer::SimulatorRenderer(const SimulatorOptions& options, const FieldSize& field,
+                                     const CameraModel& camera, const PatternTable& patterns)
+    : options_(options),
+      field_(field),
+      lines_(field_lines(field)),
+      arcs_(field_arcs(field)),
+      camera_(camera),
+      patterns_(patterns) {}
+
+float SimulatorRenderer::light_at(int x, int y) const {
+  const double across = x / std::max(1.0, options_.width - 1.0);
+  const double cx = (options_.width - 1) / 2.0, cy = (options_.height - 1) / 2.0;
+  const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (cx * cx + cy * cy);
+  return static_cast<float>(options_.light * (1 - options_.gradient * across) * (1 - options_.vignette * r2));
+}
+
+SimulatorRenderer::Footprint SimulatorRenderer::footprint_at(const Eigen::Vector2d& pixel,
+                                                             double height_mm) const {
+  const auto at = [&](double dx, double dy) {
+    return camera_.unproject(pixel + Eigen::Vector2d(dx, dy), height_mm).value_or(Eigen::Vector2d::Zero());
+  };
+  return {(at(0.5, 0) - at(-0.5, 0)).cast<float>(), (at(0, 0.5) - at(0, -0.5)).cast<float>()};
+}
+
+SimulatorRenderer::Color SimulatorRenderer::carpet_at(const Eigen::Vector2d& p) const {
+  const double half_x = field_.field_length / 2.0 + field_.boundary_width_goal_line;
+  const double half_y = field_.field_width / 2.0 + field_.boundary_width;
+  const bool on_carpet = std::abs(p.x()) <= half_x && std::abs(p.y()) <= half_y;
+  const Paint& paint = on_carpet ? kCarpet : kFloor;
+  // Pile and wear.
+  const float tone =
+      1 + 0.10F * lattice_noise(p.x(), p.y(), 14, 1) + 0.12F * lattice_noise(p.x(), p.y(), 350, 2);
+  return {paint.r * tone, paint.g * tone, paint.b * tone};
+}
+
+float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const {
+  float share = 0;
+  for (const FieldLine& line : lines_) {
+    const float half = static_cast<float>(line.thickness) / 2;
+    const Eigen::Vector2d from(line.x1, line.y1), to(line.x2, line.y2);
+    const double length = (to - from).norm();
+    if (length <= 0) continue;
+    const Eigen::Vector2d along = (to - from) / length, across(-along.y(), along.x());
+    const Eigen::Vector2d rel = field_mm - (from + to) / 2;
+    const float on_width =
+        footprint.in_strip(half, static_cast<float>(rel.dot(across)), across.cast<float>());
+    if (on_width <= 0) continue;
+    // The paint ends half a width beyond the end points, so that corners are square.
+    const float on_length = footprint.in_strip(static_cast<float>(length) / 2 + half,
+                                               static_cast<float>(rel.dot(along)), along.cast<float>());
+    share = std::max(share, on_width * on_length);
+  }
+  for (const FieldArc& arc : arcs_) {
+    const Eigen::Vector2d rel = field_mm - Eigen::Vector2d(arc.x, arc.y);
+    const double r = rel.norm();
+    if (r <= 0) continue;
+    double turn = std::atan2(rel.y(), rel.x()) - arc.a1;
+    turn -= 2 * std::numbers::pi * std::floor(turn / (2 * std::numbers::pi));
+    if (turn > arc.a2 - arc.a1) continue;
+    const float half = static_cast<float>(arc.thickness) / 2;
+    share = std::max(share,
+                     footprint.in_strip(half, static_cast<float>(r - arc.radius), (rel / r).cast<float>()));
+  }
+  return share;
+}
+
+LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
+  LightPicture picture(options_.width, options_.height);
+  constexpr int kBlock = 16;  // pixels of a row that share a footprint
+  for (int y = 0; y < picture.height; ++y) {
+    Footprint footprint(Vec2::Zero(), Vec2::Zero());
+    for (int x = 0; x < picture.width; ++x) {
+      if (x % kBlock == 0) footprint = footprint_at(Eigen::Vector2d(x + kBlock / 2, y), 0);
+      Color color{kFloor.r, kFloor.g, kFloor.b};
+      if (const auto p = camera_.unproject(Eigen::Vector2d(x, y), 0)) {
+        color = carpet_at(*p);
+        const float line = lines_at(*p, footprint);
+        color.r += (kLine.r - color.r) * line;
+        color.g += (kLine.g - color.g) * line;
+        color.b += (kLine.b - color.b) * line;
+      }
+      const float light = light_at(x, y) * LightPicture::kPerGrey;
+      std::uint16_t* out = picture.at(x, y);
+      out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain));
+      out[1] = channel_value(color.g * light);
+      out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain));
+    }
+  }
+  for (const SimulatedDistractor& distractor : scene.distractors) draw_distractor(distractor, picture);
+  return picture;
+}
+
+SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const {
+  // An octagon round the disc.
+  static const auto corners = [] {
+    std::array<Eigen::Vector3d, 8> out;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const double angle = static_cast<double>(i) * std::numbers::pi / 4;
+      out[i] = Eigen::Vector3d(std::cos(angle), std::sin(angle), 0) / std::cos(std::numbers::pi / 8);
+    }
+    return out;
+  }();
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  double left = kFar, top = kFar, right = -kFar, bottom = -kFar;
+  Spot spot{{}, Vec2::Zero(), 0};
+  const auto middle = camera_.project(center_mm);
+  if (middle) spot.middle = middle->cast<float>();
+  for (const Eigen::Vector3d& corner : corners) {
+    const auto pixel = camera_.project(center_mm + radius_mm * corner);
+    if (!middle || !pixel) spot.reach_px = std::numeric_limits<float>::infinity();
+    if (!pixel) continue;
+    left = std::min(left, pixel->x());
+    right = std::max(right, pixel->x());
+    top = std::min(top, pixel->y());
+    bottom = std::max(bottom, pixel->y());
+    spot.reach_px = std::max(spot.reach_px, (pixel->cast<float>() - spot.middle).norm() + kMarginPx);
+  }
+  const auto whole = [](double value) { return static_cast<int>(std::clamp(value, -1e6, 1e6)); };
+  spot.box = {whole(std::ceil(left - kMarginPx)), whole(std::ceil(top - kMarginPx)),
+              whole(std::floor(right + kMarginPx) + 1), whole(std::floor(bottom + kMarginPx) + 1)};
+  return spot;
+}
+
+PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
+  return {std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, options_.width),
+          std::min(box.bottom, options_.height)};
+}
+
+template <class CoatOf, class MayShow>
+void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes,
+                              const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture) const {
+  const float weight = 1 / static_cast<float>(shapes.size());
+  const Footprint plane =
+      footprint_at({0.5 * (box.left + box.right - 1), 0.5 * (box.top + box.bottom - 1)}, height_mm);
+  // It changes little over a box, and only the width of soft edges depends on it.
+  boost::container::static_vector<Footprint, kMaxMoments> footprints;
+  for (const Shape& shape : shapes) footprints.emplace_back(shape.into(plane.dx), shape.into(plane.dy));
+  const auto red = static_cast<float>(options_.red_gain), blue = static_cast<float>(options_.blue_gain);
+  for (int y = box.top; y < box.bottom; ++y) {
+    for (int x = box.left; x < box.right; ++x) {
+      if (!may_show(x, y)) continue;
+      const auto p = camera_.unproject(Eigen::Vector2d(x, y), height_mm);
+      if (!p) continue;
+      Coat coat;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        coat_of(shapes[i].into((*p - shapes[i].center_mm).cast<float>()), footprints[i], shapes[i], coat);
+      }
+      if (coat.opacity <= 0) continue;
+      const float light = light_at(x, y) * weight * LightPicture::kPerGrey;
+      const float rest = 1 - coat.opacity * weight;
+      std::uint16_t* out = picture.at(x, y);
+      const auto mix = [&](std::uint16_t& channel, float ink) {
+        channel = channel_value(channel * rest + ink * light);
+      };
+      mix(out[0], coat.r * red);
+      mix(out[1], coat.g);
+      mix(out[2], coat.b * blue);
+    }
+  }
+}
+
+/// Returns the box it drew in, which may be empty.
+PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightPicture& picture) const {
+  const auto a = static_cast<float>(d.length_mm / 2), b = static_cast<float>(d.width_mm / 2);
+  const PixelBox box = in_picture(spot_of({d.x_mm, d.y_mm, 0}, std::hypot(a, b)).box);
+  if (box.empty()) return box;
+  const Shape shape{
+      {d.x_mm, d.y_mm}, static_cast<float>(std::cos(d.turn_rad)), static_cast<float>(std::sin(d.turn_rad))};
+  const auto share_of = [&](const Vec2& p, const Footprint& footprint) {
+    switch (d.shape) {
+      case SimulatedDistractor::Shape::kEllipse: {
+        // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
+        const Vec2 scaled(p.x() / a, p.y() / b);
+        const float r = std::max(scaled.norm(), 1e-6F);
+        return footprint.below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
+      }
+      case SimulatedDistractor::Shape::kRectangle:
+        return footprint.in_strip(a, p.x(), Vec2(1, 0)) * footprint.in_strip(b, p.y(), Vec2(0, 1));
+      case SimulatedDistractor::Shape::kTriangle: {
+        // The base lies at -a, the tip at a.
+        const Vec2 side = Vec2(b, 2 * a).normalized(), other(side.x(), -side.y());
+        const float limit = side.x() * a;
+        return footprint.below(a, -p.x(), Vec2(-1, 0)) * footprint.below(limit, p.dot(side), side) *
+               footprint.below(limit, p.dot(other), other);
+      }
+    }
+    return 0.0F;
+  };
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    const float share = share_of(p, footprint);
+    coat.add(kPrints[d.paint], share);
+    coat.opacity += share;
+  };
+  paint(box, 0, {&shape, 1}, coat_of, kEverywhere, picture);
+  return box;
+}
+
+void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std::size_t index,
+                                   LightPicture& picture, Boxes& boxes) const {
+  const SimulatedRobot& robot = moments.front().robots[index];
+  const auto radius = static_cast<float>(field_.max_robot_radius);
+  const float front = radius * static_cast<float>(kRobotFrontPerRadius);
+  const float center_radius = static_cast<float>(patterns_.center_diameter_mm) / 2;
+  const Paint& team = kPrints[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
+  const Eigen::Vector3d& eye = camera_.position_mm();
+  if (eye.z() <= robot.height_mm) return;  // no top to be seen
+  const auto down = static_cast<float>(robot.height_mm / (eye.z() - robot.height_mm));
+  const auto code = std::find_if(patterns_.codes.begin(), patterns_.codes.end(),
+                                 [&](const PatternTable::Code& c) { return c.id == robot.id; });
+
+  boost::container::static_vector<Shape, kMaxMoments> shapes;
+  PixelBox box{};
+  Spot top{}, foot{};
+  for (const SimulatedScene& moment : moments) {
+    const SimulatedRobot& r = moment.robots[index];
+    Shape& shape = shapes.emplace_back(Shape{{r.x_mm, r.y_mm},
+                                             static_cast<float>(std::cos(r.orientation_rad)),
+                                             static_cast<float>(std::sin(r.orientation_rad))});
+    shape.eye = shape.into((eye.head<2>() - shape.center_mm).cast<float>());
+    top = spot_of({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius);
+    foot = spot_of({r.x_mm, r.y_mm, 0}, field_.max_robot_radius);
+    box = join(box, join(top.box, foot.box));
+  }
+  box = in_picture(box);
+  if (box.empty()) return;
+  boxes.push_back(box);
+
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& shape, Coat& coat) {
+    float lid = footprint.in_disc(p, radius);
+    if (lid > 0 && p.x() > front - footprint.reach) lid *= footprint.below(front, p.x(), Vec2(1, 0));
+    // The line of sight goes on from the top's plane to the floor.
+    const float body = lid < 1 ? footprint.in_outline(p, p + down * (p - shape.eye), radius, front) : 1;
+    if (lid <= 0) {
+      coat.add(kRobotSide, body);
+      coat.opacity += body;
+      return;
+    }
+    float printed = 0;
+    const auto print = [&](const Vec2& from_center, float dot_radius_mm, const Paint& paint) {
+      const float share = footprint.in_disc(from_center, dot_radius_mm);
+      coat.add(paint, share);
+      printed += share;
+    };
+    print(p, center_radius, team);
+    for (std::size_t dot = 0; dot < patterns_.dots.size(); ++dot) {
+      const Vec2 center(static_cast<float>(patterns_.dots[dot].x_mm),
+                        static_cast<float>(patterns_.dots[dot].y_mm));
+      const bool is_covered = robot.covered_dot == static_cast<int>(dot);
+      print(p - center, static_cast<float>(patterns_.dots[dot].diameter_mm) / 2,
+            is_covered ? kRobotTop : kPrints[code->colors[dot]]);
+    }
+    // Dots lie inside the outline, so what they leave of the top's share is black, also where both edges
+    // cross a pixel.
+    coat.add(kRobotTop, std::max(0.0F, lid - printed));
+    const float above = std::max(lid, std::min(printed, 1.0F));
+    coat.add(kRobotSide, std::max(0.0F, body - above));
+    coat.opacity += std::max(above, body);
+  };
+  // Much of a box that lies askew shows nothing of a robot that stands still.
+  const Vec2 along = foot.middle - top.middle;
+  const float length2 = std::max(along.squaredNorm(), 1e-6F);
+  const float reach_px =
+      shapes.size() > 1 ? std::numeric_limits<float>::infinity() : std::max(top.reach_px, foot.reach_px);
+  const auto may_show = [&](int x, int y) {
+    const Vec2 from_top = Vec2(static_cast<float>(x), static_cast<float>(y)) - top.middle;
+    const float t = std::clamp(from_top.dot(along) / length2, 0.0F, 1.0F);
+    return (from_top - t * along).squaredNorm() <= reach_px * reach_px;
+  };
+  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture);
+}
+
+/// The ball's shadow on the carpet: a darker ellipse away from the lamp.
+void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
+                                    LightPicture& picture, Boxes& boxes) const {
+  const auto radius = static_cast<float>(field_.ball_radius);
+  const Vec2 away = -kLampDirection.head<2>() / kLampDirection.z() * radius;
+  boost::container::static_vector<Shape, kMaxMoments> shapes;
+  PixelBox box{};
+  for (const SimulatedScene& moment : moments) {
+    const SimulatedBall& ball = moment.balls[index];
+    const Eigen::Vector2d middle = Eigen::Vector2d(ball.x_mm, ball.y_mm) + away.cast<double>();
+    shapes.push_back({middle});
+    box = join(box, spot_of({middle.x(), middle.y(), 0}, field_.ball_radius).box);
+  }
+  box = in_picture(box);
+  if (box.empty()) return;
+  boxes.push_back(box);
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    coat.opacity += 0.4F * gloss * footprint.in_disc(p, radius);
+  };
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+}
+
+void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::size_t index,
+                                  LightPicture& picture, Boxes& boxes) const {
+  const auto radius = static_cast<float>(field_.ball_radius);
+  const Eigen::Vector3d& eye = camera_.position_mm();
+  Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // from the camera
+  boost::container::static_vector<Shape, kMaxMoments> shapes;
+  PixelBox box{};
+  for (const SimulatedScene& moment : moments) {
+    const SimulatedBall& ball = moment.balls[index];
+    shapes.push_back({{ball.x_mm, ball.y_mm}});
+    sight = (Eigen::Vector3d(ball.x_mm, ball.y_mm, field_.ball_radius) - eye).normalized().cast<float>();
+    if (sight.z() >= 0) return;
+    box = join(box, spot_of({ball.x_mm, ball.y_mm, field_.ball_radius}, radius / -sight.z()).box);
+  }
+  box = in_picture(box);
+  if (box.empty()) return;
+  boxes.push_back(box);
+
+  const auto gloss = static_cast<float>(options_.ball_gloss);
+  if (gloss > 0) draw_shadow(moments, index, gloss, picture, boxes);
+  const Eigen::Vector3f halfway = (kLampDirection - sight).normalized();  // mirrors the lamp into the camera
+  // A ray that meets the plane of the ball's centre at p passes the centre at |p - n (n p)|; n, its
+  // direction, hardly changes over a ball.
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    const Eigen::Vector3f nearest = Eigen::Vector3f(p.x(), p.y(), 0) - sight * sight.head<2>().dot(p);
+    const float distance = std::max(nearest.norm(), 1e-6F);
+    const Vec2 outwards = nearest.head<2>() / distance;
+    const float share = covered(radius - distance, outwards.dot(footprint.dx), outwards.dot(footprint.dy));
+    const float depth = std::sqrt(std::max(0.0F, radius * radius - distance * distance));
+    const Eigen::Vector3f normal = (nearest - sight * depth) / radius;
+    // Lit evenly from above: brightest where its surface is level.
+    const float even = 0.7F + 0.35F * std::max(0.0F, normal.z());
+    const float lamp = 0.5F + 0.6F * std::max(0.0F, normal.dot(kLampDirection));
+    const float spot = gloss * std::pow(std::max(0.0F, normal.dot(halfway)), 8.0F);
+    coat.add(kBall, share * (even + gloss * (lamp - even)));
+    coat.add(kLampSpot, share * spot);
+    coat.opacity += share;
+  };
+  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+}
+
+void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPicture& picture,
+                             Boxes& boxes) const noexcept {
+  boxes.clear();
+  const SimulatedScene& scene = moments.front();
+  if (options_.placement == SimulatorPlacement::kScatter) {
+    for (const SimulatedDistractor& distractor : scene.distractors) {
+      const PixelBox box = draw_distractor(distractor, picture);
+      if (!box.empty()) boxes.push_back(box);
+    }
+  }
+  // Of two things the one nearer to the camera's foot can hide the other. For discs, nearer is the one to
+  // which the tangent is shorter.
+  struct Thing {
+    double tangent2_mm2;
+    std::size_t index;
+    bool is_robot;
+  };
+  boost::container::static_vector<Thing, SimulatedScene::kMaxRobots + SimulatedScene::kMaxBalls> things;
+  const auto add = [&](const auto& list, double radius_mm, bool is_robot) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const Eigen::Vector2d from_foot =
+          Eigen::Vector2d(list[i].x_mm, list[i].y_mm) - camera_.position_mm().head<2>();
+      things.push_back({from_foot.squaredNorm() - radius_mm * radius_mm, i, is_robot});
+    }
+  };
+  add(scene.balls, field_.ball_radius, false);
+  add(scene.robots, field_.max_robot_radius, true);
+  std::sort(things.begin(), things.end(),
+            [](const Thing& a, const Thing& b) { return a.tangent2_mm2 > b.tangent2_mm2; });
+  for (const Thing& thing : things) {
+    if (thing.is_robot) {
+      draw_robot(moments, thing.index, picture, boxes);
+    } else {
+      draw_ball(moments, thing.index, picture, boxes);
+    }
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/simulator/simulator_sensor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kNoiseEntries = 1U << 16;
+
+std::uint8_t added(std::uint8_t sample, std::int8_t noise) {
+  const auto sum = static_cast<std::int16_t>(sample + noise);
+  return static_cast<std::uint8_t>(std::max<std::int16_t>(0, std::min<std::int16_t>(sum, 255)));
+}
+
+/// Adds with saturation.
+void add_saturated(const std::uint8_t* __restrict in, const std::int8_t* __restrict noise,
+                   std::uint8_t* __restrict out, std::size_t count) {
+  constexpr std::size_t kBlock = 32;  // a length known beforehand: compilers then use vector instructions
+  for (; count >= kBlock; count -= kBlock, in += kBlock, noise += kBlock, out += kBlock) {
+    for (std::size_t i = 0; i < kBlock; ++i) out[i] = added(in[i], noise[i]);
+  }
+  for (std::size_t i = 0; i < count; ++i) out[i] = added(in[i], noise[i]);
+}
+
+std::uint8_t byte(float value) {
+  const float up = std::clamp(value, 0.0F, 255.0F) + 0.5F;
+  return static_cast<std::uint8_t>(up);
+}
+
+/// BT.601 full range, as image/color.h but without rounding.
+struct FloatYuv {
+  float y, u, v;
+  explicit FloatYuv(const float* rgb)
+      : y(0.299F * rgb[0] + 0.587F * rgb[1] + 0.114F * rgb[2]),
+        u(0.564334F * (rgb[2] - y) + 128),
+        v(0.713267F * (rgb[0] - y) + 128) {}
+};
+
+/// Where the samples of two pixels lie in a YUV picture's unit of 4 bytes; U and V are theirs in common.
+struct YuvUnit {
+  std::size_t y0, u, y1, v;
+};
+constexpr YuvUnit yuv_unit(PixelFormat format) {
+  return format == PixelFormat::kUyvy ? YuvUnit{1, 0, 3, 2} : YuvUnit{0, 1, 2, 3};
+}
+
+bool is_yuv(PixelFormat format) {
+  return format == PixelFormat::kUyvy || format == PixelFormat::kYuyv;
+}
+
+/// Channel (0 red, 1 green, 2 blue) of each pixel of a 2x2 quad, row by row.
+std::array<int, 4> bayer_channels(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kBayerGr8: return {1, 0, 2, 1};
+    case PixelFormat::kBayerGb8: return {1, 2, 0, 1};
+    case PixelFormat::kBayerBg8: return {2, 1, 1, 0};
+    default: return {0, 1, 1, 2};
+  }
+}
+
+}  // namespace
+
+SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t stream)
+    : options_(options), noise_unit_(is_yuv(options.pixel_format) ? 4 : 1), random_(scatter(stream)) {
+  const double sigma = options.blur_sigma_px;
+  double sum = 0;
+  const int radius = static_cast<int>(std::ceil(3 * sigma));
+  for (int i = 0; i <= radius; ++i) {
+    kernel_.push_back(static_cast<float>(i == 0 ? 1 : std::exp(-0.5 * i * i / (sigma * sigma))));
+    sum += (i == 0 ? 1 : 2) * kernel_.back();
+  }
+  for (float& weight : kernel_) weight /= static_cast<float>(sum);
+
+  if (options.noise_sigma > 0) {
+    const auto row_samples = picture_bytes() / static_cast<std::size_t>(options.height);
+    fill_noise(kNoiseEntries + row_samples);
+  }
+}
+
+void SimulatorSensor::fill_noise(std::size_t entries) {
+  noise_.resize(entries);
+  const auto entry = [](double noise) {
+    return static_cast<std::int8_t>(std::clamp<long>(std::lround(noise), -127, 127));
+  };
+  if (noise_unit_ == 1) {
+    for (std::int8_t& e : noise_) e = entry(options_.noise_sigma * random_.normal());
+    return;
+  }
+  const YuvUnit unit = yuv_unit(options_.pixel_format);
+  for (std::size_t i = 0; i + noise_unit_ <= entries; i += noise_unit_) {
+    std::array<float, 6> rgb;
+    for (float& channel : rgb) channel = static_cast<float>(options_.noise_sigma * random_.normal());
+    const FloatYuv left(rgb.data()), right(rgb.data() + 3);
+    noise_[i + unit.y0] = entry(left.y);
+    noise_[i + unit.y1] = entry(right.y);
+    noise_[i + unit.u] = entry(0.5 * (left.u + right.u) - 128);
+    noise_[i + unit.v] = entry(0.5 * (left.v + right.v) - 128);
+  }
+}
+
+std::size_t SimulatorSensor::picture_bytes() const {
+  return static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height) *
+         static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
+}
+
+PixelBox SimulatorSensor::reached_from(const PixelBox& box) const {
+  const int blur = static_cast<int>(kernel_.size()) - 1;
+  const int left = std::max(0, box.left - blur), right = std::min(options_.width, box.right + blur);
+  return {left & ~1, std::max(0, box.top - blur), std::min(options_.width, (right + 1) & ~1),
+          std::min(options_.height, box.bottom + blur)};
+}
+
+/// Row y of the box's columns, blurred sideways; at the rim the outermost pixel is repeated.
+void SimulatorSensor::blur_row(const LightPicture& light, const PixelBox& box, int y, float* out) const {
+  const int radius = static_cast<int>(kernel_.size()) - 1;
+  const int row = std::clamp(y, 0, light.height - 1);
+  constexpr float kGrey = 1.0F / LightPicture::kPerGrey;
+  for (int x = box.left; x < box.right; ++x, out += 3) {
+    const std::uint16_t* middle = light.at(x, row);
+    for (int c = 0; c < 3; ++c) out[c] = kernel_[0] * kGrey * middle[c];
+    for (int i = 1; i <= radius; ++i) {
+      const std::uint16_t* before = light.at(std::max(0, x - i), row);
+      const std::uint16_t* after = light.at(std::min(light.width - 1, x + i), row);
+      const float weight = kernel_[static_cast<std::size_t>(i)] * kGrey;
+      for (int c = 0; c < 3; ++c) out[c] += weight * static_cast<float>(before[c] + after[c]);
+    }
+  }
+}
+
+void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const {
+  const int pixel_bytes = bytes_per_pixel(options_.pixel_format);
+  std::uint8_t* out = picture + (static_cast<std::size_t>(y) * static_cast<std::size_t>(options_.width) +
+                                 static_cast<std::size_t>(box.left)) *
+                                    static_cast<std::size_t>(pixel_bytes);
+  const int width = box.right - box.left;
+  switch (options_.pixel_format) {
+    case PixelFormat::kUyvy:
+    case PixelFormat::kYuyv: {
+      const YuvUnit unit = yuv_unit(options_.pixel_format);
+      for (int x = 0; x < width; x += 2, rgb += 6, out += 4) {
+        const FloatYuv left(rgb), right(rgb + 3);
+        out[unit.y0] = byte(left.y);
+        out[unit.y1] = byte(right.y);
+        out[unit.u] = byte(0.5F * (left.u + right.u));
+        out[unit.v] = byte(0.5F * (left.v + right.v));
+      }
+      return;
+    }
+    case PixelFormat::kRgb24:
+      for (int i = 0; i < 3 * width; ++i) out[i] = byte(rgb[i]);
+      return;
+    case PixelFormat::kBgr24:
+      for (int x = 0; x < width; ++x, rgb += 3, out += 3) {
+        for (int c = 0; c < 3; ++c) out[c] = byte(rgb[2 - c]);
+      }
+      return;
+    case PixelFormat::kMono8:
+      for (int x = 0; x < width; ++x, rgb += 3) out[x] = byte(FloatYuv(rgb).y);
+      return;
+    case PixelFormat::kBayerRg8:
+    case PixelFormat::kBayerGr8:
+    case PixelFormat::kBayerGb8:
+    case PixelFormat::kBayerBg8: {
+      const auto channels = bayer_channels(options_.pixel_format);
+      const int even = channels[y % 2 == 0 ? 0 : 2], odd = channels[y % 2 == 0 ? 1 : 3];
+      for (int x = 0; x < width; ++x, rgb += 3)
+        out[x] = byte(rgb[x % 2 == 0 ? even : odd]);  // box.left is even
+      return;
+    }
+  }
+}
+
+void SimulatorSensor::develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture) {
+  const int radius = static_cast<int>(kernel_.size()) - 1;
+  const int rows = box.bottom - box.top + 2 * radius;
+  const auto row_floats = 3 * static_cast<std::size_t>(box.right - box.left);
+  rows_.resize(std::max(rows_.size(), row_floats * static_cast<std::size_t>(rows)));
+  line_.resize(std::max(line_.size(), row_floats));
+  const auto row_at = [&](int y) {
+    return rows_.data() + row_floats * static_cast<std::size_t>(y - box.top + radius);
+  };
+
+  for (int y = box.top - radius; y < box.bottom + radius; ++y) blur_row(light, box, y, row_at(y));
+  for (int y = box.top; y < box.bottom; ++y) {
+    const float* middle = row_at(y);
+    for (std::size_t i = 0; i < row_floats; ++i) line_[i] = kernel_[0] * middle[i];
+    for (int k = 1; k <= radius; ++k) {
+      const float *above = row_at(y - k), *below = row_at(y + k);
+      const float weight = kernel_[static_cast<std::size_t>(k)];
+      for (std::size_t i = 0; i < row_floats; ++i) line_[i] += weight * (above[i] + below[i]);
+    }
+    // A pixel's well is full at 255, before any mixing of colours.
+    for (std::size_t i = 0; i < row_floats; ++i) line_[i] = std::min(line_[i], 255.0F);
+    write_row(line_.data(), box, y, picture);
+  }
+}
+
+void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) {
+  if (noise_.empty()) {
+    std::memcpy(noisy, clean, picture_bytes());
+    return;
+  }
+  const auto row_samples = picture_bytes() / static_cast<std::size_t>(options_.height);
+  for (int y = 0; y < options_.height; ++y, clean += row_samples, noisy += row_samples) {
+    const std::size_t from = random_.bits() % (kNoiseEntries / noise_unit_) * noise_unit_;
+    add_saturated(clean, noise_.data() + from, noisy, row_samples);
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+#include "capture/v4l2/v4l2_device.h"
+#include "image/image.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <linux/videodev2.h>
+
+namespace sslv {
+
+/// A format of pixels that is taken from video devices.
+struct V4l2Format {
+  std::string_view name;              // in settings
+  std::uint32_t fourcc;               // the kernel's name
+  std::optional<PixelFormat> pixels;  // none: a compressed picture
+};
+
+/// The best first: colour before grey, what is ready to use before what must be decompressed.
+inline constexpr std::array<V4l2Format, 10> kV4l2Formats{{
+    {"uyvy", V4L2_PIX_FMT_UYVY, PixelFormat::kUyvy},
+    {"yuyv", V4L2_PIX_FMT_YUYV, PixelFormat::kYuyv},
+    {"bayer_rg8", V4L2_PIX_FMT_SRGGB8, PixelFormat::kBayerRg8},
+    {"bayer_gr8", V4L2_PIX_FMT_SGRBG8, PixelFormat::kBayerGr8},
+    {"bayer_gb8", V4L2_PIX_FMT_SGBRG8, PixelFormat::kBayerGb8},
+    {"bayer_bg8", V4L2_PIX_FMT_SBGGR8, PixelFormat::kBayerBg8},
+    {"rgb24", V4L2_PIX_FMT_RGB24, PixelFormat::kRgb24},
+    {"bgr24", V4L2_PIX_FMT_BGR24, PixelFormat::kBgr24},
+    {"mjpeg", V4L2_PIX_FMT_MJPEG, std::nullopt},
+    {"mono8", V4L2_PIX_FMT_GREY, PixelFormat::kMono8},
+}};
+
+/// The pixel_format option.
+inline constexpr std::uint32_t kV4l2AutoFormat = 0;
+inline constexpr auto kV4l2FormatChoices = [] {
+  std::array<Choice<std::uint32_t>, kV4l2Formats.size() + 1> choices{};
+  choices[0] = {"auto", kV4l2AutoFormat};
+  for (std::size_t i = 0; i < kV4l2Formats.size(); ++i)
+    choices[i + 1] = {kV4l2Formats[i].name, kV4l2Formats[i].fourcc};
+  return choices;
+}();
+
+struct V4l2FormatWish {
+  std::uint32_t fourcc = kV4l2AutoFormat;
+  int width = 0, height = 0;  // 0: leave as it is
+  std::optional<double> frame_rate_hz;
+};
+
+/// What the device was set to.
+struct V4l2FormatSet {
+  V4l2Format format{};
+  int width = 0, height = 0;
+  std::ptrdiff_t stride_bytes = 0;
+  double period_s = 0;  // between pictures; 0: the device does not say
+};
+
+/// Those of ours that the device has.
+std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device);
+
+/// Throws CaptureError, beginning with `label`, with what the device has when it refuses. "auto" takes the
+/// format with which the device is fast enough, or fastest when no rate is wished for.
+V4l2FormatSet set_v4l2_format(V4l2Device& device, const V4l2FormatWish& wish, const std::string& label);
+
+}  // namespace sslv

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capture/v4l2/v4l2_device.h"
+#include "image/image.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <linux/videodev2.h>
+
+namespace sslv {
+
+/// The buffers that a device fills, in memory shared with the kernel. What is lent out as an Image goes back
+/// to the device when that is let go, from whatever thread; Images may outlive the stop, and the device stays
+/// open for them.
+class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
+ public:
+  /// Maps and queues the buffers and starts the device. Throws CaptureError, beginning with `label`.
+  static std::shared_ptr<V4l2Stream> start(std::shared_ptr<V4l2Device> device, int buffers,
+                                           const std::string& label);
+  ~V4l2Stream();
+  V4l2Stream(const V4l2Stream&) = delete;
+  V4l2Stream& operator=(const V4l2Stream&) = delete;
+
+  /// Ends the delivery and makes the device free for another opening. May block on dead hardware.
+  void stop() noexcept;
+
+  /// Fetches a filled buffer, which then must be lent or given back. 0, or the errno; EAGAIN: there is none.
+  int fetch(v4l2_buffer& filled) noexcept;
+  const std::uint8_t* bytes_of(const v4l2_buffer& filled) const { return buffers_[filled.index].memory; }
+  /// `layout` says how the picture lies; its data may be null.
+  Image lend(const v4l2_buffer& filled, ImageView layout) noexcept;
+  void give_back(const v4l2_buffer& filled) noexcept { queue(filled.index); }
+
+  /// The device has at least one buffer to fill.
+  bool can_deliver() const { return lent_ < buffers_.size(); }
+  /// Why the device did not take a buffer back, which is lost then; 0: all are well.
+  int queue_error() const { return queue_error_; }
+
+ private:
+  struct Buffer {
+    std::uint8_t* memory = nullptr;
+    std::size_t size = 0;
+    std::uint32_t index = 0;
+    std::shared_ptr<V4l2Stream> keeps{};  // while lent: the memory stays
+  };
+
+  explicit V4l2Stream(std::shared_ptr<V4l2Device> device) : device_(std::move(device)) {}
+  void map_buffers(int wanted, const std::string& label);
+  int queue(std::uint32_t index) noexcept;
+  static void take_back(void* owner, void* lent) noexcept;
+
+  const std::shared_ptr<V4l2Device> device_;
+  std::vector<Buffer> buffers_;
+  std::atomic<bool> stopped_{false};
+  std::atomic<std::size_t> lent_{0};
+  std::atomic<int> queue_error_{0};
+};
+
+}  // namespace sslv
