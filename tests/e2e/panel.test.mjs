@@ -199,6 +199,7 @@ const views = [
 const pages = [
   { name: 'Overview', path: '', ready: byId('camera-tile-1') },
   { name: 'Camera', path: '#/camera/0', ready: byId('robot-target') },
+  { name: 'Interface', path: '#/api', ready: byId('api-route') },
 ];
 
 describe('panel', () => {
@@ -462,6 +463,15 @@ describe('panel', () => {
       }));
     }
   }
+
+  it('describes the interface', withPage(DESKTOP, '#/api/Robot', {}, async (page) => {
+    await page.waitForSelector(byId('api-route'));
+    const { paths } = JSON.parse(readFileSync(join(root, 'docs/openapi.json'), 'utf8'));
+    const routes = Object.entries(paths).flatMap(([path, methods]) => Object.keys(methods).map((method) => `${method.toUpperCase()}${path}`));
+    const shown = await page.$$eval(`${byId('api-route')} h3`, (titles) => titles.map((title) => [...title.children].slice(0, 2).map((part) => part.textContent).join('')));
+    assert.deepEqual(shown.sort(), routes.sort());
+    await page.waitForFunction(() => document.getElementById('schema-Robot').getBoundingClientRect().top < innerHeight);
+  }));
 
   it('says which camera is lost and why, until it is back', withPage(DESKTOP, '', {}, async (page) => {
     await picturesGoOn(page, 1);

@@ -9,12 +9,15 @@ export interface Page {
   title: string;
   icon: IconName;
   component: Component;
+  /** Reached by a link elsewhere. */
+  isAside?: boolean;
 }
 
 /** The pages in the order of the rail; the first is where a visitor lands. Others than the first load when opened. */
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
   { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
+  { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 
 const hash = ref(location.hash);
