@@ -269,13 +269,23 @@ WebHost Daemon::make_web_host() {
     }
     return presets;
   };
-  host.patch_settings = [this, answer](const Json& patch, std::optional<std::uint64_t> if_revision,
-                                       const std::string& who) {
-    const auto version = store_.patch(patch, if_revision, [this](const Json& next) { return prepare(next); });
-    log::info("settings revision {} saved, changed by {}: {}", version.revision, who, patch.dump());
+  const auto saved = [answer](const SettingsStore::Version& version) {
     Json out = answer(version);
     out["saved"] = true;
     return out;
+  };
+  host.patch_settings = [this, saved](const Json& patch, std::optional<std::uint64_t> if_revision,
+                                      const std::string& who) {
+    const auto version =
+        store_.patch(patch, {who, if_revision}, [this](const Json& next) { return prepare(next); });
+    log::info("settings revision {} saved, changed by {}: {}", version.revision, who, patch.dump());
+    return saved(version);
+  };
+  host.settings_history = [this] { return store_.history(); };
+  host.undo_settings = [this, saved](std::uint64_t revision, const std::string& who) {
+    const auto version = store_.undo(revision, {who}, [this](const Json& next) { return prepare(next); });
+    log::info("settings revision {} saved, revision {} taken back by {}", version.revision, revision, who);
+    return saved(version);
   };
   host.controls = [this](std::uint32_t id) { return controls(id); };
   host.set_control = [this](std::uint32_t id, const std::string& name, const Json& value,

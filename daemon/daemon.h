@@ -95,7 +95,8 @@ class Daemon {
                                     const std::string& who) const;
   /// Puts calibrations and the records that go with them onto disk and into force, all or none.
   void put_calibrations_into_force(const std::vector<CalibrationChange>& changes,
-                                   const SettingsStore::Version& current, const std::string& what);
+                                   const SettingsStore::Version& current, const std::string& what,
+                                   const std::string& who);
 
   // daemon_joint_calibration.cpp
   Json joint_calibration() const;

@@ -73,7 +73,7 @@ WaitFrame Daemon::frame_waiter() {
     const auto held = hold_frame(id, newer_than, timeout);
     if (!held) return std::nullopt;
     const Frame& frame = *held->hold->frame;
-    return LentFrame{held->version, held->hold, frame.image.view(), frame.info.times.t_capture_s,
+    return LentFrame{held->version,       held->hold,      frame.image.view(), frame.info.times.t_capture_s,
                      frame.robots.robots, frame.info.whole};
   };
 }
@@ -155,7 +155,7 @@ Json Daemon::accept_calibration(int camera_id, bool force, const std::string& wh
     const std::lock_guard lock(calibration_mutex_);
     put_calibrations_into_force(
         {new_calibration(current, camera_id, job.report->calibration, figures_json(*job.report), who)},
-        current, "accepted by " + who);
+        current, "accepted", who);
     calibration_jobs_.forget(camera_id, job.report.get());
   }
   return calibration(camera_id);
@@ -180,7 +180,7 @@ Json Daemon::revert_calibration(int camera_id, bool force, const std::string& wh
     newest->reverted_s = unix_time_s();
     newest->reverted_by = who;
     const Json back = json_of(newest->replaced);
-    put_calibrations_into_force({{camera_id, back, std::move(records)}}, current, "reverted by " + who);
+    put_calibrations_into_force({{camera_id, back, std::move(records)}}, current, "reverted", who);
   }
   return calibration(camera_id);
 }
@@ -200,7 +200,8 @@ Daemon::CalibrationChange Daemon::new_calibration(const SettingsStore::Version& 
 }
 
 void Daemon::put_calibrations_into_force(const std::vector<CalibrationChange>& changes,
-                                         const SettingsStore::Version& current, const std::string& what) {
+                                         const SettingsStore::Version& current, const std::string& what,
+                                         const std::string& who) {
   Json patch = Json::array();
   CalibrationHistory::ByCamera records, old_records;
   std::string cameras;
@@ -214,14 +215,15 @@ void Daemon::put_calibrations_into_force(const std::vector<CalibrationChange>& c
   }
   bool is_recorded = false;
   try {
-    const auto version = store_.patch(patch, current.revision, [&](const Json& next) {
+    const SettingsEdit edit{who, current.revision, "calibration " + what};
+    const auto version = store_.patch(patch, edit, [&](const Json& next) {
       auto put_into_force = prepare(next);
       // Before the settings: whatever happens in between, what is replaced is on disk.
       calibration_history_.set(records);
       is_recorded = true;
       return put_into_force;
     });
-    log::info("settings revision {} saved, {} calibration {}", version.revision, cameras, what);
+    log::info("settings revision {} saved, {} calibration {} by {}", version.revision, cameras, what, who);
   } catch (const std::exception&) {
     if (is_recorded) calibration_history_.set(old_records);
     throw;

@@ -105,7 +105,7 @@ Json Daemon::accept_joint_calibration(bool force, const std::string& who) {
       changes.push_back(new_calibration(current, camera.id, camera.calibration,
                                         joint_figures_json(*job.report, camera), who));
     }
-    put_calibrations_into_force(changes, current, "accepted by " + who);
+    put_calibrations_into_force(changes, current, "accepted", who);
     joint_calibration_jobs_.forget(kJointKey, job.report.get());
   }
   return joint_calibration();

@@ -27,6 +27,8 @@ std::span<const Route> routes() {
       {"GET", "/api/sources", get_sources},
       {"GET", "/api/settings", get_settings},
       {"PATCH", "/api/settings", patch_settings},
+      {"GET", "/api/settings/history", get_settings_history},
+      {"POST", "/api/settings/undo", undo_settings},
       {"GET", "/api/schema", get_schema},
       {"GET", "/api/field/presets", get_field_presets},
       {"GET", "/api/ws", get_websocket},  // the upgraded connection is web/websocket.cpp's

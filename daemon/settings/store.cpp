@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/store.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 
 #include <algorithm>
@@ -112,6 +113,7 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
     }
     Version version{saved.at("revision").get<std::uint64_t>(),
                     check_(admin_settings_.patch(saved.at("changes")))};
+    history_ = SettingsHistory(saved.value("history", Json::array()));
     return version;
   } catch (const std::exception& error) {
     const std::filesystem::path aside = file.string() + ".rejected";
@@ -129,12 +131,47 @@ SettingsStore::Version SettingsStore::current() const {
   return version_;
 }
 
-SettingsStore::Version SettingsStore::patch(const Json& patch, std::optional<std::uint64_t> if_revision,
+Json SettingsStore::history() const {
+  const std::lock_guard lock(mutex_);
+  return history_.newer_than(0);
+}
+
+SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
                                             const Prepare& prepare) {
   const std::lock_guard lock(mutex_);
-  if (if_revision && *if_revision != version_.revision) {
+  return apply(patch, edit, prepare);
+}
+
+SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const SettingsEdit& edit,
+                                           const Prepare& prepare) {
+  const std::lock_guard lock(mutex_);
+  const SettingsStep* step = history_.find(revision);
+  if (step == nullptr)
+    throw SettingsError(fmt::format("revision: {} is not allowed; expected one of the history", revision));
+  const Json& changes = step->at("changes");
+  // What it changed is as it left it when taking it back and making it again leads here.
+  bool is_as_left = false;
+  try {
+    const Json there_and_back =
+        version_.settings.patch(backward_patch(changes)).patch(forward_patch(changes));
+    is_as_left = Json::diff(there_and_back, version_.settings).empty();  // whatever the order of keys
+  } catch (const Json::exception&) {                                     // a place is no longer there
+  }
+  if (!is_as_left) {
+    throw StaleRevision(fmt::format("what revision {} changed was changed again since", revision),
+                        version_.revision, history_.newer_than(revision));
+  }
+  SettingsEdit named = edit;
+  named.what = fmt::format("undo of revision {}", revision);
+  return apply(backward_patch(changes), named, prepare);
+}
+
+SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdit& edit,
+                                            const Prepare& prepare) {
+  if (edit.if_revision && *edit.if_revision != version_.revision) {
     throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}",
-                                    version_.revision, *if_revision));
+                                    version_.revision, *edit.if_revision),
+                        version_.revision, history_.newer_than(*edit.if_revision));
   }
   Json changed;
   try {
@@ -145,7 +182,15 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, std::optional<std
   Version next{version_.revision + 1, check_(changed)};
   const auto put_into_force = prepare(next.settings);
 
-  const Json saved{{"revision", next.revision}, {"changes", Json::diff(admin_settings_, next.settings)}};
+  SettingsHistory history = history_;
+  history.add({{"revision", next.revision},
+               {"time", unix_time_s()},
+               {"who", edit.who},
+               {"what", edit.what},
+               {"changes", changes_between(version_.settings, next.settings)}});
+  const Json saved{{"revision", next.revision},
+                   {"changes", Json::diff(admin_settings_, next.settings)},
+                   {"history", history.to_json()}};
   std::error_code error;
   std::filesystem::create_directories(state_folder_, error);
   if (std::filesystem::exists(changes_file(), error)) {
@@ -155,6 +200,7 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, std::optional<std
   write_file_durably(changes_file(), saved.dump(2) + "\n");
   put_into_force();
   version_ = next;
+  history_ = std::move(history);
   return next;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "settings/history.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -11,12 +12,23 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace sslv {
 
 /// An edit that was made on a revision which is no longer the newest.
 struct StaleRevision : std::runtime_error {
-  using runtime_error::runtime_error;
+  StaleRevision(const std::string& text, std::uint64_t newest, Json steps)
+      : runtime_error(text), revision(newest), changed_since(std::move(steps)) {}
+  std::uint64_t revision;
+  Json changed_since;  // the steps after the edit's revision, newest first
+};
+
+/// Who changes settings, and how.
+struct SettingsEdit {
+  std::string who;
+  std::optional<std::uint64_t> if_revision{};  // refused unless this is the newest
+  std::string what{};                          // that the change is part of: "calibration", say
 };
 
 /// A file that cannot be written or read; one line.
@@ -53,16 +65,25 @@ class SettingsStore {
 
   Version current() const;
 
-  /// Applies a JSON Patch: checked, prepared, saved, then put into force. Throws StaleRevision when
-  /// `if_revision` is given and is not the newest, SettingsError when the result is not allowed, StorageError
-  /// when it cannot be saved; in each case nothing has changed.
-  Version patch(const Json& patch, std::optional<std::uint64_t> if_revision, const Prepare& prepare);
+  /// Applies a JSON Patch: checked, prepared, saved with its place in the history, then put into force.
+  /// Throws StaleRevision when `if_revision` is given and is not the newest, SettingsError when the result is
+  /// not allowed, StorageError when it cannot be saved; in each case nothing has changed.
+  Version patch(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
+
+  /// Takes one step of the history back, whatever came after it, and leaves what came after as it is. Throws
+  /// SettingsError when there is no such step, StaleRevision when what it changed was changed again, and what
+  /// patch() throws.
+  Version undo(std::uint64_t revision, const SettingsEdit& edit, const Prepare& prepare);
+
+  /// Steps, newest first: see SettingsStep.
+  Json history() const;
 
   /// What went wrong with the saved changes at start; empty when nothing did.
   const std::string& problem() const { return problem_; }
 
  private:
   std::optional<Version> load_changes(const std::filesystem::path& file);
+  Version apply(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
   std::filesystem::path changes_file() const { return state_folder_ / "settings.json"; }
   std::filesystem::path previous_file() const { return state_folder_ / "settings.previous.json"; }
 
@@ -71,8 +92,9 @@ class SettingsStore {
   Json admin_settings_;  // complete
   std::string problem_;
 
-  mutable std::mutex mutex_;  // guards version_; held during a whole patch
+  mutable std::mutex mutex_;  // guards what follows; held during a whole patch
   Version version_;
+  SettingsHistory history_;
 };
 
 }  // namespace sslv

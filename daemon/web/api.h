@@ -51,6 +51,8 @@ void reject_joint_calibration(const WebHost& host, const httplib::Request& reque
 // api_settings.cpp
 void get_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_settings_history(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void undo_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_schema(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_field_presets(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 

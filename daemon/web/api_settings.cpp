@@ -35,6 +35,17 @@ void patch_settings(const WebHost& host, const httplib::Request& request, httpli
   set_json(response, host.patch_settings(parse_json(request.body), if_revision, request.remote_addr));
 }
 
+void get_settings_history(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, host.settings_history());
+}
+
+void undo_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  const Json body = parse_json(request.body);
+  if (!body.is_object() || !body.contains("revision") || !body["revision"].is_number_unsigned())
+    throw HttpError(400, "revision: expected the number of a step of the history");
+  set_json(response, host.undo_settings(body["revision"].get<std::uint64_t>(), request.remote_addr));
+}
+
 void get_schema(const WebHost& host, const httplib::Request&, httplib::Response& response) {
   set_json(response, host.schema());
 }

@@ -44,6 +44,11 @@ struct WebHost {
   std::function<Json(const Json& patch, std::optional<std::uint64_t> if_revision, const std::string& who)>
       patch_settings;
 
+  /// What was changed, newest first, and one of these taken back. Throws as `patch_settings` does:
+  /// StaleRevision when what it changed was changed again.
+  std::function<Json()> settings_history;
+  std::function<Json(std::uint64_t revision, const std::string& who)> undo_settings;
+
   /// Must not block: it is called from the thread that serves all sockets.
   std::function<std::vector<std::uint32_t>()> camera_ids;
 

@@ -77,7 +77,9 @@ void answer_exception(const httplib::Request& request, httplib::Response& respon
 } catch (const HttpError& error) {
   set_error(response, error.status, error.what());
 } catch (const StaleRevision& error) {
-  set_error(response, 409, error.what());
+  response.status = 409;
+  set_json(response,
+           {{"error", error.what()}, {"revision", error.revision}, {"changed_since", error.changed_since}});
 } catch (const SettingsError& error) {
   set_error(response, 422, error.what());
 } catch (const std::exception& error) {

@@ -130,7 +130,16 @@ describe('the interface as docs/openapi.json says', () => {
     const change = [{ op: 'replace', path: '/site', value: 'By the book' }];
     const { revision } = await ask('patch', '/api/settings', { body: change, headers: { 'If-Match': `"${before.revision}"` } });
     assert.equal(revision, before.revision + 1);
-    await ask('patch', '/api/settings', { body: change, headers: { 'If-Match': `"${before.revision}"` }, expect: 409 });
+    const stale = await ask('patch', '/api/settings', { body: change, headers: { 'If-Match': `"${before.revision}"` }, expect: 409 });
+    assert.equal(stale.revision, revision);
+    assert.deepEqual(stale.changed_since.map(({ changes }) => changes), [[{ op: 'replace', path: '/site', before: before.settings.site, after: 'By the book' }]]);
+    const [newest] = await ask('get', '/api/settings/history');
+    assert.deepEqual({ revision: newest.revision, who: newest.who }, { revision, who: '127.0.0.1' });
+    const undone = await ask('post', '/api/settings/undo', { body: { revision } });
+    assert.equal(undone.settings.site, before.settings.site);
+    await ask('post', '/api/settings/undo', { body: { revision }, expect: 409 });
+    await ask('post', '/api/settings/undo', { body: { revision: 9999 }, expect: 422 });
+    await ask('post', '/api/settings/undo', { body: { revision: 'x' }, expect: 400 });
     await ask('patch', '/api/settings', { body: [{ op: 'replace', path: '/site', value: 7 }], expect: 422 });
     await ask('patch', '/api/settings', { body: '[', expect: 400 });
     const presets = await ask('get', '/api/field/presets');

@@ -39,8 +39,12 @@ class Store : public ::testing::Test {
   static SettingsStore::Version set(SettingsStore& store, const char* key, const Json& value,
                                     std::optional<std::uint64_t> if_revision = {}) {
     return store.patch(Json::array({{{"op", "replace"}, {"path", std::string("/") + key}, {"value", value}}}),
-                       if_revision, [](const Json&) { return [] {}; });
+                       {"Mia", if_revision}, kNothingToPrepare);
   }
+  static SettingsStore::Version undo(SettingsStore& store, std::uint64_t revision) {
+    return store.undo(revision, {"Tom"}, kNothingToPrepare);
+  }
+  static inline const SettingsStore::Prepare kNothingToPrepare = [](const Json&) { return [] {}; };
   template <class Error, class Act>
   static std::string error_of(Act act) {
     try {
@@ -88,7 +92,7 @@ TEST_F(Store, ARefusedChangeLeavesEverythingAsItWas) {
   EXPECT_THAT(error_of<SettingsError>([&] { set(store, "a", 10); }), HasSubstr("/a: 10"));
   EXPECT_THAT(error_of<SettingsError>([&] { set(store, "no_such_key", 10); }), HasSubstr("no_such_key"));
   EXPECT_THAT(error_of<SettingsError>([&] {
-                store.patch(Json{{"a", 3}}, {}, [](const Json&) { return [] {}; });
+                store.patch(Json{{"a", 3}}, {}, kNothingToPrepare);
               }),
               HasSubstr("JSON Patch"));
   EXPECT_EQ(store.current().settings["a"], 5);
@@ -175,6 +179,108 @@ TEST_F(Store, TheAdminsFileIsNeverTakenForSavedChanges) {
   EXPECT_THAT(error_of<SettingsError>([&] { SettingsStore(saved_, state_, check); }),
               AllOf(HasSubstr(saved_.string()), HasSubstr("another folder")));
   EXPECT_EQ(read_json_file(saved_), (Json{{"a", 4}})) << "and it is left alone";
+}
+
+TEST_F(Store, TheHistorySaysWhoChangedWhat) {
+  {
+    auto store = open();
+    EXPECT_EQ(store.history(), Json::array());
+    set(store, "a", 5);
+    set(store, "b", 7);
+  }
+  const Json history = open().history();  // it is saved too
+  ASSERT_EQ(history.size(), 2u);
+  EXPECT_EQ(history[0]["revision"], 3);
+  EXPECT_EQ(history[0]["who"], "Mia");
+  EXPECT_GT(history[0]["time"], 1.7e9);
+  EXPECT_EQ(history[0]["changes"],
+            Json::parse(R"([{"op": "replace", "path": "/b", "before": 2, "after": 7}])"));
+  EXPECT_EQ(history[1]["changes"][0]["after"], 5);
+}
+
+TEST_F(Store, AStepIsTakenBackAndLaterOnesStay) {
+  auto store = open();
+  set(store, "a", 5);
+  set(store, "b", 7);
+  EXPECT_EQ(undo(store, 2).settings, (Json{{"a", 1}, {"b", 7}}));
+  EXPECT_EQ(store.current().revision, 4u);
+  EXPECT_EQ(store.history()[0]["what"], "undo of revision 2");
+  EXPECT_EQ(store.history()[0]["who"], "Tom");
+  // The undoing is a step like any other.
+  EXPECT_EQ(undo(store, 4).settings, (Json{{"a", 5}, {"b", 7}}));
+}
+
+TEST_F(Store, AnOptionalKeyIsTakenBack) {
+  auto store = open();
+  const Json patch = Json::array({{{"op", "add"}, {"path", "/b"}, {"value", 4}}});
+  store.patch(patch, {}, kNothingToPrepare);
+  EXPECT_EQ(undo(store, 2).settings, (Json{{"a", 1}, {"b", 2}}));
+}
+
+TEST_F(Store, WhatWasChangedAgainIsNotTakenBack) {
+  auto store = open();
+  set(store, "a", 5);
+  set(store, "a", 6);
+  try {
+    undo(store, 2);
+    FAIL() << "taken back";
+  } catch (const StaleRevision& error) {
+    EXPECT_EQ(error.revision, 3u);
+    ASSERT_EQ(error.changed_since.size(), 1u);
+    EXPECT_EQ(error.changed_since[0]["changes"][0]["after"], 6);
+  }
+  EXPECT_EQ(store.current().settings["a"], 6);
+  EXPECT_THAT(error_of<SettingsError>([&] { undo(store, 99); }), HasSubstr("99"));
+}
+
+TEST_F(Store, AStaleEditIsToldWhatWasChanged) {
+  auto store = open();
+  set(store, "a", 5);
+  set(store, "b", 3);
+  try {
+    set(store, "a", 6, 2);
+    FAIL() << "accepted";
+  } catch (const StaleRevision& error) {
+    ASSERT_EQ(error.changed_since.size(), 1u);
+    EXPECT_EQ(error.changed_since[0]["changes"][0]["path"], "/b");
+  }
+}
+
+TEST(SettingsHistory, ChangesMakeOneTreeOfAnotherAndBack) {
+  const std::vector<std::pair<const char*, const char*>> trees{
+      {R"({"a": 1})", R"({"a": 2})"},
+      {R"({"a": 1, "b": 2})", R"({"b": 2})"},
+      {R"({"list": [1, 2, 3, 4]})", R"({"list": [2, 4, 5]})"},
+      {R"({"list": [{"id": 0}, {"id": 1}]})", R"({"list": []})"},
+      {R"({"a": {"b": null}})", R"({"a": {"b": {"c": [1]}}, "~/x": true})"},
+  };
+  for (const auto& [one, two] : trees) {
+    const Json before = Json::parse(one), after = Json::parse(two);
+    const Json changes = changes_between(before, after);
+    // Equal whatever the order of keys.
+    EXPECT_EQ(Json::diff(before.patch(forward_patch(changes)), after), Json::array()) << changes;
+    EXPECT_EQ(Json::diff(after.patch(backward_patch(changes)), before), Json::array()) << changes;
+  }
+}
+
+TEST(SettingsHistory, ForgetsTheOldest) {
+  SettingsHistory history;
+  const auto step = [](std::uint64_t revision, std::size_t bytes) {
+    return Json{{"revision", revision},
+                {"time", 1.0},
+                {"who", "Mia"},
+                {"what", ""},
+                {"changes", {{{"op", "add"}, {"path", "/x"}, {"after", std::string(bytes, 'x')}}}}};
+  };
+  for (std::uint64_t i = 1; i <= SettingsHistory::kMostSteps + 5; ++i) history.add(step(i, 10));
+  EXPECT_EQ(history.newer_than(0).size(), SettingsHistory::kMostSteps);
+  EXPECT_EQ(history.find(5), nullptr);
+  EXPECT_NE(history.find(6), nullptr);
+  history.add(step(1000, SettingsHistory::kMostBytes));
+  EXPECT_EQ(history.newer_than(0).size(), 1u);
+  EXPECT_EQ(SettingsHistory(history.to_json()).newer_than(0), history.newer_than(0));
+  EXPECT_EQ(SettingsHistory(Json::parse(R"([7, {"revision": "x"}, {}])")).newer_than(0).size(), 0u);
+  EXPECT_EQ(SettingsHistory(Json{{"no", "list"}}).newer_than(0).size(), 0u);
 }
 
 TEST_F(Store, NoProblemWithoutSavedChanges) {

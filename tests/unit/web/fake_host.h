@@ -61,11 +61,15 @@ class FakeHost {
     host.field_presets = [] { return Json{{{"name", "division-b"}}}; };
     host.patch_settings = [this](const Json& patch, std::optional<std::uint64_t> if_revision,
                                  const std::string& who) {
-      if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest");
+      if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest", 7, Json::array());
       if (patch.empty()) throw SettingsError("/site: refused");
       const std::lock_guard lock(mutex_);
       last_author_ = who;
       return Json{{"revision", 8}, {"settings", patch}, {"saved", true}};
+    };
+    host.settings_history = [] { return Json{{{"revision", 7}}}; };
+    host.undo_settings = [](std::uint64_t revision, const std::string&) {
+      return Json{{"revision", revision + 1}};
     };
     host.controls = [](std::uint32_t id) { return Json{{{"name", "Gain"}, {"camera", id}}}; };
     host.set_control = [](std::uint32_t id, const std::string& name, const Json& value,

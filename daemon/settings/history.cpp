@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "settings/history.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+Json step_patch(const char* op, const Json& path, const Json* value) {
+  Json out{{"op", op}, {"path", path}};
+  if (value != nullptr) out["value"] = *value;
+  return out;
+}
+
+/// "/list/-" as the place that it means now; such a place can be taken back.
+std::string exact(const std::string& path, const Json& now) {
+  if (!path.ends_with("/-")) return path;
+  const std::string list = path.substr(0, path.size() - 2);
+  const Json& parent = now.at(Json::json_pointer(list));
+  return parent.is_array() ? list + "/" + std::to_string(parent.size()) : path;
+}
+
+bool is_step(const Json& json) {
+  return json.is_object() && json.contains("revision") && json["revision"].is_number_unsigned() &&
+         json.contains("time") && json.contains("who") && json.contains("what") && json.contains("changes") &&
+         json["changes"].is_array();
+}
+
+}  // namespace
+
+Json changes_between(const Json& before, const Json& after) {
+  Json changes = Json::array();
+  Json now = before;
+  for (const Json& step : Json::diff(before, after)) {
+    const std::string op = step.at("op").get<std::string>();
+    const std::string path = exact(step.at("path").get<std::string>(), now);
+    Json change{{"op", op}, {"path", path}};
+    if (op != "add") change["before"] = now.at(Json::json_pointer(path));
+    if (op != "remove") change["after"] = step.at("value");
+    now.patch_inplace(Json::array({step}));
+    changes.push_back(std::move(change));
+  }
+  return changes;
+}
+
+Json forward_patch(const Json& changes) {
+  Json out = Json::array();
+  for (const Json& change : changes) {
+    const Json* after = change.contains("after") ? &change["after"] : nullptr;
+    out.push_back(step_patch(change.at("op").get<std::string>().c_str(), change.at("path"), after));
+  }
+  return out;
+}
+
+Json backward_patch(const Json& changes) {
+  Json out = Json::array();
+  for (auto change = changes.rbegin(); change != changes.rend(); ++change) {
+    const std::string op = change->at("op").get<std::string>();
+    const char* back = op == "add" ? "remove" : op == "remove" ? "add" : "replace";
+    out.push_back(step_patch(back, change->at("path"), op == "add" ? nullptr : &change->at("before")));
+  }
+  return out;
+}
+
+SettingsHistory::SettingsHistory(const Json& saved) {
+  if (!saved.is_array()) return;
+  for (const Json& step : saved) {
+    if (is_step(step)) add(step);
+  }
+}
+
+void SettingsHistory::add(SettingsStep step) {
+  sizes_.push_back(step.dump().size());
+  bytes_ += sizes_.back();
+  steps_.push_back(std::move(step));
+  // The newest stays however large it is.
+  while (steps_.size() > 1 && (steps_.size() > kMostSteps || bytes_ > kMostBytes)) {
+    bytes_ -= sizes_.front();
+    sizes_.erase(sizes_.begin());
+    steps_.erase(steps_.begin());
+  }
+}
+
+const SettingsStep* SettingsHistory::find(std::uint64_t revision) const {
+  const auto found = std::find_if(steps_.begin(), steps_.end(),
+                                  [=](const Json& step) { return step["revision"] == revision; });
+  return found == steps_.end() ? nullptr : &*found;
+}
+
+Json SettingsHistory::newer_than(std::uint64_t revision) const {
+  Json out = Json::array();
+  for (auto step = steps_.rbegin(); step != steps_.rend() && (*step)["revision"] > revision; ++step)
+    out.push_back(*step);
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// One step of the settings, as it is saved and shown:
+/// {"revision": 7, "time": 1790000000.1, "who": "192.168.1.5", "what": "", "changes": [{"op": "replace",
+/// "path": "/site", "before": "A", "after": "B"}]}. "op" is "add", "remove" or "replace"; "time" is Unix time
+/// in seconds, "what" says what the step was part of.
+using SettingsStep = Json;
+
+/// What makes one tree out of another, one value after the other.
+Json changes_between(const Json& before, const Json& after);
+
+/// The JSON Patches that make such changes, and that take them back.
+Json forward_patch(const Json& changes);
+Json backward_patch(const Json& changes);
+
+/// The newest steps, as many as fit a quota.
+class SettingsHistory {
+ public:
+  static constexpr std::size_t kMostSteps = 300, kMostBytes = 512 * 1024;
+
+  SettingsHistory() = default;
+  /// Of what to_json() made; what is no list of steps is forgotten.
+  explicit SettingsHistory(const Json& saved);
+
+  void add(SettingsStep step);
+  const SettingsStep* find(std::uint64_t revision) const;
+  /// Newest first, those after a revision.
+  Json newer_than(std::uint64_t revision) const;
+  Json to_json() const { return steps_; }
+
+ private:
+  std::vector<SettingsStep> steps_;  // oldest first
+  std::vector<std::size_t> sizes_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace sslv
