@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "capture/camera_thread.h"
+#include "net/network_cards.h"
 #include "support/allocation_count.h"
 #include "support/gige_server.h"
 
@@ -15,10 +16,7 @@
 #include <set>
 #include <utility>
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
-#include <ifaddrs.h>
-#include <net/if.h>
 
 namespace sslv {
 namespace {
@@ -462,17 +460,10 @@ TEST_F(Gige, IsListedAndOpenedBySerial) {
 
 /// The address of a network card of this machine, for a second camera; empty: it has none.
 std::string card_address() {
-  std::string out;
-  ifaddrs* all = nullptr;
-  if (getifaddrs(&all) != 0) return out;
-  for (const ifaddrs* one = all; one != nullptr && out.empty(); one = one->ifa_next) {
-    const bool is_up = (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
-    if (!is_up || one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    char text[INET_ADDRSTRLEN];
-    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr, text, sizeof text);
-    out = text;
+  for (const NetworkCard& card : network_cards()) {
+    if (!card.address.is_loopback()) return card.address.to_string();
   }
-  return out;
+  return "";
 }
 
 /// Two of the same kind but for their width. No pictures are taken: with a packet socket none pass between a
@@ -485,7 +476,7 @@ TEST(AravisSerials, CamerasThatSwapAddressesKeepTheirNames) {
     server->set_defaults(width, 48, PixelFormat::kMono8, 100);
     return server;
   };
-  // What the last search found is believed for two seconds.
+  // What the last search found is believed for a moment.
   const auto width_of = [](const std::string& serial) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     for (;;) {
