@@ -8,6 +8,7 @@
 #include "ctl/calibrate.h"
 #include "ctl/client.h"
 #include "ctl/controls.h"
+#include "ctl/history.h"
 #include "ctl/process.h"
 #include "ctl/score.h"
 #include "ctl/simulate.h"
@@ -220,6 +221,29 @@ int run(CLI::App& app, int argc, char** argv) {
     act = [&] {
       const Json found = Client(daemon).get_json("/api/sources").at("sources");
       std::cout << (as_json ? found.dump(2) + "\n" : found_cameras_text(found));
+      return EXIT_SUCCESS;
+    };
+  });
+
+  CLI::App* history =
+      app.add_subcommand("history", "what was changed in the daemon's settings, newest first");
+  history->add_flag("--json", as_json, "as the API gives it");
+  history->callback([&] {
+    act = [&] {
+      const Json steps = Client(daemon).get_json("/api/settings/history");
+      std::cout << (as_json ? steps.dump(2) + "\n" : history_text(steps));
+      return EXIT_SUCCESS;
+    };
+  });
+
+  std::uint64_t undo_revision = 0;
+  CLI::App* undo = app.add_subcommand("undo", "take one step of the history back; what came after it stays");
+  undo->add_option("revision", undo_revision, "number of the step, as `history` shows it")->required();
+  undo->callback([&] {
+    act = [&] {
+      const Json answer = Client(daemon).post("/api/settings/undo", {{"revision", undo_revision}});
+      std::cout << fmt::format("Taken back; the settings are at revision {}.\n",
+                               answer.at("revision").get<std::uint64_t>());
       return EXIT_SUCCESS;
     };
   });

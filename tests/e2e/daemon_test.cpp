@@ -269,6 +269,26 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
   EXPECT_EQ(settings["settings"]["cameras"][0]["stages"]["detect_robots"]["min_confidence"], 1.0);
 }
 
+TEST_F(Daemon, AChangeIsTakenBackFromTheCommandLine) {
+  RunningDaemon daemon(settings_file(), state_);
+  const std::string site = settings_["site"].get<std::string>();
+  daemon.set("/site", "Field B");
+  daemon.set("/cameras/1/name", "left");
+  const auto ctl = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {SSLV_CTL, "--daemon", daemon.address()});
+    return run_to_end(words);
+  };
+  EXPECT_THAT(ctl({"history"}).output,
+              AllOf(HasSubstr("/site: \"" + site + "\" -> \"Field B\""), HasSubstr("127.0.0.1")));
+  EXPECT_EQ(ctl({"undo", "2"}).output, "Taken back; the settings are at revision 4.\n");
+  const Json settings = daemon.get("/api/settings")["settings"];
+  EXPECT_EQ(settings["site"], site);
+  EXPECT_EQ(settings["cameras"][1]["name"], "left");
+  const Finished again = ctl({"undo", "2"});
+  EXPECT_NE(again.exit_code, 0);
+  EXPECT_EQ(again.output, "ssl-visionctl: what revision 2 changed was changed again since\n");
+}
+
 TEST_F(Daemon, ARefusedChangeNamesItsKeyAndChangesNothing) {
   RunningDaemon daemon(settings_file(), state_);
   const Json before = daemon.get("/api/settings");
