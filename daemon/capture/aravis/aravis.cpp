@@ -292,10 +292,10 @@ class AravisSource final : public Source {
                    options_.socket_buffer_bytes, "packet-resend",
                    options_.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                    nullptr);
+      // The packet socket takes in what is meant for others until its filter is set, and such packets' numbers
+      // would make the camera's own pictures look late. Without buffers the library throws them away.
+      std::this_thread::sleep_for(kForeignPackets);
     }
-    // The packet socket takes in what is meant for others until its filter is set, and such packets' numbers
-    // would make the camera's own pictures look late. Without buffers the library throws them away.
-    std::this_thread::sleep_for(kForeignPackets);
     for (int i = 0; i < options_.buffers; ++i) {
       const auto destroy = [](gpointer lease) { delete static_cast<Lease*>(lease); };
       arv_stream_push_buffer(stream_.get(), arv_buffer_new_full(payload, nullptr, new Lease, destroy));
