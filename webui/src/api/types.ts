@@ -21,6 +21,13 @@ export type PictureKind = Schemas['PictureKind'];
 export type PreviewHeader = Schemas['PreviewHeader'];
 export type PreviewRequest = Required<Schemas['PreviewRequest']>;
 
+export type SettingsRevision = Schemas['SettingsRevision'];
+export type SettingsStep = Schemas['SettingsStep'];
+export type SettingsChange = Schemas['SettingsChange'];
+export type Stale = Schemas['Stale'];
+export type Control = Schemas['Control'];
+export type FieldPreset = Schemas['FieldPreset'];
+
 export type Topic = 'status' | 'detections';
 
 export type ClientMessage =
