@@ -3,8 +3,10 @@
 import { computed, reactive, ref, watch } from 'vue';
 import type { Layers } from '../../picture/LivePicture.vue';
 
+export type LayerChoice = Required<Layers>;
+
 export interface Layer {
-  name: keyof Layers;
+  name: keyof LayerChoice;
   title: string;
   key: string;
   /** What one sees. */
@@ -24,12 +26,12 @@ export const layerList: readonly Layer[] = [
   { name: 'grid', title: 'Grid, 1 m', key: '8', isOn: false, what: 'Lines on the floor every metre from the middle of the field.' },
 ];
 
-const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as Layers;
+const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as LayerChoice;
 
 const KEY = 'layers';
 
 /** The choice of an earlier visit; what it does not say is as at the first. */
-export function storedLayers(text: string | null): Layers {
+export function storedLayers(text: string | null): LayerChoice {
   let stored: unknown = null;
   try {
     stored = JSON.parse(text ?? 'null');
@@ -48,7 +50,7 @@ function storage(): Storage | null {
   }
 }
 
-export const layers = reactive<Layers>(storedLayers(storage()?.getItem(KEY) ?? null));
+export const layers = reactive<LayerChoice>(storedLayers(storage()?.getItem(KEY) ?? null));
 export const allHidden = ref(false);
 watch(layers, () => {
   try {
@@ -61,7 +63,7 @@ watch(layers, () => {
 const NONE = each(() => false);
 export const shownLayers = computed(() => (allHidden.value ? NONE : layers));
 
-export function toggleLayer(name: keyof Layers): void {
+export function toggleLayer(name: keyof LayerChoice): void {
   layers[name] = allHidden.value || !layers[name];
   allHidden.value = false;
 }
