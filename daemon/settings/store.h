@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/snapshot.h"
 #include "settings/history.h"
 
 #include <cstdint>
@@ -80,6 +81,8 @@ class SettingsStore {
 
   /// What went wrong with the saved changes at start; empty when nothing did.
   const std::string& problem() const { return problem_; }
+  /// Why the last change could not be saved; empty when it was. Does not wait for a change under way.
+  std::string save_problem() const { return *save_problem_.load(); }
 
  private:
   std::optional<Version> load_changes(const std::filesystem::path& file);
@@ -91,6 +94,7 @@ class SettingsStore {
   const Check check_;
   Json admin_settings_;  // complete
   std::string problem_;
+  Snapshot<std::string> save_problem_{""};
 
   mutable std::mutex mutex_;  // guards what follows; held during a whole patch
   Version version_;

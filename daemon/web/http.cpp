@@ -29,6 +29,11 @@ int read_whole_number(std::string_view name, std::string_view text, int min, int
   return value;
 }
 
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
+  if (!request.has_param(name)) return fallback;
+  return read_whole_number(name, request.get_param_value(name), min, max);
+}
+
 Json parse_json(std::string_view text) {
   constexpr int kMaxDepth = 64;
   const auto check_depth = [](int depth, Json::parse_event_t, const Json&) {

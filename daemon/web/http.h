@@ -10,8 +10,9 @@
 #include <string_view>
 
 namespace httplib {
+struct Request;
 struct Response;
-}
+}  // namespace httplib
 
 namespace sslv {
 
@@ -28,6 +29,8 @@ inline constexpr std::string_view kOtherSite = "this request comes from a page o
 
 /// A whole number in min .. max from a path part or the query. Throws HttpError 400 naming `name`.
 int read_whole_number(std::string_view name, std::string_view text, int min, int max);
+/// Likewise from the query; `fallback` when it does not say.
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max);
 
 /// Strict JSON of limited depth, so that no client can exhaust the stack of whoever walks through it.
 /// Throws HttpError 400.
