@@ -35,7 +35,7 @@ TEST(Timeline, CountsByTheSecondWhatCamerasCountFromTheirStart) {
 TEST(Timeline, HasNothingOfSecondsInWhichACameraDidNotRun) {
   Timeline timeline;
   timeline.add(100, {{0, running(0)}});
-  timeline.add(101, {{0, {.is_running = false, .frames = 30}}});
+  timeline.add(101, {{0, Timeline::Reading{}}});
   timeline.add(102, {{0, running(40)}});
   timeline.add(103, {{0, running(100)}});
   EXPECT_EQ(timeline.to_json()["cameras"][0]["fps"], Json({nullptr, nullptr, nullptr, 60.0}));
@@ -71,7 +71,9 @@ TEST(Timeline, KeepsTenMinutesOfTheCamerasThatAreThere) {
   ASSERT_EQ(json["cameras"].size(), 2u);
   for (const Json& camera : json["cameras"]) {
     for (const auto& [name, values] : camera.items()) {
-      if (name != "id") EXPECT_EQ(values.size(), 600u) << name;
+      if (name != "id") {
+        EXPECT_EQ(values.size(), 600u) << name;
+      }
     }
   }
   EXPECT_EQ(timeline.to_json(5)["cameras"][1]["fps"].size(), 5u);
