@@ -40,9 +40,8 @@ std::string full_picture(const WebHost& host, std::uint32_t camera_id) {
 
 std::string log_text() {
   std::string out;
-  const auto [lines, newest] = log::recent().newer_than(0, log::Level::kDebug);
-  static_cast<void>(newest);
-  for (const auto& line : lines) {
+  const auto recent = log::recent().newer_than(0, log::Level::kDebug);
+  for (const auto& line : recent.lines) {
     const auto time = static_cast<std::time_t>(line.time_s);
     out +=
         fmt::format("{:%Y-%m-%d %H:%M:%S} {} {}\n", fmt::gmtime(time), log::name_of(line.level), line.text);
