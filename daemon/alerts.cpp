@@ -86,7 +86,8 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   };
   const Timeline::Sum& minute = camera.last_minute;
   const auto is_much = [&](std::uint64_t count) {
-    return static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
+    return count > kFewPictures &&
+           static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
   };
   if (is_much(minute.dropped)) {
     warn("frames_dropped",
