@@ -11,9 +11,10 @@
 namespace sslv {
 namespace {
 
-// Of a minute's pictures. Trackers bridge a single one; one in a thousand is a cable or a computer at its
+// Of a minute's pictures. Trackers bridge a few; one in a thousand is a cable or a computer at its
 // limit.
 constexpr double kLostShare = 0.001;
+constexpr std::uint64_t kFewPictures = 3;
 // The painted lines are under 1 % of a field's picture, and they may clip: white has no colour to lose. More
 // than twice that is glare or too much light, and clipped colours are taken for each other.
 constexpr double kClippedShare = 0.02;
@@ -86,7 +87,8 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   };
   const Timeline::Sum& minute = camera.last_minute;
   const auto is_much = [&](std::uint64_t count) {
-    return static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
+    return count > kFewPictures &&
+           static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
   };
   if (is_much(minute.dropped)) {
     warn("frames_dropped",

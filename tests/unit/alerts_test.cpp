@@ -135,6 +135,8 @@ TEST_F(Alerts, OfLostPicturesBeginAtOneInAThousand) {
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_minute.dropped = 4;
   EXPECT_THAT(only_alert().title, HasSubstr("4 of 3604 pictures"));
+  input_.cameras[0].last_minute = {5, 300, 3, 3, 0};  // it has just begun
+  EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_minute = {60, 3600, 0, 4, 0};
   EXPECT_EQ(only_alert().id, "frames_incomplete");
   input_.cameras[0].last_minute = {60, 3600, 0, 0, 1};
