@@ -181,6 +181,7 @@ StatusInput Daemon::status_input(const Config& config) const {
                     .refused_packets = other_visions_.refused(),
                     .listening_error = other_visions_.error(),
                     .referee = referee_.status(steady_s()),
+                    .settings_revision = store_.revision(),
                     .viewers = web ? web->stats().viewers : 0,
                     .settings_problem = store_.problem(),
                     .cameras = {}};

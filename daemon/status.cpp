@@ -252,6 +252,7 @@ Json status_json(const StatusInput& input) {
              {"other_visions", other_visions_json(input)}}},
            {"referee", referee_json(input)},
            {"teams", teams_json(input)},
+           {"settings_revision", input.settings_revision},
            {"viewers", input.viewers},
            {"alerts", alerts_json(input)},
            {"cameras", Json::array()}};

@@ -33,6 +33,7 @@ struct StatusInput {
   std::uint64_t refused_packets = 0;  // that came to the vision group
   std::string listening_error;        // why the vision group cannot be heard
   RefereeStatus referee;
+  std::uint64_t settings_revision = 0;
   int viewers = 0;
   std::string settings_problem;
   std::vector<CameraNow> cameras;

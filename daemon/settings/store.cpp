@@ -100,6 +100,7 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::
       break;
     }
   }
+  revision_ = version_.revision;
 }
 
 std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::filesystem::path& file) {
@@ -200,6 +201,7 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
   write_file_durably(changes_file(), saved.dump(2) + "\n");
   put_into_force();
   version_ = next;
+  revision_ = next.revision;
   history_ = std::move(history);
   return next;
 }

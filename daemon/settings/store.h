@@ -5,6 +5,7 @@
 #include "base/json.h"
 #include "settings/history.h"
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -64,6 +65,8 @@ class SettingsStore {
   SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder, Check check);
 
   Version current() const;
+  /// Without waiting for a change that is being saved.
+  std::uint64_t revision() const { return revision_; }
 
   /// Applies a JSON Patch: checked, prepared, saved with its place in the history, then put into force.
   /// Throws StaleRevision when `if_revision` is given and is not the newest, SettingsError when the result is
@@ -92,7 +95,8 @@ class SettingsStore {
   Json admin_settings_;  // complete
   std::string problem_;
 
-  mutable std::mutex mutex_;  // guards what follows; held during a whole patch
+  std::atomic<std::uint64_t> revision_{0};  // version_'s
+  mutable std::mutex mutex_;                // guards what follows; held during a whole patch
   Version version_;
   SettingsHistory history_;
 };

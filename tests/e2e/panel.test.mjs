@@ -1,92 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panel as a user sees it: the real service with its simulated cameras, in a real browser.
-//   SSLV_DAEMON         see service.mjs
-//   SSLV_CHROMIUM       the browser; default: the system's
-//   SSLV_SCREENSHOTS=1  also takes the pictures in docs/images
+// Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
-import { createService, PATIENCE_MS, root } from './service.mjs';
-
-const require = createRequire(join(root, 'webui/package.json'));
-const { chromium } = require('playwright-core');
-const axeSource = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
-
-const CHROMIUM = process.env.SSLV_CHROMIUM ?? '/usr/bin/chromium';
-const DESKTOP = { width: 1440, height: 900 };
-const PHONE = { width: 360, height: 740 };
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, frameNumber, live, PHONE, phone, picturesGoOn, text, views } from './browser.mjs';
+import { createService, root } from './service.mjs';
 
 const service = await createService('239.255.77.78');
 const { settings, folder, address, patch, statusBecomes } = service;
-
-// ---- the browser
-
-let browser;
-
-/** A page, with its errors and its words to other hosts as they come. */
-async function openPage(viewport, options = {}) {
-  // Half-way through a fade no colour is what it is meant to be.
-  const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
-  const page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE_MS);
-  const panel = { page, errors: [], strangers: [], detections: [], errorsExpected: false };
-  page.on('console', (message) => {
-    if (message.type() === 'error' && !panel.errorsExpected) panel.errors.push(message.text());
-  });
-  page.on('pageerror', (error) => panel.errors.push(String(error)));
-  const listen = (url) => {
-    if (!['data:', 'blob:'].includes(new URL(url).protocol) && new URL(url).host !== new URL(address('')).host) {
-      panel.strangers.push(url);
-    }
-  };
-  page.on('request', (request) => listen(request.url()));
-  page.on('websocket', (socket) => {
-    listen(socket.url());
-    socket.on('framereceived', ({ payload }) => {
-      const message = typeof payload === 'string' ? JSON.parse(payload) : {};
-      if (message.topic !== 'detections') return;
-      panel.detections.push(message.data);
-      if (panel.detections.length > 1000) panel.detections.shift();
-    });
-  });
-  return panel;
-}
-
-/** Gives a test an open page and closes it. An error in the console or a word to another host fails the test. */
-function withPage(viewport, path, options, test) {
-  return async () => {
-    const panel = await openPage(viewport, options);
-    try {
-      const answer = await panel.page.goto(address(path));
-      assert.equal(answer.status(), 200);
-      await live(panel.page);
-      await test(panel.page, panel, answer);
-    } finally {
-      await panel.page.context().close();
-    }
-    assert.deepEqual(panel.errors, [], 'errors in the browser console');
-    assert.deepEqual(panel.strangers, [], 'requests to other hosts');
-  };
-}
-
-const byId = (name) => `[data-testid="${name}"]`;
-const live = (page) => page.waitForSelector(`${byId('connection')}[data-state="live"]`);
-const text = (page, name) => page.textContent(byId(name));
-
-async function frameNumber(page, camera) {
-  const picture = await page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-frame]`);
-  return Number(await picture.getAttribute('data-frame'));
-}
-
-/** Waits until the camera's picture has gone on by so many frames. */
-async function picturesGoOn(page, camera, frames = 5) {
-  const first = await frameNumber(page, camera);
-  await page.waitForFunction(
-    ([selector, last]) => Number(document.querySelector(selector)?.dataset.frame) > last,
-    [byId(`camera-picture-${camera}`), first + frames]);
-}
+const browser = createBrowser(service);
+const { withPage, screenshots } = browser;
 
 /** Everything in the page that measures pictures; runs in the browser, in one task, so that picture and overlay belong together. */
 function measure(camera) {
@@ -166,13 +91,6 @@ async function everyRobotIsMarked(page, selector) {
 /** Waits until the shown picture is of that kind, "camera" or "labels". */
 const pictureIs = (page, camera, kind) => page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-picture="${kind}"]`);
 
-async function accessible(page, what) {
-  await page.evaluate(axeSource);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
-  const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => `${node.target.join(' ')} ${node.failureSummary}`).join(', ')}`);
-  assert.deepEqual(list, [], `accessibility of ${what}`);
-}
-
 /** The middle of a robot's target that no other one covers. */
 async function freeTarget(page) {
   const handle = await page.waitForFunction((selector) => {
@@ -186,16 +104,6 @@ async function freeTarget(page) {
   return handle.jsonValue();
 }
 
-async function chooseTheme(page, theme) {
-  if ((await page.getAttribute('html', 'data-theme')) !== theme) await page.click(byId('theme'));
-  await page.waitForSelector(`html[data-theme="${theme}"]`);
-}
-
-const phone = { hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
-const views = [
-  { name: 'desktop', viewport: DESKTOP, options: {} },
-  { name: 'phone', viewport: PHONE, options: phone },
-];
 const pages = [
   { name: 'Overview', path: '', ready: byId('camera-tile-1') },
   { name: 'Camera', path: '#/camera/0', ready: byId('robot-target') },
@@ -204,15 +112,11 @@ const pages = [
 
 describe('panel', () => {
   before(async () => {
-    browser = await chromium.launch({
-      executablePath: CHROMIUM,
-      chromiumSandbox: process.getuid() !== 0,
-      args: ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-    });
+    await browser.start();
     await service.start();
   });
   after(async () => {
-    await browser?.close();
+    await browser.end();
     await service.end();
   });
 
@@ -530,24 +434,15 @@ describe('panel', () => {
     assert.equal(await page.evaluate(() => window.notReloaded), true);
   }));
 
-  if (process.env.SSLV_SCREENSHOTS === '1') {
-    const images = join(root, 'docs/images');
-    const shots = [
-      { file: 'overview-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {} },
-      { file: 'overview-light.jpg', theme: 'light', path: '', viewport: DESKTOP, options: {} },
-      { file: 'camera-dark.jpg', theme: 'dark', path: '#/camera/0', viewport: DESKTOP, options: {} },
-      { file: 'overview-phone.jpg', theme: 'dark', path: '', viewport: PHONE, options: phone },
-    ];
-    for (const { file, theme, path, viewport, options } of shots) {
-      it(`docs/images/${file}`, withPage(viewport, path, options, async (page) => {
-        await chooseTheme(page, theme);
-        // The graphs begin with the page.
-        const { uptime_s } = await statusBecomes(() => true);
-        await statusBecomes((status) => status.uptime_s > uptime_s + 30);
-        if (path === '') await everyRobotIsMarked(page, byId('overlay-robot'));
-        mkdirSync(images, { recursive: true });
-        await page.screenshot({ path: join(images, file), quality: 88 });
-      }));
-    }
-  }
+  const withGraphs = async (page) => {
+    const { uptime_s } = await statusBecomes(() => true);  // the graphs begin with the page
+    await statusBecomes((status) => status.uptime_s > uptime_s + 30);
+    if (await page.$(byId('camera-tile-0'))) await everyRobotIsMarked(page, byId('overlay-robot'));
+  };
+  screenshots([
+    { file: 'overview-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
+    { file: 'overview-light.jpg', theme: 'light', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
+    { file: 'camera-dark.jpg', theme: 'dark', path: '#/camera/0', viewport: DESKTOP, options: {}, ready: withGraphs },
+    { file: 'overview-phone.jpg', theme: 'dark', path: '', viewport: PHONE, options: phone, ready: withGraphs },
+  ]);
 });

@@ -39,3 +39,11 @@ export function duration(seconds: number): string {
   const h = Math.floor(min / 60);
   return h < 24 ? `${h} h ${min % 60} min` : `${Math.floor(h / 24)} d ${h % 24} h`;
 }
+
+/** "14:02:31" of a Unix time in seconds, in the reader's zone; with the day unless it is today. */
+export function clockTime(unixSeconds: number, today = new Date()): string {
+  const at = new Date(unixSeconds * 1000);
+  const two = (value: number) => String(value).padStart(2, '0');
+  const time = `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
+  return at.toDateString() === today.toDateString() ? time : `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${time}`;
+}

@@ -34,6 +34,13 @@ export type SettingsChange = Schemas['SettingsChange'];
 export type ProfileEntry = Schemas['ProfileEntry'];
 export type Profile = Schemas['Profile'];
 
+export type SettingsRevision = Schemas['SettingsRevision'];
+export type SettingsStep = Schemas['SettingsStep'];
+export type SettingsChange = Schemas['SettingsChange'];
+export type Stale = Schemas['Stale'];
+export type Control = Schemas['Control'];
+export type FieldPreset = Schemas['FieldPreset'];
+
 export type Topic = 'status' | 'detections';
 
 export type ClientMessage =

@@ -31,7 +31,7 @@ export function status(changes: Partial<Status> = {}): Status {
       game_is_running: false, packets_refused: 0,
     },
     teams: { yellow: { name: '', robot_height: 140, height_from: 'settings' }, blue: { name: '', robot_height: 140, height_from: 'settings' } },
-    viewers: 1, alerts: [], go: true, checks: [{ id: 'cameras', title: 'Cameras', state: 'pass', text: '2 of 2 running, 60.0 frames/s' }],
+    settings_revision: 1, viewers: 1, alerts: [], go: true, checks: [{ id: 'cameras', title: 'Cameras', state: 'pass', text: '2 of 2 running, 60.0 frames/s' }],
     cameras: [camera(), camera({ id: 1, name: '-x half' })],
     ...changes,
   };

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel in a real browser, for tests that look at it as a user does.
+//   SSLV_CHROMIUM       the browser; default: the system's
+//   SSLV_SCREENSHOTS=1  also takes the pictures in docs/images
+import assert from 'node:assert/strict';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { it } from 'node:test';
+import { PATIENCE_MS, root } from './service.mjs';
+
+const require = createRequire(join(root, 'webui/package.json'));
+const { chromium } = require('playwright-core');
+const axeSource = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+
+const CHROMIUM = process.env.SSLV_CHROMIUM ?? '/usr/bin/chromium';
+export const DESKTOP = { width: 1440, height: 900 };
+export const PHONE = { width: 360, height: 740 };
+
+export const byId = (name) => `[data-testid="${name}"]`;
+export const live = (page) => page.waitForSelector(`${byId('connection')}[data-state="live"]`);
+export const text = (page, name) => page.textContent(byId(name));
+
+export async function frameNumber(page, camera) {
+  const picture = await page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-frame]`);
+  return Number(await picture.getAttribute('data-frame'));
+}
+
+/** Waits until the camera's picture has gone on by so many frames. */
+export async function picturesGoOn(page, camera, frames = 5) {
+  const first = await frameNumber(page, camera);
+  await page.waitForFunction(
+    ([selector, last]) => Number(document.querySelector(selector)?.dataset.frame) > last,
+    [byId(`camera-picture-${camera}`), first + frames]);
+}
+
+export async function accessible(page, what) {
+  await page.evaluate(axeSource);
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+  const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => `${node.target.join(' ')} ${node.failureSummary}`).join(', ')}`);
+  assert.deepEqual(list, [], `accessibility of ${what}`);
+}
+
+export async function chooseTheme(page, theme) {
+  if ((await page.getAttribute('html', 'data-theme')) !== theme) await page.click(byId('theme'));
+  await page.waitForSelector(`html[data-theme="${theme}"]`);
+}
+
+export const phone = { hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+export const views = [
+  { name: 'desktop', viewport: DESKTOP, options: {} },
+  { name: 'phone', viewport: PHONE, options: phone },
+];
+
+/** A browser on the panel of a service. */
+export function createBrowser(service) {
+  const { address } = service;
+  let browser;
+
+  /** A page, with its errors and its words to other hosts as they come. */
+  async function openPage(viewport, options = {}) {
+    // Half-way through a fade no colour is what it is meant to be.
+    const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
+    const page = await context.newPage();
+    page.setDefaultTimeout(PATIENCE_MS);
+    const panel = { page, errors: [], strangers: [], detections: [], errorsExpected: false };
+    page.on('console', (message) => {
+      if (message.type() === 'error' && !panel.errorsExpected) panel.errors.push(message.text());
+    });
+    page.on('pageerror', (error) => panel.errors.push(String(error)));
+    const listen = (url) => {
+      if (!['data:', 'blob:'].includes(new URL(url).protocol) && new URL(url).host !== new URL(address('')).host) {
+        panel.strangers.push(url);
+      }
+    };
+    page.on('request', (request) => listen(request.url()));
+    page.on('websocket', (socket) => {
+      listen(socket.url());
+      socket.on('framereceived', ({ payload }) => {
+        const message = typeof payload === 'string' ? JSON.parse(payload) : {};
+        if (message.topic !== 'detections') return;
+        panel.detections.push(message.data);
+        if (panel.detections.length > 1000) panel.detections.shift();
+      });
+    });
+    return panel;
+  }
+
+  /** Gives a test an open page and closes it. An error in the console or a word to another host fails the test. */
+  function withPage(viewport, path, options, test) {
+    return async () => {
+      const panel = await openPage(viewport, options);
+      try {
+        const answer = await panel.page.goto(address(path));
+        assert.equal(answer.status(), 200);
+        await live(panel.page);
+        await test(panel.page, panel, answer);
+      } finally {
+        await panel.page.context().close();
+      }
+      assert.deepEqual(panel.errors, [], 'errors in the browser console');
+      assert.deepEqual(panel.strangers, [], 'requests to other hosts');
+    };
+  }
+
+  /** Takes pictures for docs/images: {file, theme, path, viewport, options, ready(page)}. */
+  function screenshots(shots) {
+    if (process.env.SSLV_SCREENSHOTS !== '1') return;
+    const images = join(root, 'docs/images');
+    for (const { file, theme, path, viewport, options, ready } of shots) {
+      it(`docs/images/${file}`, withPage(viewport, path, options, async (page) => {
+        await chooseTheme(page, theme);
+        await ready?.(page);
+        mkdirSync(images, { recursive: true });
+        await page.screenshot({ path: join(images, file), quality: 88 });
+      }));
+    }
+  }
+
+  return {
+    async start() {
+      browser = await chromium.launch({
+        executablePath: CHROMIUM,
+        chromiumSandbox: process.getuid() !== 0,
+        args: ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+      });
+    },
+    end: () => browser?.close(),
+    withPage,
+    screenshots,
+  };
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests to the service's interface. Addresses are relative, so that the panel also works behind a proxy.
+
+/** What the service refused, in its own words, or that it did not answer (status 0). */
+export class ApiError extends Error {
+  constructor(readonly status: number, message: string, readonly body: unknown = null) {
+    super(message);
+  }
+}
+
+/** Long enough for a camera that is slow to answer, short enough to say that nothing comes. */
+const PATIENCE_MS = 15_000;
+
+const errorText = (body: unknown, status: number): string =>
+  typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
+
+async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {
+  let answer: Response;
+  try {
+    answer = await fetch(`api/${path}`, {
+      method,
+      headers: body === undefined ? headers : { 'Content-Type': 'application/json', ...headers },
+      body: body === undefined ? undefined : JSON.stringify(body),
+      cache: 'no-store',
+      signal: AbortSignal.timeout(PATIENCE_MS),
+    });
+  } catch {
+    throw new ApiError(0, 'No answer from the service');
+  }
+  const parsed: unknown = await answer.json().catch(() => null);
+  if (!answer.ok) throw new ApiError(answer.status, errorText(parsed, answer.status), parsed);
+  return parsed as T;
+}
+
+/** Each throws ApiError. `path` is what follows "api/". */
+export const api = {
+  get: <T>(path: string) => request<T>('GET', path),
+  post: <T>(path: string, body?: unknown) => request<T>('POST', path, body),
+  put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
+  patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
+  delete: <T>(path: string) => request<T>('DELETE', path),
+};
+
+/** What to tell somebody about whatever was thrown. */
+export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// One value of the settings on its way from a control to the disk.
+import { computed, ref, shallowRef, watch, type ShallowRef } from 'vue';
+import type { SettingsStep } from '../api/types';
+import { newestStepAt, saveValue, schema, settings } from '../state/settings';
+import { isEqual, valueAt, type Json } from './pointer';
+import { nodeAt } from './schema';
+
+interface Draft {
+  value: Json;
+}
+
+export function useSetting(pointer: () => string) {
+  const node = computed(() => (schema.value && settings.value !== null ? nodeAt(schema.value, settings.value, pointer()) : undefined));
+  /** What the service uses. A parameter that is not in the tree has its default. */
+  const saved = computed<Json | undefined>(() => valueAt(settings.value ?? undefined, pointer()) ?? node.value?.default);
+  /** What is shown while it differs from that: not saved yet, or not allowed. */
+  const draft: ShallowRef<Draft | null> = shallowRef(null);
+  const value = computed(() => (draft.value ? draft.value.value : saved.value));
+  const isDefault = computed(() => node.value?.default === undefined || isEqual(saved.value, node.value.default));
+
+  const error = ref('');
+  const stale = shallowRef<SettingsStep | null>(null);
+
+  /** What the service used when typing began. */
+  let base: Json | undefined;
+
+  watch(pointer, () => { draft.value = null; error.value = ''; stale.value = null; base = undefined; });
+
+  async function set(next: Json): Promise<void> {
+    const sent: Draft = { value: next };
+    draft.value = sent;
+    const path = pointer();
+    const somebodyElse = base !== undefined && !isEqual(base, saved.value) && !isEqual(next, saved.value);
+    base = undefined;
+    if (somebodyElse) {
+      stale.value = await newestStepAt(path);
+      if (stale.value) return;
+    }
+    const outcome = await saveValue(path, next);
+    const isNewest = draft.value === sent && path === pointer();
+    if (!isNewest) return; // another value is on its way
+    error.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text : '';
+    stale.value = outcome.kind === 'stale' ? outcome.step : null;
+    if (outcome.kind === 'saved') draft.value = null;
+  }
+
+  return {
+    node, saved, value, isDefault, error, stale,
+    /** Typing begins: what others save from now on is not overwritten unasked. */
+    begin() { base = saved.value; },
+    set,
+    reset: () => set(node.value!.default!),
+    /** After a stale edit: what the other one saved stays, or ours is saved over it. */
+    keepTheirs() { draft.value = null; stale.value = null; },
+    useMine: () => (draft.value ? set(draft.value.value) : Promise.resolve()),
+    /** What is typed and is no value at all: the field keeps it, the service keeps its own. */
+    refuse(text: string) { error.value = text; },
+    discard() { draft.value = null; error.value = ''; stale.value = null; },
+  };
+}
