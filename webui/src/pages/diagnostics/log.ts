@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The service's log, followed, and what of it is shown.
 import type { LogLevel, LogLine, LogLines } from '../../api/types';
-import { clockMs } from './clock';
 
 /** More than the service keeps: lines of before a restart stay readable. */
 const MOST_LINES = 2000;
@@ -41,5 +40,3 @@ export const troubleAt = (lines: readonly LogLine[], time: number) =>
 /** As a bug report wants it: one line each, with date and UTC. */
 export const logAsText = (lines: readonly LogLine[]) =>
   lines.map(({ time, level, text }) => `${new Date(time * 1000).toISOString()} ${level.padEnd(7)} ${text}\n`).join('');
-
-export const lineTime = (line: LogLine) => clockMs(line.time);
