@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/log.h"
 #include "web/api.h"
 #include "web/http.h"
 #include "web/picture.h"
@@ -6,6 +7,7 @@
 
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <ctime>
 #include <functional>
 
@@ -24,6 +26,17 @@ struct BundleFile {
 
 std::string pretty(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string log_text() {
+  std::string out;
+  for (const auto& line : log::recent().newer_than(0, log::Level::kDebug).lines) {
+    const auto ms = std::llround(line.time_s * 1e3);
+    out +=
+        fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {:7} {}\n", fmt::gmtime(static_cast<std::time_t>(ms / 1000)),
+                    ms % 1000, log::name_of(line.level), line.text);
+  }
+  return out;
 }
 
 std::string full_picture(const WebHost& host, std::uint32_t camera_id) {
@@ -48,6 +61,10 @@ std::vector<BundleFile> bundle_files(const WebHost& host) {
       {"settings.json", "all settings in force, with defaults", [&] { return pretty(host.settings()); }},
       {"settings_history.json", "who changed which setting, with the clients' addresses",
        [&] { return pretty(host.settings_history()); }},
+      {"log.txt", "the newest lines of the log", log_text},
+      {"timeline.json", "the last ten minutes, second by second", [&] { return pretty(host.timeline(600)); }},
+      {"diagnostics.json", "the computer, its clock, and what takes how long",
+       [&] { return pretty(host.diagnostics()); }},
   };
   for (const std::uint32_t id : host.camera_ids()) {
     const std::string camera = fmt::format("camera_{}", id);

@@ -269,7 +269,7 @@ describe('panel: Diagnostics', () => {
     const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('support'))]);
     assert.match(download.suggestedFilename(), /^ssl-visiond-.*\.tar\.gz$/);
     const files = execFileSync('tar', ['tzf', await download.path()], { encoding: 'utf8' }).split('\n');
-    for (const file of ['README.txt', 'status.json', 'settings.json', 'settings_history.json', 'camera_1/picture.jpg'])
+    for (const file of ['README.txt', 'status.json', 'settings.json', 'settings_history.json', 'log.txt', 'timeline.json', 'camera_1/picture.jpg'])
       assert.ok(files.some((path) => path.endsWith(`/${file}`)), `${file} in ${files}`);
     await page.waitForSelector(`${byId('support')}:enabled`);
   }));
