@@ -299,6 +299,9 @@ describe('the interface as docs/openapi.json says', () => {
     assert.match(read('version.txt').toString(), /^\d+\.\d+/);
     checkJson('openapi#/components/schemas/Status', JSON.parse(read('status.json')), 'status.json');
     checkJson('openapi#/components/schemas/SettingsRevision', JSON.parse(read('settings.json')), 'settings.json');
+    checkJson('openapi#/components/schemas/Timeline', JSON.parse(read('timeline.json')), 'timeline.json');
+    checkJson('openapi#/components/schemas/Diagnostics', JSON.parse(read('diagnostics.json')), 'diagnostics.json');
+    assert.match(read('log.txt').toString(), /^\d{4}-\d\d-\d\dT[\d:]{8}\.\d{3}Z info    .*panel on port \d+$/m);
     for (const id of [0, 1]) {
       checkJson('openapi#/components/schemas/CalibrationState', JSON.parse(read(`camera_${id}/calibration.json`)), 'calibration.json');
       assert.equal(read(`camera_${id}/picture.jpg`).readUInt16BE(0), 0xffd8);
