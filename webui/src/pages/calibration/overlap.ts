@@ -1,31 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far apart two cameras have the same robot. Their pictures are not taken at the same moment, so a robot of one is
 // compared with where the other has it between two of its pictures.
-import type { CameraGeometry, Detections, Robot } from '../../api/types';
-import { CameraModel, type Point } from '../../geometry/cameraModel';
+import type { Detections, Robot } from '../../api/types';
+import type { CameraModel } from '../../geometry/cameraModel';
 
 /** Of a camera's robots, the newest two pictures are kept. */
 export type Pictures = { older: Detections | null; newer: Detections };
 
 /** Two pictures further apart than this say nothing about what was between them, s. */
 const LONGEST_GAP_S = 0.2;
-
-/** The height at which a detection was located: on its pixel's ray the place that was reported. */
-export function heightOf(model: CameraModel, robot: Robot): number | null {
-  const floor = model.unproject(robot.pixel_x, robot.pixel_y, 0);
-  if (!floor) return null;
-  const { x, y, z } = model.position;
-  const [dx, dy] = [floor.x - x, floor.y - y];
-  const length = dx * dx + dy * dy;
-  if (length < 1) return 0; // seen from straight above the height does not matter
-  return z * (1 - ((robot.x - x) * dx + (robot.y - y) * dy) / length);
-}
-
-/** Where another calibration of the same camera would have the robot. */
-export function relocated(robot: Robot, inUse: CameraModel, other: CameraModel): Point | null {
-  const height = heightOf(inUse, robot);
-  return height === null ? null : other.unproject(robot.pixel_x, robot.pixel_y, height);
-}
 
 export interface Meeting {
   camera: number;
@@ -36,18 +19,17 @@ export interface Meeting {
 }
 
 /** The robots of one picture that another camera has too, at the moment of that picture. */
-export function meetings(mine: Detections, theirs: Pictures, calibration: CameraGeometry, proposal: CameraModel | null): Meeting[] {
+export function meetings(mine: Detections, theirs: Pictures, proposal: CameraModel | null): Meeting[] {
   const { older, newer } = theirs;
   if (!older || newer.t_capture - older.t_capture > LONGEST_GAP_S) return [];
   const share = (mine.t_capture - older.t_capture) / (newer.t_capture - older.t_capture);
   if (!(share >= 0 && share <= 1)) return [];
-  const model = new CameraModel(calibration);
   return mine.robots.flatMap((robot) => {
     const same = (one: Robot) => one.team === robot.team && one.id === robot.id;
     const [from, to] = [older.robots.find(same), newer.robots.find(same)];
     if (!from || !to) return [];
     const there = { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y) };
-    const moved = proposal && relocated(robot, model, proposal);
+    const moved = proposal?.unproject(robot.pixel_x, robot.pixel_y, robot.height);
     return [{
       camera: newer.camera,
       inUse: Math.hypot(robot.x - there.x, robot.y - there.y),

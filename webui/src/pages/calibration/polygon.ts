@@ -65,12 +65,3 @@ export function aroundField(model: CameraModel, field: FieldSize): Polygon | nul
   }
   return { points };
 }
-
-/** Whether a point is looked at: the even-odd rule, as the service has it. */
-export function isLookedAt(mask: Mask, { x, y }: Point): boolean {
-  const within = ({ points }: Polygon) => points.reduce((inside, [x1, y1], i) => {
-    const [x2, y2] = points[(i + 1) % points.length]!;
-    return (y1 > y) !== (y2 > y) && x < x1 + ((y - y1) / (y2 - y1)) * (x2 - x1) ? !inside : inside;
-  }, false);
-  return (!mask.include.length || mask.include.some(within)) && !mask.exclude.some(within);
-}

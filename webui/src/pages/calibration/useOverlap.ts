@@ -40,8 +40,7 @@ export function useOverlap(camera: number, inUse: () => CameraGeometry | null, p
   watch(() => JSON.stringify([inUse(), proposal()]), () => { all = []; overlap.value = null; });
 
   const stop = watchDetections((picture) => {
-    const calibration = inUse();
-    if (!calibration) return;
+    if (!inUse()) return;
     if (picture.camera === camera) {
       own = [...own.slice(1 - OWN_PICTURES), picture];
       return;
@@ -50,7 +49,7 @@ export function useOverlap(camera: number, inUse: () => CameraGeometry | null, p
     others.set(picture.camera, pictures);
     const found = proposal();
     const model = found && new CameraModel(found);
-    const met = own.flatMap((mine) => (pictures.older && mine.t_capture > pictures.older.t_capture ? meetings(mine, pictures, calibration, model) : []));
+    const met = own.flatMap((mine) => (pictures.older && mine.t_capture > pictures.older.t_capture ? meetings(mine, pictures, model) : []));
     if (!met.length) return;
     all = [...all, ...met].slice(-MOST_MEETINGS);
     overlap.value = summary();
