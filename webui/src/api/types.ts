@@ -40,6 +40,15 @@ export type Stale = Schemas['Stale'];
 export type Control = Schemas['Control'];
 export type FieldPreset = Schemas['FieldPreset'];
 
+export type CameraGeometry = Schemas['Calibration'];
+export type CalibrationRequest = Schemas['CalibrationRequest'];
+export type CalibrationReport = Schemas['CalibrationReport'];
+export type CalibrationRecord = Schemas['CalibrationRecord'];
+export type CalibrationState = Schemas['CalibrationState'];
+export type FieldPoint = CalibrationState['points'][number];
+export type JointCalibrationReport = Schemas['JointCalibrationReport'];
+export type JointCalibrationState = Schemas['JointCalibrationState'];
+
 export type Topic = 'status' | 'detections';
 
 export type ClientMessage =
