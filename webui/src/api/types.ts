@@ -30,7 +30,6 @@ export type PictureKind = Schemas['PictureKind'];
 export type PreviewHeader = Schemas['PreviewHeader'];
 export type PreviewRegions = Schemas['PreviewRegions'];
 export type PreviewRequest = Required<Omit<Schemas['PreviewRequest'], 'regions'>> & Pick<Schemas['PreviewRequest'], 'regions'>;
-export type SettingsChange = Schemas['SettingsChange'];
 export type ProfileEntry = Schemas['ProfileEntry'];
 export type Profile = Schemas['Profile'];
 
