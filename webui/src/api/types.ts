@@ -19,7 +19,11 @@ export type Ball = Schemas['Ball'];
 export type Detections = Schemas['Detections'];
 export type PictureKind = Schemas['PictureKind'];
 export type PreviewHeader = Schemas['PreviewHeader'];
-export type PreviewRequest = Required<Schemas['PreviewRequest']>;
+export type PreviewRegions = Schemas['PreviewRegions'];
+export type PreviewRequest = Required<Omit<Schemas['PreviewRequest'], 'regions'>> & Pick<Schemas['PreviewRequest'], 'regions'>;
+export type SettingsChange = Schemas['SettingsChange'];
+export type ProfileEntry = Schemas['ProfileEntry'];
+export type Profile = Schemas['Profile'];
 
 export type SettingsRevision = Schemas['SettingsRevision'];
 export type SettingsStep = Schemas['SettingsStep'];
