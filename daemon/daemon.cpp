@@ -62,6 +62,7 @@ double steady_s() {
 Daemon::Daemon(const Options& options)
     : started_s_(unix_time_s()),
       store_(options.settings_file, options.state_folder, complete_settings),
+      profiles_(options.state_folder / "profiles.json"),
       config_(read_config(store_.current().settings)),
       multicast_(config_.load()->network.vision, "/network/vision"),
       geometry_(make_geometry(*config_.load())),
@@ -88,20 +89,28 @@ int Daemon::panel_port() const {
   return web_->port();
 }
 
-std::function<void()> Daemon::prepare(const Json& settings) {
-  auto config = std::make_shared<const Config>(read_config(settings));
-  const auto old_cameras = cameras_.load();
-  auto setups = std::make_shared<std::vector<CameraSetup>>();
-  auto controls = std::make_shared<std::vector<ControlChange>>();  // set back unless all this gets into force
+Daemon::MadeReady Daemon::make_ready(const Json& settings) const {
+  MadeReady ready{std::make_shared<const Config>(read_config(settings)), cameras_.load(), {}};
+  const auto& config = ready.config;
+  const auto& old_cameras = ready.old_cameras;
   for (std::size_t i = 0; i < config->cameras.size(); ++i) {
     const auto running = old_cameras->find(config->cameras[i].id);
     if (running == old_cameras->end()) {
-      setups->push_back(make_setup(*config, i, nullptr, nullptr));
+      ready.setups.push_back(make_setup(*config, i, nullptr, nullptr));
     } else {
-      setups->push_back(make_setup(*config, i, running->second->settings().get(),
-                                   running->second->pipeline().setup().get()));
+      ready.setups.push_back(make_setup(*config, i, running->second->settings().get(),
+                                        running->second->pipeline().setup().get()));
     }
   }
+  return ready;
+}
+
+std::function<void()> Daemon::prepare(const Json& settings) {
+  MadeReady ready = make_ready(settings);
+  const auto config = ready.config;
+  const auto old_cameras = ready.old_cameras;
+  auto setups = std::make_shared<std::vector<CameraSetup>>(std::move(ready.setups));
+  auto controls = std::make_shared<std::vector<ControlChange>>();  // set back unless all this gets into force
   // Last, when all the rest is known to be allowed.
   for (std::size_t i = 0; i < config->cameras.size(); ++i) {
     const auto running = old_cameras->find(config->cameras[i].id);
@@ -245,8 +254,10 @@ std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t new
             frame.info.number,
             frame.info.times.t_capture_s,
             detections_json(frame.robots, frame.balls),
+            {},
             {}};
   if (frame.runs.width > 0) {
+    view.regions = [hold] { return regions_json(hold->frame->regions); };
     view.draw_labels = [hold](std::vector<std::uint8_t>& buffer) {
       return draw_label_picture(hold->frame->runs, buffer);
     };
@@ -282,6 +293,9 @@ WebHost Daemon::make_web_host() {
     log::info("settings revision {} saved, changed by {}: {}", version.revision, who, patch.dump());
     return saved(version);
   };
+  host.check_settings = [this](const Json& patch) {
+    return store_.check(patch, [this](const Json& next) { make_ready(next); });
+  };
   host.settings_history = [this] { return store_.history(); };
   host.undo_settings = [this, saved](std::uint64_t revision, const std::string& who) {
     const auto version = store_.undo(revision, {who}, [this](const Json& next) { return prepare(next); });
@@ -305,6 +319,7 @@ WebHost Daemon::make_web_host() {
     const auto running = camera(id);
     return running ? lut_file_bytes(*running->pipeline().setup()->world.lut) : std::vector<std::uint8_t>{};
   };
+  add_profiles_to(host);
   add_calibration_to(host);
   return host;
 }

@@ -10,6 +10,7 @@
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
 #include "running_camera.h"
+#include "settings/profiles.h"
 #include "settings/store.h"
 #include "status.h"
 #include "web/server.h"
@@ -45,6 +46,14 @@ class Daemon {
   using Cameras = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
 
   WebHost make_web_host();
+  /// What new settings need, made without any effect on what runs.
+  struct MadeReady {
+    std::shared_ptr<const Config> config;
+    std::shared_ptr<const Cameras> old_cameras;
+    std::vector<CameraSetup> setups;  // in the order of the config's cameras
+  };
+  /// Throws SettingsError.
+  MadeReady make_ready(const Json& settings) const;
   /// Makes everything new settings need; the result puts it into force. Throws SettingsError.
   std::function<void()> prepare(const Json& settings);
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
@@ -70,6 +79,13 @@ class Daemon {
   Json controls(std::uint32_t camera_id) const;
   Json set_control(std::uint32_t camera_id, const std::string& name, const Json& value,
                    const std::string& who) const;
+
+  // daemon_profiles.cpp
+  void add_profiles_to(WebHost& host);
+  Profile profile(const std::string& name) const;
+  Json profile_json(const std::string& name) const;
+  Json apply_profile(const std::string& name, const std::optional<std::vector<std::string>>& paths,
+                     std::optional<std::uint64_t> if_revision, const std::string& who);
 
   // daemon_calibration.cpp
   void add_calibration_to(WebHost& host);
@@ -107,6 +123,7 @@ class Daemon {
 
   const double started_s_;
   SettingsStore store_;
+  Profiles profiles_;
   Snapshot<Config> config_;
   MulticastSender multicast_;
   Snapshot<Geometry> geometry_;

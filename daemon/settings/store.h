@@ -73,6 +73,9 @@ class SettingsStore {
   /// not allowed, StorageError when it cannot be saved; in each case nothing has changed.
   Version patch(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
 
+  /// What patch() would change. `try_out` throws SettingsError when the result would be refused.
+  Json check(const Json& patch, const std::function<void(const Json&)>& try_out) const;
+
   /// Takes one step of the history back, whatever came after it, and leaves what came after as it is. Throws
   /// SettingsError when there is no such step, StaleRevision when what it changed was changed again, and what
   /// patch() throws.
