@@ -21,7 +21,6 @@ export type PictureKind = Schemas['PictureKind'];
 export type PreviewHeader = Schemas['PreviewHeader'];
 export type PreviewRegions = Schemas['PreviewRegions'];
 export type PreviewRequest = Required<Omit<Schemas['PreviewRequest'], 'regions'>> & Pick<Schemas['PreviewRequest'], 'regions'>;
-export type SettingsChange = Schemas['SettingsChange'];
 export type ProfileEntry = Schemas['ProfileEntry'];
 export type Profile = Schemas['Profile'];
 
@@ -31,6 +30,7 @@ export type SettingsChange = Schemas['SettingsChange'];
 export type Stale = Schemas['Stale'];
 export type Control = Schemas['Control'];
 export type FieldPreset = Schemas['FieldPreset'];
+export type FoundSource = Schemas['Source'];
 
 export type Topic = 'status' | 'detections';
 
