@@ -38,6 +38,7 @@ export type SettingsStep = Schemas['SettingsStep'];
 export type Stale = Schemas['Stale'];
 export type Control = Schemas['Control'];
 export type FieldPreset = Schemas['FieldPreset'];
+export type FoundSource = Schemas['Source'];
 
 export type CameraGeometry = Schemas['Calibration'];
 export type CalibrationRequest = Schemas['CalibrationRequest'];
