@@ -65,60 +65,67 @@ async function drawn(page) {
   await page.waitForFunction((selector) => !document.querySelector(selector)?.textContent.includes('–'), byId('value-fps-1'));
 }
 
-/** Everything in the page that measures a graph's pixels. Heights and widths are shares of the graph's plane. */
-function measureGraph(name) {
-  const graph = document.querySelector(`[data-testid="graph-${name}"]`);
-  const canvas = graph.querySelector('canvas');
-  const [whole, plane] = [canvas, graph.querySelector('.u-over')].map((element) => element.getBoundingClientRect());
-  const scale = canvas.width / whole.width;
-  const left = Math.round((plane.left - whole.left) * scale);
-  const top = Math.round((plane.top - whole.top) * scale);
-  const width = Math.round(plane.width * scale);
-  const height = Math.round(plane.height * scale);
-  const { data } = canvas.getContext('2d').getImageData(left, top, width, height);
-  return { width, height, data: [...data] };
-}
-const pixel = ({ data, width }, x, y) => data.slice((y * width + x) * 4, (y * width + x) * 4 + 4);
-
 /** In dark: the colours of the cameras' curves. */
 const CURVES = [[0x8a, 0xb4, 0xff], [0xf2, 0x9b, 0xd4]];
-const isCurve = ([r, g, b, a]) => a > 200 && CURVES.some((colour) => Math.hypot(r - colour[0], g - colour[1], b - colour[2]) < 40);
 
-/** Heights over the zero line of the curves in a column, as shares of the plane. */
-function curveHeights(graph, x) {
-  const heights = [];
-  for (let y = 0; y < graph.height; y++) if (isCurve(pixel(graph, x, y))) heights.push((graph.height - y - 0.5) / graph.height);
-  return heights;
+/**
+ * Measures a graph's pixels and its cursor; runs in the browser, in one task, so that they belong together.
+ * `columns` are those of the last seconds before the cursor, with the rows of the curves over the zero line.
+ */
+function measureGraph([name, curves]) {
+  const graph = document.querySelector(`[data-testid="graph-${name}"]`);
+  const canvas = graph.querySelector('canvas');
+  const [whole, plane, cursor] = [canvas, graph.querySelector('.u-over'), graph.querySelector('.u-cursor-x')].map((element) => element.getBoundingClientRect());
+  const scale = canvas.width / whole.width;
+  const [left, top, width, height] = [plane.left - whole.left, plane.top - whole.top, plane.width, plane.height].map((length) => Math.round(length * scale));
+  const column = (x) => canvas.getContext('2d').getImageData(left + x, top, 1, height).data;
+  const isCurve = (r, g, b, a) => a > 200 && curves.some((colour) => Math.hypot(r - colour[0], g - colour[1], b - colour[2]) < 40);
+  const perSecond = width / 60; // the minute fills the plane
+  const cursorX = ((cursor.right - plane.left) / plane.width) * width;
+  const columns = [];
+  for (let x = Math.ceil(cursorX - 6 * perSecond); x < cursorX; x++) {
+    const data = column(x);
+    const rows = [];
+    for (let y = 0; y < height; y++) if (isCurve(...data.subarray(4 * y, 4 * y + 4))) rows.push(height - y - 0.5);
+    columns.push({ before_s: (cursorX - x - 0.5) / perSecond, rows });
+  }
+  const time = Date.parse(document.querySelector('[data-testid="tip"] time').dateTime) / 1000;
+  return { columns, time, scale, corner: [...column(width - 6).subarray(8, 12)] };
 }
 
-/** Each of the robots' and balls' counts of some second stands at its height: heights are as the counts are. */
+/** Around a step the lines' own width is in the way: on a phone a second has ten pixels. */
+const MARGIN_S = 0.38;
+
+/** The robots' and balls' counts of some seconds stand at their heights: heights are as the counts are. */
 async function assertSeenDrawnToScale(page) {
   await page.click('button:has-text("1 min")');
   await page.focus(byId('graphs'));
   await page.keyboard.press('End');
   await page.keyboard.press('ArrowLeft');
   await page.waitForSelector(byId('tip'));
-  const state = await page.evaluate(([name, measure, tip]) => {
-    const cursor = document.querySelector(`[data-testid="graph-${name}"] .u-cursor-x`).getBoundingClientRect();
-    const plane = document.querySelector(`[data-testid="graph-${name}"] .u-over`).getBoundingClientRect();
-    return {
-      graph: new Function(`return (${measure})(${JSON.stringify(name)})`)(), share: (cursor.right - plane.left) / plane.width,
-      time: Date.parse(document.querySelector(`${tip} time`).dateTime) / 1000,
-    };
-  }, ['seen', measureGraph.toString(), byId('tip')]);
+  const { columns, time, scale } = await page.evaluate(measureGraph, ['seen', CURVES]);
   const timeline = await ask('timeline?seconds=600');
-  const at = timeline.time_s.findIndex((one) => Math.abs(one - state.time) < 0.002);
-  const counts = [...new Set(ids.flatMap((id) => [camera(timeline, id).robots[at], camera(timeline, id).balls[at]]))];
-  // Half a second before the sample the second it stands for is flat.
-  const x = Math.round((state.share - 0.5 / 60) * state.graph.width);
-  const heights = [-1, 0, 1].flatMap((beside) => curveHeights(state.graph, x + beside));
-  assert.ok(heights.length > 0, 'nothing is drawn');
-  const perCount = Math.max(...heights) / Math.max(...counts);
-  const tolerance = 3 / state.graph.height;
-  const places = (count) => heights.some((height) => Math.abs(height - count * perCount) < tolerance);
-  // Zero lies on the plane's edge, and only half of its line is inside.
-  assert.deepEqual(counts.filter((count) => count > 0 && !places(count)), [], `counts ${counts}, drawn at ${heights}`);
-  assert.ok(heights.every((height) => counts.some((count) => Math.abs(height - count * perCount) < tolerance * 1.5)), `only ${counts} were seen, drawn at ${heights}`);
+  const at = timeline.time_s.findIndex((one) => Math.abs(one - time) < 0.002);
+  const curves = ids.flatMap((id) => [camera(timeline, id).robots, camera(timeline, id).balls]);
+  // A sample stands for the time since the one before; at its ends steps go up and down.
+  const seconds = [at - 3, at - 2, at - 1, at].map((i) => ({
+    counts: curves.map((curve) => curve[i]),
+    columns: columns.filter(({ before_s }) => time - before_s > timeline.time_s[i - 1] + MARGIN_S && time - before_s < timeline.time_s[i] - MARGIN_S),
+  }));
+  const rows = seconds.flatMap((second) => second.columns.flatMap((column) => column.rows));
+  assert.ok(rows.length > 0, 'nothing is drawn');
+  const highest = rows.filter((row) => row > Math.max(...rows) - 3 * scale);
+  const perCount = highest.reduce((sum, row) => sum + row, 0) / highest.length / Math.max(...seconds.flatMap(({ counts }) => counts));
+  assert.ok(perCount > 3 * scale, `${perCount} px for one`);
+  const isAt = (row, count) => Math.abs(row - count * perCount) < 2.5 * scale;
+  const told = JSON.stringify({ perCount, seconds });
+  for (const second of seconds) {
+    const strays = second.columns.flatMap((column) => column.rows).filter((row) => !second.counts.some((count) => isAt(row, count)));
+    assert.deepEqual(strays, [], told);
+  }
+  // Balls are dashed, and the zero line lies on the plane's edge.
+  for (const [i, count] of seconds[0].counts.entries())
+    if (count > 0 && seconds.every(({ counts }) => counts[i] === count)) assert.ok(rows.some((row) => isAt(row, count)), `${count}: ${told}`);
 }
 
 const shownLines = (page) => page.$$eval(byId('log-line'), (lines) => lines.map((line) => ({ level: line.dataset.level, text: line.lastElementChild.textContent })));
@@ -245,9 +252,8 @@ describe('panel: Diagnostics', () => {
       await page.keyboard.press('ArrowLeft');
       await page.waitForSelector(`${byId('tip')}:has-text("Camera 1 did not run")`);
       await compareAtCursor(page);
-      const graph = await page.evaluate(measureGraph, 'latency');
       // Above all curves, at the right edge, there is nothing but the shade in camera 1's colour.
-      const [r, g, b, a] = pixel(graph, graph.width - 6, 2);
+      const { corner: [r, g, b, a] } = await page.evaluate(measureGraph, ['latency', CURVES]);
       assert.ok(a > 20 && a < 100 && r > b && b > g, `no shade: rgba(${[r, g, b, a]})`);
 
       await page.click(byId('level-warning'));
