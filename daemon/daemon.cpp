@@ -7,7 +7,6 @@
 #include "cameras.h"
 #include "detections_json.h"
 #include "routes.h"
-#include "status.h"
 #include "teams.h"
 #include "vision/label_picture.h"
 #include "web/http.h"
@@ -53,15 +52,12 @@ std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListen
   return {teams[0].robot_height_mm, teams[1].robot_height_mm};
 }
 
-double steady_s() {
-  return static_cast<double>(steady_ns()) * 1e-9;
-}
-
 }  // namespace
 
 Daemon::Daemon(const Options& options)
     : started_s_(unix_time_s()),
       store_(options.settings_file, options.state_folder, complete_settings),
+      profiles_(options.state_folder / "profiles.json"),
       config_(read_config(store_.current().settings)),
       multicast_(config_.load()->network.vision, "/network/vision"),
       geometry_(make_geometry(*config_.load())),
@@ -71,7 +67,9 @@ Daemon::Daemon(const Options& options)
       other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }),
       calibration_history_(options.state_folder / "calibrations.json"),
       calibration_jobs_(make_calibration_jobs(frame_waiter())),
-      joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())) {
+      joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())),
+      monitor_(
+          options.state_folder, [this] { return cameras_now(); }, [this] { look_after(); }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -88,20 +86,28 @@ int Daemon::panel_port() const {
   return web_->port();
 }
 
-std::function<void()> Daemon::prepare(const Json& settings) {
-  auto config = std::make_shared<const Config>(read_config(settings));
-  const auto old_cameras = cameras_.load();
-  auto setups = std::make_shared<std::vector<CameraSetup>>();
-  auto controls = std::make_shared<std::vector<ControlChange>>();  // set back unless all this gets into force
+Daemon::MadeReady Daemon::make_ready(const Json& settings) const {
+  MadeReady ready{std::make_shared<const Config>(read_config(settings)), cameras_.load(), {}};
+  const auto& config = ready.config;
+  const auto& old_cameras = ready.old_cameras;
   for (std::size_t i = 0; i < config->cameras.size(); ++i) {
     const auto running = old_cameras->find(config->cameras[i].id);
     if (running == old_cameras->end()) {
-      setups->push_back(make_setup(*config, i, nullptr, nullptr));
+      ready.setups.push_back(make_setup(*config, i, nullptr, nullptr));
     } else {
-      setups->push_back(make_setup(*config, i, running->second->settings().get(),
-                                   running->second->pipeline().setup().get()));
+      ready.setups.push_back(make_setup(*config, i, running->second->settings().get(),
+                                        running->second->pipeline().setup().get()));
     }
   }
+  return ready;
+}
+
+std::function<void()> Daemon::prepare(const Json& settings) {
+  MadeReady ready = make_ready(settings);
+  const auto config = ready.config;
+  const auto old_cameras = ready.old_cameras;
+  auto setups = std::make_shared<std::vector<CameraSetup>>(std::move(ready.setups));
+  auto controls = std::make_shared<std::vector<ControlChange>>();  // set back unless all this gets into force
   // Last, when all the rest is known to be allowed.
   for (std::size_t i = 0; i < config->cameras.size(); ++i) {
     const auto running = old_cameras->find(config->cameras[i].id);
@@ -160,36 +166,6 @@ std::shared_ptr<RunningCamera> Daemon::camera(std::uint32_t id) const {
   return found == cameras->end() ? nullptr : found->second;
 }
 
-Json Daemon::status() const {
-  const auto config = config_.load();
-  return status_json(status_input(*config));
-}
-
-std::string Daemon::summary() const {
-  const auto config = config_.load();
-  return status_line(status_input(*config));
-}
-
-StatusInput Daemon::status_input(const Config& config) const {
-  const WebServer* web = listening_;
-  StatusInput input{.time_s = unix_time_s(),
-                    .started_s = started_s_,
-                    .config = config,
-                    .network = multicast_.status(),
-                    .geometry = geometry_.load(),
-                    .other_visions = other_visions_.seen(steady_s()),
-                    .refused_packets = other_visions_.refused(),
-                    .listening_error = other_visions_.error(),
-                    .referee = referee_.status(steady_s()),
-                    .settings_revision = store_.revision(),
-                    .viewers = web ? web->stats().viewers : 0,
-                    .settings_problem = store_.problem(),
-                    .cameras = {}};
-  const auto cameras = cameras_.load();
-  for (const auto& [id, camera] : *cameras) input.cameras.push_back({camera, camera->health()});
-  return input;
-}
-
 std::optional<Daemon::NewestFrame> Daemon::hold_frame(std::uint32_t camera_id, std::uint64_t newer_than,
                                                       std::chrono::milliseconds timeout) {
   auto running = camera(camera_id);
@@ -245,8 +221,10 @@ std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t new
             frame.info.number,
             frame.info.times.t_capture_s,
             detections_json(frame.robots, frame.balls),
+            {},
             {}};
   if (frame.runs.width > 0) {
+    view.regions = [hold] { return regions_json(hold->frame->regions); };
     view.draw_labels = [hold](std::vector<std::uint8_t>& buffer) {
       return draw_label_picture(hold->frame->runs, buffer);
     };
@@ -259,7 +237,6 @@ WebHost Daemon::make_web_host() {
     return Json{{"revision", version.revision}, {"settings", version.settings}};
   };
   WebHost host;
-  host.status = [this] { return status(); };
   host.settings = [this, answer] { return answer(store_.current()); };
   host.schema = [] { return settings_schema(); };
   host.field_presets = [] {
@@ -281,6 +258,9 @@ WebHost Daemon::make_web_host() {
         store_.patch(patch, {who, if_revision}, [this](const Json& next) { return prepare(next); });
     log::info("settings revision {} saved, changed by {}: {}", version.revision, who, patch.dump());
     return saved(version);
+  };
+  host.check_settings = [this](const Json& patch) {
+    return store_.check(patch, [this](const Json& next) { make_ready(next); });
   };
   host.settings_history = [this] { return store_.history(); };
   host.undo_settings = [this, saved](std::uint64_t revision, const std::string& who) {
@@ -305,6 +285,8 @@ WebHost Daemon::make_web_host() {
     const auto running = camera(id);
     return running ? lut_file_bytes(*running->pipeline().setup()->world.lut) : std::vector<std::uint8_t>{};
   };
+  add_profiles_to(host);
+  add_health_to(host);
   add_calibration_to(host);
   return host;
 }

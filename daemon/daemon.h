@@ -6,10 +6,12 @@
 #include "calibration_jobs.h"
 #include "config.h"
 #include "joint_calibration_jobs.h"
+#include "monitor.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
 #include "running_camera.h"
+#include "settings/profiles.h"
 #include "settings/store.h"
 #include "status.h"
 #include "web/server.h"
@@ -21,6 +23,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,12 +48,18 @@ class Daemon {
   using Cameras = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
 
   WebHost make_web_host();
+  /// What new settings need, made without any effect on what runs.
+  struct MadeReady {
+    std::shared_ptr<const Config> config;
+    std::shared_ptr<const Cameras> old_cameras;
+    std::vector<CameraSetup> setups;  // in the order of the config's cameras
+  };
+  /// Throws SettingsError.
+  MadeReady make_ready(const Json& settings) const;
   /// Makes everything new settings need; the result puts it into force. Throws SettingsError.
   std::function<void()> prepare(const Json& settings);
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
   void put_robot_heights_into_force();
-  Json status() const;
-  StatusInput status_input(const Config& config) const;
   /// A camera's finished frame on loan. The camera is held too, because the frame lies in its ring.
   struct HeldFrame {
     std::shared_ptr<RunningCamera> camera;
@@ -70,6 +79,24 @@ class Daemon {
   Json controls(std::uint32_t camera_id) const;
   Json set_control(std::uint32_t camera_id, const std::string& name, const Json& value,
                    const std::string& who) const;
+
+  // daemon_profiles.cpp
+  void add_profiles_to(WebHost& host);
+  Profile profile(const std::string& name) const;
+  Json profile_json(const std::string& name) const;
+  Json apply_profile(const std::string& name, const std::optional<std::vector<std::string>>& paths,
+                     std::optional<std::uint64_t> if_revision, const std::string& who);
+
+  // daemon_health.cpp
+  void add_health_to(WebHost& host);
+  std::vector<std::shared_ptr<RunningCamera>> cameras_now() const;
+  HealthInput health_input(const Config& config,
+                           const std::vector<std::shared_ptr<RunningCamera>>& cameras) const;
+  Json status();
+  Json diagnostics() const;
+  /// After each of the monitor's looks, in its thread.
+  void look_after();
+  void find_stale_calibrations();
 
   // daemon_calibration.cpp
   void add_calibration_to(WebHost& host);
@@ -107,6 +134,7 @@ class Daemon {
 
   const double started_s_;
   SettingsStore store_;
+  Profiles profiles_;
   Snapshot<Config> config_;
   MulticastSender multicast_;
   Snapshot<Geometry> geometry_;
@@ -119,6 +147,10 @@ class Daemon {
   CalibrationHistory calibration_history_;
   CalibrationJobs calibration_jobs_;
   JointCalibrationJobs joint_calibration_jobs_;
+  AlertTimes alert_times_;
+  Snapshot<std::set<int>> stale_calibrations_{{}};        // ids of the cameras whose field was changed since
+  std::shared_ptr<const Config> calibrations_looked_at_;  // of the monitor's thread: with these settings
+  Monitor monitor_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

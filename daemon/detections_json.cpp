@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "detections_json.h"
 
+#include "vision/label.h"
+
+#include <algorithm>
+#include <vector>
+
 namespace sslv {
 
 Json detections_json(const RobotList& robots, const BallList& balls) {
@@ -25,6 +30,22 @@ Json detections_json(const RobotList& robots, const BallList& balls) {
                             {"pixel_y", ball.pixel_y}});
   }
   return out;
+}
+
+Json regions_json(const RegionList& list) {
+  constexpr std::size_t kMost = 500;
+  std::vector<const Region*> largest;
+  for (const Region& region : list.regions) largest.push_back(&region);
+  const std::size_t shown = std::min(kMost, largest.size());
+  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(shown), largest.end(),
+                    [](const Region* a, const Region* b) { return a->area_px > b->area_px; });
+  Json boxes = Json::array();
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Region& region = *largest[i];
+    boxes.push_back({region.label, region.left, region.top, region.right - region.left + 1,
+                     region.bottom - region.top + 1, region.area_px});
+  }
+  return {{"labels", label::kNames}, {"boxes", std::move(boxes)}, {"total", list.regions.size()}};
 }
 
 }  // namespace sslv

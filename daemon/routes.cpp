@@ -8,8 +8,14 @@ namespace sslv {
 std::span<const Route> routes() {
   static constexpr Route kRoutes[] = {
       {"GET", "/api/status", get_status},
+      {"GET", "/api/alerts", get_alerts},
+      {"GET", "/api/checks", get_checks},
+      {"GET", "/api/timeline", get_timeline},
+      {"GET", "/api/diagnostics", get_diagnostics},
+      {"GET", "/api/log", get_log},
       {"GET", "/api/cameras", get_cameras},
       {"GET", R"(/api/cameras/(\d+)/snapshot\.jpg)", get_snapshot},
+      {"GET", kStreamPattern, get_stream},  // its pictures are web/picture_stream.cpp's
       {"GET", R"(/api/cameras/(\d+)/lut)", get_lut},
       {"GET", R"(/api/cameras/(\d+)/controls)", get_controls},
       {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", set_control},
@@ -27,8 +33,15 @@ std::span<const Route> routes() {
       {"GET", "/api/sources", get_sources},
       {"GET", "/api/settings", get_settings},
       {"PATCH", "/api/settings", patch_settings},
+      {"POST", "/api/settings/check", check_settings},
       {"GET", "/api/settings/history", get_settings_history},
       {"POST", "/api/settings/undo", undo_settings},
+      {"GET", "/api/profiles", get_profiles},
+      {"POST", R"(/api/profiles/(.+)/apply)", apply_profile},
+      {"GET", R"(/api/profiles/(.+))", get_profile},
+      {"PUT", R"(/api/profiles/(.+))", save_profile},
+      {"DELETE", R"(/api/profiles/(.+))", delete_profile},
+      {"GET", "/api/support", get_support},
       {"GET", "/api/schema", get_schema},
       {"GET", "/api/field/presets", get_field_presets},
       {"GET", "/api/ws", get_websocket},  // the upgraded connection is web/websocket.cpp's

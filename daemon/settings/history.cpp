@@ -44,6 +44,16 @@ Json changes_between(const Json& before, const Json& after) {
   return changes;
 }
 
+Json changes_below(const Json& changes, const std::vector<std::string>& paths) {
+  Json out = Json::array();
+  for (const Json& change : changes) {
+    const std::string at = change.at("path").get<std::string>() + "/";
+    if (std::any_of(paths.begin(), paths.end(), [&](const auto& path) { return at.starts_with(path + "/"); }))
+      out.push_back(change);
+  }
+  return out;
+}
+
 Json forward_patch(const Json& changes) {
   Json out = Json::array();
   for (const Json& change : changes) {

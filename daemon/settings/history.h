@@ -19,6 +19,9 @@ using SettingsStep = Json;
 /// What makes one tree out of another, one value after the other.
 Json changes_between(const Json& before, const Json& after);
 
+/// Those at or below one of these JSON Pointers.
+Json changes_below(const Json& changes, const std::vector<std::string>& paths);
+
 /// The JSON Patches that make such changes, and that take them back.
 Json forward_patch(const Json& changes);
 Json backward_patch(const Json& changes);

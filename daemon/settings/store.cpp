@@ -35,6 +35,14 @@ class FileDescriptor {
   throw StorageError(fmt::format("cannot {} {}: {}", what, file.string(), std::strerror(errno)));
 }
 
+Json patched(const Json& settings, const Json& patch) {
+  try {
+    return settings.patch(patch);
+  } catch (const Json::exception& error) {
+    throw SettingsError(fmt::format("not a JSON Patch that fits the settings: {}", error.what()));
+  }
+}
+
 }  // namespace
 
 Json read_json_file(const std::filesystem::path& file) {
@@ -143,6 +151,13 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdi
   return apply(patch, edit, prepare);
 }
 
+Json SettingsStore::check(const Json& patch, const std::function<void(const Json&)>& try_out) const {
+  const Json before = current().settings;
+  const Json after = check_(patched(before, patch));
+  try_out(after);
+  return changes_between(before, after);
+}
+
 SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const SettingsEdit& edit,
                                            const Prepare& prepare) {
   const std::lock_guard lock(mutex_);
@@ -174,13 +189,7 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
-  Json changed;
-  try {
-    changed = version_.settings.patch(patch);
-  } catch (const Json::exception& error) {
-    throw SettingsError(fmt::format("not a JSON Patch that fits the settings: {}", error.what()));
-  }
-  Version next{version_.revision + 1, check_(changed)};
+  Version next{version_.revision + 1, check_(patched(version_.settings, patch))};
   const auto put_into_force = prepare(next.settings);
 
   SettingsHistory history = history_;
@@ -198,7 +207,13 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
     std::filesystem::copy_file(changes_file(), previous_file(),
                                std::filesystem::copy_options::overwrite_existing, error);
   }
-  write_file_durably(changes_file(), saved.dump(2) + "\n");
+  try {
+    write_file_durably(changes_file(), saved.dump(2) + "\n");
+  } catch (const StorageError& problem) {
+    save_problem_.store(problem.what());
+    throw;
+  }
+  save_problem_.store("");
   put_into_force();
   version_ = next;
   revision_ = next.revision;

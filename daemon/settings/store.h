@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/snapshot.h"
 #include "settings/history.h"
 
 #include <atomic>
@@ -73,6 +74,9 @@ class SettingsStore {
   /// not allowed, StorageError when it cannot be saved; in each case nothing has changed.
   Version patch(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
 
+  /// What patch() would change. `try_out` throws SettingsError when the result would be refused.
+  Json check(const Json& patch, const std::function<void(const Json&)>& try_out) const;
+
   /// Takes one step of the history back, whatever came after it, and leaves what came after as it is. Throws
   /// SettingsError when there is no such step, StaleRevision when what it changed was changed again, and what
   /// patch() throws.
@@ -83,6 +87,8 @@ class SettingsStore {
 
   /// What went wrong with the saved changes at start; empty when nothing did.
   const std::string& problem() const { return problem_; }
+  /// Why the last change could not be saved; empty when it was. Does not wait for a change under way.
+  std::string save_problem() const { return *save_problem_.load(); }
 
  private:
   std::optional<Version> load_changes(const std::filesystem::path& file);
@@ -94,6 +100,7 @@ class SettingsStore {
   const Check check_;
   Json admin_settings_;  // complete
   std::string problem_;
+  Snapshot<std::string> save_problem_{""};
 
   std::atomic<std::uint64_t> revision_{0};  // version_'s
   mutable std::mutex mutex_;                // guards what follows; held during a whole patch

@@ -6,6 +6,7 @@
 #include "web/host.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace httplib {
 struct Request;
@@ -14,14 +15,26 @@ struct Response;
 
 namespace sslv {
 
+struct StreamWish;
+
 // api_status.cpp
 void get_status(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_cameras(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_alerts(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_checks(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_timeline(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_diagnostics(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_log(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_cameras.cpp: the path holds the camera's id
 /// The camera named in the path. Throws HttpError 404.
 std::uint32_t path_camera(const WebHost& host, const httplib::Request& request);
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+/// The head alone: the pictures are web/picture_stream.cpp's.
+void get_stream(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+inline constexpr const char* kStreamPattern = R"(/api/cameras/(\d+)/stream\.mjpg)";
+/// What such a request asks for, whether or not there is such a camera. Throws HttpError 400.
+StreamWish stream_wish(const httplib::Request& request);
 void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_controls.cpp: the path holds the camera's id
@@ -49,12 +62,25 @@ void reject_joint_calibration(const WebHost& host, const httplib::Request& reque
                               httplib::Response& response);
 
 // api_settings.cpp
+/// The revision that the request names in If-Match. Throws HttpError 400.
+std::optional<std::uint64_t> if_match(const httplib::Request& request);
 void get_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void check_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_settings_history(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void undo_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_schema(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_field_presets(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+
+// api_profiles.cpp: the path holds the profile's name
+void get_profiles(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_profile(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void save_profile(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void apply_profile(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void delete_profile(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+
+// api_support.cpp
+void get_support(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_websocket.cpp: a plain request where a WebSocket is expected
 void get_websocket(const WebHost& host, const httplib::Request& request, httplib::Response& response);

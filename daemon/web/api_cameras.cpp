@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/api.h"
+#include "web/camera_feed.h"
 #include "web/http.h"
 #include "web/picture.h"
+#include "web/picture_stream.h"
 
 #include <algorithm>
 #include <limits>
@@ -11,10 +13,7 @@
 namespace sslv {
 namespace {
 
-int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
-  if (!request.has_param(name)) return fallback;
-  return read_whole_number(name, request.get_param_value(name), min, max);
-}
+constexpr int kMaxWidth = 16384;
 
 PictureKind query_picture(const httplib::Request& request) {
   const std::string name = request.has_param("picture") ? request.get_param_value("picture") : "camera";
@@ -25,19 +24,23 @@ PictureKind query_picture(const httplib::Request& request) {
       400, "picture: \"" + name.substr(0, 40) + "\" is not allowed; expected \"camera\" or \"labels\"");
 }
 
-}  // namespace
-
-std::uint32_t path_camera(const WebHost& host, const httplib::Request& request) {
+std::uint32_t path_camera_id(const httplib::Request& request) {
   const int id = read_whole_number("camera", request.matches[1].str(), 0, std::numeric_limits<int>::max());
-  const std::vector<std::uint32_t> known = host.camera_ids();
-  if (std::find(known.begin(), known.end(), static_cast<std::uint32_t>(id)) == known.end()) {
-    throw HttpError(404, "no camera " + std::to_string(id));
-  }
   return static_cast<std::uint32_t>(id);
 }
 
+}  // namespace
+
+std::uint32_t path_camera(const WebHost& host, const httplib::Request& request) {
+  const std::uint32_t id = path_camera_id(request);
+  const std::vector<std::uint32_t> known = host.camera_ids();
+  if (std::find(known.begin(), known.end(), id) == known.end()) {
+    throw HttpError(404, "no camera " + std::to_string(id));
+  }
+  return id;
+}
+
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
-  constexpr int kMaxWidth = 16384;
   const std::uint32_t id = path_camera(host, request);
   const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
   const int quality = query_number(request, "quality", 85, 1, 100);
@@ -49,6 +52,27 @@ void get_snapshot(const WebHost& host, const httplib::Request& request, httplib:
   JpegEncoder encoder;
   const std::span<const std::uint8_t> jpeg = encoder.encode(picture.image, width, quality, picture.chroma);
   response.set_content(reinterpret_cast<const char*>(jpeg.data()), jpeg.size(), "image/jpeg");
+}
+
+StreamWish stream_wish(const httplib::Request& request) {
+  StreamWish wish{path_camera_id(request), {}};
+  PreviewWish& preview = wish.preview;
+  preview.width = query_number(request, "width", preview.width, 1, kMaxWidth);
+  preview.quality = query_number(request, "quality", preview.quality, 1, 100);
+  if (request.has_param("fps"))
+    preview.fps = read_number("fps", request.get_param_value("fps"), kMinFps, kMaxFps);
+  preview.picture = query_picture(request);
+  return wish;
+}
+
+void get_stream(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  path_camera(host, request);
+  stream_wish(request);
+  // Without a length: it ends with the connection.
+  response.set_content_provider(kStreamType, [](std::size_t, httplib::DataSink& sink) {
+    sink.done();
+    return true;
+  });
 }
 
 void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response) {

@@ -25,14 +25,21 @@ std::uint64_t read_revision(std::string_view text) {
 
 }  // namespace
 
+std::optional<std::uint64_t> if_match(const httplib::Request& request) {
+  if (!request.has_header("If-Match")) return std::nullopt;
+  return read_revision(request.get_header_value("If-Match"));
+}
+
 void get_settings(const WebHost& host, const httplib::Request&, httplib::Response& response) {
   set_json(response, host.settings());
 }
 
 void patch_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
-  std::optional<std::uint64_t> if_revision;
-  if (request.has_header("If-Match")) if_revision = read_revision(request.get_header_value("If-Match"));
-  set_json(response, host.patch_settings(parse_json(request.body), if_revision, request.remote_addr));
+  set_json(response, host.patch_settings(parse_json(request.body), if_match(request), request.remote_addr));
+}
+
+void check_settings(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  set_json(response, {{"changes", host.check_settings(parse_json(request.body))}});
 }
 
 void get_settings_history(const WebHost& host, const httplib::Request&, httplib::Response& response) {

@@ -45,19 +45,22 @@ class Messages {
   CameraFeed::Message preview(const PreviewWish& wish) {
     const Picture& picture = picture_for(wish);
     const int width = std::min(wish.width, picture.image.width);
+    const Preview* alike = nullptr;
     for (const Preview& made : previews_) {
-      if (made.picture == picture.kind && made.width == width && made.quality == wish.quality)
-        return made.message;
+      if (made.picture != picture.kind || made.width != width || made.quality != wish.quality) continue;
+      if (made.regions == wish.regions) return made.message;
+      alike = &made;
     }
-    const std::span<const std::uint8_t> jpeg =
-        encoder_.encode(picture.image, width, wish.quality, picture.chroma);
-    ++jpegs_encoded_;
+    const std::span<const char> jpeg =
+        alike != nullptr ? jpeg_in(*alike->message) : encode(picture, width, wish.quality);
     Json data = header();
     data["picture"] = name_of(picture.kind);
     data["width"] = view_.image.width;
     data["height"] = view_.image.height;
     data.update(view_.detections);
-    previews_.push_back({picture.kind, width, wish.quality, preview_message(to_text(data), jpeg)});
+    if (wish.regions) data["regions"] = view_.regions ? view_.regions() : Json(nullptr);
+    previews_.push_back(
+        {picture.kind, width, wish.quality, wish.regions, preview_message(to_text(data), jpeg)});
     return previews_.back().message;
   }
 
@@ -65,8 +68,16 @@ class Messages {
   struct Preview {
     PictureKind picture;
     int width, quality;
+    bool regions;
     CameraFeed::Message message;
   };
+
+  /// The bytes lie in the encoder.
+  std::span<const char> encode(const Picture& picture, int width, int quality) {
+    const std::span<const std::uint8_t> jpeg = encoder_.encode(picture.image, width, quality, picture.chroma);
+    ++jpegs_encoded_;
+    return {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()};
+  }
 
   const Picture& picture_for(const PreviewWish& wish) {
     if (wish.picture == PictureKind::kCamera) return camera_picture_;
@@ -78,7 +89,7 @@ class Messages {
     return {{"camera", view_.camera_id}, {"frame", view_.frame_number}, {"t_capture", view_.t_capture_s}};
   }
 
-  static CameraFeed::Message preview_message(const std::string& header, std::span<const std::uint8_t> jpeg) {
+  static CameraFeed::Message preview_message(const std::string& header, std::span<const char> jpeg) {
     const auto length = static_cast<std::uint32_t>(header.size());
     std::string message;
     message.reserve(sizeof(length) + header.size() + jpeg.size());
@@ -99,6 +110,13 @@ class Messages {
 };
 
 }  // namespace
+
+std::span<const char> jpeg_in(const std::string& preview_message) {
+  std::uint32_t header_size = 0;
+  for (std::size_t i = sizeof(header_size); i-- > 0;)
+    header_size = header_size << 8 | static_cast<unsigned char>(preview_message[i]);
+  return std::span(preview_message).subspan(sizeof(header_size) + header_size);
+}
 
 CameraFeed::CameraFeed(const WebHost& host, std::uint32_t camera_id,
                        std::atomic<std::uint64_t>& jpegs_encoded)
@@ -127,6 +145,16 @@ void CameraFeed::acknowledge(ViewerId viewer, std::uint32_t frame_number) {
     const std::lock_guard lock(mutex_);
     Watcher* watcher = find(viewer, true);
     if (watcher == nullptr || watcher->in_flight != frame_number) return;
+    watcher->in_flight.reset();
+  }
+  changed_.notify_all();
+}
+
+void CameraFeed::acknowledge(ViewerId viewer) {
+  {
+    const std::lock_guard lock(mutex_);
+    Watcher* watcher = find(viewer, true);
+    if (watcher == nullptr) return;
     watcher->in_flight.reset();
   }
   changed_.notify_all();

@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,7 +25,18 @@ struct PreviewWish {
   int quality = 70;  // of the JPEG, 1..100
   double fps = 30;   // at most
   PictureKind picture = PictureKind::kCamera;
+  bool regions = false;  // also those, in the header
 };
+inline constexpr double kMinFps = 0.01, kMaxFps = 1000;
+
+/// A stream of one camera's pictures.
+struct StreamWish {
+  std::uint32_t camera_id;
+  PreviewWish preview;
+};
+
+/// The JPEG of a preview message, which begins with a header that says how long it is.
+std::span<const char> jpeg_in(const std::string& preview_message);
 
 /// One camera's pictures and detections on their way to the viewers. A thread of its own takes a view when a
 /// viewer is due for one, encodes it once for every picture, size and quality wanted, and hands it to the
@@ -48,6 +60,8 @@ class CameraFeed {
   /// before. Again: changes the wish.
   void start_preview(ViewerId viewer, const PreviewWish& wish, Sink sink);
   void acknowledge(ViewerId viewer, std::uint32_t frame_number);
+  /// Whichever frame is on its way.
+  void acknowledge(ViewerId viewer);
   void stop_preview(ViewerId viewer);
 
   /// Detection messages, at most 30 a second. Again: nothing happens.

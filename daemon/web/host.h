@@ -25,6 +25,9 @@ struct View {
   double t_capture_s = 0;
   Json detections;  // {"robots": [...], "balls": [...]} as docs/openapi.json has them
 
+  /// As docs/openapi.json's PreviewRegions; not set when the camera's stack makes no runs.
+  std::function<Json()> regions;
+
   /// Draws the labelled picture into the buffer, where it then lies; not set when the camera's stack makes no
   /// runs.
   std::function<ImageView(std::vector<std::uint8_t>& buffer)> draw_labels;
@@ -34,6 +37,8 @@ struct View {
 /// at once. JSON values are those of docs/openapi.json.
 struct WebHost {
   std::function<Json()> status;
+  std::function<Json(int seconds)> timeline;
+  std::function<Json()> diagnostics;
   std::function<Json()> settings;  // with its revision
   std::function<Json()> schema;
   std::function<Json()> field_presets;
@@ -44,10 +49,27 @@ struct WebHost {
   std::function<Json(const Json& patch, std::optional<std::uint64_t> if_revision, const std::string& who)>
       patch_settings;
 
+  /// What a JSON Patch would change, as the history has it; changes nothing. Throws SettingsError as
+  /// `patch_settings` would.
+  std::function<Json(const Json& patch)> check_settings;
+
   /// What was changed, newest first, and one of these taken back. Throws as `patch_settings` does:
   /// StaleRevision when what it changed was changed again.
   std::function<Json()> settings_history;
   std::function<Json(std::uint64_t revision, const std::string& who)> undo_settings;
+
+  /// Settings that are kept under a name; see docs/openapi.json. All but the first and `save_profile` throw
+  /// HttpError 404 for an unknown one.
+  std::function<Json()> profiles;
+  std::function<Json(const std::string& name)> profile;
+  /// The settings in force, or those given. Throws SettingsError.
+  std::function<Json(const std::string& name, const std::optional<Json>& settings, const std::string& who)>
+      save_profile;
+  /// The changes at or below one of `paths`, or all; throws as `patch_settings` does.
+  std::function<Json(const std::string& name, const std::optional<std::vector<std::string>>& paths,
+                     std::optional<std::uint64_t> if_revision, const std::string& who)>
+      apply_profile;
+  std::function<Json(const std::string& name)> delete_profile;
 
   /// Must not block: it is called from the thread that serves all sockets.
   std::function<std::vector<std::uint32_t>()> camera_ids;

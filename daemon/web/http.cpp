@@ -3,10 +3,31 @@
 
 #include <algorithm>
 #include <charconv>
+#include <sstream>
+#include <utility>  // Boost 1.74's asio uses std::exchange without it
 
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <fmt/format.h>
 #include <httplib.h>
 
 namespace sslv {
+namespace {
+
+template <class Number>
+Number read_any_number(std::string_view name, std::string_view text, Number min, Number max,
+                       const char* kind) {
+  Number value = 0;
+  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
+  if (error != std::errc() || end != text.end() || !(value >= min && value <= max)) {
+    throw HttpError(400, fmt::format("{}: \"{}\" is not allowed; expected a {} {} .. {}", name,
+                                     text.substr(0, 40), kind, min, max));
+  }
+  return value;
+}
+
+}  // namespace
 
 bool is_same_origin(std::string_view origin, std::string_view host) {
   if (origin.empty()) return true;
@@ -19,14 +40,16 @@ bool is_same_origin(std::string_view origin, std::string_view host) {
 }
 
 int read_whole_number(std::string_view name, std::string_view text, int min, int max) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
-  if (error != std::errc() || end != text.end() || value < min || value > max) {
-    throw HttpError(400, std::string(name) + ": \"" + std::string(text.substr(0, 40)) +
-                             "\" is not allowed; expected a whole number " + std::to_string(min) + " .. " +
-                             std::to_string(max));
-  }
-  return value;
+  return read_any_number(name, text, min, max, "whole number");
+}
+
+double read_number(std::string_view name, std::string_view text, double min, double max) {
+  return read_any_number(name, text, min, max, "number");
+}
+
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
+  if (!request.has_param(name)) return fallback;
+  return read_whole_number(name, request.get_param_value(name), min, max);
 }
 
 Json parse_json(std::string_view text) {
@@ -45,6 +68,17 @@ Json parse_json(std::string_view text) {
 
 std::string to_text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string refusal_text(unsigned status, std::string_view text) {
+  namespace http = boost::beast::http;
+  http::response<http::string_body> answer(http::int_to_status(status), 11, to_text({{"error", text}}));
+  answer.set(http::field::content_type, "application/json");
+  answer.set(http::field::cache_control, "no-store");
+  for (const auto& [name, value] : kSecurityHeaders) answer.set(name, value);
+  answer.keep_alive(false);
+  answer.prepare_payload();
+  return (std::ostringstream() << answer).str();
 }
 
 void set_json(httplib::Response& response, const Json& json) {

@@ -5,13 +5,16 @@
 
 #include "base/json.h"
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace httplib {
+struct Request;
 struct Response;
-}
+}  // namespace httplib
 
 namespace sslv {
 
@@ -21,6 +24,16 @@ struct HttpError : std::runtime_error {
   int status;
 };
 
+/// Every answer has these, also a refusal.
+inline constexpr std::array<std::pair<const char*, const char*>, 3> kSecurityHeaders{{
+    // The panel loads nothing from elsewhere, and nobody else may frame it or run script in it.
+    {"Content-Security-Policy",
+     "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws: wss:; object-src 'none'; "
+     "frame-ancestors 'none'; base-uri 'none'"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"Referrer-Policy", "no-referrer"},
+}};
+
 /// False when a browser sent the request from a page of another site: its Origin is not this server's Host.
 /// Other clients send no Origin; it is empty then.
 bool is_same_origin(std::string_view origin, std::string_view host);
@@ -28,6 +41,10 @@ inline constexpr std::string_view kOtherSite = "this request comes from a page o
 
 /// A whole number in min .. max from a path part or the query. Throws HttpError 400 naming `name`.
 int read_whole_number(std::string_view name, std::string_view text, int min, int max);
+/// Likewise, with a fraction.
+double read_number(std::string_view name, std::string_view text, double min, double max);
+/// Likewise from the query; `fallback` when it does not say.
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max);
 
 /// Strict JSON of limited depth, so that no client can exhaust the stack of whoever walks through it.
 /// Throws HttpError 400.
@@ -35,6 +52,10 @@ Json parse_json(std::string_view text);
 
 /// Never throws for text that is not UTF-8 (a driver's message, say): such bytes are replaced.
 std::string to_text(const Json& json);
+
+/// A whole answer {"error": text} that closes the connection, for what is refused before it is known to be a
+/// request.
+std::string refusal_text(unsigned status, std::string_view text);
 
 void set_json(httplib::Response& response, const Json& json);
 void set_error(httplib::Response& response, int status, std::string_view text);

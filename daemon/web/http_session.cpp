@@ -2,6 +2,7 @@
 #include "web/http_session.h"
 
 #include "web/http.h"
+#include "web/picture_stream.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <sstream>
 #include <string>
 
 #include <boost/asio/buffer.hpp>
@@ -21,8 +21,6 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/string_body.hpp>
-#include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
 namespace sslv {
@@ -43,15 +41,6 @@ constexpr std::chrono::seconds kDrainTimeout{2};
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
-}
-
-/// For what is refused before it is known to be a request. Closes the connection.
-std::string refusal(unsigned status, const std::string& text) {
-  http::response<http::string_body> answer(http::int_to_status(status), 11, to_text({{"error", text}}));
-  answer.set(http::field::content_type, "application/json");
-  answer.keep_alive(false);
-  answer.prepare_payload();
-  return (std::ostringstream() << answer).str();
 }
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
@@ -135,7 +124,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                });
   }
 
-  void refuse(unsigned status, const std::string& text) { answer({refusal(status, text), false}); }
+  void refuse(unsigned status, const std::string& text) { answer({refusal_text(status, text), false}); }
 
   void answer(HttpAnswer answer) {
     answer_ = std::move(answer);
@@ -144,8 +133,14 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         if (error) return;
                         self->answer_.bytes = {};
+                        if (self->answer_.stream) return self->stream();
                         self->answer_.keep_alive ? self->wait() : self->finish();
                       });
+  }
+
+  void stream() {
+    stream_.expires_never();
+    stream_pictures(stream_.release_socket(), std::move(connection_), context_.feeds, *answer_.stream);
   }
 
   /// Closing while bytes are still coming would reset the connection, and the client might lose the answer.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/camera_feeds.h"
 #include "web/counters.h"
 #include "web/router.h"
 #include "web/websocket.h"
@@ -16,10 +17,12 @@ namespace sslv {
 struct HttpContext {
   const Router& router;
   WebSocketHub& websockets;
+  CameraFeeds& feeds;
   boost::asio::io_context& workers;  // handlers run here
 };
 
-/// Serves one connection until it ends: requests one after the other, or a WebSocket once it asks for that.
+/// Serves one connection until it ends: requests one after the other, or a WebSocket or
+/// a stream of pictures once it asks for that.
 /// Reading and writing take place on the socket's own thread and wait for nobody; a worker sees complete
 /// requests only, so slow, idle and half-open clients cost memory but never a thread.
 void serve_http(boost::asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context);

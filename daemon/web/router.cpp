@@ -63,7 +63,11 @@ bool is_read(const httplib::Request& request) {
   return request.method == "GET" || request.method == "HEAD";
 }
 
-Server::HandlerResponse refuse_other_sites(const httplib::Request& request, httplib::Response& response) {
+Server::HandlerResponse refuse_early(const httplib::Request& request, httplib::Response& response) {
+  if (request.path.find('\0') != std::string::npos) {  // files would be looked for by what stands before it
+    set_error(response, 400, "the address has a zero byte in it");
+    return Server::HandlerResponse::Handled;
+  }
   if (is_read(request) ||
       is_same_origin(request.get_header_value("Origin"), request.get_header_value("Host")))
     return Server::HandlerResponse::Unhandled;
@@ -121,6 +125,11 @@ Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
   };
 }
 
+const std::regex& stream_path() {
+  static const std::regex path(kStreamPattern);
+  return path;
+}
+
 void set_caching(const httplib::Request& request, httplib::Response& response) {
   // The build puts a hash of the content into the names under assets/; everything else keeps its name.
   const bool has_hashed_name = response.status == 200 && request.path.starts_with("/assets/");
@@ -143,7 +152,7 @@ Router::Router(const WebHost& host, std::span<const Route> routes,
   for (const Route& route : routes) add_route(*server_, host, route);
   server_->set_mount_point("/", panel_directory);
   server_->Get("/", explain_missing_panel(panel_directory));
-  server_->set_pre_routing_handler(refuse_other_sites);
+  server_->set_pre_routing_handler(refuse_early);
   server_->set_exception_handler(answer_exception);
   server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
     explain_refusal(routes, request, response);
@@ -151,15 +160,9 @@ Router::Router(const WebHost& host, std::span<const Route> routes,
   server_->set_post_routing_handler(set_caching);
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
   server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit
-  server_->set_default_headers({
-      // The panel loads nothing from elsewhere, and nobody else may frame it or run script in it.
-      {"Content-Security-Policy",
-       "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws: wss:; object-src 'none'; "
-       "frame-ancestors 'none'; base-uri 'none'"},
-      {"X-Content-Type-Options", "nosniff"},
-      {"Referrer-Policy", "no-referrer"},
-      {"Accept-Ranges", "none"},
-  });
+  httplib::Headers headers{{"Accept-Ranges", "none"}};
+  for (const auto& [name, value] : kSecurityHeaders) headers.emplace(name, value);
+  server_->set_default_headers(std::move(headers));
 }
 
 Router::~Router() = default;
@@ -168,9 +171,16 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   MemoryStream stream(request, remote_address);
   bool is_valid = false;
   bool is_last = false;
+  std::optional<httplib::Request> stream_request;  // httplib's own is gone when its answer is there
   const auto prepare = [&](httplib::Request& parsed) {
     is_valid = true;
-    if (is_last) parsed.set_header("Connection", "close");  // HTTP/1.0 need not say so
+    const bool is_stream = std::regex_match(parsed.path, stream_path());
+    if (is_stream && parsed.method == "GET") stream_request = parsed;
+    is_last |= is_stream;
+    if (is_last) {  // HTTP/1.0 need not say so
+      parsed.headers.erase("Connection");
+      parsed.set_header("Connection", "close");
+    }
     // What httplib would do about these can cost far more than the request: unpack a small body to gigabytes,
     // send a large answer a thousand times, compress it. Bodies are JSON whatever they are said to be.
     for (const char* name : {"Accept-Encoding", "Content-Encoding", "Content-Type", "Expect", "Range"})
@@ -178,7 +188,12 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     parsed.ranges.clear();
   };
   const bool is_written = server_->process_request(stream, false, is_last, prepare);
-  return {stream.take_answer(), is_written && is_valid && !is_last};
+  HttpAnswer answer{stream.take_answer(), is_written && is_valid && !is_last};
+  if (stream_request && answer.bytes.starts_with("HTTP/1.1 200 ")) {
+    std::regex_match(stream_request->path, stream_request->matches, stream_path());
+    answer.stream = stream_wish(*stream_request);
+  }
+  return answer;
 }
 
 }  // namespace sslv

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "web/api.h"
+#include "web/camera_feed.h"
 #include "web/host.h"
 
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +31,7 @@ inline constexpr std::chrono::seconds kKeepAliveTimeout{75};
 struct HttpAnswer {
   std::string bytes;  // as they go onto the socket
   bool keep_alive = false;
+  std::optional<StreamWish> stream{};  // what follows these bytes until the client goes
 };
 
 /// From a request's bytes to its answer's: cpp-httplib without its sockets. Routes come first to last, and

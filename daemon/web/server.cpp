@@ -4,6 +4,8 @@
 #include "base/background.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "web/camera_feeds.h"
+#include "web/http.h"
 #include "web/http_session.h"
 #include "web/websocket.h"
 
@@ -86,7 +88,8 @@ class RunningServer {
       : max_connections_(options.max_connections),
         router_(host, routes, options.panel_directory),
         counters_(counters),
-        websockets_(io_, workers_, host, counters),
+        feeds_(host, counters.jpegs_encoded),
+        websockets_(io_, workers_, host, feeds_, counters),
         acceptor_(listen(io_, options)),
         pause_(io_) {
     accept();
@@ -122,9 +125,8 @@ class RunningServer {
   void serve(tcp::socket socket) {
     error_code ignored;
     if (counters_.connections >= max_connections_) {
-      constexpr std::string_view kAnswer =
-          "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
-      asio::write(socket, asio::buffer(kAnswer), ignored);  // fits into the empty send buffer
+      // Fits into the empty send buffer.
+      asio::write(socket, asio::buffer(refusal_text(503, "too many connections; try again later")), ignored);
       return;
     }
     socket.set_option(tcp::no_delay(true), ignored);
@@ -140,8 +142,9 @@ class RunningServer {
   asio::io_context io_{1};
   asio::io_context workers_;
   asio::executor_work_guard<asio::io_context::executor_type> keep_workers_{workers_.get_executor()};
+  CameraFeeds feeds_;
   WebSocketHub websockets_;
-  const HttpContext http_{router_, websockets_, workers_};
+  const HttpContext http_{router_, websockets_, feeds_, workers_};
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   std::thread io_thread_;

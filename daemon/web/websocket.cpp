@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "base/params_json.h"
 #include "web/http.h"
+#include "web/socket.h"
 
 #include <algorithm>
 #include <chrono>
@@ -18,7 +19,6 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket/stream.hpp>
-#include <netinet/tcp.h>
 
 namespace sslv {
 
@@ -31,9 +31,6 @@ constexpr std::chrono::milliseconds kStatusPeriod{500};
 constexpr std::chrono::seconds kHandshakeTimeout{10};
 constexpr std::chrono::seconds kSilenceTimeout{20};  // a viewer that answers no ping is gone
 constexpr std::size_t kMaxMessageBytes = 16 * 1024;
-// What the kernel may hold back for a slow link. More would only be stale pictures and detections.
-constexpr int kMaxUnsentBytes = 64 * 1024;
-
 constexpr int kMaxCameraId = std::numeric_limits<int>::max();
 
 struct PreviewParams {
@@ -42,13 +39,15 @@ struct PreviewParams {
   int quality = PreviewWish{}.quality;
   double fps = PreviewWish{}.fps;
   PictureKind picture = PreviewWish{}.picture;
+  bool regions = PreviewWish{}.regions;
   static constexpr auto fields() {
     using P = PreviewParams;
     return std::tuple{number("camera", &P::camera, 0, kMaxCameraId, "", "camera id"),
                       number("width", &P::width, 1, 16384, "px", "pictures are scaled down to it"),
                       number("quality", &P::quality, 1, 100, "", "of the JPEG"),
-                      number("fps", &P::fps, 0.01, 1000.0, "Hz", "at most that many pictures"),
-                      choice("picture", &P::picture, kPictureChoices, "what to see")};
+                      number("fps", &P::fps, kMinFps, kMaxFps, "Hz", "at most that many pictures"),
+                      choice("picture", &P::picture, kPictureChoices, "what to see"),
+                      flag("regions", &P::regions, "also the frame's regions")};
   }
 };
 
@@ -87,6 +86,9 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     stream_.set_option(websocket::stream_base::timeout{kHandshakeTimeout, kSilenceTimeout, true});
     stream_.read_message_max(kMaxMessageBytes);
     stream_.auto_fragment(false);  // a picture leaves in one write
+    stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
+      for (const auto& [name, value] : kSecurityHeaders) answer.set(name, value);
+    }));
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (error) return;
       self->viewer_.emplace(self->hub_.counters_.viewers);
@@ -178,14 +180,15 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     } else if (key == "preview") {
       const auto wanted = read_message<PreviewParams>(value, path);
       const auto camera = static_cast<std::uint32_t>(wanted.camera);
-      hub_.feed(camera).start_preview(id_, {wanted.width, wanted.quality, wanted.fps, wanted.picture},
-                                      sink({Topic::Kind::kPreview, camera}));
+      hub_.feeds_.of(camera).start_preview(
+          id_, {wanted.width, wanted.quality, wanted.fps, wanted.picture, wanted.regions},
+          sink({Topic::Kind::kPreview, camera}));
     } else if (key == "ack") {
       const auto ack = read_message<AckParams>(value, path);
-      hub_.feed(static_cast<std::uint32_t>(ack.camera)).acknowledge(id_, ack.frame);
+      hub_.feeds_.of(static_cast<std::uint32_t>(ack.camera)).acknowledge(id_, ack.frame);
     } else if (key == "stop_preview") {
       const int camera = read_number<int>(value, path, 0, kMaxCameraId, "");
-      hub_.feed(static_cast<std::uint32_t>(camera)).stop_preview(id_);
+      hub_.feeds_.of(static_cast<std::uint32_t>(camera)).stop_preview(id_);
     } else {
       throw HttpError(400,
                       path + ": no such message; known: subscribe, unsubscribe, preview, ack, stop_preview");
@@ -198,7 +201,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
       wants_status_ = on;
     } else if (topic == "detections") {
       wants_detections_ = on;
-      on ? hub_.follow_detections(*this) : hub_.unfollow_detections(*this);
+      on ? hub_.follow_detections(*this) : hub_.feeds_.stop_detections(id_);
     } else {
       refuse("/subscribe", topic, "\"status\" or \"detections\"");
     }
@@ -218,20 +221,13 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 };
 
 WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, const WebHost& host,
-                           WebCounters& counters)
-    : io_(io), workers_(workers), host_(host), counters_(counters), timer_(io) {}
-
-WebSocketHub::~WebSocketHub() {
-  for (const auto& [camera_id, feed] : feeds_)
-    feed->request_stop();  // all at once, so that they end together
-}
+                           CameraFeeds& feeds, WebCounters& counters)
+    : io_(io), workers_(workers), host_(host), feeds_(feeds), counters_(counters), timer_(io) {}
 
 void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection,
                           const UpgradeRequest& request) {
-  // The viewer works without it as well, just with more delay on a slow link.
-  setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMaxUnsentBytes,
-             sizeof(kMaxUnsentBytes));
-  std::make_shared<WebSocketSession>(*this, ++last_viewer_, std::move(socket), std::move(connection))
+  limit_unsent_bytes(socket);
+  std::make_shared<WebSocketSession>(*this, feeds_.new_viewer(), std::move(socket), std::move(connection))
       ->start(request);
 }
 
@@ -242,31 +238,15 @@ void WebSocketHub::joined(WebSocketSession& session) {
 
 void WebSocketHub::left(WebSocketSession& session) {
   sessions_.erase(session.id());
-  for (const auto& [camera_id, feed] : feeds_) {
-    feed->stop_preview(session.id());
-    feed->stop_detections(session.id());
-  }
-}
-
-CameraFeed& WebSocketHub::feed(std::uint32_t camera_id) {
-  const std::vector<std::uint32_t> known = host_.camera_ids();
-  if (std::find(known.begin(), known.end(), camera_id) == known.end()) {
-    throw HttpError(404, "no camera " + std::to_string(camera_id));
-  }
-  std::unique_ptr<CameraFeed>& feed = feeds_[camera_id];
-  if (!feed) feed = std::make_unique<CameraFeed>(host_, camera_id, counters_.jpegs_encoded);
-  return *feed;
+  feeds_.stop_previews(session.id());
+  feeds_.stop_detections(session.id());
 }
 
 void WebSocketHub::follow_detections(WebSocketSession& session) {
   for (const std::uint32_t camera_id : host_.camera_ids()) {
     const WebSocketSession::Topic topic{WebSocketSession::Topic::Kind::kDetections, camera_id};
-    feed(camera_id).start_detections(session.id(), session.sink(topic));
+    feeds_.of(camera_id).start_detections(session.id(), session.sink(topic));
   }
-}
-
-void WebSocketHub::unfollow_detections(WebSocketSession& session) {
-  for (const auto& [camera_id, feed] : feeds_) feed->stop_detections(session.id());
 }
 
 void WebSocketHub::send_status_soon(WebSocketSession& session) {

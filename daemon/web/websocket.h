@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/camera_feed.h"
+#include "web/camera_feeds.h"
 #include "web/counters.h"
 #include "web/host.h"
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <string_view>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
@@ -28,10 +27,9 @@ class WebSocketHub {
   using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
   static constexpr std::string_view kPath = "/api/ws";
 
-  /// All four must outlive the hub. The status is asked for on `workers`.
+  /// All five must outlive the hub. The status is asked for on `workers`.
   WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, const WebHost& host,
-               WebCounters& counters);
-  ~WebSocketHub();
+               CameraFeeds& feeds, WebCounters& counters);
 
   /// Answers the request to upgrade and serves the viewer until it goes.
   void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request);
@@ -41,10 +39,7 @@ class WebSocketHub {
 
   void joined(WebSocketSession& session);
   void left(WebSocketSession& session);
-  /// Throws HttpError when there is no such camera.
-  CameraFeed& feed(std::uint32_t camera_id);
   void follow_detections(WebSocketSession& session);
-  void unfollow_detections(WebSocketSession& session);
 
   void tick();  // every half second while there are viewers
   void send_status(const CameraFeed::Message& status);
@@ -53,13 +48,12 @@ class WebSocketHub {
   boost::asio::io_context& io_;
   boost::asio::io_context& workers_;
   const WebHost& host_;
+  CameraFeeds& feeds_;
   WebCounters& counters_;
   boost::asio::steady_timer timer_;
   bool ticking_ = false;
   CameraFeed::Message last_status_;  // at most one period old, or null
-  CameraFeed::ViewerId last_viewer_ = 0;
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
-  std::map<std::uint32_t, std::unique_ptr<CameraFeed>> feeds_;
 };
 
 }  // namespace sslv

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // docs/openapi.json is the truth: the running service has these routes, and answers as it says.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
@@ -93,6 +94,63 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('get', '/api/sources');
   });
 
+  it('tells what is wrong and whether a match may begin', async () => {
+    const path = '/cameras/1/source';
+    assert.equal((await ask('get', '/api/checks')).go, true);
+    await service.patch({ op: 'replace', path, value: { backend: 'files', path: '/not/there' } });
+    const { go, checks } = await becomes('/api/checks', (value) => !value.go);
+    assert.equal(go, false);
+    assert.deepEqual(checks.filter(({ state }) => state === 'fail').map(({ id }) => id), ['cameras']);
+    const lost = async () => (await ask('get', '/api/alerts')).alerts.find(({ id }) => id === 'camera_lost');
+    const first = await lost();
+    assert.equal(first.camera, 1);
+    assert.equal(first.page, '#/camera/1');
+    assert.ok(first.since > 1.7e9);
+    assert.equal((await lost()).since, first.since);
+    const { cameras } = await becomes('/api/timeline', (value) => value.cameras[1]?.fps.at(-1) === null);
+    assert.equal(cameras[0].id, 0);
+    await service.patch({ op: 'replace', path, value: service.settings.cameras[1].source });
+    await becomes('/api/checks', (value) => value.go);
+  });
+
+  it('remembers the last seconds', async () => {
+    const path = '/api/timeline';
+    const all = await becomes(path, (value) => value.cameras.every(({ fps }) => fps.filter((one) => one > 0).length > 2));
+    for (const camera of all.cameras) {
+      for (const [name, values] of Object.entries(camera)) if (name !== 'id') assert.equal(values.length, all.time_s.length, name);
+    }
+    assert.ok(all.time_s.every((time, i) => i === 0 || time > all.time_s[i - 1]));
+    assert.equal((await ask('get', path, { query: '?seconds=2' })).time_s.length, 2);
+    for (const seconds of ['0', '601', 'x']) await ask('get', path, { query: `?seconds=${seconds}`, expect: 400 });
+  });
+
+  it('tells of the computer and of what takes how long', async () => {
+    const { system, cameras } = await becomes('/api/diagnostics', (value) => value.system.cpu_percent.length > 0 && value.cameras.every(({ exposure }) => exposure));
+    assert.equal(system.disk.folder.startsWith('/'), true);
+    assert.ok(system.process.threads > 5 && system.process.rss_bytes > 1e7);
+    assert.equal(cameras.length, 2);
+    for (const { latency, stages, exposure } of cameras) {
+      assert.equal(latency.edges_us.length, latency.counts.length + 1);
+      assert.ok(latency.counts.reduce((sum, count) => sum + count, 0) > 10);
+      assert.ok(stages.some(({ name, histogram }) => name === 'segment' && histogram.counts.length > 0));
+      assert.ok(exposure.mean_luma > 25 && exposure.clipped_share < 0.02);
+    }
+  });
+
+  it('shows its log', async () => {
+    const path = '/api/log';
+    const all = await ask('get', path);
+    assert.ok(all.lines.some(({ text, level }) => level === 'info' && text.startsWith('panel on port')));
+    assert.equal(all.lines.at(-1).seq, all.next);
+    await service.patch({ op: 'replace', path: '/site', value: 'Logged' });
+    const fresh = await ask('get', path, { query: `?after=${all.next}&level=info` });
+    assert.ok(fresh.lines.some(({ text }) => text.includes('Logged')));
+    assert.ok(fresh.lines.every(({ seq }) => seq > all.next));
+    const bad = await ask('get', path, { query: '?level=loud', expect: 400 });
+    assert.match(bad.error, /level: "loud".*"warning"/);
+    await ask('get', path, { query: '?after=-1', expect: 400 });
+  });
+
   it('shows cameras', async () => {
     const path = '/api/cameras/{camera}/snapshot.jpg';
     assert.equal((await ask('get', path, { query: '?width=200&quality=50' })).readUInt16BE(0), 0xffd8);
@@ -142,8 +200,116 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', '/api/settings/undo', { body: { revision: 'x' }, expect: 400 });
     await ask('patch', '/api/settings', { body: [{ op: 'replace', path: '/site', value: 7 }], expect: 422 });
     await ask('patch', '/api/settings', { body: '[', expect: 400 });
+    await ask('patch', '/api/settings', { body: `${'['.repeat(300_000)}`, expect: 400 });
+    for (const patch of [{}, 7, null, 'x', [7], [{ op: 'replace' }], [{ op: 'replace', path: 'site', value: 7 }], [{ op: 'replace', path: '/nowhere/x', value: 7 }]]) {
+      await ask('patch', '/api/settings', { body: JSON.stringify(patch), expect: 422 });
+    }
     const presets = await ask('get', '/api/field/presets');
     assert.ok(presets.some(({ name }) => name === 'division-b'));
+  });
+
+  it('checks settings without changing them', async () => {
+    const path = '/api/settings/check';
+    const before = await ask('get', '/api/settings');
+    const { changes } = await ask('post', path, { body: [{ op: 'replace', path: '/site', value: 'Elsewhere' }] });
+    assert.deepEqual(changes, [{ op: 'replace', path: '/site', before: before.settings.site, after: 'Elsewhere' }]);
+    assert.deepEqual(await ask('post', path, { body: [] }), { changes: [] });
+    // The same line as PATCH has, also for what is only found when it is made ready.
+    for (const change of [
+      { op: 'replace', path: '/site', value: 7 },
+      { op: 'replace', path: '/nowhere/x', value: 7 },
+      { op: 'replace', path: '/cameras/0/stack', value: ['publish', 'segment'] },
+      { op: 'replace', path: '/cameras/0/colors/lut', value: '/no/such/file.lut' },
+    ]) {
+      const { error } = await ask('post', path, { body: [change], expect: 422 });
+      assert.equal((await ask('patch', '/api/settings', { body: [change], expect: 422 })).error, error);
+    }
+    await ask('post', path, { body: '[', expect: 400 });
+    assert.deepEqual(await ask('get', '/api/settings'), before);
+  });
+
+  it('keeps profiles', async () => {
+    const path = '/api/profiles/{profile}';
+    const night = { parameters: { profile: 'Nacht & Nebel 夜' } };
+    assert.deepEqual(await ask('get', '/api/profiles'), { profiles: [] });
+    await ask('get', path, { ...night, expect: 404 });
+    const saved = await ask('put', path, night);
+    assert.deepEqual({ name: saved.name, who: saved.who }, { name: 'Nacht & Nebel 夜', who: '127.0.0.1' });
+    assert.deepEqual((await ask('get', '/api/profiles')).profiles, [saved]);
+    const { settings, changes } = await ask('get', path, night);
+    const before = await ask('get', '/api/settings');
+    assert.deepEqual(settings, before.settings);
+    assert.deepEqual(changes, []);
+    assert.equal((await ask('post', `${path}/apply`, night)).revision, before.revision);  // nothing to change
+
+    const { revision } = await ask('patch', '/api/settings', { body: [
+      { op: 'replace', path: '/site', value: 'By day' },
+      { op: 'replace', path: '/field/field_length', value: 10_000 },
+    ] });
+    assert.deepEqual((await ask('get', path, night)).changes.map((change) => change.path).sort(), ['/field/field_length', '/site']);
+    await ask('post', `${path}/apply`, { ...night, headers: { 'If-Match': `${revision - 1}` }, expect: 409 });
+    await ask('post', `${path}/apply`, { ...night, body: { paths: ['/feild'] }, expect: 422 });
+    await ask('post', `${path}/apply`, { ...night, body: { paths: 'field' }, expect: 400 });
+    const partly = await ask('post', `${path}/apply`, { ...night, body: { paths: ['/field'] } });
+    assert.equal(partly.settings.site, 'By day');
+    assert.equal(partly.settings.field.field_length, settings.field.field_length);
+    const [newest] = await ask('get', '/api/settings/history');
+    assert.equal(newest.what, 'profile Nacht & Nebel 夜');
+    const wholly = await ask('post', `${path}/apply`, night);
+    assert.deepEqual(wholly.settings, settings);
+    assert.equal(wholly.revision, revision + 2);
+
+    // From another PC, checked; and after a restart.
+    const imported = { parameters: { profile: 'imported' } };
+    await ask('put', path, { ...imported, body: { settings: { ...settings, site: 7 } }, expect: 422 });
+    await ask('put', path, { ...imported, body: { setings: settings }, expect: 400 });
+    await ask('put', path, { parameters: { profile: ' x' }, expect: 422 });
+    await ask('put', path, { ...imported, body: { settings: { ...settings, site: 'Afar' } } });
+    await service.stop();
+    await service.start();
+    const site = (await ask('get', path, imported)).changes.find((change) => change.path === '/site');
+    assert.deepEqual(site, { op: 'replace', path: '/site', before: settings.site, after: 'Afar' });
+    assert.deepEqual((await ask('delete', path, imported)).profiles, [saved]);
+    await ask('delete', path, { ...imported, expect: 404 });
+    await ask('post', `${path}/apply`, { ...imported, expect: 404 });
+    await service.statusBecomes((status) => status.cameras.every(({ frames }) => frames > 0));
+  });
+
+  it('streams pictures', async () => {
+    const path = '/api/cameras/{camera}/stream.mjpg';
+    for (const query of ['?width=0', '?quality=x', '?fps=0', '?picture=x']) await ask('get', path, { query, expect: 400 });
+    await ask('get', path, { parameters: { camera: 9 }, expect: 404 });
+    const end = new AbortController();
+    const answer = await fetch(service.address('api/cameras/0/stream.mjpg?width=100&fps=50'), { signal: end.signal });
+    assert.equal(answer.status, 200);
+    assert.ok(resolve({ $ref: '#/paths/~1api~1cameras~1{camera}~1stream.mjpg' }).get.responses[200].content[answer.headers.get('content-type').split(';')[0]]);
+    let text = '';
+    for await (const bytes of answer.body) {
+      text += Buffer.from(bytes).toString('latin1');
+      if (text.split('--ssl-visiond-picture\r\nContent-Type: image/jpeg\r\n').length > 4) break;
+    }
+    end.abort();
+  });
+
+  it('packs a support bundle', async () => {
+    const bundle = join(service.folder, 'bundle.tar.gz');
+    writeFileSync(bundle, await ask('get', '/api/support'));
+    execFileSync('tar', ['-xzf', bundle, '--strip-components=1'], { cwd: service.folder });
+    const read = (name) => readFileSync(join(service.folder, name));
+    assert.match(read('version.txt').toString(), /^\d+\.\d+/);
+    checkJson('openapi#/components/schemas/Status', JSON.parse(read('status.json')), 'status.json');
+    checkJson('openapi#/components/schemas/SettingsRevision', JSON.parse(read('settings.json')), 'settings.json');
+    checkJson('openapi#/components/schemas/Timeline', JSON.parse(read('timeline.json')), 'timeline.json');
+    checkJson('openapi#/components/schemas/Diagnostics', JSON.parse(read('diagnostics.json')), 'diagnostics.json');
+    assert.match(read('log.txt').toString(), /^\d{4}-\d\d-\d\dT[\d:]{8}\.\d{3}Z info    .*panel on port \d+$/m);
+    for (const id of [0, 1]) {
+      checkJson('openapi#/components/schemas/CalibrationState', JSON.parse(read(`camera_${id}/calibration.json`)), 'calibration.json');
+      assert.equal(read(`camera_${id}/picture.jpg`).readUInt16BE(0), 0xffd8);
+    }
+    // It names each of its files, and no other.
+    const packed = execFileSync('tar', ['-tzf', bundle]).toString().trim().split('\n').map((name) => name.slice(name.indexOf('/') + 1));
+    const named = [...read('README.txt').toString().matchAll(/^([\w/]+\.\w+): /gm)].map(([, name]) => name);
+    assert.deepEqual(packed.sort(), ['README.txt', ...named].sort());
   });
 
   it('calibrates a camera', async () => {

@@ -287,5 +287,46 @@ TEST_F(Store, NoProblemWithoutSavedChanges) {
   EXPECT_THAT(open().problem(), IsEmpty());
 }
 
+TEST_F(Store, AChangeMayBeCheckedWithoutMakingIt) {
+  auto store = open();
+  int tried = 0;
+  const auto check_of = [&](const char* key, const Json& value) {
+    return store.check(Json::array({{{"op", "add"}, {"path", std::string("/") + key}, {"value", value}}}),
+                       [&](const Json& next) {
+                         ++tried;
+                         if (next["b"] == 7) throw SettingsError("/b: no such file");
+                       });
+  };
+  EXPECT_EQ(check_of("a", 5), Json::parse(R"([{"op": "replace", "path": "/a", "before": 1, "after": 5}])"));
+  EXPECT_EQ(check_of("a", 1), Json::array());
+  EXPECT_EQ(tried, 2);
+  EXPECT_EQ(error_of<SettingsError>([&] { check_of("a", 10); }), "/a: 10 is not allowed");
+  EXPECT_EQ(error_of<SettingsError>([&] { check_of("b", 7); }), "/b: no such file");
+  EXPECT_EQ(error_of<SettingsError>([&] { check_of("x/y", 7); }),
+            error_of<SettingsError>([&] { set(store, "x/y", 7); }));
+  EXPECT_EQ(store.current().revision, 1u);
+  EXPECT_EQ(store.current().settings["a"], 1);
+  EXPECT_FALSE(std::filesystem::exists(saved_));
+}
+
+TEST(ChangesBelow, AreThoseAtOrBelowAPath) {
+  const Json before = Json::parse(R"({"field": {"length": 9}, "fields": 1, "cameras": [{"id": 0}]})");
+  const Json after =
+      Json::parse(R"({"field": {"length": 12}, "fields": 2, "cameras": [{"id": 5}, {"id": 1}]})");
+  const Json changes = changes_between(before, after);
+  const auto below = [&](const std::vector<std::string>& paths) {
+    std::vector<std::string> out;
+    for (const Json& change : changes_below(changes, paths)) out.push_back(change["path"]);
+    return out;
+  };
+  using ::testing::UnorderedElementsAre;
+  EXPECT_EQ(below({""}).size(), changes.size());
+  EXPECT_THAT(below({"/field"}), UnorderedElementsAre("/field/length"));
+  EXPECT_THAT(below({"/fields", "/cameras/0"}), UnorderedElementsAre("/fields", "/cameras/0/id"));
+  EXPECT_THAT(below({"/cameras/1"}), UnorderedElementsAre("/cameras/1"));
+  EXPECT_THAT(below({"/cameras/1/id"}), IsEmpty());
+  EXPECT_THAT(below({}), IsEmpty());
+}
+
 }  // namespace
 }  // namespace sslv

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ class FakeHost {
     view->t_capture_s = 0.5 + frame_number;
     view->detections = {{"robots", robots}, {"balls", Json::array()}};
     if (makes_runs_) {
+      view->regions = [this] {
+        ++region_lists_;
+        return Json{{"labels", {"orange"}}, {"boxes", {{0, 1, 2, 3, 4, 5}}}, {"total", 1}};
+      };
       view->draw_labels = [this](std::vector<std::uint8_t>& buffer) {
         ++drawings_;
         buffer.assign(std::size_t{3} * kLabelsWidth * kLabelsHeight, 200);
@@ -40,11 +45,27 @@ class FakeHost {
     views_.put(std::move(view));
   }
 
+  /// A picture that makes a large JPEG.
+  void publish_noise(std::uint32_t frame_number) {
+    constexpr int kSide = 1024;
+    auto noise = std::make_shared<std::vector<std::uint8_t>>(std::size_t{kSide} * kSide);
+    std::minstd_rand random(frame_number);
+    for (std::uint8_t& pixel : *noise) pixel = static_cast<std::uint8_t>(random());
+    auto view = std::make_shared<View>();
+    view->image = {noise->data(), kSide, kSide, kSide, PixelFormat::kMono8};
+    view->hold = std::move(noise);
+    view->frame_number = frame_number;
+    view->detections = {{"robots", Json::array()}, {"balls", Json::array()}};
+    views_.put(std::move(view));
+  }
+
   /// From the next frame on.
   void make_no_runs() { makes_runs_ = false; }
 
   /// How often a labelled picture was drawn.
   int drawings() const { return drawings_; }
+  /// How often regions were listed.
+  int region_lists() const { return region_lists_; }
   /// How often a view was waited for.
   int looks() const { return looks_; }
   /// Who made the last patch.
@@ -55,7 +76,15 @@ class FakeHost {
 
   WebHost host() {
     WebHost host;
-    host.status = [] { return Json{{"site", "test"}, {"cameras", {{{"id", 0}}}}}; };
+    host.status = [] {
+      return Json{{"site", "test"},
+                  {"alerts", {{{"id", "camera_lost"}}}},
+                  {"go", false},
+                  {"checks", {{{"id", "cameras"}}}},
+                  {"cameras", {{{"id", 0}}}}};
+    };
+    host.timeline = [](int seconds) { return Json{{"seconds", seconds}}; };
+    host.diagnostics = [] { return Json{{"clock", nullptr}}; };
     host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
     host.schema = [] { return Json{{"type", "object"}}; };
     host.field_presets = [] { return Json{{{"name", "division-b"}}}; };
@@ -67,6 +96,25 @@ class FakeHost {
       last_author_ = who;
       return Json{{"revision", 8}, {"settings", patch}, {"saved", true}};
     };
+    host.check_settings = [](const Json& patch) {
+      if (patch.empty()) throw SettingsError("/site: refused");
+      return patch;
+    };
+    host.profiles = [] { return Json{{{"name", "night"}}}; };
+    host.profile = [](const std::string& name) {
+      if (name != "night") throw HttpError(404, "no profile " + name);
+      return Json{{"name", name}};
+    };
+    host.save_profile = [](const std::string& name, const std::optional<Json>& settings,
+                           const std::string& who) {
+      return Json{{"name", name}, {"settings", settings.value_or("in force")}, {"who", who}};
+    };
+    host.apply_profile = [](const std::string& name, const std::optional<std::vector<std::string>>& paths,
+                            std::optional<std::uint64_t> if_revision, const std::string&) {
+      if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest", 7, Json::array());
+      return Json{{"name", name}, {"paths", paths.value_or(std::vector<std::string>{"all"})}};
+    };
+    host.delete_profile = [](const std::string&) { return Json::array(); };
     host.settings_history = [] { return Json{{{"revision", 7}}}; };
     host.undo_settings = [](std::uint64_t revision, const std::string&) {
       return Json{{"revision", revision + 1}};
@@ -121,6 +169,7 @@ class FakeHost {
   Latest<std::shared_ptr<const View>> views_;
   bool makes_runs_ = true;
   std::atomic<int> drawings_ = 0;
+  std::atomic<int> region_lists_ = 0;
   std::atomic<int> looks_ = 0;
   mutable std::mutex mutex_;
   std::string last_author_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routes.h"
-
 #include "base/json.h"
+#include "routes.h"
 
 #include <cctype>
 #include <fstream>

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <archive.h>
+#include <archive_entry.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -15,8 +17,12 @@ namespace sslv {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Key;
 using testing::Not;
+using testing::Pair;
 using testing::StartsWith;
 
 struct Answer {
@@ -24,6 +30,23 @@ struct Answer {
   std::string header, body;
   bool keep_alive;
 };
+
+/// Names and contents of a .tar.gz's files.
+std::vector<std::pair<std::string, std::string>> unpacked(const std::string& bytes) {
+  std::vector<std::pair<std::string, std::string>> files;
+  const std::unique_ptr<archive, decltype(&archive_read_free)> in(archive_read_new(), archive_read_free);
+  archive_read_support_filter_gzip(in.get());
+  archive_read_support_format_tar(in.get());
+  EXPECT_EQ(archive_read_open_memory(in.get(), bytes.data(), bytes.size()), ARCHIVE_OK);
+  archive_entry* entry = nullptr;
+  while (archive_read_next_header(in.get(), &entry) == ARCHIVE_OK) {
+    std::string content(static_cast<std::size_t>(archive_entry_size(entry)), '\0');
+    EXPECT_EQ(archive_read_data(in.get(), content.data(), content.size()),
+              static_cast<la_ssize_t>(content.size()));
+    files.emplace_back(archive_entry_pathname(entry), content);
+  }
+  return files;
+}
 
 class RouterTest : public testing::Test {
  protected:
@@ -111,6 +134,104 @@ TEST_F(RouterTest, BadPatchesAreRefused) {
   const Answer refused = ask("PATCH", "/api/settings", "[]");
   EXPECT_EQ(refused.status, 422);
   EXPECT_EQ(refused.body, R"({"error":"/site: refused"})");
+}
+
+TEST_F(RouterTest, ChangesAreCheckedWithoutASave) {
+  const std::string patch = R"([{"op":"replace","path":"/site","value":"x"}])";
+  EXPECT_EQ(ask("POST", "/api/settings/check", patch).body, R"({"changes":)" + patch + "}");
+  EXPECT_EQ(daemon_.last_author(), "");
+  EXPECT_EQ(ask("POST", "/api/settings/check", "[]").body, R"({"error":"/site: refused"})");
+  EXPECT_EQ(ask("POST", "/api/settings/check", "[").status, 400);
+  EXPECT_EQ(ask("GET", "/api/settings/check").status, 405);
+}
+
+TEST_F(RouterTest, ProfilesReachTheHost) {
+  EXPECT_EQ(ask("GET", "/api/profiles").body, R"({"profiles":[{"name":"night"}]})");
+  EXPECT_EQ(ask("GET", "/api/profiles/night").body, R"({"name":"night"})");
+  EXPECT_EQ(ask("GET", "/api/profiles/day").status, 404);
+  EXPECT_EQ(ask("DELETE", "/api/profiles/night").body, R"({"profiles":[]})");
+
+  const auto saved = [&](const std::string& name, const std::string& body = {}) {
+    return Json::parse(ask("PUT", "/api/profiles/" + name, body).body);
+  };
+  EXPECT_EQ(saved("Nacht%20%C3%A4%2B+")["name"], "Nacht ä++");
+  EXPECT_EQ(saved("a%2Fb")["name"], "a/b");  // for the host to refuse
+  EXPECT_EQ(saved("x")["settings"], "in force");
+  EXPECT_EQ(saved("x", "{}")["settings"], "in force");
+  EXPECT_EQ(saved("x", R"({"settings": {"site": "y"}})")["settings"], Json::parse(R"({"site": "y"})"));
+  for (const char* body : {"[]", "7", "{", R"({"setings": {}})", R"({"settings": {}, "more": 1})"})
+    EXPECT_EQ(ask("PUT", "/api/profiles/x", body).status, 400) << body;
+
+  const std::string apply = "/api/profiles/x/apply";
+  EXPECT_EQ(Json::parse(ask("POST", apply).body), Json::parse(R"({"name": "x", "paths": ["all"]})"));
+  EXPECT_EQ(Json::parse(ask("POST", apply, R"({"paths": ["/field"]})").body)["paths"], Json{"/field"});
+  EXPECT_EQ(ask("POST", apply, "", "If-Match: 6\r\n").status, 409);
+  for (const char* body : {R"({"paths": "/field"})", R"({"paths": [1]})", R"({"path": []})"})
+    EXPECT_EQ(ask("POST", apply, body).status, 400) << body;
+}
+
+TEST_F(RouterTest, ASupportBundleIsAnArchiveThatSaysWhatIsMissing) {
+  const Answer bundle = ask("GET", "/api/support");
+  EXPECT_EQ(bundle.status, 200);
+  EXPECT_THAT(bundle.header, AllOf(HasSubstr("Content-Type: application/gzip\r\n"),
+                                   HasSubstr("attachment; filename=\"ssl-visiond-"), HasSubstr(".tar.gz\"")));
+  const auto files = unpacked(bundle.body);
+  EXPECT_THAT(files, AllOf(Contains(Key(EndsWith("/status.json"))), Contains(Key(EndsWith("/settings.json"))),
+                           Contains(Key(EndsWith("/settings_history.json"))),
+                           Contains(Key(EndsWith("/camera_0/calibration.json")))));
+  // This daemon has neither a version nor a picture.
+  EXPECT_THAT(files,
+              AllOf(Not(Contains(Key(EndsWith("version.txt")))), Not(Contains(Key(EndsWith(".jpg"))))));
+  const auto readme = files.begin();
+  EXPECT_THAT(readme->first, EndsWith("/README.txt"));
+  EXPECT_THAT(readme->second,
+              AllOf(HasSubstr("\nstatus.json: "), HasSubstr("\ncamera_0/picture.jpg: its newest picture, in "
+                                                            "full size; missing: no picture yet\n")));
+
+  daemon_.publish(1);
+  const auto with_picture = unpacked(ask("GET", "/api/support").body);
+  EXPECT_THAT(with_picture, Contains(Pair(EndsWith("/camera_0/picture.jpg"), StartsWith("\xff\xd8\xff"))));
+}
+
+TEST_F(RouterTest, AStreamBeginsWithItsHead) {
+  const auto head_of = [&](const std::string& method, const std::string& query) {
+    return router_.answer(method + " /api/cameras/0/stream.mjpg" + query + " HTTP/1.1\r\n\r\n", "192.0.2.7");
+  };
+  const HttpAnswer plain = head_of("GET", "");
+  EXPECT_THAT(plain.bytes,
+              AllOf(StartsWith("HTTP/1.1 200 "), testing::EndsWith("\r\n\r\n"),
+                    HasSubstr("Content-Type: multipart/x-mixed-replace; boundary=ssl-visiond-picture\r\n"),
+                    HasSubstr("Connection: close\r\n"), HasSubstr("Cache-Control: no-store\r\n"),
+                    HasSubstr("X-Content-Type-Options: nosniff\r\n"), Not(HasSubstr("Content-Length"))));
+  ASSERT_TRUE(plain.stream);
+  EXPECT_FALSE(plain.keep_alive);
+  EXPECT_EQ(plain.stream->preview.width, PreviewWish{}.width);
+
+  const HttpAnswer wish = head_of("GET", "?width=99&quality=12&fps=2.5&picture=labels");
+  ASSERT_TRUE(wish.stream);
+  EXPECT_EQ(wish.stream->camera_id, 0u);
+  EXPECT_EQ(wish.stream->preview.width, 99);
+  EXPECT_EQ(wish.stream->preview.quality, 12);
+  EXPECT_EQ(wish.stream->preview.fps, 2.5);
+  EXPECT_EQ(wish.stream->preview.picture, PictureKind::kLabels);
+
+  const HttpAnswer head = head_of("HEAD", "");
+  EXPECT_EQ(head.bytes, plain.bytes);
+  EXPECT_FALSE(head.stream);
+}
+
+TEST_F(RouterTest, BadRequestsForAStreamAreRefused) {
+  for (const char* query : {"?width=0", "?width=x", "?quality=101", "?fps=0", "?fps=nan", "?fps=1e9",
+                            "?fps=", "?picture=regions"}) {
+    const Answer refused = ask("GET", std::string("/api/cameras/0/stream.mjpg") + query);
+    EXPECT_EQ(refused.status, 400) << query;
+    EXPECT_THAT(refused.body, HasSubstr("is not allowed; expected ")) << query;
+  }
+  EXPECT_THAT(ask("GET", "/api/cameras/0/stream.mjpg?fps=0").body,
+              HasSubstr("fps: \\\"0\\\" is not allowed; expected a number 0.01 .. 1000"));
+  EXPECT_EQ(ask("GET", "/api/cameras/1/stream.mjpg").status, 404);
+  EXPECT_EQ(ask("HEAD", "/api/cameras/1/stream.mjpg").status, 404);
+  EXPECT_EQ(ask("POST", "/api/cameras/0/stream.mjpg").status, 405);
 }
 
 TEST_F(RouterTest, CalibrationReachesTheHost) {
@@ -238,12 +359,22 @@ TEST_F(RouterTest, ServesThePanel) {
   EXPECT_THAT(script.header,
               AllOf(HasSubstr("Content-Type: text/javascript\r\n"), HasSubstr("immutable\r\n")));
 
-  for (const char* missing : {"/nothing.js", "/assets", "/assets/nothing.js", "/secret.txt", "//etc/passwd",
-                              "/panel/index.html", "/../secret.txt", "/%2e%2e/secret.txt",
-                              "/assets/..%2f..%2fsecret.txt", "/..", "*", "http://example.org/"}) {
+  for (const char* missing :
+       {"/nothing.js", "/assets", "/assets/nothing.js", "/secret.txt", "//etc/passwd", "/panel/index.html",
+        "/../secret.txt", "/%2e%2e/secret.txt", "/assets/..%2f..%2fsecret.txt", "/..", "*",
+        "http://example.org/", "/%2e%2e%2fsecret.txt", "/assets/%2e%2e/%2e%2e/secret.txt",
+        "/assets/..%5c..%5csecret.txt", "/%252e%252e/secret.txt", "/..;/secret.txt"}) {
     const Answer answer = ask("GET", missing);
     EXPECT_EQ(answer.status, 404) << missing;
     EXPECT_THAT(answer.header, HasSubstr("Cache-Control: no-store\r\n"));
+  }
+}
+
+TEST_F(RouterTest, AnAddressWithAZeroByteIsRefused) {
+  for (const char* target : {"/index.html%00.txt", "/%00", "/api/status%00", "/api/profiles/a%00b"}) {
+    const Answer answer = ask("GET", target);
+    EXPECT_EQ(answer.status, 400) << target;
+    EXPECT_EQ(answer.body, R"({"error":"the address has a zero byte in it"})") << target;
   }
 }
 

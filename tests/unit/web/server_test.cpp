@@ -7,6 +7,7 @@
 
 #include <future>
 #include <stdexcept>
+#include <thread>
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -216,6 +217,10 @@ std::pair<int, int> size_of(const std::string& jpeg) {
   return {width, height};
 }
 
+const auto kIsSecured =
+    AllOf(HasSubstr("Content-Security-Policy: default-src 'self';"),
+          HasSubstr("X-Content-Type-Options: nosniff\r\n"), HasSubstr("Referrer-Policy: no-referrer\r\n"));
+
 class ServerTest : public testing::Test {
  protected:
   static WebOptions options(int port = 0) {
@@ -234,9 +239,7 @@ TEST_F(ServerTest, AnswersWithSecurityHeaders) {
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.body, R"({"site":"test","cameras":[{"id":0}]})");
   EXPECT_THAT(answer.header, HasSubstr("Content-Type: application/json\r\n"));
-  EXPECT_THAT(answer.header, HasSubstr("Content-Security-Policy: default-src 'self';"));
-  EXPECT_THAT(answer.header, HasSubstr("X-Content-Type-Options: nosniff\r\n"));
-  EXPECT_THAT(answer.header, HasSubstr("Referrer-Policy: no-referrer\r\n"));
+  EXPECT_THAT(answer.header, kIsSecured);
   EXPECT_EQ(answer.header.find("Access-Control"), std::string::npos);
 }
 
@@ -319,7 +322,7 @@ TEST_F(ServerTest, ChunkedBodiesAreRefused) {
       "PATCH /api/settings HTTP/1.1\r\nHost: test\r\nTransfer-Encoding: "
       "chunked\r\n\r\n1\r\n[\r\n2\r\n7]\r\n0\r\n\r\n");
   EXPECT_THAT(client.read_to_end(),
-              AllOf(StartsWith("HTTP/1.1 411"), HasSubstr("expected a Content-Length")));
+              AllOf(StartsWith("HTTP/1.1 411"), HasSubstr("expected a Content-Length"), kIsSecured));
   EXPECT_EQ(daemon_.last_author(), "");
 }
 
@@ -337,11 +340,11 @@ TEST_F(ServerTest, ClosesWhenTheClientAsksForIt) {
 TEST_F(ServerTest, TooLargeRequestsAreRefused) {
   Client body(server_.port());
   body.send(request_text("PATCH", "/api/settings", "", std::string(1024 * 1024 + 1, ' ')));
-  EXPECT_THAT(body.read_to_end(), AllOf(StartsWith("HTTP/1.1 413"), HasSubstr("{\"error\":")));
+  EXPECT_THAT(body.read_to_end(), AllOf(StartsWith("HTTP/1.1 413"), HasSubstr("{\"error\":"), kIsSecured));
 
   Client address(server_.port());
   address.send(request_text("GET", "/api/cameras/" + std::string(8000, '1') + "/lut"));
-  EXPECT_THAT(address.read_to_end(), StartsWith("HTTP/1.1 414"));
+  EXPECT_THAT(address.read_to_end(), AllOf(StartsWith("HTTP/1.1 414"), kIsSecured));
 
   Client range(server_.port());
   range.send(request_text("GET", "/", "Range: bytes=" + std::string(8000, '1') + "-\r\n"));
@@ -349,7 +352,7 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
 
   Client header(server_.port());
   header.send(request_text("GET", "/api/status", "X-Long: " + std::string(17 * 1024, 'x') + "\r\n"));
-  EXPECT_THAT(header.read_to_end(), AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("{\"error\":")));
+  EXPECT_THAT(header.read_to_end(), AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("{\"error\":"), kIsSecured));
 
   Client endless(server_.port());
   endless.send("GET /" + std::string(20 * 1024, 'x'));
@@ -369,7 +372,7 @@ TEST_F(ServerTest, GarbageClosesThatConnectionOnly) {
         std::string("PATCH /api/settings HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n")}) {
     Client client(server_.port());
     client.send(garbage);
-    EXPECT_THAT(client.read_to_end(), StartsWith("HTTP/1.1 400"));
+    EXPECT_THAT(client.read_to_end(), AllOf(StartsWith("HTTP/1.1 400"), kIsSecured));
   }
   EXPECT_EQ(ask(other, "GET", "/api/status").status, 200);
 }
@@ -399,7 +402,7 @@ TEST_F(ServerTest, TurnsAwayTooManyConnections) {
   ASSERT_EQ(ask(first, "GET", "/api/status").status, 200);
   ASSERT_EQ(ask(second, "GET", "/api/status").status, 200);
   Client third(server.port());
-  EXPECT_THAT(third.read_to_end(), StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(third.read_to_end(), AllOf(StartsWith("HTTP/1.1 503"), kIsSecured));
   EXPECT_EQ(ask(first, "GET", "/api/status").status, 200);
 }
 
@@ -440,7 +443,12 @@ TEST_F(ServerTest, StopsWithClientsConnected) {
 TEST_F(ServerTest, ViewersFromOtherSitesAreRefused) {
   Client client(server_.port());
   client.send(upgrade_text("Origin: http://evil.example\r\n"));
-  EXPECT_THAT(client.read_to_end(), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(client.read_to_end(), AllOf(StartsWith("HTTP/1.1 403"), kIsSecured));
+
+  Client keyless(server_.port());
+  keyless.send(request_text("GET", "/api/ws",
+                            "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"));
+  EXPECT_THAT(keyless.read_header(), AllOf(StartsWith("HTTP/1.1 400"), kIsSecured));
 }
 
 TEST_F(ServerTest, StatusIsSentToThoseWhoWantIt) {
@@ -574,6 +582,108 @@ TEST_F(ServerTest, WithoutRunsTheCamerasPictureComesInstead) {
   const Viewer::Picture picture = viewer.read_picture();
   EXPECT_EQ(picture.header["picture"], "camera");
   EXPECT_EQ(size_of(picture.jpeg), std::pair(64, 48));
+}
+
+TEST_F(ServerTest, RegionsComeToThoseWhoAskForThem) {
+  Viewer plain(server_.port()), regions(server_.port());
+  daemon_.publish(1);
+  plain.send(R"({"preview": {"camera": 0, "fps": 1000}})");
+  EXPECT_FALSE(plain.read_picture().header.contains("regions"));
+  EXPECT_EQ(daemon_.region_lists(), 0);
+
+  regions.send(R"({"preview": {"camera": 0, "fps": 1000, "regions": true}})");
+  const Viewer::Picture picture = regions.read_picture();
+  EXPECT_EQ(to_text(picture.header["regions"]), R"({"labels":["orange"],"boxes":[[0,1,2,3,4,5]],"total":1})");
+  EXPECT_THAT(picture.jpeg, AllOf(StartsWith("\xff\xd8\xff"), testing::EndsWith("\xff\xd9")));
+
+  // Both are due for the next frame when it comes: they share its JPEG and not its header.
+  const std::uint64_t encoded = server_.stats().jpegs_encoded;
+  for (Viewer* viewer : {&plain, &regions}) {
+    viewer->acknowledge(1);
+    viewer->synchronise();
+  }
+  daemon_.publish(2);
+  const Viewer::Picture with = regions.read_picture(), without = plain.read_picture();
+  EXPECT_TRUE(with.header.contains("regions"));
+  EXPECT_FALSE(without.header.contains("regions"));
+  EXPECT_EQ(with.jpeg, without.jpeg);
+  EXPECT_LE(server_.stats().jpegs_encoded, encoded + 2);
+
+  daemon_.make_no_runs();
+  regions.acknowledge(2);
+  daemon_.publish(3);
+  EXPECT_EQ(regions.read_picture().header["regions"], nullptr);
+}
+
+/// A client of stream.mjpg, whose head is read already.
+class StreamClient : public Client {
+ public:
+  explicit StreamClient(std::uint16_t port, const std::string& query = "", int receive_buffer_bytes = 0)
+      : Client(port, receive_buffer_bytes) {
+    send(request_text("GET", "/api/cameras/0/stream.mjpg" + query));
+    EXPECT_THAT(read_header(), StartsWith("HTTP/1.1 200"));
+  }
+
+  std::string read_jpeg() {
+    const std::string head = read_header();
+    EXPECT_THAT(head, StartsWith("--ssl-visiond-picture\r\nContent-Type: image/jpeg\r\n"));
+    std::string jpeg = read(std::stoul(head.substr(head.find("Content-Length: ") + 16)));
+    EXPECT_EQ(read(2), "\r\n");
+    return jpeg;
+  }
+};
+
+TEST_F(ServerTest, AStreamIsOnePictureAfterTheOther) {
+  daemon_.publish(1);
+  StreamClient client(server_.port(), "?width=32&fps=1000");
+  EXPECT_EQ(size_of(client.read_jpeg()), std::pair(32, 24));
+  for (int frame = 2; frame < 6; ++frame) {
+    daemon_.publish(frame);
+    EXPECT_THAT(client.read_jpeg(), AllOf(StartsWith("\xff\xd8\xff"), testing::EndsWith("\xff\xd9")));
+  }
+  EXPECT_EQ(server_.stats().jpegs_encoded, 5);
+  EXPECT_EQ(server_.stats().connections, 1);
+  EXPECT_EQ(server_.stats().viewers, 0);
+}
+
+TEST_F(ServerTest, AStreamEndsWithItsClient) {
+  daemon_.publish(1);
+  {
+    StreamClient client(server_.port());
+    client.read_jpeg();
+  }
+  while (server_.stats().connections > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  Viewer viewer(server_.port());
+  viewer.send(R"({"subscribe": ["detections"]})");
+  viewer.read_json();
+  daemon_.publish(2);
+  viewer.read_json();
+  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+}
+
+TEST_F(ServerTest, AStreamEndsWithTheServer) {
+  daemon_.publish(1);
+  StreamClient client(server_.port());
+  client.read_jpeg();
+  server_.stop();
+  EXPECT_EQ(client.read_to_end(), "");
+}
+
+TEST_F(ServerTest, ASlowStreamSkipsPicturesAndDelaysNobody) {
+  daemon_.publish_noise(1);  // larger than what fits between server and client
+  StreamClient slow(server_.port(), "?width=16384&quality=100&fps=1000", 4096);
+  Viewer quick(server_.port());
+  quick.send(R"({"subscribe": ["detections"]})");
+  EXPECT_EQ(quick.read_json()["data"]["frame"], 1);
+  for (int frame = 2; frame <= 20; ++frame) {
+    daemon_.publish_noise(frame);
+    ASSERT_EQ(quick.read_json()["data"]["frame"], frame);
+  }
+  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+  const std::string first = slow.read_jpeg();
+  EXPECT_GT(first.size(), std::size_t{512} * 1024);
+  slow.read_jpeg();
+  EXPECT_EQ(server_.stats().jpegs_encoded, 2);  // all others were skipped
 }
 
 TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {

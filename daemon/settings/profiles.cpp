@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "settings/profiles.h"
+
+#include "base/log.h"
+#include "base/params_json.h"
+#include "settings/store.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <glib.h>
+
+namespace sslv {
+namespace {
+
+struct File {
+  std::vector<Profile> profiles;
+  static constexpr auto fields() { return std::tuple{list("profiles", &File::profiles, "by name")}; }
+};
+
+bool is_utf8(const std::string& text) {
+  return g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr) != FALSE;
+}
+
+bool is_printable(const std::string& text) {
+  for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
+    if (g_unichar_isprint(g_utf8_get_char(at)) == FALSE) return false;
+  }
+  return true;
+}
+
+/// A name must also fit between two slashes of an address.
+void check_name(const std::string& name) {
+  if (is_utf8(name) && !name.empty() && g_utf8_strlen(name.c_str(), -1) <= Profiles::kLongestName &&
+      is_printable(name) && name.find('/') == std::string::npos && name.front() != '.' &&
+      name.front() != ' ' && name.back() != ' ')
+    return;
+  throw SettingsError(
+      fmt::format("name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
+                  "the beginning or a space at either end",
+                  Json(name).dump(-1, ' ', false, Json::error_handler_t::replace), Profiles::kLongestName));
+}
+
+auto place_of(std::vector<Profile>& profiles, const std::string& name) {
+  return std::find_if(profiles.begin(), profiles.end(),
+                      [&](const Profile& profile) { return profile.name == name; });
+}
+
+}  // namespace
+
+Profiles::Profiles(std::filesystem::path file) : file_(std::move(file)) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file_, ignored)) return;
+  try {
+    profiles_ = params_from_json<File>(read_json_file(file_), "").profiles;
+  } catch (const SettingsError& error) {
+    const std::filesystem::path aside = file_.string() + ".rejected";
+    std::filesystem::rename(file_, aside, ignored);
+    log::error("the profiles cannot be used and were set aside as {}: {}", aside.string(), error.what());
+  }
+}
+
+std::vector<Profile> Profiles::all() const {
+  const std::lock_guard lock(mutex_);
+  return profiles_;
+}
+
+std::optional<Profile> Profiles::find(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  for (const Profile& profile : profiles_) {
+    if (profile.name == name) return profile;
+  }
+  return std::nullopt;
+}
+
+void Profiles::save(Profile profile) {
+  check_name(profile.name);
+  const std::lock_guard lock(mutex_);
+  std::vector<Profile> next = profiles_;
+  const auto old = place_of(next, profile.name);
+  if (old != next.end()) {
+    *old = std::move(profile);
+  } else if (next.size() == kMost) {
+    throw SettingsError(
+        fmt::format("there are {} profiles already, and no more are kept; delete one first", kMost));
+  } else {
+    const auto after = std::find_if(next.begin(), next.end(),
+                                    [&](const Profile& other) { return other.name > profile.name; });
+    next.insert(after, std::move(profile));
+  }
+  put(std::move(next));
+}
+
+bool Profiles::remove(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Profile> next = profiles_;
+  const auto old = place_of(next, name);
+  if (old == next.end()) return false;
+  next.erase(old);
+  put(std::move(next));
+  return true;
+}
+
+void Profiles::put(std::vector<Profile> profiles) {
+  File file{std::move(profiles)};
+  std::error_code ignored;
+  std::filesystem::create_directories(file_.parent_path(), ignored);
+  write_file_durably(file_, params_to_json(file).dump(2) + "\n");
+  profiles_ = std::move(file.profiles);
+}
+
+}  // namespace sslv

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "base/params.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+/// Settings that were put by under a name.
+struct Profile {
+  std::string name;
+  double time_s = 0;  // Unix time when it was saved
+  std::string who;    // the client's address
+  Json settings = Json::object();
+
+  static constexpr auto fields() {
+    return std::tuple{text("name", &Profile::name, "what it is called"),
+                      number("time", &Profile::time_s, 0.0, 1e12, "s", "Unix time"),
+                      text("who", &Profile::who, "the client's address"),
+                      object("settings", &Profile::settings, "all of them")};
+  }
+};
+
+/// All profiles, by name, kept in a file. May be used from several threads at once.
+class Profiles {
+ public:
+  static constexpr std::size_t kMost = 32;
+  static constexpr long kLongestName = 60;  // characters
+
+  /// A file that cannot be used is set aside (renamed *.rejected).
+  explicit Profiles(std::filesystem::path file);
+
+  std::vector<Profile> all() const;
+  std::optional<Profile> find(const std::string& name) const;
+
+  /// In the place of one with the same name; on disk when it returns. Throws SettingsError for a name that is
+  /// not allowed and for one too many, StorageError when it cannot be saved; nothing has changed then.
+  void save(Profile profile);
+  /// Says whether there was one. Throws StorageError.
+  bool remove(const std::string& name);
+
+ private:
+  void put(std::vector<Profile> profiles);  // on disk first
+
+  const std::filesystem::path file_;
+  mutable std::mutex mutex_;  // guards what follows
+  std::vector<Profile> profiles_;
+};
+
+}  // namespace sslv

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/camera_feeds.h"
+
+#include "web/http.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+CameraFeeds::CameraFeeds(const WebHost& host, std::atomic<std::uint64_t>& jpegs_encoded)
+    : host_(host), jpegs_encoded_(jpegs_encoded) {}
+
+CameraFeeds::~CameraFeeds() {
+  for (const auto& [camera_id, feed] : feeds_)
+    feed->request_stop();  // all at once, so that they end together
+}
+
+CameraFeed& CameraFeeds::of(std::uint32_t camera_id) {
+  const std::vector<std::uint32_t> known = host_.camera_ids();
+  if (std::find(known.begin(), known.end(), camera_id) == known.end()) {
+    throw HttpError(404, "no camera " + std::to_string(camera_id));
+  }
+  std::unique_ptr<CameraFeed>& feed = feeds_[camera_id];
+  if (!feed) feed = std::make_unique<CameraFeed>(host_, camera_id, jpegs_encoded_);
+  return *feed;
+}
+
+void CameraFeeds::stop_previews(CameraFeed::ViewerId viewer) {
+  for (const auto& [camera_id, feed] : feeds_) feed->stop_preview(viewer);
+}
+
+void CameraFeeds::stop_detections(CameraFeed::ViewerId viewer) {
+  for (const auto& [camera_id, feed] : feeds_) feed->stop_detections(viewer);
+}
+
+}  // namespace sslv

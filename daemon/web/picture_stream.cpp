@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/picture_stream.h"
+
+#include "web/http.h"
+#include "web/socket.h"
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/socket_base.hpp>
+#include <boost/beast/core/buffers_suffix.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <fmt/format.h>
+
+namespace sslv {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+
+namespace {
+
+constexpr std::chrono::seconds kStallTimeout{30};
+constexpr int kSendBufferBytes = 64 * 1024;
+constexpr std::string_view kPartEnd = "\r\n";
+
+/// Kept alive by its pending read.
+class PictureStream : public std::enable_shared_from_this<PictureStream> {
+ public:
+  PictureStream(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds, CameraFeed& feed)
+      : feeds_(feeds),
+        feed_(feed),
+        id_(feeds.new_viewer()),
+        connection_(std::move(connection)),
+        stream_(std::move(socket)) {
+    beast::error_code ignored;
+    stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+    limit_unsent_bytes(stream_.socket());
+  }
+
+  void start(const PreviewWish& wish) {
+    read();
+    feed_.start_preview(
+        id_, wish,
+        [weak = weak_from_this(), executor = stream_.get_executor()](const CameraFeed::Message& message) {
+          asio::post(executor, [weak, message] {
+            if (const auto self = weak.lock()) self->send(message);
+          });
+        });
+  }
+
+ private:
+  using Buffers = std::array<asio::const_buffer, 3>;
+
+  /// Only to learn when the client goes; whatever it says is let fall.
+  void read() {
+    stream_.expires_never();
+    stream_.async_read_some(asio::buffer(ignored_),
+                            [self = shared_from_this()](beast::error_code error, std::size_t) {
+                              error ? self->leave() : self->read();
+                            });
+  }
+
+  void send(const CameraFeed::Message& message) {
+    if (left_) return;
+    message_ = message;
+    const std::span<const char> jpeg = jpeg_in(*message_);
+    part_head_ = fmt::format(
+        "--ssl-visiond-picture\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.size());
+    unsent_.emplace(Buffers{asio::buffer(part_head_), asio::buffer(jpeg.data(), jpeg.size()),
+                            asio::buffer(kPartEnd.data(), kPartEnd.size())});
+    write();
+  }
+
+  void write() {
+    stream_.expires_after(kStallTimeout);  // of this step: a slow client is no dead one
+    stream_.async_write_some(*unsent_,
+                             [self = shared_from_this()](beast::error_code error, std::size_t size) {
+                               if (error) return self->leave();
+                               self->unsent_->consume(size);
+                               if (beast::buffer_bytes(*self->unsent_) > 0) return self->write();
+                               self->message_.reset();
+                               self->feed_.acknowledge(self->id_);
+                             });
+  }
+
+  void leave() {
+    if (left_) return;
+    left_ = true;
+    feeds_.stop_previews(id_);
+    stream_.close();
+  }
+
+  CameraFeeds& feeds_;
+  CameraFeed& feed_;
+  const CameraFeed::ViewerId id_;
+  const ScopedCount connection_;
+  beast::tcp_stream stream_;
+  std::array<char, 1024> ignored_;
+  CameraFeed::Message message_;  // on its way, or null
+  std::string part_head_;
+  std::optional<beast::buffers_suffix<Buffers>> unsent_;
+  bool left_ = false;
+};
+
+}  // namespace
+
+void stream_pictures(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds,
+                     const StreamWish& wish) try {
+  std::make_shared<PictureStream>(std::move(socket), std::move(connection), feeds, feeds.of(wish.camera_id))
+      ->start(wish.preview);
+} catch (const HttpError&) {  // the camera went just now: the stream ends before its first picture
+}
+
+}  // namespace sslv
