@@ -17,6 +17,9 @@ export interface Page {
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
   { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
+  { name: 'calibration', title: 'Calibration', icon: 'target', component: defineAsyncComponent(() => import('./pages/calibration/CalibrationPage.vue')) },
+  { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
+  { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: defineAsyncComponent(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
   { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 
@@ -27,6 +30,9 @@ const parts = computed(() => hash.value.replace(/^#\/?/, '').split('/'));
 export const page = computed(() => pages.find(({ name }) => name === parts.value[0]) ?? pages[0]);
 /** What follows the page's name, such as a camera's number. */
 export const pageArgument = computed(() => parts.value[1] ?? '');
+
+/** All that follows the page's name, such as a place in the settings. */
+export const pagePath = computed(() => parts.value.slice(1).join('/'));
 
 export const link = (name: string, argument?: string | number) =>
   argument === undefined ? `#/${name}` : `#/${name}/${argument}`;

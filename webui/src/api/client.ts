@@ -11,7 +11,7 @@ export class ApiError extends Error {
 /** Long enough for a camera that is slow to answer, short enough to say that nothing comes. */
 const PATIENCE_MS = 15_000;
 
-const errorText = (body: unknown, status: number): string =>
+export const errorText = (body: unknown, status: number): string =>
   typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
 
 async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {
@@ -35,7 +35,7 @@ async function request<T>(method: string, path: string, body?: unknown, headers:
 /** Each throws ApiError. `path` is what follows "api/". */
 export const api = {
   get: <T>(path: string) => request<T>('GET', path),
-  post: <T>(path: string, body?: unknown) => request<T>('POST', path, body),
+  post: <T>(path: string, body?: unknown, headers: Record<string, string> = {}) => request<T>('POST', path, body, headers),
   put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
   patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
   delete: <T>(path: string) => request<T>('DELETE', path),

@@ -52,10 +52,14 @@ export function arc(centre: Point, radius: number, a1 = 0, a2 = 2 * Math.PI, cor
   });
 }
 
+/** The arcs that the sizes give. */
+export const arcsOfSizes = (field: FieldSize) => [
+  { name: 'CenterCircle', x: 0, y: 0, radius: field.center_circle_radius, a1: 0, a2: 2 * Math.PI, thickness: 0 },
+];
+
 /** The field's arcs as points. */
 export function fieldArcs(field: FieldSize): Point[][] {
-  if (field.field_arcs) return field.field_arcs.map(({ x, y, radius, a1, a2 }) => arc({ x, y }, radius, a1, a2));
-  return [arc({ x: 0, y: 0 }, field.center_circle_radius)];
+  return (field.field_arcs ?? arcsOfSizes(field)).map(({ x, y, radius, a1, a2 }) => arc({ x, y }, radius, a1, a2));
 }
 
 /** Points along a line, close enough that a lens' bend shows. */

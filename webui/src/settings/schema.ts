@@ -50,6 +50,9 @@ const types = (node: SchemaNode) => (Array.isArray(node.type) ? node.type : [nod
 export const isNullable = (node: SchemaNode) => types(node).includes('null');
 export const isWhole = (node: SchemaNode) => types(node).includes('integer');
 
+/** A value, or the default where there is none; null is one. */
+export const valueOr = (node: SchemaNode | undefined, value: Json | undefined): Json | undefined => (value === undefined ? node?.default : value);
+
 /** How a value is shown and edited. */
 export function kindOf(node: SchemaNode): Kind {
   const type = types(node).find((one) => one !== 'null');
@@ -69,8 +72,9 @@ export function kindOf(node: SchemaNode): Kind {
 
 /** "robot_distance_mm" as people read it: "Robot distance". */
 export function titleOf(key: string): string {
-  const words = key.replace(/_(mm|ms|us|s|px|hz|deg|pct|m|db)$/, '').split('_').filter(Boolean).join(' ');
-  const known: Record<string, string> = { id: 'Id', ids: 'Ids', lut: 'LUT', fps: 'Frame rate', tx: 'tx', ty: 'ty', tz: 'tz', 'max dt': 'Longest gap' };
+  const words = key.replace(/_(mm|ms|us|s|px|hz|deg|pct|m|db)$/, '').split('_').filter(Boolean)
+    .map((word) => ({ colors: 'colours', lut: 'LUT', cpu: 'CPU', ttl: 'TTL', rms: 'RMS' })[word] ?? word).join(' ');
+  const known: Record<string, string> = { fps: 'Frame rate', tx: 'tx', ty: 'ty', tz: 'tz', 'max dt': 'Longest gap' };
   return known[words] ?? words.charAt(0).toUpperCase() + words.slice(1);
 }
 

@@ -4,7 +4,7 @@ import { computed, ref, shallowRef, watch, type ShallowRef } from 'vue';
 import type { SettingsStep } from '../api/types';
 import { newestStepAt, saveValue, schema, settings } from '../state/settings';
 import { isEqual, valueAt, type Json } from './pointer';
-import { nodeAt } from './schema';
+import { nodeAt, valueOr } from './schema';
 
 interface Draft {
   value: Json;
@@ -13,7 +13,7 @@ interface Draft {
 export function useSetting(pointer: () => string) {
   const node = computed(() => (schema.value && settings.value !== null ? nodeAt(schema.value, settings.value, pointer()) : undefined));
   /** What the service uses. A parameter that is not in the tree has its default. */
-  const saved = computed<Json | undefined>(() => valueAt(settings.value ?? undefined, pointer()) ?? node.value?.default);
+  const saved = computed<Json | undefined>(() => valueOr(node.value, valueAt(settings.value ?? undefined, pointer())));
   /** What is shown while it differs from that: not saved yet, or not allowed. */
   const draft: ShallowRef<Draft | null> = shallowRef(null);
   const value = computed(() => (draft.value ? draft.value.value : saved.value));

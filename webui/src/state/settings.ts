@@ -3,7 +3,7 @@
 // it is on disk; one that was made on an older revision is only sent again when nobody else touched the same.
 import { computed, ref, shallowRef, watch } from 'vue';
 import { api, ApiError, messageOf } from '../api/client';
-import type { SettingsRevision, SettingsStep, Stale } from '../api/types';
+import type { SettingsChange, SettingsRevision, SettingsStep, Stale } from '../api/types';
 import { overlap, setOperations, valueAt, type Json, type Operation } from '../settings/pointer';
 import type { SchemaNode } from '../settings/schema';
 import { knownStatus } from './live';
@@ -96,16 +96,34 @@ async function attempt(work: () => Promise<Outcome>): Promise<Outcome> {
   return outcome;
 }
 
+/** Shows, where changes of settings are shown, what becomes of a request that saves in another way. Throws what it throws. */
+export async function showSaving<T>(work: () => Promise<T>): Promise<T> {
+  saveState.value = { kind: 'saving' };
+  try {
+    const result = await work();
+    saveState.value = { kind: 'saved', at: new Date() };
+    return result;
+  } catch (error) {
+    saveState.value = { kind: 'idle' };
+    throw error;
+  }
+}
+
 const touches = (step: SettingsStep, operations: Operation[]) =>
   step.changes.some(({ path }) => operations.some((operation) => overlap(path, operation.path)));
+
+const sameRevision = () => ({ 'If-Match': String(revision.value) });
+
+function takeOwn(answer: SettingsRevision): Outcome {
+  if (answer.revision !== revision.value) ownSteps.value.push(answer.revision);
+  take(answer);
+  return { kind: 'saved' };
+}
 
 async function patch(operations: Operation[]): Promise<Outcome> {
   for (;;) {
     try {
-      const answer = await api.patch<SettingsRevision>('settings', operations, { 'If-Match': String(revision.value) });
-      if (answer.revision !== revision.value) ownSteps.value.push(answer.revision);
-      take(answer);
-      return { kind: 'saved' };
+      return takeOwn(await api.patch<SettingsRevision>('settings', operations, sameRevision()));
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 409) throw error;
       const { changed_since } = error.body as Stale;
@@ -140,6 +158,27 @@ export function saveValue(pointer: string, value: Json): Promise<Outcome> {
     return setOperations(tree, pointer, entry.value);
   });
   return entry.outcome;
+}
+
+/** Puts the parts of a profile that lie at `paths` into force. */
+export const applyProfile = (name: string, paths: string[]): Promise<Outcome> => inTurn(() => attempt(async () => {
+  try {
+    return takeOwn(await api.post<SettingsRevision>(`profiles/${encodeURIComponent(name)}/apply`, { paths }, sameRevision()));
+  } catch (error) {
+    if (!(error instanceof ApiError) || error.status !== 409) throw error;
+    await loadSettings();
+    const [newest] = (error.body as Stale).changed_since;
+    return newest ? { kind: 'stale', step: newest } : { kind: 'refused', text: error.message };
+  }
+}));
+
+/** What a change would do, or why it would be refused. Nothing is changed. */
+export async function checkChange(operations: Operation[]): Promise<{ changes: SettingsChange[] } | { error: string }> {
+  try {
+    return await api.post<{ changes: SettingsChange[] }>('settings/check', operations);
+  } catch (error) {
+    return { error: messageOf(error) };
+  }
 }
 
 /** Takes one step of the history back. */

@@ -3,10 +3,8 @@
 import { computed, reactive, ref, watch } from 'vue';
 import type { Layers } from '../../picture/LivePicture.vue';
 
-export type LayerChoice = Required<Layers>;
-
 export interface Layer {
-  name: keyof LayerChoice;
+  name: keyof Layers;
   title: string;
   key: string;
   /** What one sees. */
@@ -26,12 +24,12 @@ export const layerList: readonly Layer[] = [
   { name: 'grid', title: 'Grid, 1 m', key: '8', isOn: false, what: 'Lines on the floor every metre from the middle of the field.' },
 ];
 
-const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as LayerChoice;
+const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as Required<Layers>;
 
 const KEY = 'layers';
 
 /** The choice of an earlier visit; what it does not say is as at the first. */
-export function storedLayers(text: string | null): LayerChoice {
+export function storedLayers(text: string | null): Required<Layers> {
   let stored: unknown = null;
   try {
     stored = JSON.parse(text ?? 'null');
@@ -50,7 +48,7 @@ function storage(): Storage | null {
   }
 }
 
-export const layers = reactive<LayerChoice>(storedLayers(storage()?.getItem(KEY) ?? null));
+export const layers = reactive<Required<Layers>>(storedLayers(storage()?.getItem(KEY) ?? null));
 export const allHidden = ref(false);
 watch(layers, () => {
   try {
@@ -63,7 +61,7 @@ watch(layers, () => {
 const NONE = each(() => false);
 export const shownLayers = computed(() => (allHidden.value ? NONE : layers));
 
-export function toggleLayer(name: keyof LayerChoice): void {
+export function toggleLayer(name: keyof Layers): void {
   layers[name] = allHidden.value || !layers[name];
   allHidden.value = false;
 }

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel's page of settings: what an admin changes there, seen at the service and in its pictures.
+// Environment: see service.mjs and browser.mjs.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, beforeEach, describe, it } from 'node:test';
+import { setTimeout as pause } from 'node:timers/promises';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, text, views } from './browser.mjs';
+import { createService, PATIENCE_MS } from './service.mjs';
+
+const service = await createService('239.255.77.79');
+const { settings, address, patch, statusBecomes } = service;
+const browser = createBrowser(service);
+const { withPage, screenshots } = browser;
+
+const ask = async (path, method = 'GET', body = undefined) => {
+  const answer = await fetch(address(`api/${path}`), { method, body: body === undefined ? undefined : JSON.stringify(body) });
+  assert.ok(answer.ok, `${method} ${path}: ${answer.status}`);
+  return answer.json();
+};
+const tree = async () => (await ask('settings')).settings;
+const row = (pointer) => byId(`setting-${pointer}`);
+const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-state="saved"]`);
+
+/** Looks again until it is as wanted. */
+async function becomes(look, wanted) {
+  const deadline = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const now = await look();
+    if (wanted(now)) return now;
+    assert.ok(Date.now() < deadline, `it does not become ${wanted}: ${JSON.stringify(now)}`);
+    await pause(50);
+  }
+}
+const treeBecomes = (wanted) => becomes(tree, wanted);
+
+/** The mean brightness of the camera's picture, 0 to 255. */
+const brightness = (page, camera) => page.evaluate(async (url) => {
+  const bitmap = await createImageBitmap(await (await fetch(url)).blob());
+  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+  const context = canvas.getContext('2d');
+  context.drawImage(bitmap, 0, 0);
+  const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+  let sum = 0;
+  for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
+  return sum / (data.length / 4) / 3;
+}, `api/cameras/${camera}/snapshot.jpg`);
+
+const brightnessBecomes = (page, camera, wanted) => becomes(() => brightness(page, camera), wanted);
+
+const typeInto = async (page, pointer, value) => {
+  const field = page.locator(`${row(pointer)} input[type="text"]`);
+  await field.fill(value);
+  await field.press('Enter');
+};
+
+describe('settings page', { timeout: 540_000 }, () => {
+  let first;
+  before(async () => {
+    await service.start();
+    await browser.start();
+    await statusBecomes(({ cameras }) => cameras.every(({ state }) => state === 'running'));
+    first = await tree();
+  });
+  after(async () => {
+    await browser.end();
+    await service.end();
+  });
+  // Each test begins with the demo's settings.
+  beforeEach(async () => {
+    if (JSON.stringify(await tree()) !== JSON.stringify(first)) await patch({ op: 'replace', path: '', value: first });
+  });
+
+  for (const { name, viewport, options } of views) {
+    it(`moves a slider and the picture follows, on a ${name}`, withPage(viewport, '#/settings', options, async (page) => {
+      // By the tree, as one would.
+      await page.click(`${byId('place-/cameras/0')}`);
+      await page.click(name === 'phone' ? byId('open-/cameras/0/source') : byId('place-/cameras/0/source'));
+      const before = await brightness(page, 0);
+      assert.ok(before > 50, `${before}`);
+      const slider = page.locator(`${row('/cameras/0/source/light')} input[type="range"]`);
+      await slider.scrollIntoViewIfNeeded();
+      await slider.focus();
+      await page.keyboard.press('Home'); // the darkest
+      await saved(page);
+      await treeBecomes(({ cameras }) => cameras[0].source.light < 0.1);
+      await brightnessBecomes(page, 0, (now) => now < before / 3);
+      assert.ok((await brightness(page, 1)) > before / 2, 'the other camera stays');
+      // Nothing of it is seen in the dark.
+      await statusBecomes(({ cameras }) => cameras[0].robots === 0 && cameras[1].robots > 0);
+
+      await page.click(`${row('/cameras/0/source/light')} button.reset`);
+      await brightnessBecomes(page, 0, (now) => now > before * 0.8);
+      await page.waitForSelector(`${row('/cameras/0/source/light')}:not([data-changed])`);
+      assert.equal((await tree()).cameras[0].source.light, 1);
+    }));
+
+    it(`keeps what is not allowed and says why, on a ${name}`, withPage(viewport, '#/settings/cameras/0/stages/detect_balls', options, async (page) => {
+      const pointer = '/cameras/0/stages/detect_balls/min_confidence';
+      await typeInto(page, pointer, '7');
+      const error = page.locator(`${row(pointer)} [role="alert"]`);
+      assert.match(await error.textContent(), /Must be at most 1.*still uses 0\.5/s);
+      assert.equal(await page.inputValue(`${row(pointer)} input[type="text"]`), '7', 'what was typed stays');
+      assert.equal((await tree()).cameras[0].stages.detect_balls.min_confidence, 0.5);
+
+      await typeInto(page, pointer, '0.4');
+      await error.waitFor({ state: 'detached' });
+      await treeBecomes(({ cameras }) => cameras[0].stages.detect_balls.min_confidence === 0.4);
+    }));
+  }
+
+  it('shows what the service refuses in its words', withPage(DESKTOP, '#/settings/network', {}, async (page, panel) => {
+    panel.errorsExpected = true; // the browser calls a refusal one
+    await typeInto(page, '/network/vision/group', 'nowhere');
+    const error = await page.waitForSelector(`${row('/network/vision/group')} [role="alert"]`);
+    assert.match(await error.textContent(), /\/network\/vision\/group.*nowhere.*still uses 239\.255\.77\.79/s);
+    assert.equal((await tree()).network.vision.group, '239.255.77.79');
+  }));
+
+  it('never overwrites what somebody else saved meanwhile', withPage(DESKTOP, '#/settings/cameras/0/stages/detect_balls', {}, async (page) => {
+    const pointer = '/cameras/0/stages/detect_balls/max_balls';
+    const value = async () => (await tree()).cameras[0].stages.detect_balls.max_balls;
+    const editMeanwhile = async (theirs, mine) => {
+      const field = page.locator(`${row(pointer)} input[type="text"]`);
+      await field.focus();
+      await field.fill(String(mine));
+      await patch({ op: 'replace', path: pointer, value: theirs });
+      // The page knows about it before we press Enter.
+      await page.waitForFunction((one) => document.querySelector('[aria-label="History"]').textContent.includes(one), `${theirs}`);
+      await field.press('Enter');
+      const conflict = await page.waitForSelector(`${row(pointer)} .conflict`);
+      assert.match(await conflict.textContent(), new RegExp(`changed this.*Saved is ${theirs}, yours is ${mine}`, 's'));
+      assert.equal(await value(), theirs);
+    };
+    await editMeanwhile(771, 30);
+    await page.click(`${row(pointer)} button:has-text("Keep 771")`);
+    await page.waitForSelector(`${row(pointer)} .conflict`, { state: 'detached' });
+    assert.equal(await page.inputValue(`${row(pointer)} input[type="text"]`), '771');
+    assert.equal(await value(), 771);
+
+    await editMeanwhile(772, 31);
+    await page.click(`${row(pointer)} button:has-text("Use 31")`);
+    await page.waitForSelector(`${row(pointer)} .conflict`, { state: 'detached' });
+    await treeBecomes(({ cameras }) => cameras[0].stages.detect_balls.max_balls === 31);
+  }));
+
+  it('checks a stack before it is applied', withPage(DESKTOP, '#/settings/cameras/0/stack', {}, async (page, panel) => {
+    const stack = async () => (await tree()).cameras[0].stack;
+    const order = () => page.$$eval(`${byId('stack')} > li b`, (names) => names.map((name) => name.textContent));
+    await page.waitForFunction((selector) => /\d\sµs|\d\sms/.test(document.querySelector(selector).textContent), byId('stage-segment'));
+
+    panel.errorsExpected = true;
+    await page.click(`${byId('stage-segment')} button[aria-label="Remove segment"]`);
+    const error = await page.waitForSelector(`${byId('stage-detect_robots')} ${byId('stage-error')}`);
+    assert.match(await error.textContent(), /stage 'detect_robots' needs 'regions', which no earlier stage provides/);
+    assert.ok(await page.isDisabled(byId('stack-apply')));
+    assert.deepEqual(await stack(), first.cameras[0].stack, 'nothing is applied');
+    await page.click(byId('stack-discard'));
+    await page.waitForSelector(byId('stage-error'), { state: 'detached' });
+    assert.deepEqual(await order(), first.cameras[0].stack);
+    panel.errorsExpected = false;
+
+    // Off and on again, and moved by the keyboard.
+    await page.click(`${byId('stage-detect_balls')} [role="switch"]`);
+    await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
+    assert.equal((await stack()).length, 4);
+    await page.click(byId('stack-apply'));
+    await treeBecomes(({ cameras }) => cameras[0].stack.join() === 'segment,detect_robots,publish');
+    await statusBecomes(({ cameras }) => cameras[0].stages.length === 3 && cameras[0].balls === 0);
+    await page.waitForSelector(`${byId('stage-detect_balls')}.off`);
+    await page.click(`${byId('stage-detect_balls')} [role="switch"]`);
+    await page.focus(`${byId('stage-detect_balls')} .grip`);
+    await page.keyboard.press('ArrowUp');
+    await page.waitForFunction((selector) => document.querySelector(selector).dataset.index === '1', byId('stage-detect_balls'));
+    assert.equal(await page.evaluate(() => document.activeElement.closest('li').dataset.testid), 'stage-detect_balls', 'the handle keeps the focus');
+    await page.keyboard.press('ArrowDown');
+    await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
+    await page.click(byId('stack-apply'));
+    await treeBecomes(({ cameras }) => cameras[0].stack.join() === first.cameras[0].stack.join());
+
+    // Dragged with the mouse, and other stages instead.
+    const from = await page.locator(`${byId('stage-publish')} .grip`).boundingBox();
+    const to = await page.locator(`${byId('stage-detect_balls')} .grip`).boundingBox();
+    await page.mouse.move(from.x + from.width / 2, from.y + from.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(to.x + to.width / 2, to.y + to.height / 2, { steps: 5 });
+    await page.mouse.up();
+    assert.deepEqual(await order(), ['segment', 'detect_robots', 'publish', 'detect_balls']);
+    await page.click(byId('stack-discard'));
+    await page.click(byId('add-stage'));
+    await page.click(byId('add-find_runs'));
+    assert.deepEqual(await order(), ['segment', 'detect_robots', 'detect_balls', 'find_runs', 'publish']);
+    await page.click(byId('stack-discard'));
+  }));
+
+  it('takes steps back from the history and by Ctrl Z', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
+    const pointer = '/cameras/1/stages/detect_robots/max_rms_mm';
+    const value = async () => (await tree()).cameras[1].stages.detect_robots.max_rms_mm;
+    await typeInto(page, pointer, '5');
+    await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 5);
+    const { revision } = await ask('settings');
+    const step = await page.waitForSelector(byId(`step-${revision}`));
+    assert.match(await step.textContent(), /camera 1 \/ detect_robots \/ max_rms_mm.*6.*5 mm/s);
+    await page.click(`${byId(`step-${revision}`)} button[aria-label^="Take back"]`);
+    await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 6);
+    await page.waitForFunction((selector) => document.querySelector(selector).value === '6', `${row(pointer)} input[type="text"]`);
+
+    await typeInto(page, pointer, '4');
+    await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 4);
+    await page.keyboard.press('Control+z'); // the text field has the focus, and an undo of its own
+    assert.equal(await value(), 4);
+    await page.focus(`${row(pointer)} input[type="range"]`);
+    await page.waitForSelector(`${byId('undo-last')}:not([disabled])`);
+    await page.keyboard.press('Control+z');
+    await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 6);
+    await page.waitForSelector(`${byId('notice')}:has-text("taken back")`);
+  }));
+
+  it('finds settings, and those that are changed', withPage(DESKTOP, '#/settings', {}, async (page) => {
+    await page.waitForSelector(byId('place-title'));
+    await page.keyboard.press('/');
+    await page.keyboard.type('camera 1 confidence');
+    await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.startsWith('2 '), byId('results'));
+    for (const stage of ['detect_robots', 'detect_balls']) await page.waitForSelector(row(`/cameras/1/stages/${stage}/min_confidence`));
+    await typeInto(page, '/cameras/1/stages/detect_balls/min_confidence', '0.45'); // a result is the setting itself
+    await treeBecomes(({ cameras }) => cameras[1].stages.detect_balls.min_confidence === 0.45);
+    await page.fill(byId('settings-search'), 'no such thing');
+    await page.waitForSelector('text=No setting has all these words');
+    await page.fill(byId('settings-search'), '');
+
+    const count = Number(await page.textContent(`${byId('changed-only')} .count`));
+    await page.click(byId('changed-only'));
+    await page.waitForSelector(`${row('/cameras/1/stages/detect_balls/min_confidence')}[data-changed]`);
+    assert.match(await text(page, 'results'), new RegExp(`^${count} `));
+    assert.equal(await page.locator(row('/cameras/1/stages/detect_robots/min_confidence')).count(), 0);
+    await page.click(`${row('/cameras/1/stages/detect_balls/min_confidence')} button.reset`);
+    await page.waitForSelector(row('/cameras/1/stages/detect_balls/min_confidence'), { state: 'detached' });
+    assert.equal(Number(await page.textContent(`${byId('changed-only')} .count`)), count - 1);
+  }));
+
+  it('adds, duplicates and removes cameras, colours and controls, with a way back', withPage(DESKTOP, '#/settings/cameras', {}, async (page) => {
+    await page.click(byId('add-simulator'));
+    await treeBecomes(({ cameras }) => cameras.length === 3 && cameras[2].id === 2 && cameras[2].source.backend === 'simulator');
+    await page.click('button[aria-label="Remove camera 2"]');
+    await treeBecomes(({ cameras }) => cameras.length === 2);
+    await page.click(byId('notice-undo'));
+    await treeBecomes(({ cameras }) => cameras.length === 3);
+    await page.waitForSelector(`${byId('camera-entry')}:has-text("Camera 2")`);
+
+    await page.goto(address('#/settings/cameras/0/colors/classes'));
+    await page.click('button[aria-label="Duplicate green"]');
+    await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === 'orange,yellow,blue,pink,green,green');
+    await page.click('button[aria-label="Move orange down"]');
+    await treeBecomes(({ cameras }) => cameras[0].colors.classes[1].label === 'orange');
+    await page.click('button[aria-label="Remove yellow"]');
+    await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === 'orange,blue,pink,green,green');
+    assert.deepEqual((await tree()).cameras[0].colors.classes[0], first.cameras[0].colors.classes[0]);
+
+    await page.goto(address('#/settings/ball_models'));
+    await page.click(`${byId('switch-/ball_models')} [role="switch"]`);
+    await treeBecomes(({ ball_models }) => ball_models === null);
+    await page.click(`${byId('switch-/ball_models')} [role="switch"]`);
+    await treeBecomes(({ ball_models }) => ball_models?.acc_roll === -0.45);
+
+    await patch({ op: 'replace', path: '/cameras/2/source', value: { backend: 'files', path: service.folder } });
+    await page.goto(address('#/settings/cameras/2/source/controls'));
+    await page.fill(byId('pair-name'), 'paused');
+    await page.fill(byId('pair-value'), 'true');
+    await page.click(byId('pair-add'));
+    await treeBecomes(({ cameras }) => cameras[2].source.controls.paused === true);
+    await page.click('button[aria-label="Remove paused"]');
+    await treeBecomes(({ cameras }) => !('paused' in cameras[2].source.controls));
+  }));
+
+  it('saves, shows, applies and deletes profiles', withPage(DESKTOP, '#/settings/~profiles', {}, async (page) => {
+    await page.fill(byId('profile-name'), 'Evening');
+    await page.click(byId('profile-save'));
+    await page.waitForSelector(byId('profile-Evening'));
+    await patch({ op: 'replace', path: '/site', value: 'Hall 3' }, { op: 'replace', path: '/cameras/1/calibration/tx', value: 77 });
+    await page.click(`${byId('profile-Evening')} button:has-text("Look and apply")`);
+    assert.match(await page.textContent(byId('section-/site')), /site.*Hall 3.*Demo field/s);
+    assert.equal(await page.isChecked(`${byId('section-/cameras/1/calibration')} input`), false);
+    await page.click(byId('apply-changes'));
+    const now = await treeBecomes(({ site }) => site === 'Demo field');
+    assert.equal(now.cameras[1].calibration.tx, 77, 'calibrations stay unless ticked');
+    await page.waitForSelector(byId('changes'), { state: 'detached' });
+
+    await page.click(`${byId('profile-Evening')} button:has-text("Look and apply")`);
+    await page.check(`${byId('section-/cameras/1/calibration')} input`);
+    await page.click(byId('apply-changes'));
+    await treeBecomes(({ cameras }) => cameras[1].calibration.tx === first.cameras[1].calibration.tx);
+
+    await page.click('button[aria-label="Delete profile Evening"]');
+    await page.waitForSelector(byId('profile-Evening'), { state: 'detached' });
+    assert.deepEqual((await ask('profiles')).profiles, []);
+    await page.click(byId('notice-undo'));
+    await page.waitForSelector(byId('profile-Evening'));
+    assert.deepEqual((await ask('profiles/Evening')).settings, first);
+    await ask('profiles/Evening', 'DELETE');
+  }));
+
+  for (const { name, viewport, options } of views) {
+    it(`exports and imports the whole tree, on a ${name}`, withPage(viewport, '#/settings/~profiles', options, async (page, panel) => {
+      const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('export'))]);
+      assert.match(download.suggestedFilename(), /^ssl-visiond-Demo-field-\d{8}-\d{4}\.json$/);
+      const file = readFileSync(await download.path());
+      assert.deepEqual(JSON.parse(file), first);
+
+      await patch({ op: 'replace', path: '/site', value: 'Elsewhere' }, { op: 'replace', path: '/cameras/0/stack', value: ['segment', 'publish'] });
+      const give = (text) => page.setInputFiles(byId('import'), { name: 'all.json', mimeType: 'application/json', buffer: Buffer.from(text) });
+      await page.waitForFunction(() => document.querySelector('.top').textContent.includes('Elsewhere'));
+      await give(file);
+      await page.waitForSelector(byId('changes'));
+      assert.match(await page.textContent(byId('changes')), /Elsewhere.*Demo field.*stack/s);
+      await page.uncheck(`${byId('section-/site')} input`);
+      await page.click(byId('apply-changes'));
+      const now = await treeBecomes(({ cameras }) => cameras[0].stack.length === 4);
+      assert.equal(now.site, 'Elsewhere', 'what is not ticked stays');
+      await page.waitForSelector(byId('changes'), { state: 'detached' });
+      await give(file);
+      await page.waitForSelector(byId('changes'));
+      await page.click(byId('apply-changes'));
+      assert.deepEqual(await treeBecomes(({ site }) => site === 'Demo field'), first);
+
+      panel.errorsExpected = true; // the browser calls a refusal one
+      for (const [broken, what] of [['{"site":', /all\.json is no JSON/], ['[]', /expected an object/], [JSON.stringify({ ...first, sight: 1 }), /all\.json: .*\/sight: no such parameter/]]) {
+        await give(broken);
+        await page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector)?.textContent ?? ''), [byId('import-error'), what.source]);
+        assert.equal(await page.locator(byId('changes')).count(), 0);
+      }
+      assert.deepEqual(await tree(), first);
+    }));
+  }
+
+  it('leads through one column on a phone', withPage(PHONE, '#/settings', phone, async (page) => {
+    await page.waitForSelector(byId('settings-search'));
+    assert.equal(await page.isVisible(byId('place-title')), false, 'the tree first');
+    await page.click(byId('place-/teams'));
+    await page.waitForSelector(row('/teams/yellow/name'));
+    assert.equal(await page.isVisible(byId('settings-search')), false);
+    await page.click('a:has-text("All settings")');
+    await page.waitForSelector(byId('settings-search'));
+    await page.fill(byId('settings-search'), 'loopback');
+    await page.waitForSelector(row('/network/vision/loopback'));
+    await page.click('a:has-text("History")', { trial: true, timeout: 500 }).then(() => assert.fail('only the results show'), () => {});
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  }));
+
+  const looks = [
+    { name: 'General', path: '#/settings/~general', ready: row('/site') },
+    { name: 'a stage', path: '#/settings/cameras/0/stages/detect_balls', ready: byId('stack') },
+    { name: 'the stack', path: '#/settings/cameras/0/stack', ready: byId('stack') },
+    { name: 'cameras', path: '#/settings/cameras', ready: byId('camera-entry') },
+    { name: 'a source', path: '#/settings/cameras/0/source', ready: byId('backend') },
+    { name: 'colours', path: '#/settings/cameras/0/colors/classes', ready: byId('entry') },
+    { name: 'profiles', path: '#/settings/~profiles', ready: byId('profile-name') },
+    { name: 'history', path: '#/settings/~history', ready: '.inline' },
+    { name: 'tree', path: '#/settings', ready: byId('settings-search') },
+  ];
+  for (const { name: view, viewport, options } of views) {
+    it(`is accessible on a ${view}`, withPage(viewport, '', options, async (page) => {
+      for (const { name, path, ready } of looks) {
+        await page.goto(address(path));
+        await page.waitForSelector(ready);
+        if (name === 'colours') await page.click(`${byId('entry')} .title`);
+        for (const theme of ['dark', 'light']) {
+          await chooseTheme(page, theme);
+          await accessible(page, `${name} on a ${view}, ${theme}`);
+        }
+        assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name} is no wider than a ${view}`);
+        if (view === 'desktop') assert.ok(await page.evaluate(() => document.documentElement.scrollHeight <= innerHeight), `${name} fits a ${view}`);
+      }
+    }));
+  }
+
+  const withSteps = async (page) => {
+    await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/min_confidence', value: 0.45 });
+    await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/max_balls', value: 12 });
+    await page.waitForSelector(`${row('/cameras/0/stages/detect_balls/max_balls')}[data-changed]`);
+  };
+  screenshots(['dark', 'light'].map((theme) => (
+    { file: `settings-${theme}.jpg`, theme, path: '#/settings/cameras/0/stages/detect_balls', viewport: DESKTOP, options: {}, ready: withSteps }
+  )));
+});

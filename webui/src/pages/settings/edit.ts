@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Changes of whole parts of the settings: entries of lists, cameras, what can be absent.
+import type { Status } from '../../api/types';
+import { arcsOfSizes, fieldLines } from '../../geometry/fieldLines';
+import { keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
+import { nodeAt, type SchemaNode } from '../../settings/schema';
+
+const defaultsOf = (node: SchemaNode | undefined): Json => Object.fromEntries(Object.entries(node?.properties ?? {})
+  .flatMap(([key, one]) => (one.default === undefined ? [] : [[key, one.default]])));
+
+/** What something absent begins with: something that works, or at least shows what to fill in. */
+export function startOf(schema: SchemaNode, tree: Json, pointer: string, status: Status | null): Json {
+  const key = keysOf(pointer).at(-1);
+  if (key === 'field_lines' && status) return fieldLines({ ...status.field, field_lines: null }).map(({ name, p1, p2 }) => ({ name, x1: p1.x, y1: p1.y, x2: p2.x, y2: p2.y, thickness: 0 }));
+  if (key === 'field_arcs' && status) return arcsOfSizes(status.field);
+  const node = nodeAt(schema, tree, pointer);
+  if (node?.items) return [];
+  const start = defaultsOf(node) as { [key: string]: Json };
+  if (key === 'calibration') {
+    const id = valueAt(tree, pointerOf([...keysOf(pointer).slice(0, 2), 'id']));
+    const camera = status?.cameras.find((one) => one.id === id);
+    const [width, height] = [camera?.width || 780, camera?.height || 580];
+    Object.assign(start, { pixel_image_width: width, pixel_image_height: height, principal_point_x: width / 2, principal_point_y: height / 2 });
+  }
+  return start;
+}
+
+/** A new entry of a list: as the last one is, else one that is allowed and does no harm. */
+export function newEntry(schema: SchemaNode, tree: Json, list: string): Json {
+  const entries = valueAt(tree, list);
+  if (Array.isArray(entries) && entries.length) return entries.at(-1)!;
+  const key = keysOf(list).at(-1);
+  const start = defaultsOf(nodeAt(schema, tree, list)?.items) as { [key: string]: Json };
+  if (key === 'classes') return { ...start, label: 'orange', luma: [60, 255], hue_deg: [108, 147], saturation_pct: [34, 1000] };
+  if (key === 'include' || key === 'exclude') return { ...start, points: [[0, 0], [100, 0], [0, 100]] };
+  return start;
+}
+
+const idsOf = (tree: Json) => {
+  const cameras = valueAt(tree, '/cameras');
+  return (Array.isArray(cameras) ? cameras : []).map((camera) => valueAt(camera, '/id'));
+};
+
+/** The lowest id that no camera has. */
+export function freeId(tree: Json): number {
+  const taken = idsOf(tree);
+  let id = 0;
+  while (taken.includes(id)) id++;
+  return id;
+}
+
+/** An entry of a list in a few words. */
+export function entryTitle(entry: Json, index: number): string {
+  for (const key of ['label', 'name']) {
+    const text = valueAt(entry, `/${key}`);
+    if (typeof text === 'string' && text) return text;
+  }
+  const points = valueAt(entry, '/points');
+  return Array.isArray(points) ? `Polygon of ${points.length} corners` : `Entry ${index + 1}`;
+}
