@@ -83,10 +83,16 @@ std::string joined(const std::vector<std::string>& texts) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// What a second vision does to the teams, which cannot tell whose packets they get.
-void add_vision_alerts(Json& alerts, const StatusInput& input) {
+/// The sizes of the field that another vision tells otherwise.
+std::vector<SizeConflict> field_conflicts(const StatusInput& input, const OtherVision& other) {
+  if (!other.field) return {};
   SSL_WrapperPacket ours;
   write_geometry(*input.geometry, ours);
+  return size_conflicts(ours.geometry().field(), *other.field);
+}
+
+/// What a second vision does to the teams, which cannot tell whose packets they get.
+void add_vision_alerts(Json& alerts, const StatusInput& input) {
   for (const OtherVision& other : input.other_visions) {
     std::vector<std::string> shared_ids, conflicts;
     for (const CameraNow& now : input.cameras) {
@@ -95,10 +101,8 @@ void add_vision_alerts(Json& alerts, const StatusInput& input) {
         shared_ids.push_back(std::to_string(id));
       }
     }
-    if (other.field) {
-      for (const SizeConflict& size : size_conflicts(ours.geometry().field(), *other.field)) {
-        conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
-      }
+    for (const SizeConflict& size : field_conflicts(input, other)) {
+      conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
     }
     if (!shared_ids.empty()) {
       add_alert(alerts, "bad",
@@ -207,7 +211,14 @@ Json teams_json(const StatusInput& input) {
 Json other_visions_json(const StatusInput& input) {
   Json out = Json::array();
   for (const OtherVision& other : input.other_visions) {
-    out.push_back({{"address", other.address}, {"silent_s", other.silent_s}, {"cameras", other.cameras}});
+    Json conflicts = Json::array();
+    for (const SizeConflict& size : field_conflicts(input, other)) {
+      conflicts.push_back({{"name", size.name}, {"ours", size.ours}, {"theirs", size.theirs}});
+    }
+    out.push_back({{"address", other.address},
+                   {"silent_s", other.silent_s},
+                   {"cameras", other.cameras},
+                   {"field_conflicts", std::move(conflicts)}});
   }
   return out;
 }

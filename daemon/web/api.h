@@ -17,6 +17,8 @@ namespace sslv {
 // api_status.cpp
 void get_status(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_cameras(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_network_interfaces(const WebHost& host, const httplib::Request& request,
+                            httplib::Response& response);
 
 // api_cameras.cpp: the path holds the camera's id
 /// The camera named in the path. Throws HttpError 404.

@@ -12,4 +12,8 @@ void get_cameras(const WebHost& host, const httplib::Request&, httplib::Response
   set_json(response, host.status().at("cameras"));
 }
 
+void get_network_interfaces(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, {{"interfaces", host.network_interfaces()}});
+}
+
 }  // namespace sslv
