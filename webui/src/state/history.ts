@@ -13,9 +13,15 @@ export interface Sample {
   dropped: number;
 }
 
+export interface NetworkSample {
+  at: number;
+  packetsPerS: number;
+  sendErrors: number;
+}
+
 export class History {
   private readonly cameras = new Map<number, Sample[]>();
-  private readonly sendErrors: { at: number; count: number }[] = [];
+  private readonly network: NetworkSample[] = [];
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
@@ -29,8 +35,8 @@ export class History {
       });
       forget(samples, at);
     }
-    this.sendErrors.push({ at, count: status.network.send_errors });
-    forget(this.sendErrors, at);
+    this.network.push({ at, packetsPerS: status.network.packets_per_s, sendErrors: status.network.send_errors });
+    forget(this.network, at);
   }
 
   samples(camera: number): readonly Sample[] {
@@ -46,8 +52,12 @@ export class History {
     return this.samples(camera).reduce((best, sample) => Math.max(best, sample.fps), 0);
   }
 
+  networkSamples(): readonly NetworkSample[] {
+    return this.network;
+  }
+
   newSendErrors(): number {
-    return growth(this.sendErrors.map(({ count }) => count));
+    return growth(this.network.map(({ sendErrors }) => sendErrors));
   }
 }
 
