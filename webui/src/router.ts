@@ -17,6 +17,7 @@ export interface Page {
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
   { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
+  { name: 'field', title: 'Field', icon: 'network', component: defineAsyncComponent(() => import('./pages/field/FieldPage.vue')) },
   { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 
