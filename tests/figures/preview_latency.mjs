@@ -20,7 +20,7 @@ const LINK_BITS_PER_S = 8e6;
 const FIRST_PICTURE_MS = 2000;
 const FIRST_LOAD_BYTES = 300e3;
 
-/** Bytes that may pass now; grows with time, up to a millisecond's bursts. */
+/** Bytes that may pass now; grows with time, up to what passes in four milliseconds. */
 class TokenBucket {
   constructor(bitsPerS) {
     this.bytesPerMs = bitsPerS / 8000;
