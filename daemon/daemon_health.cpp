@@ -9,6 +9,8 @@
 #include "status.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 namespace sslv {
 namespace {
@@ -27,11 +29,12 @@ std::optional<double> wanted_fps(const Json& source) {
 
 bool is_of_another_host(const std::vector<OtherVision>& visions) {
   if (visions.empty()) return false;
-  const std::vector<NetworkCard> cards = network_cards();
-  return std::any_of(visions.begin(), visions.end(), [&](const OtherVision& other) {
-    return std::none_of(cards.begin(), cards.end(),
-                        [&](const NetworkCard& card) { return card.address.to_string() == other.address; });
-  });
+  std::set<std::string> ours;
+  for (const NetworkCard& card : network_cards()) {
+    for (const auto& address : card.addresses) ours.insert(address.to_string());
+  }
+  return std::any_of(visions.begin(), visions.end(),
+                     [&](const OtherVision& other) { return !ours.contains(other.address); });
 }
 
 Json histogram_json(const RecentDurations& durations) {
