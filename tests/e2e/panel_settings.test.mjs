@@ -115,6 +115,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     const error = await page.waitForSelector(`${row('/network/vision/group')} [role="alert"]`);
     assert.match(await error.textContent(), /\/network\/vision\/group.*nowhere.*still uses 239\.255\.77\.79/s);
     assert.equal((await tree()).network.vision.group, '239.255.77.79');
+    assert.equal(await page.inputValue(`${row('/network/referee/interface')} input`), '', 'an empty text is shown as such');
   }));
 
   it('never overwrites what somebody else saved meanwhile', withPage(DESKTOP, '#/settings/cameras/0/stages/detect_balls', {}, async (page) => {
@@ -149,7 +150,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     const order = () => page.$$eval(`${byId('stack')} > li b`, (names) => names.map((name) => name.textContent));
     await page.waitForFunction((selector) => /\d\sµs|\d\sms/.test(document.querySelector(selector).textContent), byId('stage-segment'));
 
-    panel.errorsExpected = true;
+    panel.errorsExpected = true; // the browser calls a refusal one
     await page.click(`${byId('stage-segment')} button[aria-label="Remove segment"]`);
     const error = await page.waitForSelector(`${byId('stage-detect_robots')} ${byId('stage-error')}`);
     assert.match(await error.textContent(), /stage 'detect_robots' needs 'regions', which no earlier stage provides/);
@@ -158,21 +159,22 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.click(byId('stack-discard'));
     await page.waitForSelector(byId('stage-error'), { state: 'detached' });
     assert.deepEqual(await order(), first.cameras[0].stack);
-    panel.errorsExpected = false;
 
     // Off and on again, and moved by the keyboard.
-    await page.click(`${byId('stage-detect_balls')} [role="switch"]`);
+    await page.click(`${byId('stage-publish')} [role="switch"]`);
     await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
     assert.equal((await stack()).length, 4);
     await page.click(byId('stack-apply'));
-    await treeBecomes(({ cameras }) => cameras[0].stack.join() === 'segment,detect_robots,publish');
-    await statusBecomes(({ cameras }) => cameras[0].stages.length === 3 && cameras[0].balls === 0);
-    await page.waitForSelector(`${byId('stage-detect_balls')}.off`);
-    await page.click(`${byId('stage-detect_balls')} [role="switch"]`);
-    await page.focus(`${byId('stage-detect_balls')} .grip`);
+    await treeBecomes(({ cameras }) => cameras[0].stack.join() === 'segment,detect_robots,detect_balls');
+    await statusBecomes(({ cameras }) => cameras[0].stages.length === 3);
+    await page.waitForSelector(`${byId('stage-publish')}.off`);
+    await page.click(`${byId('stage-publish')} [role="switch"]`);
+    await page.focus(`${byId('stage-publish')} .grip`);
     await page.keyboard.press('ArrowUp');
-    await page.waitForFunction((selector) => document.querySelector(selector).dataset.index === '1', byId('stage-detect_balls'));
-    assert.equal(await page.evaluate(() => document.activeElement.closest('li').dataset.testid), 'stage-detect_balls', 'the handle keeps the focus');
+    await page.waitForFunction((selector) => document.querySelector(selector).dataset.index === '2', byId('stage-publish'));
+    assert.equal(await page.evaluate(() => document.activeElement.closest('li').dataset.testid), 'stage-publish', 'the handle keeps the focus');
+    const needs = await page.waitForSelector(`${byId('stage-publish')} ${byId('stage-error')}`);
+    assert.match(await needs.textContent(), /stage 'publish' needs 'balls'/);
     await page.keyboard.press('ArrowDown');
     await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
     await page.click(byId('stack-apply'));
@@ -219,7 +221,7 @@ describe('settings page', { timeout: 540_000 }, () => {
   it('finds settings, and those that are changed', withPage(DESKTOP, '#/settings', {}, async (page) => {
     await page.waitForSelector(byId('place-title'));
     await page.keyboard.press('/');
-    await page.keyboard.type('camera 1 confidence');
+    await page.keyboard.type('camera 1 min_confidence');
     await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.startsWith('2 '), byId('results'));
     for (const stage of ['detect_robots', 'detect_balls']) await page.waitForSelector(row(`/cameras/1/stages/${stage}/min_confidence`));
     await typeInto(page, '/cameras/1/stages/detect_balls/min_confidence', '0.45'); // a result is the setting itself
@@ -306,7 +308,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       const file = readFileSync(await download.path());
       assert.deepEqual(JSON.parse(file), first);
 
-      await patch({ op: 'replace', path: '/site', value: 'Elsewhere' }, { op: 'replace', path: '/cameras/0/stack', value: ['segment', 'publish'] });
+      await patch({ op: 'replace', path: '/site', value: 'Elsewhere' }, { op: 'replace', path: '/cameras/0/stack', value: ['segment'] });
       const give = (text) => page.setInputFiles(byId('import'), { name: 'all.json', mimeType: 'application/json', buffer: Buffer.from(text) });
       await page.waitForFunction(() => document.querySelector('.top').textContent.includes('Elsewhere'));
       await give(file);
