@@ -209,10 +209,11 @@ describe('settings page', { timeout: 540_000 }, () => {
 
     await typeInto(page, pointer, '4');
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 4);
-    await page.keyboard.press('Control+z'); // the text field has the focus, and an undo of its own
-    assert.equal(await value(), 4);
-    await page.focus(`${row(pointer)} input[type="range"]`);
     await page.waitForSelector(`${byId('undo-last')}:not([disabled])`);
+    await page.focus(byId('settings-search'));
+    await page.keyboard.press('Control+z'); // a text field has an undo of its own
+    await page.focus(`${row(pointer)} input[type="range"]`);
+    assert.equal(await value(), 4);
     await page.keyboard.press('Control+z');
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 6);
     await page.waitForSelector(`${byId('notice')}:has-text("taken back")`);
