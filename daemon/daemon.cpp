@@ -7,7 +7,6 @@
 #include "cameras.h"
 #include "detections_json.h"
 #include "routes.h"
-#include "status.h"
 #include "teams.h"
 #include "vision/label_picture.h"
 #include "web/http.h"
@@ -53,10 +52,6 @@ std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListen
   return {teams[0].robot_height_mm, teams[1].robot_height_mm};
 }
 
-double steady_s() {
-  return static_cast<double>(steady_ns()) * 1e-9;
-}
-
 }  // namespace
 
 Daemon::Daemon(const Options& options)
@@ -72,7 +67,9 @@ Daemon::Daemon(const Options& options)
       other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }),
       calibration_history_(options.state_folder / "calibrations.json"),
       calibration_jobs_(make_calibration_jobs(frame_waiter())),
-      joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())) {
+      joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())),
+      monitor_(
+          options.state_folder, [this] { return cameras_now(); }, [this] { look_after(); }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
   web_ = std::make_unique<WebServer>(
@@ -169,36 +166,6 @@ std::shared_ptr<RunningCamera> Daemon::camera(std::uint32_t id) const {
   return found == cameras->end() ? nullptr : found->second;
 }
 
-Json Daemon::status() const {
-  const auto config = config_.load();
-  return status_json(status_input(*config));
-}
-
-std::string Daemon::summary() const {
-  const auto config = config_.load();
-  return status_line(status_input(*config));
-}
-
-StatusInput Daemon::status_input(const Config& config) const {
-  const WebServer* web = listening_;
-  StatusInput input{.time_s = unix_time_s(),
-                    .started_s = started_s_,
-                    .config = config,
-                    .network = multicast_.status(),
-                    .geometry = geometry_.load(),
-                    .other_visions = other_visions_.seen(steady_s()),
-                    .refused_packets = other_visions_.refused(),
-                    .listening_error = other_visions_.error(),
-                    .referee = referee_.status(steady_s()),
-                    .settings_revision = store_.revision(),
-                    .viewers = web ? web->stats().viewers : 0,
-                    .settings_problem = store_.problem(),
-                    .cameras = {}};
-  const auto cameras = cameras_.load();
-  for (const auto& [id, camera] : *cameras) input.cameras.push_back({camera, camera->health()});
-  return input;
-}
-
 std::optional<Daemon::NewestFrame> Daemon::hold_frame(std::uint32_t camera_id, std::uint64_t newer_than,
                                                       std::chrono::milliseconds timeout) {
   auto running = camera(camera_id);
@@ -270,7 +237,6 @@ WebHost Daemon::make_web_host() {
     return Json{{"revision", version.revision}, {"settings", version.settings}};
   };
   WebHost host;
-  host.status = [this] { return status(); };
   host.settings = [this, answer] { return answer(store_.current()); };
   host.schema = [] { return settings_schema(); };
   host.field_presets = [] {
@@ -320,6 +286,7 @@ WebHost Daemon::make_web_host() {
     return running ? lut_file_bytes(*running->pipeline().setup()->world.lut) : std::vector<std::uint8_t>{};
   };
   add_profiles_to(host);
+  add_health_to(host);
   add_calibration_to(host);
   return host;
 }

@@ -6,6 +6,7 @@
 #include "calibration_jobs.h"
 #include "config.h"
 #include "joint_calibration_jobs.h"
+#include "monitor.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
@@ -22,6 +23,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,8 +60,6 @@ class Daemon {
   std::function<void()> prepare(const Json& settings);
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
   void put_robot_heights_into_force();
-  Json status() const;
-  StatusInput status_input(const Config& config) const;
   /// A camera's finished frame on loan. The camera is held too, because the frame lies in its ring.
   struct HeldFrame {
     std::shared_ptr<RunningCamera> camera;
@@ -86,6 +86,17 @@ class Daemon {
   Json profile_json(const std::string& name) const;
   Json apply_profile(const std::string& name, const std::optional<std::vector<std::string>>& paths,
                      std::optional<std::uint64_t> if_revision, const std::string& who);
+
+  // daemon_health.cpp
+  void add_health_to(WebHost& host);
+  std::vector<std::shared_ptr<RunningCamera>> cameras_now() const;
+  HealthInput health_input(const Config& config,
+                           const std::vector<std::shared_ptr<RunningCamera>>& cameras) const;
+  Json status();
+  Json diagnostics() const;
+  /// After each of the monitor's looks, in its thread.
+  void look_after();
+  void find_stale_calibrations();
 
   // daemon_calibration.cpp
   void add_calibration_to(WebHost& host);
@@ -136,6 +147,10 @@ class Daemon {
   CalibrationHistory calibration_history_;
   CalibrationJobs calibration_jobs_;
   JointCalibrationJobs joint_calibration_jobs_;
+  AlertTimes alert_times_;
+  Snapshot<std::set<int>> stale_calibrations_{{}};        // ids of the cameras whose field was changed since
+  std::shared_ptr<const Config> calibrations_looked_at_;  // of the monitor's thread: with these settings
+  Monitor monitor_;
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

@@ -8,6 +8,11 @@ namespace sslv {
 std::span<const Route> routes() {
   static constexpr Route kRoutes[] = {
       {"GET", "/api/status", get_status},
+      {"GET", "/api/alerts", get_alerts},
+      {"GET", "/api/checks", get_checks},
+      {"GET", "/api/timeline", get_timeline},
+      {"GET", "/api/diagnostics", get_diagnostics},
+      {"GET", "/api/log", get_log},
       {"GET", "/api/cameras", get_cameras},
       {"GET", R"(/api/cameras/(\d+)/snapshot\.jpg)", get_snapshot},
       {"GET", kStreamPattern, get_stream},  // its pictures are web/picture_stream.cpp's

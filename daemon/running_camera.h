@@ -42,16 +42,17 @@ class RunningCamera {
   /// Those of the open camera; none while it is not open, or has none.
   std::shared_ptr<Controls> controls() const;
   const CameraPipeline& pipeline() const { return pipeline_; }
-  RecentDurations::Percentiles latency() const { return sink_.latency.percentiles(); }
-  RecentDurations::Percentiles age() const { return sink_.age.percentiles(); }
+  /// From the picture's arrival to the packet on the socket.
+  const RecentDurations& latency() const { return sink_.latency; }
+  /// From the exposure's middle to there.
+  const RecentDurations& age() const { return sink_.age; }
 
  private:
   struct Sink : DetectionSink {
     explicit Sink(MulticastSender& multicast) : sender(multicast) {}
     void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept override;
     DetectionSender sender;
-    RecentDurations latency;  // from the picture's arrival to the packet on the socket
-    RecentDurations age;      // from the exposure's middle to there
+    RecentDurations latency, age;
   };
   void start_thread();
 

@@ -2,6 +2,7 @@
 #include "status.h"
 
 #include "base/params_json.h"
+#include "checks.h"
 #include "teams.h"
 #include "version.h"
 
@@ -31,8 +32,8 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   const auto counters = camera.pipeline().counters();
   // What a camera that is not running last saw and how fast is no news.
   const bool running = health.state == CameraState::kRunning;
-  const auto latency = running ? camera.latency() : RecentDurations::Percentiles{};
-  const auto age = running ? camera.age() : RecentDurations::Percentiles{};
+  const auto latency = running ? camera.latency().percentiles() : RecentDurations::Percentiles{};
+  const auto age = running ? camera.age().percentiles() : RecentDurations::Percentiles{};
   Json out{{"id", settings->id},
            {"name", settings->name},
            {"backend", settings->source.at("backend")},
@@ -68,132 +69,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   return out;
 }
 
-void add_alert(Json& alerts, const char* severity, std::string title, std::string fix,
-               const Json& camera = nullptr) {
-  alerts.push_back(
-      {{"severity", severity}, {"title", std::move(title)}, {"fix", std::move(fix)}, {"camera", camera}});
-}
-
-int rank_of(const Json& alert) {
-  const Json& severity = alert.at("severity");
-  return severity == "bad" ? 0 : severity == "warn" ? 1 : 2;
-}
-
-std::string joined(const std::vector<std::string>& texts) {
-  return fmt::format("{}", fmt::join(texts, ", "));
-}
-
-/// What a second vision does to the teams, which cannot tell whose packets they get.
-void add_vision_alerts(Json& alerts, const StatusInput& input) {
-  SSL_WrapperPacket ours;
-  write_geometry(*input.geometry, ours);
-  for (const OtherVision& other : input.other_visions) {
-    std::vector<std::string> shared_ids, conflicts;
-    for (const CameraNow& now : input.cameras) {
-      const auto id = static_cast<std::uint32_t>(now.camera->settings()->id);
-      if (std::find(other.cameras.begin(), other.cameras.end(), id) != other.cameras.end()) {
-        shared_ids.push_back(std::to_string(id));
-      }
-    }
-    if (other.field) {
-      for (const SizeConflict& size : size_conflicts(ours.geometry().field(), *other.field)) {
-        conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
-      }
-    }
-    if (!shared_ids.empty()) {
-      add_alert(alerts, "bad",
-                fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
-                "Teams mix up what the two cameras see: give each its own id, or end one of the visions.");
-    }
-    if (!conflicts.empty()) {
-      add_alert(alerts, "bad", fmt::format("{} sends another field: {}", other.address, joined(conflicts)),
-                "Teams get both in turn: set the same sizes, or end one of the visions.");
-    }
-    if (shared_ids.empty() && conflicts.empty()) {
-      add_alert(alerts, "info", fmt::format("{} sends to the vision group too", other.address),
-                "Nothing to do if it is the vision of this field's other cameras; otherwise end it.");
-    }
-  }
-}
-
-std::string game_controller_text(const GameController& one) {
-  return one.source == one.address ? one.address : fmt::format("{} at {}", one.source, one.address);
-}
-
-/// What is wrong, worst first, each with what to do about it.
-Json alerts_json(const StatusInput& input) {
-  Json alerts = Json::array();
-  for (const auto& [camera, health] : input.cameras) {
-    for (const std::string& warning : health.warnings) {
-      add_alert(
-          alerts, "warn", fmt::format("Camera {} refused a control: {}", camera->settings()->id, warning),
-          "Set it to what the camera takes, or remove it from source/controls.", camera->settings()->id);
-    }
-    if (health.state == CameraState::kLost) {
-      add_alert(alerts, "bad", fmt::format("Camera {} is lost: {}", camera->settings()->id, health.error),
-                camera->settings()->source.at("backend") == "files"
-                    ? "Check source/path in its settings; it is tried again by itself."
-                    : "Check its cable and power; it is tried again by itself.",
-                camera->settings()->id);
-    }
-  }
-  if (!input.network.error.empty()) {
-    add_alert(alerts, "bad", "No packets leave", input.network.error + "; sending is tried again by itself.");
-  }
-  add_vision_alerts(alerts, input);
-  if (!input.settings_problem.empty()) {
-    add_alert(alerts, "warn", input.settings_problem,
-              "Look through the settings and save what is missing again.");
-  }
-  for (const auto& [camera, health] : input.cameras) {
-    const int id = camera->settings()->id;
-    const auto& model = camera->pipeline().setup()->world.scene->camera;
-    if (!model) {
-      add_alert(alerts, "warn", fmt::format("Camera {} is not calibrated", id),
-                "Nothing it sees can be located: calibrate it.", id);
-    } else if (health.width > 0 && (health.width != model->calibration().pixel_image_width ||
-                                    health.height != model->calibration().pixel_image_height)) {
-      add_alert(alerts, "bad",
-                fmt::format("Camera {} sends {}x{} pixels, its calibration was made for {}x{}", id,
-                            health.width, health.height, model->calibration().pixel_image_width,
-                            model->calibration().pixel_image_height),
-                "All positions are wrong: set the old picture size, or calibrate again.", id);
-    }
-    if (camera->pipeline().counters().capped > 0) {
-      add_alert(
-          alerts, "warn",
-          fmt::format("Camera {} had {} frames with too much to look at", id,
-                      camera->pipeline().counters().capped),
-          "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.",
-          id);
-    }
-  }
-  for (const TeamNow& team : teams_now(input.config.teams, input.referee.team_names)) {
-    if (!team.name_is_unknown) continue;
-    add_alert(alerts, "warn",
-              fmt::format("Unknown team \"{}\": its robots are taken to be {:g} mm high", team.name,
-                          team.robot_height_mm),
-              "Measure the pattern's height and set robot_height in teams.");
-  }
-  if (const auto& other = input.referee.other) {
-    add_alert(alerts, "warn",
-              fmt::format("Two game controllers send: {}, which is followed, and {}",
-                          game_controller_text(input.referee.followed), game_controller_text(*other)),
-              "End the one that is not this field's, or set network/referee to this field's group and port.");
-  }
-  // While nothing can be sent either, its alert says what to do.
-  if (input.network.error.empty()) {
-    for (const std::string& error : {input.listening_error, input.referee.error}) {
-      if (!error.empty())
-        add_alert(alerts, "warn", "A group cannot be heard", error + "; it is tried again by itself.");
-    }
-  }
-  std::stable_sort(alerts.begin(), alerts.end(),
-                   [](const Json& a, const Json& b) { return rank_of(a) < rank_of(b); });
-  return alerts;
-}
-
-Json teams_json(const StatusInput& input) {
+Json teams_json(const HealthInput& input) {
   const auto teams = teams_now(input.config.teams, input.referee.team_names);
   const auto one = [&](Team which) {
     const TeamNow& team = teams[static_cast<std::size_t>(which)];
@@ -204,7 +80,7 @@ Json teams_json(const StatusInput& input) {
   return {{"yellow", one(Team::kYellow)}, {"blue", one(Team::kBlue)}};
 }
 
-Json other_visions_json(const StatusInput& input) {
+Json other_visions_json(const HealthInput& input) {
   Json out = Json::array();
   for (const OtherVision& other : input.other_visions) {
     out.push_back({{"address", other.address}, {"silent_s", other.silent_s}, {"cameras", other.cameras}});
@@ -216,7 +92,7 @@ Json game_controller_json(const GameController& one) {
   return {{"source", one.source}, {"address", one.address}};
 }
 
-Json referee_json(const StatusInput& input) {
+Json referee_json(const HealthInput& input) {
   const RefereeSettings& settings = input.config.network.referee;
   const RefereeStatus& referee = input.referee;
   return {{"enabled", settings.enabled},
@@ -234,43 +110,50 @@ Json referee_json(const StatusInput& input) {
 }  // namespace
 
 Json status_json(const StatusInput& input) {
-  const MulticastSettings& vision = input.config.network.vision;
+  const HealthInput& health = input.health;
+  const MulticastSettings& vision = health.config.network.vision;
+  const std::vector<Check> checks = make_checks(health, input.alerts);
   Json out{{"version", kVersion},
-           {"site", input.config.site},
+           {"site", health.config.site},
            {"time", input.time_s},
            {"uptime_s", input.time_s - input.started_s},
-           {"field", params_to_json(input.config.field)},
+           {"field", params_to_json(health.config.field)},
            {"network",
             {{"group", vision.group},
              {"port", vision.port},
              {"interface", vision.interface},
-             {"error", input.network.error},
-             {"packets_sent", input.network.packets_sent},
-             {"send_errors", input.network.send_errors},
-             {"packets_per_s", input.network.packets_per_s},
+             {"error", health.network.error},
+             {"packets_sent", health.network.packets_sent},
+             {"send_errors", health.network.send_errors},
+             {"packets_per_s", health.network.packets_per_s},
              {"packets_refused", input.refused_packets},
-             {"other_visions", other_visions_json(input)}}},
-           {"referee", referee_json(input)},
-           {"teams", teams_json(input)},
+             {"other_visions", other_visions_json(health)}}},
+           {"referee", referee_json(health)},
+           {"teams", teams_json(health)},
            {"settings_revision", input.settings_revision},
            {"viewers", input.viewers},
-           {"alerts", alerts_json(input)},
+           {"alerts", Json::array()},
+           {"go", is_go(checks)},
+           {"checks", Json::array()},
            {"cameras", Json::array()}};
-  for (const auto& [camera, health] : input.cameras) out["cameras"].push_back(camera_json(*camera, health));
+  for (const Alert& alert : input.alerts) out["alerts"].push_back(to_json(alert));
+  for (const Check& check : checks) out["checks"].push_back(to_json(check));
+  for (std::size_t i = 0; i < input.cameras.size(); ++i)
+    out["cameras"].push_back(camera_json(*input.cameras[i], health.cameras[i].health));
   return out;
 }
 
-std::string status_line(const StatusInput& input) {
+std::string status_line(const HealthInput& input) {
   std::size_t running = 0;
-  double fps = 0, p99_us = 0;
-  for (const auto& [camera, health] : input.cameras) {
-    if (health.state != CameraState::kRunning) continue;
-    fps = running == 0 ? health.fps : std::min(fps, health.fps);
-    p99_us = std::max(p99_us, camera->latency().p99_us);
+  double fps = 0, p99_ms = 0;
+  for (const CameraFacts& camera : input.cameras) {
+    if (camera.health.state != CameraState::kRunning) continue;
+    fps = running == 0 ? camera.health.fps : std::min(fps, camera.health.fps);
+    p99_ms = std::max(p99_ms, camera.latency_p99_ms);
     ++running;
   }
   return fmt::format("{}/{} cameras {:.1f} fps p99 {:.1f} ms -> {}:{}{}", running, input.cameras.size(), fps,
-                     p99_us * 1e-3, input.config.network.vision.group, input.config.network.vision.port,
+                     p99_ms, input.config.network.vision.group, input.config.network.vision.port,
                      input.network.error.empty() ? "" : " (not sending)");
 }
 

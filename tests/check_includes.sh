@@ -17,6 +17,7 @@ rules='
   pipeline          base image geometry vision
   net               base image/frame_info.h geometry vision/detections.h proto
   settings          base
+  health            base image vision/mask.h
   web               base image settings
   ctl               anything
   top               anything

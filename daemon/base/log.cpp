@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/log.h"
 
+#include "base/clock.h"
+
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -27,6 +29,11 @@ spdlog::level::level_enum to_spdlog(Level level) {
   return spdlog::level::info;
 }
 
+LogRing& ring() {
+  static LogRing lines;
+  return lines;
+}
+
 }  // namespace
 
 void set_level(Level level) {
@@ -34,7 +41,13 @@ void set_level(Level level) {
 }
 
 void write(Level level, std::string_view message) {
+  if (!logger().should_log(to_spdlog(level))) return;
+  ring().add(unix_time_s(), level, message);
   logger().log(to_spdlog(level), spdlog::string_view_t(message.data(), message.size()));
+}
+
+const LogRing& recent() {
+  return ring();
 }
 
 }  // namespace sslv::log

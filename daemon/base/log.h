@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/log_ring.h"
+
 #include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
 
-/// One line a message, to standard error with time and level.
+/// One line a message, to standard error with time and level; the newest are kept for the panel.
 namespace sslv::log {
-
-enum class Level { kDebug, kInfo, kWarning, kError };
 
 /// Messages below this level are not written. Default: info.
 void set_level(Level level);
 
 void write(Level level, std::string_view message);
+
+/// The newest lines.
+const LogRing& recent();
 
 template <class... Args>
 void debug(fmt::format_string<Args...> format, Args&&... args) {

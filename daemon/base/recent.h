@@ -23,15 +23,25 @@ class RecentDurations {
     count_.store(n + 1, std::memory_order_release);
   }
 
-  /// Zeros before the first sample.
-  Percentiles percentiles() const {
-    const std::uint64_t n = std::min<std::uint64_t>(count_.load(std::memory_order_acquire), kCapacity);
-    if (n == 0) return {};
-    std::vector<std::int64_t> sorted(n);
-    for (std::size_t i = 0; i < n; ++i) sorted[i] = samples_ns_[i].load(std::memory_order_relaxed);
+  /// How many there have been, also those that are forgotten.
+  std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
+
+  /// Those that came after the first `seen`, as far as they are still kept; in no order.
+  std::vector<std::int64_t> samples_ns(std::uint64_t seen = 0) const {
+    const std::uint64_t n = count();
+    std::vector<std::int64_t> samples;
+    for (std::uint64_t i = std::max(seen, n > kCapacity ? n - kCapacity : 0); i < n; ++i)
+      samples.push_back(samples_ns_[i % kCapacity].load(std::memory_order_relaxed));
+    return samples;
+  }
+
+  /// Of those that samples_ns() gives. Zeros without any.
+  Percentiles percentiles(std::uint64_t seen = 0) const {
+    std::vector<std::int64_t> sorted = samples_ns(seen);
+    if (sorted.empty()) return {};
     std::sort(sorted.begin(), sorted.end());
     const auto at = [&](std::size_t percent) {
-      return static_cast<double>(sorted[std::min<std::size_t>(n - 1, n * percent / 100)]) * 1e-3;
+      return static_cast<double>(sorted[std::min(sorted.size() - 1, sorted.size() * percent / 100)]) * 1e-3;
     };
     return {at(50), at(99)};
   }

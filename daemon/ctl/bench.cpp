@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 
+#include <fmt/format.h>
+
 namespace sslv {
 namespace {
 
@@ -134,6 +136,40 @@ BenchResult bench_recorded(const Config& config, std::size_t camera_index, const
   const auto source =
       files.open(files.complete(options, "--input"), {static_cast<std::uint32_t>(camera.id), *world.scene});
   return time_stack(camera, path, world, record(*source, 0), rounds);
+}
+
+Json bench_json(const std::vector<BenchResult>& results) {
+  Json out = Json::array();
+  for (const BenchResult& result : results) {
+    Json stages = Json::array();
+    for (const StageTiming& stage : result.stages) {
+      stages.push_back({{"stage", stage.stage},
+                        {"min_us", stage.min_us},
+                        {"median_us", stage.median_us},
+                        {"p99_us", stage.p99_us}});
+    }
+    out.push_back({{"pixel_format", result.pixel_format},
+                   {"width", result.width},
+                   {"height", result.height},
+                   {"robots", result.robots},
+                   {"balls", result.balls},
+                   {"stages", stages}});
+  }
+  return out;
+}
+
+std::string bench_text(const std::vector<BenchResult>& results) {
+  std::string out;
+  for (const BenchResult& result : results) {
+    out += fmt::format("{}x{} {}: {} robots, {} balls in the last frame\n  {:<16}{:>12}{:>12}{:>12}\n",
+                       result.width, result.height, result.pixel_format, result.robots, result.balls, "stage",
+                       "min us", "median us", "p99 us");
+    for (const StageTiming& stage : result.stages) {
+      out += fmt::format("  {:<16}{:>12.1f}{:>12.1f}{:>12.1f}\n", stage.stage, stage.min_us, stage.median_us,
+                         stage.p99_us);
+    }
+  }
+  return out;
 }
 
 }  // namespace sslv

@@ -46,4 +46,9 @@ std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camer
 BenchResult bench_recorded(const Config& config, std::size_t camera_index, const std::string& input,
                            const std::string& pixel_format, int width, int height, int rounds);
 
+/// A list of the results' members by their names.
+Json bench_json(const std::vector<BenchResult>& results);
+/// Tables for people.
+std::string bench_text(const std::vector<BenchResult>& results);
+
 }  // namespace sslv

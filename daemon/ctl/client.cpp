@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/client.h"
 
+#include "ctl/change_text.h"
+
+#include <algorithm>
+#include <cstddef>
+
 #include <fmt/format.h>
 #include <httplib.h>
 
@@ -14,12 +19,8 @@ std::string body_of(const httplib::Result& response, const std::string& address,
     throw ClientError(fmt::format("no daemon answers at {} ({}); is it running, and is --daemon right?",
                                   address, httplib::to_string(response.error())));
   }
-  if (response->status != 200 && response->status != 202) {
-    const Json error = Json::parse(response->body, nullptr, false);
-    const bool explained = error.is_object() && error.contains("error") && error["error"].is_string();
-    throw ClientError(explained ? error["error"].get<std::string>()
-                                : fmt::format("{}: HTTP status {}", path, response->status));
-  }
+  if (response->status < 200 || response->status > 299)
+    throw ClientError(refusal_text(path, response->status, response->body));
   return response->body;
 }
 
@@ -28,52 +29,75 @@ httplib::Client client_of(const std::string& address) {
   if (!http.is_valid())
     throw ClientError(fmt::format("\"{}\" is no address; expected http://HOST:PORT", address));
   http.set_connection_timeout(2);
-  http.set_read_timeout(5);
+  http.set_read_timeout(30);
   return http;
 }
 
+httplib::Headers if_match(std::optional<std::uint64_t> revision) {
+  httplib::Headers headers;
+  if (revision) headers.emplace("If-Match", std::to_string(*revision));
+  return headers;
+}
+
+/// Who changed what, the newest first: SettingsStep[] of docs/openapi.json.
+std::string steps_text(const Json& steps) {
+  constexpr std::size_t kMost = 3;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(steps.size(), kMost); ++i) {
+    const Json& changes = steps[i].at("changes");
+    out += fmt::format("; {} made revision {}", steps[i].at("who").get<std::string>(),
+                       steps[i].at("revision").get<std::uint64_t>());
+    for (std::size_t j = 0; j < std::min(changes.size(), kMost); ++j)
+      out += (j == 0 ? ": " : ", ") + change_text(changes[j]);
+    if (changes.size() > kMost) out += fmt::format(", and {} more", changes.size() - kMost);
+  }
+  if (steps.size() > kMost) out += fmt::format("; and {} revisions before", steps.size() - kMost);
+  return out;
+}
+
 }  // namespace
+
+std::string path_part(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '-' || c == '_' || c == '.' || c == '~';
+    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
+std::string refusal_text(const std::string& path, int http_status, const std::string& body) {
+  const Json answer = Json::parse(body, nullptr, false);
+  if (!answer.is_object() || !answer.contains("error") || !answer["error"].is_string())
+    return fmt::format("{}: HTTP status {}", path, http_status);
+  const std::string error = answer["error"].get<std::string>();
+  return answer.contains("changed_since") ? error + steps_text(answer["changed_since"]) : error;
+}
 
 std::string Client::get(const std::string& path) const {
   return body_of(client_of(address_).Get(path), address_, path);
 }
 
-Json Client::post(const std::string& path, const Json& body) const {
+Json Client::post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision) const {
   return Json::parse(
-      body_of(client_of(address_).Post(path, body.dump(), "application/json"), address_, path));
+      body_of(client_of(address_).Post(path, if_match(if_revision), body.dump(), "application/json"),
+              address_, path));
 }
 
-Json Client::patch(const std::string& path, const Json& body) const {
-  return Json::parse(
-      body_of(client_of(address_).Patch(path, body.dump(), "application/json"), address_, path));
+Json Client::patch(const std::string& path, const Json& body,
+                   std::optional<std::uint64_t> if_revision) const {
+  return Json::parse(body_of(
+      client_of(address_).Patch(path, if_match(if_revision), body.dump(), "application/json-patch+json"),
+      address_, path));
 }
 
-std::string status_text(const Json& status) {
-  const Json& network = status.at("network");
-  std::string out = fmt::format("{}  ({}, up {:.0f} s)\n", status.at("site").get<std::string>(),
-                                status.at("version").get<std::string>(), status.at("uptime_s").get<double>());
-  out +=
-      fmt::format("-> {}:{}{}  {:.0f} packets/s, {} errors\n", network.at("group").get<std::string>(),
-                  network.at("port").get<int>(),
-                  network.at("interface") == "" ? "" : " on " + network.at("interface").get<std::string>(),
-                  network.at("packets_per_s").get<double>(), network.at("send_errors").get<std::uint64_t>());
-  out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "camera", "name",
-                     "state", "picture", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
-  for (const Json& camera : status.at("cameras")) {
-    out +=
-        fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6.1f} {:>8.2f} {:>8.2f} {:>9} {:>7} {:>6}\n",
-                    camera.at("id").get<int>(), camera.at("name").get<std::string>(),
-                    camera.at("state").get<std::string>(),
-                    fmt::format("{}x{}", camera.at("width").get<int>(), camera.at("height").get<int>()),
-                    camera.at("fps").get<double>(), camera.at("latency_ms").at("p50").get<double>(),
-                    camera.at("latency_ms").at("p99").get<double>(), camera.at("frames").get<std::uint64_t>(),
-                    camera.at("robots").get<int>(), camera.at("balls").get<int>());
-  }
-  for (const Json& alert : status.at("alerts")) {
-    out += fmt::format("{}: {}. {}\n", alert.at("severity").get<std::string>(),
-                       alert.at("title").get<std::string>(), alert.at("fix").get<std::string>());
-  }
-  return out;
+Json Client::put(const std::string& path, const Json& body) const {
+  return Json::parse(body_of(client_of(address_).Put(path, body.dump(), "application/json"), address_, path));
+}
+
+Json Client::remove(const std::string& path) const {
+  return Json::parse(body_of(client_of(address_).Delete(path), address_, path));
 }
 
 }  // namespace sslv

@@ -3,8 +3,11 @@
 
 #include "base/json.h"
 
+#include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace sslv {
 
@@ -21,15 +24,21 @@ class Client {
   /// Body of GET `path`. Throws ClientError with the daemon's own words when it refuses.
   std::string get(const std::string& path) const;
   Json get_json(const std::string& path) const { return Json::parse(get(path)); }
-  /// Answer of POST or PATCH `path`. Throws likewise.
-  Json post(const std::string& path, const Json& body) const;
-  Json patch(const std::string& path, const Json& body) const;
+  /// Answers of the other methods; they throw likewise. `if_revision`: refused unless the settings are still
+  /// at this revision; then the error says who changed what since.
+  Json post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision = {}) const;
+  Json patch(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision = {}) const;
+  Json put(const std::string& path, const Json& body) const;
+  Json remove(const std::string& path) const;
 
  private:
   std::string address_;
 };
 
-/// The status as a table for a terminal.
-std::string status_text(const Json& status);
+/// A name as a part of an address' path.
+std::string path_part(const std::string& name);
+
+/// What the daemon's answer to a refused request says, in one line.
+std::string refusal_text(const std::string& path, int http_status, const std::string& body);
 
 }  // namespace sslv

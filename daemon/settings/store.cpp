@@ -207,7 +207,13 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
     std::filesystem::copy_file(changes_file(), previous_file(),
                                std::filesystem::copy_options::overwrite_existing, error);
   }
-  write_file_durably(changes_file(), saved.dump(2) + "\n");
+  try {
+    write_file_durably(changes_file(), saved.dump(2) + "\n");
+  } catch (const StorageError& problem) {
+    save_problem_.store(problem.what());
+    throw;
+  }
+  save_problem_.store("");
   put_into_force();
   version_ = next;
   revision_ = next.revision;

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/snapshot.h"
 #include "settings/history.h"
 
 #include <atomic>
@@ -86,6 +87,8 @@ class SettingsStore {
 
   /// What went wrong with the saved changes at start; empty when nothing did.
   const std::string& problem() const { return problem_; }
+  /// Why the last change could not be saved; empty when it was. Does not wait for a change under way.
+  std::string save_problem() const { return *save_problem_.load(); }
 
  private:
   std::optional<Version> load_changes(const std::filesystem::path& file);
@@ -97,6 +100,7 @@ class SettingsStore {
   const Check check_;
   Json admin_settings_;  // complete
   std::string problem_;
+  Snapshot<std::string> save_problem_{""};
 
   std::atomic<std::uint64_t> revision_{0};  // version_'s
   mutable std::mutex mutex_;                // guards what follows; held during a whole patch

@@ -51,7 +51,7 @@ std::optional<Eigen::Vector2d> place_of(const Region& region, const CameraModel&
 }  // namespace
 
 void DetectRobots::process(const Params& params, const Scene& scene, const PatternTable& patterns,
-                           const Lut& lut, const FrameInfo& info, const Image& image,
+                           const Lut& lut, const Mask& mask, const FrameInfo& info, const Image& image,
                            const RegionList& regions, RobotList& out) noexcept {
   out.robots.clear();
   candidates_.clear();
@@ -79,7 +79,7 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
     dots_height_mm = height_mm;
     search_from_side_dots(params, frame, height_mm);
   }
-  search_from_memory(params, frame, scene, now_s);
+  search_from_memory(params, frame, scene, mask, now_s);
   choose(params, frame, scene, now_s, out);
   out.capped = !time_left(params);
   if (params.memory_ms > 0) memory_.remember(out, now_s);
@@ -277,7 +277,7 @@ void DetectRobots::search_from_side_dots(const Params& params, const Frame& fram
 }
 
 void DetectRobots::search_from_memory(const Params& params, const Frame& frame, const Scene& scene,
-                                      double now_s) {
+                                      const Mask& mask, double now_s) {
   for (const RobotMemory::Entry& entry : memory_.entries()) {
     if (!time_left(params)) return;
     const PatternPose expected = entry.at(now_s);
@@ -287,6 +287,8 @@ void DetectRobots::search_from_memory(const Params& params, const Frame& frame, 
     });
     if (found) continue;
     const double height_mm = scene.height_of(entry.team);
+    const auto pixel = frame.camera.project({expected.x_mm, expected.y_mm, height_mm});
+    if (!pixel || !mask.shows(pixel->x(), pixel->y())) continue;
     Candidate candidate = examine(params, frame, expected, height_mm, kManyPasses);
     if (candidate.proven_dots < static_cast<int>(frame.patterns.dots.size())) {
       const auto center = fitter_.fit_center(frame, expected.x_mm, expected.y_mm, height_mm);

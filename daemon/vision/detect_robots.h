@@ -7,6 +7,7 @@
 #include "vision/confidence.h"
 #include "vision/detections.h"
 #include "vision/lut.h"
+#include "vision/mask.h"
 #include "vision/pattern_fit.h"
 #include "vision/patterns.h"
 #include "vision/regions.h"
@@ -66,9 +67,10 @@ class DetectRobots {
     }
   };
 
+  /// `mask`: regions are without what it hides already; here it ends the memory of a robot that goes there.
   /// Without a calibrated camera, or in a picture without colours, the result is empty.
   void process(const Params& params, const Scene& scene, const PatternTable& patterns, const Lut& lut,
-               const FrameInfo& info, const Image& image, const RegionList& regions,
+               const Mask& mask, const FrameInfo& info, const Image& image, const RegionList& regions,
                RobotList& robots) noexcept;
 
  private:
@@ -102,7 +104,8 @@ class DetectRobots {
   void search_around(const Params& params, const Frame& frame, double x_mm, double y_mm, double height_mm,
                      int least_matched);
   void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);
-  void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, double now_s);
+  void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, const Mask& mask,
+                          double now_s);
   bool time_left(const Params& params) const { return fitter_.work() + work_ < params.max_work; }
 
   /// Fits the pattern and judges it.

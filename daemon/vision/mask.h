@@ -3,7 +3,9 @@
 
 #include "base/params.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -53,7 +55,17 @@ class Mask {
     return std::span(rows.intervals).subspan(rows.begin[i], rows.begin[i + 1] - rows.begin[i]);
   }
 
+  /// Whether the pixel at this place is looked at; left of the picture or above it, the nearest one in it.
+  bool shows(double x, double y) const {
+    const auto pixel = [](double at) { return static_cast<int>(std::lround(std::clamp(at, 0.0, kMostPx))); };
+    const int column = pixel(x);
+    return std::ranges::any_of(row(pixel(y), 1), [column](const Interval& interval) {
+      return column >= interval.begin && column < interval.end;
+    });
+  }
+
  private:
+  static constexpr double kMostPx = 16'383;
   struct Rows {
     std::vector<Interval> intervals;
     std::vector<std::uint32_t> begin;  // intervals begin[y] .. begin[y + 1] are those of row y

@@ -20,6 +20,11 @@ struct StreamWish;
 // api_status.cpp
 void get_status(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_cameras(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_alerts(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_checks(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_timeline(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_diagnostics(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_log(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_cameras.cpp: the path holds the camera's id
 /// The camera named in the path. Throws HttpError 404.

@@ -15,11 +15,6 @@ namespace {
 
 constexpr int kMaxWidth = 16384;
 
-int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
-  if (!request.has_param(name)) return fallback;
-  return read_whole_number(name, request.get_param_value(name), min, max);
-}
-
 PictureKind query_picture(const httplib::Request& request) {
   const std::string name = request.has_param("picture") ? request.get_param_value("picture") : "camera";
   for (const auto& choice : kPictureChoices) {

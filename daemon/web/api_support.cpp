@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/log.h"
 #include "web/api.h"
 #include "web/http.h"
 #include "web/picture.h"
@@ -37,6 +38,17 @@ std::string full_picture(const WebHost& host, std::uint32_t camera_id) {
   return {jpeg.begin(), jpeg.end()};
 }
 
+std::string log_text() {
+  std::string out;
+  const auto recent = log::recent().newer_than(0, log::Level::kDebug);
+  for (const auto& line : recent.lines) {
+    const auto time = static_cast<std::time_t>(line.time_s);
+    out +=
+        fmt::format("{:%Y-%m-%d %H:%M:%S} {} {}\n", fmt::gmtime(time), log::name_of(line.level), line.text);
+  }
+  return out;
+}
+
 /// All that a bundle holds. The settings hold no secret; one that comes to be is to be taken out of
 /// settings.json and settings_history.json here, and out of nothing else.
 std::vector<BundleFile> bundle_files(const WebHost& host) {
@@ -48,6 +60,10 @@ std::vector<BundleFile> bundle_files(const WebHost& host) {
       {"settings.json", "all settings in force, with defaults", [&] { return pretty(host.settings()); }},
       {"settings_history.json", "who changed which setting, with the clients' addresses",
        [&] { return pretty(host.settings_history()); }},
+      {"diagnostics.json", "this computer, its clock, how long every stage takes",
+       [&] { return pretty(host.diagnostics()); }},
+      {"timeline.json", "the last ten minutes, second by second", [&] { return pretty(host.timeline(600)); }},
+      {"log.txt", "the last lines of the log", log_text},
   };
   for (const std::uint32_t id : host.camera_ids()) {
     const std::string camera = fmt::format("camera_{}", id);

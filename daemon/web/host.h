@@ -37,6 +37,8 @@ struct View {
 /// at once. JSON values are those of docs/openapi.json.
 struct WebHost {
   std::function<Json()> status;
+  std::function<Json(int seconds)> timeline;
+  std::function<Json()> diagnostics;
   std::function<Json()> settings;  // with its revision
   std::function<Json()> schema;
   std::function<Json()> field_presets;

@@ -47,6 +47,11 @@ double read_number(std::string_view name, std::string_view text, double min, dou
   return read_any_number(name, text, min, max, "number");
 }
 
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
+  if (!request.has_param(name)) return fallback;
+  return read_whole_number(name, request.get_param_value(name), min, max);
+}
+
 Json parse_json(std::string_view text) {
   constexpr int kMaxDepth = 64;
   const auto check_depth = [](int depth, Json::parse_event_t, const Json&) {

@@ -12,8 +12,9 @@
 #include <utility>
 
 namespace httplib {
+struct Request;
 struct Response;
-}
+}  // namespace httplib
 
 namespace sslv {
 
@@ -42,6 +43,8 @@ inline constexpr std::string_view kOtherSite = "this request comes from a page o
 int read_whole_number(std::string_view name, std::string_view text, int min, int max);
 /// Likewise, with a fraction.
 double read_number(std::string_view name, std::string_view text, double min, double max);
+/// Likewise from the query; `fallback` when it does not say.
+int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max);
 
 /// Strict JSON of limited depth, so that no client can exhaust the stack of whoever walks through it.
 /// Throws HttpError 400.

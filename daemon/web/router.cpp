@@ -63,7 +63,11 @@ bool is_read(const httplib::Request& request) {
   return request.method == "GET" || request.method == "HEAD";
 }
 
-Server::HandlerResponse refuse_other_sites(const httplib::Request& request, httplib::Response& response) {
+Server::HandlerResponse refuse_early(const httplib::Request& request, httplib::Response& response) {
+  if (request.path.find('\0') != std::string::npos) {  // files would be looked for by what stands before it
+    set_error(response, 400, "the address has a zero byte in it");
+    return Server::HandlerResponse::Handled;
+  }
   if (is_read(request) ||
       is_same_origin(request.get_header_value("Origin"), request.get_header_value("Host")))
     return Server::HandlerResponse::Unhandled;
@@ -148,7 +152,7 @@ Router::Router(const WebHost& host, std::span<const Route> routes,
   for (const Route& route : routes) add_route(*server_, host, route);
   server_->set_mount_point("/", panel_directory);
   server_->Get("/", explain_missing_panel(panel_directory));
-  server_->set_pre_routing_handler(refuse_other_sites);
+  server_->set_pre_routing_handler(refuse_early);
   server_->set_exception_handler(answer_exception);
   server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
     explain_refusal(routes, request, response);

@@ -191,7 +191,7 @@ void bench_stages(const std::shared_ptr<const Lut>& lut) {
                           regions[i]);
       }
       const double robots_us = median_us(pictures.size(), [&](std::size_t i) {
-        stages.robots.process(no_memory, scene, league_patterns(), *lut, {},
+        stages.robots.process(no_memory, scene, league_patterns(), *lut, Mask(), {},
                               Image(pictures[i].view, nullptr, nullptr, nullptr), regions[i], robots[i]);
       });
       const double balls_us = median_us(pictures.size(), [&](std::size_t i) {
@@ -236,7 +236,8 @@ void bench_hostile(const std::shared_ptr<const Lut>& lut) {
     Segment().process({}, *lut, Mask(), image, runs, regions);
     Stages stages;
     const double robots_us = median_us(1, [&](std::size_t) {
-      stages.robots.process({}, scene, league_patterns(), *lut, {}, image, regions, stages.robot_list);
+      stages.robots.process({}, scene, league_patterns(), *lut, Mask(), {}, image, regions,
+                            stages.robot_list);
     });
     const double balls_us = median_us(1, [&](std::size_t) {
       stages.balls.process({}, scene, *lut, image, regions, stages.robot_list, stages.ball_list);

@@ -94,6 +94,63 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('get', '/api/sources');
   });
 
+  it('tells what is wrong and whether a match may begin', async () => {
+    const path = '/cameras/1/source';
+    assert.equal((await ask('get', '/api/checks')).go, true);
+    await service.patch({ op: 'replace', path, value: { backend: 'files', path: '/not/there' } });
+    const { go, checks } = await becomes('/api/checks', (value) => !value.go);
+    assert.equal(go, false);
+    assert.deepEqual(checks.filter(({ state }) => state === 'fail').map(({ id }) => id), ['cameras']);
+    const lost = async () => (await ask('get', '/api/alerts')).alerts.find(({ id }) => id === 'camera_lost');
+    const first = await lost();
+    assert.equal(first.camera, 1);
+    assert.equal(first.page, '#/camera/1');
+    assert.ok(first.since > 1.7e9);
+    assert.equal((await lost()).since, first.since);
+    const { cameras } = await becomes('/api/timeline', (value) => value.cameras[1]?.fps.at(-1) === null);
+    assert.equal(cameras[0].id, 0);
+    await service.patch({ op: 'replace', path, value: service.settings.cameras[1].source });
+    await becomes('/api/checks', (value) => value.go);
+  });
+
+  it('remembers the last seconds', async () => {
+    const path = '/api/timeline';
+    const all = await becomes(path, (value) => value.cameras.every(({ fps }) => fps.filter((one) => one > 0).length > 2));
+    for (const camera of all.cameras) {
+      for (const [name, values] of Object.entries(camera)) if (name !== 'id') assert.equal(values.length, all.time_s.length, name);
+    }
+    assert.ok(all.time_s.every((time, i) => i === 0 || time > all.time_s[i - 1]));
+    assert.equal((await ask('get', path, { query: '?seconds=2' })).time_s.length, 2);
+    for (const seconds of ['0', '601', 'x']) await ask('get', path, { query: `?seconds=${seconds}`, expect: 400 });
+  });
+
+  it('tells of the computer and of what takes how long', async () => {
+    const { system, cameras } = await becomes('/api/diagnostics', (value) => value.system.cpu_percent.length > 0 && value.cameras.every(({ exposure }) => exposure));
+    assert.equal(system.disk.folder.startsWith('/'), true);
+    assert.ok(system.process.threads > 5 && system.process.rss_bytes > 1e7);
+    assert.equal(cameras.length, 2);
+    for (const { latency, stages, exposure } of cameras) {
+      assert.equal(latency.edges_us.length, latency.counts.length + 1);
+      assert.ok(latency.counts.reduce((sum, count) => sum + count, 0) > 10);
+      assert.ok(stages.some(({ name, histogram }) => name === 'segment' && histogram.counts.length > 0));
+      assert.ok(exposure.mean_luma > 25 && exposure.clipped_share < 0.02);
+    }
+  });
+
+  it('shows its log', async () => {
+    const path = '/api/log';
+    const all = await ask('get', path);
+    assert.ok(all.lines.some(({ text, level }) => level === 'info' && text.startsWith('panel on port')));
+    assert.equal(all.lines.at(-1).seq, all.next);
+    await service.patch({ op: 'replace', path: '/site', value: 'Logged' });
+    const fresh = await ask('get', path, { query: `?after=${all.next}&level=info` });
+    assert.ok(fresh.lines.some(({ text }) => text.includes('Logged')));
+    assert.ok(fresh.lines.every(({ seq }) => seq > all.next));
+    const bad = await ask('get', path, { query: '?level=loud', expect: 400 });
+    assert.match(bad.error, /level: "loud".*"warning"/);
+    await ask('get', path, { query: '?after=-1', expect: 400 });
+  });
+
   it('shows cameras', async () => {
     const path = '/api/cameras/{camera}/snapshot.jpg';
     assert.equal((await ask('get', path, { query: '?width=200&quality=50' })).readUInt16BE(0), 0xffd8);
@@ -242,6 +299,9 @@ describe('the interface as docs/openapi.json says', () => {
     assert.match(read('version.txt').toString(), /^\d+\.\d+/);
     checkJson('openapi#/components/schemas/Status', JSON.parse(read('status.json')), 'status.json');
     checkJson('openapi#/components/schemas/SettingsRevision', JSON.parse(read('settings.json')), 'settings.json');
+    checkJson('openapi#/components/schemas/Timeline', JSON.parse(read('timeline.json')), 'timeline.json');
+    checkJson('openapi#/components/schemas/Diagnostics', JSON.parse(read('diagnostics.json')), 'diagnostics.json');
+    assert.match(read('log.txt').toString(), /^\d{4}-\d\d-\d\dT[\d:]{8}\.\d{3}Z info    .*panel on port \d+$/m);
     for (const id of [0, 1]) {
       checkJson('openapi#/components/schemas/CalibrationState', JSON.parse(read(`camera_${id}/calibration.json`)), 'calibration.json');
       assert.equal(read(`camera_${id}/picture.jpg`).readUInt16BE(0), 0xffd8);

@@ -182,13 +182,13 @@ describe('panel', () => {
       for (const name of ['latency-p50', 'latency-p99']) assert.match(await text(page, `${name}-${id}`), /^\d+(\.\d+)?$/);
       assert.match(await text(page, `drops-${id}`), /^[\d\u2009]+$/);
     }
-    // Speed is this machine's affair, so those two may warn; but they must know.
-    for (const fact of ['latency', 'fps']) await page.waitForSelector(`${byId(`fact-${fact}`)}:not([data-level="unknown"])`);
-    for (const fact of ['cameras', 'robots', 'ball', 'network']) await page.waitForSelector(`${byId(`fact-${fact}`)}[data-level="ok"]`);
-    assert.match(await text(page, 'fact-cameras'), /2\s+of 2/);
-    await page.waitForFunction((selector) => /12.*6 yellow, 6 blue/.test(document.querySelector(selector).textContent), byId('fact-robots'));
-    await page.waitForSelector(byId('no-alerts'));
-    assert.equal(await page.locator(byId('alert')).count(), 0);
+    for (const check of ['cameras', 'calibration', 'network', 'other_visions', 'teams']) await page.waitForSelector(`${byId(`check-${check}`)}[data-state="pass"]`);
+    // Speed, clock and load are this machine's affair, so those may warn; but they must know.
+    for (const check of ['latency', 'pictures', 'clock', 'computer']) await page.waitForSelector(`${byId(`check-${check}`)}:not([data-state="unknown"])`);
+    assert.match(await text(page, 'check-cameras'), /2\s*of 2/);
+    await page.waitForSelector(`${byId('verdict')}[data-go="true"]`);
+    await page.waitForFunction((selector) => /^12 robots, 1 ball$/.test(document.querySelector(selector).textContent), byId('seen'));
+    assert.equal(await page.locator(`${byId('alert')}[data-severity="bad"]`).count(), 0);
   }));
 
   it('switches between dark and light', withPage(DESKTOP, '', {}, async (page) => {
@@ -276,7 +276,7 @@ describe('panel', () => {
     assert.equal(await rendering(), 'auto');
     await page.keyboard.press('h');
     await pictureIs(page, 0, 'labels');
-    await page.keyboard.press('4');
+    await page.keyboard.press('7');
     await pictureIs(page, 0, 'camera');
     assert.ok((await page.evaluate(measure, 0)).green > 0.3);
     assert.equal(await page.getAttribute(byId('layer-labels'), 'aria-pressed'), 'false');
@@ -335,7 +335,7 @@ describe('panel', () => {
     assert.deepEqual([...bytes.subarray(0, 3), ...bytes.subarray(-2)], [0xff, 0xd8, 0xff, 0xff, 0xd9], 'a whole JPEG');
     assert.ok(bytes.length > 20_000, `${bytes.length} bytes`);
 
-    await page.keyboard.press('4');
+    await page.keyboard.press('7');
     await pictureIs(page, 1, 'labels');
     const [labels] = await Promise.all([page.waitForEvent('download'), page.click(byId('still'))]);
     assert.match(labels.suggestedFilename(), /^camera-1-labels-.*\.jpg$/);
@@ -386,7 +386,8 @@ describe('panel', () => {
     const trouble = await page.textContent(`${tile} ${byId('picture-trouble')}`);
     assert.match(trouble, /Camera lost/);
     assert.ok(trouble.includes(missing) && trouble.includes('No such file'), trouble);
-    await page.waitForSelector(`${byId('fact-cameras')}[data-level="bad"]`);
+    await page.waitForSelector(`${byId('check-cameras')}[data-state="fail"]`);
+    await page.waitForSelector(`${byId('verdict')}[data-go="false"]`);
     const alert = await page.waitForSelector(`${byId('alert')}[data-severity="bad"]`);
     assert.match(await alert.textContent(), /Camera 1 is lost.*Fix/s);
     assert.equal(await page.locator(`${tile} ${byId('overlay-robot')}`).count(), 0, 'no old detections');
@@ -400,7 +401,7 @@ describe('panel', () => {
     await patch({ op: 'replace', path: '/cameras/1/source', value: settings.cameras[1].source });
     await page.waitForSelector(`${byId('camera-tile-1')}[data-state="running"]`);
     await picturesGoOn(page, 1);
-    await page.waitForSelector(byId('no-alerts'));
+    await page.waitForSelector(`${byId('verdict')}[data-go="true"]`);
   }));
 
   it('comes back by itself when the service does', withPage(DESKTOP, '', {}, async (page, panel) => {
@@ -412,7 +413,7 @@ describe('panel', () => {
     for (const { id } of settings.cameras) lastFrames[id] = await frameNumber(page, id);
     await page.waitForSelector(`${byId('connection')}[data-state="stale"]`);
     await page.waitForSelector(byId('no-data'));
-    await page.waitForSelector(`${byId('fact-cameras')}[data-level="unknown"]`);
+    await page.waitForSelector(`${byId('check-cameras')}[data-state="unknown"]`);
     await page.waitForSelector(byId('overlay-robot'), { state: 'detached' });
     assert.equal(await text(page, 'fps-0'), '–');
     assert.equal(await page.locator(byId('field-robot')).count(), 0);
@@ -442,7 +443,6 @@ describe('panel', () => {
   screenshots([
     { file: 'overview-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
     { file: 'overview-light.jpg', theme: 'light', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
-    { file: 'camera-dark.jpg', theme: 'dark', path: '#/camera/0', viewport: DESKTOP, options: {}, ready: withGraphs },
     { file: 'overview-phone.jpg', theme: 'dark', path: '', viewport: PHONE, options: phone, ready: withGraphs },
   ]);
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionctl over files: simulate, process, score, and a real photo.
+// ssl-visionctl over files: simulate, process, score, and a real photo; and what it asks a running daemon.
 #include "e2e/running_daemon.h"
 #include "support/test_data.h"
 
@@ -15,6 +15,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 class Tools : public ::testing::Test {
@@ -180,6 +181,123 @@ TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
                   "12", "--only", "field A", "field A, Bayer", "field B, RGB", "noise 15", "light 0.3",
                   "gradient to 10 %", "touching at 1 mm", "one dot covered"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+
+class AskingADaemon : public DaemonTest {
+ protected:
+  Finished ask(std::vector<std::string> words) const {
+    words.insert(words.begin(), {SSLV_CTL, "--daemon", daemon_.address()});
+    return run_to_end(words);
+  }
+  /// What it prints when all goes well.
+  std::string answer(const std::vector<std::string>& words) const {
+    const Finished run = ask(words);
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return run.output;
+  }
+  Json settings() const { return daemon_.get("/api/settings").at("settings"); }
+
+  RunningDaemon daemon_{settings_file(), state_};
+};
+
+TEST_F(AskingADaemon, SettingsAreShownAndSet) {
+  EXPECT_EQ(answer({"settings", "get", "/site"}), "Demo field\n");
+  EXPECT_EQ(answer({"settings", "get", "/site", "--json"}), "\"Demo field\"\n");
+  EXPECT_EQ(Json::parse(answer({"settings", "get"})), settings());
+  EXPECT_EQ(answer({"settings", "set", "/site", "get", "/teams/yellow/ids", "[0,1]", "/ball_models/acc_slide",
+                    "-3.1"}),
+            "/site: \"Demo field\" -> \"get\"\n"
+            "/ball_models/acc_slide: -3.4 -> -3.1\n"
+            "/teams/yellow/ids/0: nothing -> 0\n"
+            "/teams/yellow/ids/1: nothing -> 1\n"
+            "saved, revision 2\n");
+  EXPECT_EQ(settings()["teams"]["yellow"]["ids"], Json::array({0, 1}));
+  const Json appended = Json::parse(answer({"settings", "set", "--json", "/teams/yellow/ids/-", "7"}));
+  EXPECT_EQ(appended, Json::parse(R"({"changes": [{"op": "add", "path": "/teams/yellow/ids/2", "after": 7}],
+                                      "revision": 3})"));
+  EXPECT_THAT(answer({"settings", "remove", "/teams/yellow/ids/0"}),
+              HasSubstr("/teams/yellow/ids/2: 7 -> nothing\nsaved, revision 4\n"));
+  EXPECT_EQ(settings()["teams"]["yellow"]["ids"], Json::array({1, 7}));
+  EXPECT_THAT(answer({"settings", "schema", "/field/line_thickness"}),
+              HasSubstr("/field/line_thickness  integer  1 .. 500  mm    width of the painted lines\n"));
+}
+
+TEST_F(AskingADaemon, WhatIsRefusedIsOneLine) {
+  const auto refused = [&](const std::vector<std::string>& words, int exit_code, const char* text) {
+    const Finished run = ask(words);
+    EXPECT_EQ(run.exit_code, exit_code) << run.output;
+    EXPECT_THAT(run.output, AllOf(HasSubstr(text), Not(HasSubstr("{"))));
+    if (exit_code == 1) {
+      EXPECT_EQ(run.output.find('\n'), run.output.size() - 1) << run.output;
+    }
+  };
+  const Json before = settings();
+  refused({"settings", "set", "/field/line_thickness", "0", "/site", "A"}, 1,
+          "/field/line_thickness: 0 is not allowed");
+  refused({"settings", "set", "site", "A"}, 1, "expected a JSON pointer");
+  refused({"settings", "get", "/cameras/5/name"}, 1, "/cameras has a list of 2");
+  refused({"settings", "remove", "/sit"}, 1, "the tree has site, field");
+  refused({"settings", "set", "/site"}, 64, "a POINTER and a VALUE");
+  refused({"settings", "set", "--no-such", "/site", "A"}, 64, "--no-such");
+  refused({"field", "set", "division-c"}, 1, "no field \"division-c\"; known: division-a, division-b");
+  EXPECT_EQ(settings(), before);
+  answer({"settings", "set", "/site", "A"});
+  answer({"settings", "set", "/site", "B"});
+  refused({"undo", "2"}, 1, "127.0.0.1 made revision 3: /site: \"A\" -> \"B\"");
+}
+
+TEST_F(AskingADaemon, ExportedSettingsComeBack) {
+  const std::string file = folder_.file("exported.json");
+  answer({"settings", "export", file});
+  EXPECT_EQ(Json::parse(std::ifstream(file)), settings());
+  EXPECT_EQ(Json::parse(answer({"settings", "export"})), settings());
+  const Json exported = settings();
+  EXPECT_THAT(answer({"field", "set", "division-a"}), HasSubstr("/field/field_length: 9000 -> 12000\n"));
+  EXPECT_THAT(answer({"field", "presets"}), HasSubstr("division-a    12000 x 9000 mm"));
+  answer({"settings", "set", "/site", "Elsewhere"});
+  EXPECT_THAT(answer({"settings", "import", file}),
+              AllOf(HasSubstr("/site: \"Elsewhere\" -> \"Demo field\"\n"),
+                    HasSubstr("/field/field_length: 12000 -> 9000\n"), HasSubstr("saved, revision 4\n")));
+  EXPECT_EQ(settings(), exported);
+  const Finished broken = ask({"settings", "import", folder_.write("broken.json", "{\"site\": ")});
+  EXPECT_EQ(broken.exit_code, 78);
+  EXPECT_THAT(broken.output, HasSubstr("broken.json"));
+}
+
+TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
+  daemon_.wait_for_status([](const Json& status) { return status["cameras"][1]["robots"] > 0; });
+  const std::string cameras = answer({"cameras"});
+  EXPECT_THAT(cameras, AllOf(HasSubstr("id  name     state "), HasSubstr("\n 0  -x half  running "),
+                             HasSubstr("\n 1  +x half  running ")));
+  EXPECT_EQ(Json::parse(answer({"cameras", "--json"})).size(), 2u);
+
+  daemon_.set("/cameras/1/source", {{"backend", "files"}, {"path", "/no/such"}});
+  daemon_.wait_for_status([](const Json& status) { return status["cameras"][1]["state"] == "lost"; });
+  const Finished alerts = ask({"alerts"});
+  EXPECT_EQ(alerts.exit_code, 1);
+  EXPECT_EQ(alerts.output.substr(0, 6), "bad   ") << alerts.output;
+  EXPECT_THAT(alerts.output, HasSubstr("/no/such"));
+  EXPECT_EQ(Json::parse(ask({"alerts", "--json"}).output)[0]["severity"], "bad");
+}
+
+/// What bash offers after these words, of which the last one is being written.
+std::string completed(const std::vector<std::string>& words) {
+  std::vector<std::string> all{
+      "/bin/bash", "-c",
+      "source <(\"$0\" completion bash) && COMP_WORDS=(ssl-visionctl \"$@\") && COMP_CWORD=$# && "
+      "_ssl_visionctl && complete -p ssl-visionctl >/dev/null && echo \"${COMPREPLY[*]}\"",
+      SSLV_CTL};
+  all.insert(all.end(), words.begin(), words.end());
+  return run_to_end(all).output;
+}
+
+TEST(Completion, OffersTheCommandsAndOptionsOfAPlace) {
+  EXPECT_EQ(completed({"sett"}), "settings\n");
+  EXPECT_EQ(completed({"settings", "s"}), "set schema\n");
+  EXPECT_EQ(completed({"settings", "import", "--d"}), "--dry-run\n");
+  EXPECT_EQ(completed({"--da"}), "--daemon\n");
+  EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // the value of an option is no command
+  EXPECT_EQ(completed({"snapshot", "--output", "sta"}), "\n");     // left to the shell: a file
 }
 
 TEST(RealPhoto, SixRobotsWithTheirIdsAndTwoBalls) {

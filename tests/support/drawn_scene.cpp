@@ -261,7 +261,7 @@ RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const Detect
   FrameInfo info;
   info.times.t_capture_s = t_s;
   const RegionList& found = regions();
-  detector.process(params, scene_, league_patterns(), *lut_, info, image(), found, out);
+  detector.process(params, scene_, league_patterns(), *lut_, Mask(), info, image(), found, out);
   return out;
 }
 

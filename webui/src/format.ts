@@ -40,10 +40,23 @@ export function duration(seconds: number): string {
   return h < 24 ? `${h} h ${min % 60} min` : `${Math.floor(h / 24)} d ${h % 24} h`;
 }
 
+const twoFigures = (value: number) => String(value).padStart(2, '0');
+
+/** "14:02:31", or "14:02", of a Unix time in seconds, in the reader's zone. */
+export function timeOfDay(unixSeconds: number, withSeconds = true): string {
+  const at = new Date(unixSeconds * 1000);
+  return [at.getHours(), at.getMinutes(), ...(withSeconds ? [at.getSeconds()] : [])].map(twoFigures).join(':');
+}
+
+/** "14:02:31.204" of a Unix time in seconds, in the reader's zone. */
+export function timeOfDayMs(unixSeconds: number): string {
+  const ms = Math.round(unixSeconds * 1000);
+  return `${timeOfDay(Math.floor(ms / 1000))}.${String(ms % 1000).padStart(3, '0')}`;
+}
+
 /** "14:02:31" of a Unix time in seconds, in the reader's zone; with the day unless it is today. */
 export function clockTime(unixSeconds: number, today = new Date()): string {
   const at = new Date(unixSeconds * 1000);
-  const two = (value: number) => String(value).padStart(2, '0');
-  const time = `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
-  return at.toDateString() === today.toDateString() ? time : `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${time}`;
+  const time = timeOfDay(unixSeconds);
+  return at.toDateString() === today.toDateString() ? time : `${at.getFullYear()}-${twoFigures(at.getMonth() + 1)}-${twoFigures(at.getDate())} ${time}`;
 }

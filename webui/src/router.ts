@@ -17,7 +17,9 @@ export interface Page {
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
   { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
+  { name: 'calibration', title: 'Calibration', icon: 'target', component: defineAsyncComponent(() => import('./pages/calibration/CalibrationPage.vue')) },
   { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
+  { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: defineAsyncComponent(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
   { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 

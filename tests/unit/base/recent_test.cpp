@@ -35,6 +35,19 @@ TEST(RecentDurations, ForgetsAllButTheLast512) {
   EXPECT_DOUBLE_EQ(recent.percentiles().p99_us, 1);
 }
 
+TEST(RecentDurations, GivesThoseThatCameSince) {
+  RecentDurations recent;
+  for (int i = 0; i < 600; ++i) recent.add_ns(1000);
+  EXPECT_EQ(recent.samples_ns().size(), 512u);
+  const std::uint64_t before = recent.count();
+  EXPECT_EQ(before, 600u);
+  recent.add_ns(7000);
+  recent.add_ns(9000);
+  EXPECT_EQ(recent.samples_ns(before), (std::vector<std::int64_t>{7000, 9000}));
+  EXPECT_DOUBLE_EQ(recent.percentiles(before).p50_us, 9);
+  EXPECT_DOUBLE_EQ(recent.percentiles(recent.count()).p99_us, 0);
+}
+
 TEST(RecentDurations, MayBeReadWhileWritten) {
   RecentDurations recent;
   std::thread writer([&] {

@@ -379,6 +379,29 @@ TEST(DetectRobots, MemoryOfOneRobotIsNotTakenForAnother) {
   expect_nothing_wrong(after.robots_by(detector, 100.016).robots, after);
 }
 
+TEST(DetectRobots, MemoryDoesNotGoWhereTheMaskHides) {
+  DrawnScene drawn;
+  drawn.add_robot(Team::kYellow, 6, 1300, -500, 0.5);
+  const auto found_from_memory = [&](const Mask& mask) {
+    DetectRobots detector;
+    EXPECT_THAT(drawn.robots_by(detector, 100).robots, SizeIs(1));
+    RobotList out;
+    FrameInfo info;
+    info.times.t_capture_s = 100.016;
+    detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), mask, info, drawn.image(), {}, out);
+    return out.robots.size();
+  };
+  const auto robot = drawn.robots().robots.at(0);
+  const auto around = [&](double left, double right) {
+    const double x = robot.pixel_x, y = robot.pixel_y;
+    return MaskPolygon{{{x - left, y - 9}, {x + right, y - 9}, {x + right, y + 9}, {x - left, y + 9}}};
+  };
+  EXPECT_EQ(found_from_memory(Mask()), 1U);
+  EXPECT_EQ(found_from_memory(Mask({{}, {around(-2, 9)}})), 1U) << "hidden is what lies beside its centre";
+  EXPECT_EQ(found_from_memory(Mask({{}, {around(2, 9)}})), 0U);
+  EXPECT_EQ(found_from_memory(Mask({{around(2, 9)}, {}})), 1U);
+}
+
 TEST(DetectRobots, MemoryNeverMovesARobot) {
   // The same picture, with and without another one before it: bit by bit.
   std::mt19937 random(8);
@@ -576,8 +599,8 @@ TEST(DetectRobots, NothingInAPictureWithoutColours) {
   RobotList out;
   FrameInfo info;
   info.times.t_capture_s = 1.016;
-  detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), info, drawn.image(), colored.regions(),
-                   out);
+  detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), Mask(), info, drawn.image(),
+                   colored.regions(), out);
   EXPECT_THAT(out.robots, IsEmpty());
 }
 
@@ -598,8 +621,8 @@ TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
     RobotList out;
     FrameInfo info;
     info.times.t_capture_s = 1.016;
-    detector.process({}, small.scene(), league_patterns(), small.lut(), info, small.image(), large.regions(),
-                     out);
+    detector.process({}, small.scene(), league_patterns(), small.lut(), Mask(), info, small.image(),
+                     large.regions(), out);
     EXPECT_LE(out.robots.size(), 2U);
   }
 }
@@ -647,7 +670,8 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
       const auto process = [&](double t_s) {
         FrameInfo info;
         info.times.t_capture_s = t_s;
-        detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), info, image, regions, out);
+        detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), Mask(), info, image, regions,
+                         out);
       };
       process(1);
       EXPECT_TRUE(out.capped) << most;

@@ -52,6 +52,17 @@ TEST(Mask, ExcludingAloneLeavesTheRest) {
   EXPECT_THAT(mask.row(20, 1), ElementsAre(Interval{0, 16'384}));
 }
 
+TEST(Mask, TellsOfASinglePixel) {
+  const Mask mask({{}, {rectangle(-5, -5, 19.5, 9.5)}});
+  EXPECT_FALSE(mask.shows(0, 0));
+  EXPECT_FALSE(mask.shows(19.4, 9.4));
+  EXPECT_TRUE(mask.shows(19.6, 9.4));
+  EXPECT_TRUE(mask.shows(19.4, 9.6));
+  EXPECT_FALSE(mask.shows(-300, -1e9)) << "as the nearest pixel";
+  EXPECT_TRUE(mask.shows(1e9, 0));
+  EXPECT_TRUE(Mask().shows(-1, 1e9));
+}
+
 /// Whether a point is inside a polygon, by the even-odd rule, the slow way.
 bool inside(const MaskPolygon& polygon, double x, double y) {
   bool odd = false;

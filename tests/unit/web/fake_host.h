@@ -76,7 +76,15 @@ class FakeHost {
 
   WebHost host() {
     WebHost host;
-    host.status = [] { return Json{{"site", "test"}, {"cameras", {{{"id", 0}}}}}; };
+    host.status = [] {
+      return Json{{"site", "test"},
+                  {"alerts", {{{"id", "camera_lost"}}}},
+                  {"go", false},
+                  {"checks", {{{"id", "cameras"}}}},
+                  {"cameras", {{{"id", 0}}}}};
+    };
+    host.timeline = [](int seconds) { return Json{{"seconds", seconds}}; };
+    host.diagnostics = [] { return Json{{"clock", nullptr}}; };
     host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
     host.schema = [] { return Json{{"type", "object"}}; };
     host.field_presets = [] { return Json{{{"name", "division-b"}}}; };

@@ -363,11 +363,18 @@ TEST_F(RouterTest, ServesThePanel) {
        {"/nothing.js", "/assets", "/assets/nothing.js", "/secret.txt", "//etc/passwd", "/panel/index.html",
         "/../secret.txt", "/%2e%2e/secret.txt", "/assets/..%2f..%2fsecret.txt", "/..", "*",
         "http://example.org/", "/%2e%2e%2fsecret.txt", "/assets/%2e%2e/%2e%2e/secret.txt",
-        "/index.html%00.txt", "/%00", "/assets/..%5c..%5csecret.txt", "/%252e%252e/secret.txt",
-        "/..;/secret.txt"}) {
+        "/assets/..%5c..%5csecret.txt", "/%252e%252e/secret.txt", "/..;/secret.txt"}) {
     const Answer answer = ask("GET", missing);
     EXPECT_EQ(answer.status, 404) << missing;
     EXPECT_THAT(answer.header, HasSubstr("Cache-Control: no-store\r\n"));
+  }
+}
+
+TEST_F(RouterTest, AnAddressWithAZeroByteIsRefused) {
+  for (const char* target : {"/index.html%00.txt", "/%00", "/api/status%00", "/api/profiles/a%00b"}) {
+    const Answer answer = ask("GET", target);
+    EXPECT_EQ(answer.status, 400) << target;
+    EXPECT_EQ(answer.body, R"({"error":"the address has a zero byte in it"})") << target;
   }
 }
 

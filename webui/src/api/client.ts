@@ -11,7 +11,7 @@ export class ApiError extends Error {
 /** Long enough for a camera that is slow to answer, short enough to say that nothing comes. */
 const PATIENCE_MS = 15_000;
 
-const errorText = (body: unknown, status: number): string =>
+export const errorText = (body: unknown, status: number): string =>
   typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
 
 async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {

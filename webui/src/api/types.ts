@@ -11,7 +11,16 @@ export type CameraStatus = Schemas['CameraStatus'];
 export type CameraState = CameraStatus['state'];
 export type NetworkStatus = Schemas['NetworkStatus'];
 export type Alert = Schemas['Alert'];
+export type AlertId = Schemas['AlertId'];
 export type Severity = Alert['severity'];
+export type Check = Schemas['Check'];
+export type Timeline = Schemas['Timeline'];
+export type CameraTimeline = Schemas['CameraTimeline'];
+export type Diagnostics = Schemas['Diagnostics'];
+export type Histogram = Schemas['Histogram'];
+export type LogLevel = Schemas['LogLevel'];
+export type LogLines = Schemas['LogLines'];
+export type LogLine = LogLines['lines'][number];
 export type Status = Schemas['Status'];
 export type Robot = Schemas['Robot'];
 export type Team = Robot['team'];
@@ -26,11 +35,19 @@ export type Profile = Schemas['Profile'];
 
 export type SettingsRevision = Schemas['SettingsRevision'];
 export type SettingsStep = Schemas['SettingsStep'];
-export type SettingsChange = Schemas['SettingsChange'];
 export type Stale = Schemas['Stale'];
 export type Control = Schemas['Control'];
 export type FieldPreset = Schemas['FieldPreset'];
 export type FoundSource = Schemas['Source'];
+
+export type CameraGeometry = Schemas['Calibration'];
+export type CalibrationRequest = Schemas['CalibrationRequest'];
+export type CalibrationReport = Schemas['CalibrationReport'];
+export type CalibrationRecord = Schemas['CalibrationRecord'];
+export type CalibrationState = Schemas['CalibrationState'];
+export type FieldPoint = CalibrationState['points'][number];
+export type JointCalibrationReport = Schemas['JointCalibrationReport'];
+export type JointCalibrationState = Schemas['JointCalibrationState'];
 
 export type Topic = 'status' | 'detections';
 

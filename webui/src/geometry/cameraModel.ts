@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The league's camera model: quaternion (x, y, z, w) and translation take field to camera,
 // which looks along +z; one radial distortion term. Pixel centres are integers.
-import type { Calibration } from '../api/types';
+import type { CameraGeometry } from '../api/types';
 
 export interface Point {
   x: number;
@@ -14,7 +14,7 @@ export interface Point3 extends Point {
 
 type Matrix = readonly [number, number, number, number, number, number, number, number, number];
 
-function rotation(c: Calibration): Matrix {
+function rotation(c: CameraGeometry): Matrix {
   const { q0: x, q1: y, q2: z, q3: w } = c;
   // Published quaternions are rounded; a unit one keeps the rotation a rotation.
   const s = 2 / (x * x + y * y + z * z + w * w);
@@ -44,7 +44,7 @@ export class CameraModel {
   /** Where the camera stands on the field. */
   readonly position: Point3;
 
-  constructor(private readonly c: Calibration) {
+  constructor(private readonly c: CameraGeometry) {
     const r = (this.r = rotation(c));
     this.position = {
       x: -(r[0] * c.tx + r[3] * c.ty + r[6] * c.tz),

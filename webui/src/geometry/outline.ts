@@ -3,13 +3,13 @@
 import type { CameraStatus, FieldSize } from '../api/types';
 import { CameraModel, type Point } from './cameraModel';
 import { alongLine, fieldArcs, fieldLines, gridLines } from './fieldLines';
-import { turnPixel, type Turn } from './turn';
+import { turnPixel, type Size, type Turn } from './turn';
 
 /** Tenths of a pixel: fine enough for a line, and short paths. */
 const round = (value: number) => Math.round(value * 10) / 10;
 
 /** One path through points of the floor; it breaks off where the camera cannot see them. */
-function floorPath(model: CameraModel, camera: CameraStatus, turn: Turn, points: Point[]): string {
+function floorPath(model: CameraModel, camera: Size, turn: Turn, points: Point[]): string {
   const margin = camera.width;
   let path = '';
   let drawing = false;
@@ -28,12 +28,12 @@ function floorPath(model: CameraModel, camera: CameraStatus, turn: Turn, points:
   return path;
 }
 
-export function linesPath(model: CameraModel, camera: CameraStatus, turn: Turn, field: FieldSize): string {
+export function linesPath(model: CameraModel, camera: Size, turn: Turn, field: FieldSize): string {
   const shapes = [...fieldLines(field).map((l) => alongLine(l)), ...fieldArcs(field)];
   return shapes.map((points) => floorPath(model, camera, turn, points)).join('');
 }
 
-export function gridPath(model: CameraModel, camera: CameraStatus, turn: Turn, field: FieldSize): string {
+export function gridPath(model: CameraModel, camera: Size, turn: Turn, field: FieldSize): string {
   return gridLines(field).map((l) => floorPath(model, camera, turn, alongLine(l))).join('');
 }
 

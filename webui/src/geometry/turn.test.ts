@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import { camera } from '../testing/samples';
 import { CameraModel } from './cameraModel';
-import { fieldTurn, turnedSize, turnPixel, type Turn } from './turn';
+import { fieldTurn, turnedSize, turnPixel, unturnPixel, type Turn } from './turn';
 
 const size = { width: 780, height: 580 };
 
@@ -33,5 +33,9 @@ describe('turning pictures', () => {
       expect([0, turned.height]).toContain(p.y);
     }
     expect(turnPixel(1, size, { x: -0.5, y: -0.5 })).toEqual({ x: 580, y: 0 });
+  });
+
+  it('finds the pixel at a place again', () => {
+    for (const turn of [0, 1, 2, 3] as Turn[]) expect(unturnPixel(turn, size, turnPixel(turn, size, { x: 12, y: 345 }))).toEqual({ x: 12, y: 345 });
   });
 });

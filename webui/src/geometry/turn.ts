@@ -30,6 +30,16 @@ export function turnPixel(turn: Turn, { width, height }: Size, pixel: Point): Po
   }
 }
 
+/** The camera's pixel at a place in the turned picture; the other way round. */
+export function unturnPixel(turn: Turn, { width, height }: Size, { x, y }: Point): Point {
+  switch (turn) {
+    case 0: return { x: x - 0.5, y: y - 0.5 };
+    case 1: return { x: y - 0.5, y: height - x - 0.5 };
+    case 2: return { x: width - x - 0.5, y: height - y - 0.5 };
+    case 3: return { x: width - y - 0.5, y: x - 0.5 };
+  }
+}
+
 /** The turn that brings the field's +x closest to the picture's right. */
 export function fieldTurn(camera: CameraModel | null, { width, height }: Size): Turn {
   const middle = camera?.unproject(width / 2, height / 2, 0);

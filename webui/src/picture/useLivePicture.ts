@@ -5,9 +5,12 @@ import type { PreviewMessage } from '../api/messages';
 import type { PreviewHeader, PreviewRequest } from '../api/types';
 import { acknowledge, ageOf, startPreview, stopPreview } from '../state/live';
 import type { Turn } from '../geometry/turn';
+import { drawTurned } from './drawTurned';
 
 export interface Shown {
   header: PreviewHeader;
+  /** As decoded and not turned; gone when the next one is shown. */
+  picture: ImageBitmap;
   /** Size of the JPEG as it came. */
   width: number;
   height: number;
@@ -30,22 +33,13 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
     const target = canvas.value;
     const context = target?.getContext('2d', { alpha: false });
     if (!target || !context || !bitmap) return;
-    const turns = turn();
-    const [width, height] = turns % 2 ? [bitmap.height, bitmap.width] : [bitmap.width, bitmap.height];
-    // Setting a canvas' size empties it, so only when it differs.
-    if (target.width !== width) target.width = width;
-    if (target.height !== height) target.height = height;
-    // Quarter turns move whole pixels; smoothing would only cost time.
-    context.imageSmoothingEnabled = false;
-    context.setTransform(1, 0, 0, 1, width / 2, height / 2);
-    context.rotate((turns * Math.PI) / 2);
-    context.drawImage(bitmap, -bitmap.width / 2, -bitmap.height / 2);
+    drawTurned(target, context, bitmap, turn());
   }
 
   function forgetPicture(): void {
+    shown.value = null;
     bitmap?.close();
     bitmap = null;
-    shown.value = null;
     const target = canvas.value;
     target?.getContext('2d', { alpha: false })?.clearRect(0, 0, target.width, target.height);
   }
@@ -65,13 +59,14 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
         next.close();
         return;
       }
-      bitmap?.close();
+      const old = bitmap;
       bitmap = next;
       draw();
       // Vue draws the overlay before this frame is painted, so that picture and vectors change together.
       shown.value = {
-        header, width: next.width, height: next.height, bytes: jpeg.length, delayMs: ageOf(header.t_capture) * 1000, at: performance.now(),
+        header, picture: next, width: next.width, height: next.height, bytes: jpeg.length, delayMs: ageOf(header.t_capture) * 1000, at: performance.now(),
       };
+      old?.close();
       // A task of its own runs after the paint: only then is the picture on the screen.
       setTimeout(() => acknowledge(header.camera, header.frame));
     });

@@ -7,15 +7,12 @@ export const HISTORY_MS = 60_000;
 export interface Sample {
   /** When it arrived, on the browser's monotonic clock. */
   at: number;
-  fps: number;
   p50: number;
   p99: number;
-  dropped: number;
 }
 
 export class History {
   private readonly cameras = new Map<number, Sample[]>();
-  private readonly sendErrors: { at: number; count: number }[] = [];
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
@@ -23,47 +20,14 @@ export class History {
       if (camera.state !== 'running') continue;
       let samples = this.cameras.get(camera.id);
       if (!samples) this.cameras.set(camera.id, (samples = []));
-      samples.push({
-        at, fps: camera.fps, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99,
-        dropped: camera.frames_dropped,
-      });
+      samples.push({ at, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99 });
       forget(samples, at);
     }
-    this.sendErrors.push({ at, count: status.network.send_errors });
-    forget(this.sendErrors, at);
   }
 
   samples(camera: number): readonly Sample[] {
     return this.cameras.get(camera) ?? [];
   }
-
-  /** Pictures dropped within the last minute. */
-  dropped(camera: number): number {
-    return growth(this.samples(camera).map((sample) => sample.dropped));
-  }
-
-  bestFps(camera: number): number {
-    return this.samples(camera).reduce((best, sample) => Math.max(best, sample.fps), 0);
-  }
-
-  newSendErrors(): number {
-    return growth(this.sendErrors.map(({ count }) => count));
-  }
-}
-
-/** A count that stands this many samples long is believed: a frame still in work may pass for a dropped one. */
-const SETTLED = 3;
-
-/** How much a counter grew over its samples. A counter that fell began anew and is counted from there. */
-function growth(counts: number[]): number {
-  let sum = 0;
-  let last: number | null = null;
-  for (let i = 0; i + SETTLED <= counts.length; i++) {
-    const settled = Math.min(...counts.slice(i, i + SETTLED));
-    if (last !== null && settled > last) sum += settled - last;
-    last = settled;
-  }
-  return sum;
 }
 
 function forget(samples: { at: number }[], now: number): void {

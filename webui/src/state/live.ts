@@ -55,7 +55,16 @@ function gatherObjects(): void {
   };
 }
 
+const watchers = new Set<(data: Detections) => void>();
+
+/** Calls with every picture's detections, of all cameras. Returns how to stop that. */
+export function watchDetections(watcher: (data: Detections) => void): () => void {
+  watchers.add(watcher);
+  return () => { watchers.delete(watcher); };
+}
+
 function onDetections(data: Detections): void {
+  for (const watcher of watchers) watcher(data);
   detections.set(data.camera, { data, at: performance.now() });
   if (redraw) return;
   redraw = true;

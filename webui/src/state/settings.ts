@@ -96,6 +96,19 @@ async function attempt(work: () => Promise<Outcome>): Promise<Outcome> {
   return outcome;
 }
 
+/** Shows, where changes of settings are shown, what becomes of a request that saves in another way. Throws what it throws. */
+export async function showSaving<T>(work: () => Promise<T>): Promise<T> {
+  saveState.value = { kind: 'saving' };
+  try {
+    const result = await work();
+    saveState.value = { kind: 'saved', at: new Date() };
+    return result;
+  } catch (error) {
+    saveState.value = { kind: 'idle' };
+    throw error;
+  }
+}
+
 const touches = (step: SettingsStep, operations: Operation[]) =>
   step.changes.some(({ path }) => operations.some((operation) => overlap(path, operation.path)));
 

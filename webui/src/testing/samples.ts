@@ -31,7 +31,8 @@ export function status(changes: Partial<Status> = {}): Status {
       game_is_running: false, packets_refused: 0,
     },
     teams: { yellow: { name: '', robot_height: 140, height_from: 'settings' }, blue: { name: '', robot_height: 140, height_from: 'settings' } },
-    settings_revision: 1, viewers: 1, alerts: [], cameras: [camera(), camera({ id: 1, name: '-x half' })],
+    settings_revision: 1, viewers: 1, alerts: [], go: true, checks: [{ id: 'cameras', title: 'Cameras', state: 'pass', value: '2', unit: 'of 2', text: '2 of 2 running, 60.0 frames/s' }],
+    cameras: [camera(), camera({ id: 1, name: '-x half' })],
     ...changes,
   };
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { beforeEach, describe, expect, it } from 'vitest';
-import { allHidden, layerList, layers, shownLayers, toggleLayer } from './layers';
+import { allHidden, layerList, layers, shownLayers, storedLayers, toggleLayer } from './layers';
+
+const FIRST = { detections: true, lines: true, regions: false, mask: true, over: false, under: false, labels: false, grid: false };
 
 beforeEach(() => {
-  Object.assign(layers, { detections: true, lines: true, grid: false, labels: false });
+  Object.assign(layers, FIRST);
   allHidden.value = false;
 });
 
@@ -15,7 +17,7 @@ describe('layers', () => {
 
   it('are hidden all at once, the labelled picture too, and come back', () => {
     toggleLayer('labels');
-    expect(shownLayers.value).toEqual({ detections: true, lines: true, grid: false, labels: true });
+    expect(shownLayers.value).toEqual({ ...FIRST, labels: true });
     allHidden.value = true;
     expect(Object.values(shownLayers.value)).not.toContain(true);
     allHidden.value = false;
@@ -26,6 +28,12 @@ describe('layers', () => {
     toggleLayer('labels');
     allHidden.value = true;
     toggleLayer('labels');
-    expect(shownLayers.value).toEqual({ detections: true, lines: true, grid: false, labels: true });
+    expect(shownLayers.value).toEqual({ ...FIRST, labels: true });
+  });
+
+  it('are as they were left, and as at first where nothing usable was kept', () => {
+    expect(storedLayers(null)).toEqual(FIRST);
+    expect(storedLayers('{"lines": false, "over": true, "grid": "yes", "trails": true}')).toEqual({ ...FIRST, lines: false, over: true });
+    for (const garbled of ['{', '7', 'null', '[]']) expect(storedLayers(garbled)).toEqual(FIRST);
   });
 });

@@ -1,20 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which picture and which overlays are on; kept while the panel is open, for all cameras.
-import { computed, reactive, ref } from 'vue';
+// Which picture and which overlays are on, for all cameras; the reader's choice is kept in the browser.
+import { computed, reactive, ref, watch } from 'vue';
 import type { Layers } from '../../picture/LivePicture.vue';
 
-export const layers = reactive<Layers>({ detections: true, lines: true, grid: false, labels: false });
-export const allHidden = ref(false);
+export interface Layer {
+  name: keyof Layers;
+  title: string;
+  key: string;
+  /** What one sees. */
+  what: string;
+  /** At the first visit. */
+  isOn: boolean;
+}
 
-const NONE: Layers = { detections: false, lines: false, grid: false, labels: false };
-export const shownLayers = computed(() => (allHidden.value ? NONE : layers));
-
-export const layerList: { name: keyof Layers; title: string; key: string }[] = [
-  { name: 'detections', title: 'Detections', key: '1' },
-  { name: 'lines', title: 'Field lines', key: '2' },
-  { name: 'grid', title: 'Grid, 1 m', key: '3' },
-  { name: 'labels', title: 'Colour labels', key: '4' },
+export const layerList: readonly Layer[] = [
+  { name: 'detections', title: 'Detections', key: '1', isOn: true, what: 'Robots with their heading, and balls, as found in this very frame.' },
+  { name: 'lines', title: 'Field lines', key: '2', isOn: true, what: 'The lines of the field where the calibration puts them: they should cover the painted ones.' },
+  { name: 'regions', title: 'Regions', key: '3', isOn: false, what: 'Connected pixels of one label, each in its label’s colour; the largest 500.' },
+  { name: 'mask', title: 'Mask', key: '4', isOn: true, what: 'Hatched: not looked at. A camera without a mask looks at all of its picture.' },
+  { name: 'over', title: 'Over-exposed', key: '5', isOn: false, what: 'Pixels of the shown picture with red, green or blue at 250 or more of 255: their colour is lost.' },
+  { name: 'under', title: 'Under-exposed', key: '6', isOn: false, what: 'Pixels of the shown picture with red, green and blue at 6 or less of 255.' },
+  { name: 'labels', title: 'Labels', key: '7', isOn: false, what: 'Instead of the camera’s picture: what the colour table makes of each pixel.' },
+  { name: 'grid', title: 'Grid, 1 m', key: '8', isOn: false, what: 'Lines on the floor every metre from the middle of the field.' },
 ];
+
+const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as Layers;
+
+const KEY = 'layers';
+
+/** The choice of an earlier visit; what it does not say is as at the first. */
+export function storedLayers(text: string | null): Layers {
+  let stored: unknown = null;
+  try {
+    stored = JSON.parse(text ?? 'null');
+  } catch {
+    // Garbled: as if there were none.
+  }
+  const choice = (typeof stored === 'object' && stored !== null ? stored : {}) as Record<string, unknown>;
+  return each(({ name, isOn }) => (typeof choice[name] === 'boolean' ? choice[name] : isOn));
+}
+
+function storage(): Storage | null {
+  try {
+    return localStorage;
+  } catch {
+    return null; // Without storage the choice lasts as long as the page.
+  }
+}
+
+export const layers = reactive<Layers>(storedLayers(storage()?.getItem(KEY) ?? null));
+export const allHidden = ref(false);
+watch(layers, () => {
+  try {
+    storage()?.setItem(KEY, JSON.stringify(layers));
+  } catch {
+    // Full or forbidden: the same.
+  }
+});
+
+const NONE = each(() => false);
+export const shownLayers = computed(() => (allHidden.value ? NONE : layers));
 
 export function toggleLayer(name: keyof Layers): void {
   layers[name] = allHidden.value || !layers[name];

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "ctl/client.h"
+
+#include <fstream>
+#include <functional>
+#include <iosfwd>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace sslv {
+
+/// The command line, as its commands fill it in. What a command's options say lives as long as the actions
+/// that share it.
+struct CommandLine {
+  CLI::App app{"Asks a running ssl-visiond, or runs its pipeline over files."};
+  std::string daemon = "http://127.0.0.1:8090";
+  std::function<int()> act;  // what the command that was given does; its exit code
+
+  Client client() const { return Client(daemon); }
+  /// Has a command do this once the whole command line is read.
+  void on(CLI::App* command, std::function<int()> action);
+};
+
+void add_json_flag(CLI::App* command, bool& as_json);
+
+/// Prints an answer as the API gives it, or as a text for people.
+void print_answer(const Json& answer, bool as_json, std::string (*text)(const Json&));
+
+/// A file to write, or standard output for "-". Throws StorageError.
+class Output {
+ public:
+  explicit Output(const std::string& file);
+  std::ostream& stream();
+  /// Throws StorageError when not all of it could be written.
+  void finish();
+
+ private:
+  std::string name_;
+  std::ofstream file_;
+};
+
+}  // namespace sslv

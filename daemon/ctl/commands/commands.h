@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ctl/commands/command_line.h"
+
+namespace sslv {
+
+// Each adds one command: its options, its help, and what it does.
+
+// How a running daemon is.
+void add_status(CommandLine& line);
+void add_watch(CommandLine& line);
+void add_cameras(CommandLine& line);
+void add_alerts(CommandLine& line);
+void add_check(CommandLine& line);
+void add_diagnostics(CommandLine& line);
+void add_log(CommandLine& line);
+void add_support_bundle(CommandLine& line);
+
+// Cameras of a running daemon.
+void add_snapshot(CommandLine& line);
+void add_controls(CommandLine& line);
+void add_sources(CommandLine& line);
+
+// Its settings.
+void add_settings(CommandLine& line);
+void add_field(CommandLine& line);
+void add_profiles(CommandLine& line);
+void add_history(CommandLine& line);
+void add_undo(CommandLine& line);
+
+// The pipeline over files, without a daemon.
+void add_process(CommandLine& line);
+void add_bench(CommandLine& line);
+void add_simulate(CommandLine& line);
+void add_score(CommandLine& line);
+
+void add_calibrate(CommandLine& line);  // with a daemon or without
+void add_completion(CommandLine& line);
+
+}  // namespace sslv

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cameras.h"
+#include "ctl/accuracy.h"
+#include "ctl/bench.h"
+#include "ctl/commands/commands.h"
+#include "ctl/commands/offline_options.h"
+#include "ctl/process.h"
+#include "ctl/score.h"
+#include "ctl/simulate.h"
+
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace sslv {
+
+void add_process(CommandLine& line) {
+  struct Options {
+    CameraChoice choice;
+    RawFormat raw;
+    std::string input, output = "-";
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command =
+      line.app.add_subcommand("process", "run a camera's stack over recorded input, without a daemon");
+  o->choice.add_to(command);
+  command->add_option("--input", o->input, "picture, raw frame, video, or a folder of pictures or raw frames")
+      ->required();
+  o->raw.add_to(command);
+  command->add_option("--output", o->output, "one JSON object a line for each frame; -: standard output")
+      ->capture_default_str();
+  line.on(command, [o] {
+    o->raw.parse();
+    const Config config = o->choice.config();
+    Output file(o->output);
+    const int unreadable = process_recording(config, o->choice.index_in(config),
+                                             {o->input, o->raw.pixel_format, o->raw.width, o->raw.height},
+                                             file.stream(), std::cerr);
+    if (unreadable > 0) std::cerr << unreadable << " frames could not be read and were skipped\n";
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_bench(CommandLine& line) {
+  struct Options {
+    CameraChoice choice;
+    RawFormat raw;
+    std::string input;
+    int frames = 20, rounds = 10;
+    bool as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand("bench", "time every stage on simulated or given frames");
+  o->choice.add_to(command);
+  command->add_option("--input", o->input, "frames to use instead of simulated ones");
+  o->raw.add_to(command);
+  command->add_option("--frames", o->frames, "simulated frames of each kind")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--rounds", o->rounds, "runs over all frames")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_flag("--json", o->as_json, "as JSON");
+  line.on(command, [o] {
+    o->raw.parse();
+    const Config config = o->choice.config();
+    const std::size_t index = o->choice.index_in(config);
+    const std::vector<BenchResult> results =
+        o->input.empty() ? bench_simulated(config, index, o->frames, o->rounds)
+                         : std::vector{bench_recorded(config, index, o->input, o->raw.pixel_format,
+                                                      o->raw.width, o->raw.height, o->rounds)};
+    std::cout << (o->as_json ? bench_json(results).dump(2) + "\n" : bench_text(results));
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_simulate(CommandLine& line) {
+  struct Options {
+    CameraChoice choice;
+    SimulateOptions simulation;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand("simulate", "write simulated frames with their truth");
+  o->choice.add_to(command);
+  command->add_option("--frames", o->simulation.frames, "how many")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--start", o->simulation.start_s,
+                   "time of the first frame in seconds: other times, other places")
+      ->capture_default_str();
+  command->add_flag("--raw", o->simulation.raw,
+                    "frames as the camera's bytes (.raw) instead of .ppm pictures");
+  command->add_option("--output", o->simulation.folder, "folder to write to")->required();
+  line.on(command, [o] {
+    const Config config = o->choice.config();
+    const std::size_t index = o->choice.index_in(config);
+    const CameraSettings& camera = config.cameras[index];
+    if (camera.source.at("backend") != "simulator") {
+      throw SettingsError(
+          fmt::format("{}: /cameras/{}/source/backend: {} is not allowed; expected \"simulator\"",
+                      o->choice.settings_file, index, camera.source.at("backend").dump()));
+    }
+    o->simulation.source = camera.source;
+    o->simulation.source.erase("backend");
+    o->simulation.context = {static_cast<std::uint32_t>(camera.id), *make_world(config, index).scene};
+    simulate(o->simulation);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_score(CommandLine& line) {
+  struct Options {
+    std::string detections_file, truth_file, suite_file;
+    AccuracyOptions suite;
+    bool as_markdown = false, as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand(
+      "score", "compare detections with the truth, or run a suite of conditions and compare them all");
+  CLI::Option* detections =
+      command->add_option("--detections", o->detections_file, "file that `process` wrote");
+  CLI::Option* truth = command->add_option("--truth", o->truth_file, "truth.jsonl that `simulate` wrote");
+  CLI::Option* suite =
+      command->add_option("--suite", o->suite_file, "file of conditions, such as tests/golden/accuracy.json");
+  detections->needs(truth);
+  truth->needs(detections);
+  suite->excludes(detections)->excludes(truth);
+  command->add_option("--only", o->suite.only, "conditions of the suite, by name")->needs(suite);
+  command->add_option("--frames", o->suite.frames, "pictures for each condition")
+      ->check(CLI::Range(1, 100000))
+      ->needs(suite);
+  CLI::Option* markdown =
+      command->add_flag("--markdown", o->as_markdown, "the suite's tables as Markdown")->needs(suite);
+  command->add_flag("--json", o->as_json, "as JSON")->excludes(markdown);
+  const auto score_two_files = [o] {
+    const Score result = score_files(o->detections_file, o->truth_file);
+    std::cout << (o->as_json ? score_json(result).dump(2) + "\n" : score_text(result));
+    return EXIT_SUCCESS;
+  };
+  const auto run_suite = [o] {
+    o->suite.done = [](const AccuracyRow& row) {
+      std::cerr << row.condition << ", " << row.pixel_format << (row.failures.empty() ? "\n" : ": FAILED\n");
+    };
+    const AccuracyReport report = run_accuracy_suite(read_accuracy_suite(o->suite_file), o->suite);
+    std::cout << (o->as_json ? accuracy_json(report).dump(2) + "\n" : accuracy_text(report, o->as_markdown));
+    return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
+  };
+  command->callback([&line, o, score_two_files, run_suite] {
+    if (o->suite_file.empty() && o->detections_file.empty())
+      throw CLI::ValidationError("score", "needs --suite, or --detections and --truth");
+    if (o->suite_file.empty()) {
+      line.act = score_two_files;
+    } else {
+      line.act = run_suite;
+    }
+  });
+}
+
+}  // namespace sslv

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/commands/offline_options.h"
+
+#include "settings/store.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace sslv {
+
+void CameraChoice::add_to(CLI::App* command) {
+  command->add_option("--settings", settings_file, "settings file")->required();
+  command->add_option("--camera", camera_id, "id of the camera in it")->capture_default_str();
+}
+
+Config CameraChoice::config() const {
+  try {
+    return read_config(read_json_file(settings_file));
+  } catch (const SettingsError& error) {
+    const std::string what = error.what();
+    throw SettingsError(what.starts_with(settings_file) ? what : settings_file + ": " + what);
+  }
+}
+
+std::size_t CameraChoice::index_in(const Config& config) const {
+  std::string known;
+  for (std::size_t i = 0; i < config.cameras.size(); ++i) {
+    if (config.cameras[i].id == camera_id) return i;
+    known += (known.empty() ? "" : ", ") + std::to_string(config.cameras[i].id);
+  }
+  throw SettingsError(fmt::format("{}: has no camera {}; known: {}", settings_file, camera_id, known));
+}
+
+void RawFormat::add_to(CLI::App* command) {
+  command->add_option("--pixel-format", pixel_format, "of raw frames, such as uyvy or bayer_rg8");
+  command->add_option("--size", size, "of raw frames, such as 780x580");
+}
+
+void RawFormat::parse() {
+  if (size.empty()) return;
+  char rest = 0;
+  if (std::sscanf(size.c_str(), "%dx%d%c", &width, &height, &rest) != 2) {
+    throw SettingsError(fmt::format("--size: \"{}\" is not allowed; expected WIDTHxHEIGHT", size));
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config.h"
+
+#include <cstddef>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace sslv {
+
+/// The camera that the tools over files work with.
+struct CameraChoice {
+  std::string settings_file;
+  int camera_id = 0;
+
+  void add_to(CLI::App* command);
+  /// These throw SettingsError, beginning with the file's name.
+  Config config() const;
+  std::size_t index_in(const Config& config) const;
+};
+
+/// How to read raw frames.
+struct RawFormat {
+  std::string pixel_format, size;
+  int width = 0, height = 0;  // once parsed
+
+  void add_to(CLI::App* command);
+  /// Throws SettingsError.
+  void parse();
+};
+
+}  // namespace sslv

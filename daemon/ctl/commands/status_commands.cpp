@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/commands/commands.h"
+#include "ctl/diagnostics_text.h"
+#include "ctl/status_text.h"
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+namespace sslv {
+
+void add_status(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command = line.app.add_subcommand("status", "how the daemon is");
+  add_json_flag(command, *as_json);
+  line.on(command, [&line, as_json] {
+    print_answer(line.client().get_json("/api/status"), *as_json, status_text);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_watch(CommandLine& line) {
+  struct Options {
+    double interval_s = 1;
+    int count = 0;
+    bool as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand("watch", "the status again and again");
+  command->add_option("--interval", o->interval_s, "seconds between two")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  command->add_option("--count", o->count, "so many times; 0: until interrupted")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--json", o->as_json, "as the API gives it, each in one line");
+  line.on(command, [&line, o] {
+    const Client client = line.client();
+    for (int i = 0; o->count == 0 || i < o->count; ++i) {
+      if (i > 0) std::this_thread::sleep_for(std::chrono::duration<double>(o->interval_s));
+      const Json status = client.get_json("/api/status");
+      std::cout << (o->as_json ? status.dump() : status_text(status)) << std::endl;
+    }
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_cameras(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command = line.app.add_subcommand("cameras", "the cameras, a line for each");
+  add_json_flag(command, *as_json);
+  line.on(command, [&line, as_json] {
+    print_answer(line.client().get_json("/api/cameras"), *as_json, cameras_text);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_alerts(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command = line.app.add_subcommand(
+      "alerts", "what is wrong and what to do about it, the worst first; exit code 1 when something is bad");
+  add_json_flag(command, *as_json);
+  line.on(command, [&line, as_json] {
+    const Json alerts = worst_first(line.client().get_json("/api/status").at("alerts"));
+    print_answer(alerts, *as_json, alerts_text);
+    return any_bad(alerts) ? EXIT_FAILURE : EXIT_SUCCESS;
+  });
+}
+
+void add_check(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command =
+      line.app.add_subcommand("check", "whether a match may begin: GO, or NO-GO and exit code 1");
+  add_json_flag(command, *as_json);
+  line.on(command, [&line, as_json] {
+    const Json checks = line.client().get_json("/api/checks");
+    print_answer(checks, *as_json, checks_text);
+    return checks.at("go") == true ? EXIT_SUCCESS : EXIT_FAILURE;
+  });
+}
+
+void add_diagnostics(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command =
+      line.app.add_subcommand("diagnostics", "the computer, its clock, and what takes how long");
+  add_json_flag(command, *as_json);
+  line.on(command, [&line, as_json] {
+    print_answer(line.client().get_json("/api/diagnostics"), *as_json, diagnostics_text);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_log(CommandLine& line) {
+  struct Options {
+    std::string level = "debug";
+    bool follow = false, as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand("log", "the newest lines of the daemon's log");
+  command->add_option("--level", o->level, "this one and worse: debug, info, warning or error")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+      ->capture_default_str();
+  command->add_flag("--follow", o->follow, "and what comes, until interrupted");
+  command->add_flag("--json", o->as_json, "an object a line, as the API gives it");
+  line.on(command, [&line, o] {
+    const Client client = line.client();
+    std::uint64_t next = 0;
+    do {
+      const Json answer = client.get_json(fmt::format("/api/log?after={}&level={}", next, o->level));
+      for (const Json& one : answer.at("lines"))
+        std::cout << (o->as_json ? one.dump() + "\n" : log_line_text(one));
+      std::cout << std::flush;
+      next = answer.at("next").get<std::uint64_t>();
+      if (o->follow) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    } while (o->follow);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_support_bundle(CommandLine& line) {
+  const auto file = std::make_shared<std::string>("ssl-visiond-support.tar.gz");
+  CLI::App* command = line.app.add_subcommand("support-bundle", "what a bug report needs, in one file");
+  command->add_option("file", *file, "file to write; -: standard output")->capture_default_str();
+  line.on(command, [&line, file] {
+    const std::string bundle = line.client().get("/api/support");
+    Output output(*file);
+    output.stream() << bundle;
+    output.finish();
+    if (*file != "-") std::cerr << "written to " << *file << "\n";
+    return EXIT_SUCCESS;
+  });
+}
+
+}  // namespace sslv

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/status_text.h"
+
+#include "ctl/table.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+int badness(const Json& alert) {
+  const Json& severity = alert.at("severity");
+  return severity == "bad" ? 2 : severity == "warn" ? 1 : 0;
+}
+
+}  // namespace
+
+std::string status_text(const Json& status) {
+  const Json& network = status.at("network");
+  std::string out = fmt::format("{}  ({}, up {:.0f} s)\n", status.at("site").get<std::string>(),
+                                status.at("version").get<std::string>(), status.at("uptime_s").get<double>());
+  out +=
+      fmt::format("-> {}:{}{}  {:.0f} packets/s, {} errors\n", network.at("group").get<std::string>(),
+                  network.at("port").get<int>(),
+                  network.at("interface") == "" ? "" : " on " + network.at("interface").get<std::string>(),
+                  network.at("packets_per_s").get<double>(), network.at("send_errors").get<std::uint64_t>());
+  out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "camera", "name",
+                     "state", "picture", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
+  for (const Json& camera : status.at("cameras")) {
+    out +=
+        fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6.1f} {:>8.2f} {:>8.2f} {:>9} {:>7} {:>6}\n",
+                    camera.at("id").get<int>(), camera.at("name").get<std::string>(),
+                    camera.at("state").get<std::string>(),
+                    fmt::format("{}x{}", camera.at("width").get<int>(), camera.at("height").get<int>()),
+                    camera.at("fps").get<double>(), camera.at("latency_ms").at("p50").get<double>(),
+                    camera.at("latency_ms").at("p99").get<double>(), camera.at("frames").get<std::uint64_t>(),
+                    camera.at("robots").get<int>(), camera.at("balls").get<int>());
+  }
+  for (const Json& alert : status.at("alerts")) {
+    out += fmt::format("{}: {}. {}\n", alert.at("severity").get<std::string>(),
+                       alert.at("title").get<std::string>(), alert.at("fix").get<std::string>());
+  }
+  return out;
+}
+
+std::string cameras_text(const Json& cameras) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& camera : cameras) {
+    const Json& latency = camera.at("latency_ms");
+    rows.push_back(
+        {camera.at("id").dump(), camera.at("name").get<std::string>(), camera.at("state").get<std::string>(),
+         fmt::format("{:.1f}", camera.at("fps").get<double>()),
+         fmt::format("{:.2f}", latency.at("p50").get<double>()),
+         fmt::format("{:.2f}", latency.at("p99").get<double>()), camera.at("frames_dropped").dump(),
+         camera.at("robots").dump(), camera.at("balls").dump()});
+  }
+  return table_text({{"id", true},
+                     {"name"},
+                     {"state"},
+                     {"fps", true},
+                     {"p50 ms", true},
+                     {"p99 ms", true},
+                     {"drops", true},
+                     {"robots", true},
+                     {"balls", true}},
+                    rows);
+}
+
+Json worst_first(Json alerts) {
+  std::stable_sort(alerts.begin(), alerts.end(),
+                   [](const Json& a, const Json& b) { return badness(a) > badness(b); });
+  return alerts;
+}
+
+std::string alerts_text(const Json& alerts) {
+  if (alerts.empty()) return "no alerts\n";
+  std::string out;
+  for (const Json& alert : alerts) {
+    out += fmt::format("{:<4}  {}\n      {}\n", alert.at("severity").get<std::string>(),
+                       alert.at("title").get<std::string>(), alert.at("fix").get<std::string>());
+  }
+  return out;
+}
+
+std::string checks_text(const Json& checks) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& check : checks.at("checks")) {
+    rows.push_back({check.at("state").get<std::string>(), check.at("title").get<std::string>(),
+                    check.at("text").get<std::string>()});
+  }
+  return (checks.at("go") == true ? "GO\n" : "NO-GO\n") +
+         table_text({{"state"}, {"check"}, {"what was found"}}, rows);
+}
+
+std::string log_line_text(const Json& line) {
+  return fmt::format("{} {:<7} {}\n", local_time_text(line.at("time").get<double>()),
+                     line.at("level").get<std::string>(), line.at("text").get<std::string>());
+}
+
+bool any_bad(const Json& alerts) {
+  return std::any_of(alerts.begin(), alerts.end(),
+                     [](const Json& alert) { return alert.at("severity") == "bad"; });
+}
+
+}  // namespace sslv

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+
+namespace sslv {
+
+/// The cameras' last ten minutes, second by second. May be used from any thread.
+class Timeline {
+ public:
+  static constexpr std::size_t kSeconds = 600;
+
+  /// A camera at the end of a second.
+  struct Reading {
+    bool is_running = false;
+    double fps = 0;
+    struct Times {  // of the frames of this second
+      double latency_p50_ms, latency_p99_ms, age_p99_ms;
+    };
+    std::optional<Times> times;  // none: there was no frame
+    unsigned robots = 0, balls = 0;
+    std::uint64_t frames = 0, dropped = 0, incomplete = 0, capped = 0;  // since the camera's start
+  };
+
+  /// What came in some seconds.
+  struct Sum {
+    unsigned seconds = 0;  // in which the camera ran
+    std::uint64_t frames = 0, dropped = 0, incomplete = 0, capped = 0;
+    std::uint64_t all() const { return frames + dropped + incomplete; }
+  };
+
+  /// Cameras by id; one that is not there any more is forgotten. A second counts as one in which a camera ran
+  /// when it ran at both of its ends.
+  void add(double unix_time_s, const std::map<int, Reading>& cameras);
+
+  /// Of the last seconds.
+  Sum sum(int camera_id, std::size_t seconds) const;
+
+  /// The last seconds, as docs/openapi.json's Timeline.
+  Json to_json(std::size_t seconds = kSeconds) const;
+
+ private:
+  struct Camera {
+    Reading last;
+    std::deque<std::optional<Reading>> seconds;  // counts are of the second; none: it did not run
+  };
+  mutable std::mutex mutex_;
+  std::deque<double> times_s_;
+  std::map<int, Camera> cameras_;  // each with as many seconds as there are times
+};
+
+}  // namespace sslv

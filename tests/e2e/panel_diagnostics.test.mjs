@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page "Diagnostics" against the real service: what it shows is what the interface says.
+// Environment: see service.mjs and browser.mjs.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { join } from 'node:path';
+import { after, before, describe, it } from 'node:test';
+import { setTimeout as pause } from 'node:timers/promises';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, text, views } from './browser.mjs';
+import { createService, PATIENCE_MS } from './service.mjs';
+
+const service = await createService('239.255.77.85');
+const { settings, folder, address, patch, statusBecomes } = service;
+const browser = createBrowser(service);
+const { withPage, screenshots } = browser;
+const PATH = '#/diagnostics';
+
+const ask = async (path) => (await fetch(address(`api/${path}`))).json();
+
+/** Asks for the timeline until it is as wanted. */
+async function timelineBecomes(wanted) {
+  const deadline = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const timeline = await ask('timeline?seconds=600');
+    if (wanted(timeline)) return timeline;
+    assert.ok(Date.now() < deadline, `the timeline does not become as wanted: ${JSON.stringify(timeline).slice(0, 3000)}`);
+    await pause(100);
+  }
+}
+const camera = (timeline, id) => timeline.cameras.find((one) => one.id === id);
+
+/** What the page writes for a camera's figures at a sample. */
+function expectedValues(timeline, id, at) {
+  const { latency_p50_ms, latency_p99_ms, fps, robots, balls, dropped, incomplete } = camera(timeline, id);
+  const ms = (value) => (value === null ? '–' : value < 9.995 ? value.toFixed(2) : value < 99.95 ? value.toFixed(1) : value.toFixed(0));
+  const pair = (a, b, write) => (a === null && b === null ? '–' : `${write(a)} / ${write(b)}`);
+  return {
+    latency: pair(latency_p50_ms[at], latency_p99_ms[at], ms), fps: fps[at]?.toFixed(1) ?? '–',
+    seen: pair(robots[at], balls[at], String), lost: pair(dropped[at], incomplete[at], String),
+  };
+}
+
+/** The numbers above the graphs, and the moment they are of, read in one task. */
+const shownValues = (page, ids) => page.evaluate(([list, tipSelector]) => {
+  const values = Object.fromEntries(list.map((id) => [id, Object.fromEntries(['latency', 'fps', 'seen', 'lost'].map((graph) =>
+    [graph, document.querySelector(`[data-testid="value-${graph}-${id}"]`).lastChild.textContent.trim()]))]));
+  return { values, time: Date.parse(document.querySelector(`${tipSelector} time`).dateTime) / 1000 };
+}, [ids, byId('tip')]);
+
+const ids = settings.cameras.map(({ id }) => id);
+
+/** Moves the cursor by keys and compares what stands there with the interface. */
+async function compareAtCursor(page) {
+  const { values, time } = await shownValues(page, ids);
+  const timeline = await ask('timeline?seconds=600');
+  const at = timeline.time_s.findIndex((one) => Math.abs(one - time) < 0.002);
+  assert.ok(at >= 0, `${time} is none of ${timeline.time_s}`);
+  for (const id of ids) assert.deepEqual(values[id], expectedValues(timeline, id, at), `camera ${id} at ${time}`);
+  return time;
+}
+
+/** The page has drawn a timeline of some length. */
+async function drawn(page) {
+  await timelineBecomes(({ time_s, cameras }) => time_s.length > 8 && cameras.every(({ fps }) => fps.slice(-5).every((value) => value !== null)));
+  await page.waitForFunction((selector) => !document.querySelector(selector)?.textContent.includes('–'), byId('value-fps-1'));
+}
+
+/** In dark: the colours of the cameras' curves. */
+const CURVES = [[0x8a, 0xb4, 0xff], [0xf2, 0x9b, 0xd4]];
+
+/**
+ * Measures a graph's pixels and its cursor; runs in the browser, in one task, so that they belong together.
+ * `columns` are those of the last seconds before the cursor, with the rows of the curves over the zero line.
+ */
+function measureGraph([name, curves]) {
+  const graph = document.querySelector(`[data-testid="graph-${name}"]`);
+  const canvas = graph.querySelector('canvas');
+  const [whole, plane, cursor] = [canvas, graph.querySelector('.u-over'), graph.querySelector('.u-cursor-x')].map((element) => element.getBoundingClientRect());
+  const scale = canvas.width / whole.width;
+  const [left, top, width, height] = [plane.left - whole.left, plane.top - whole.top, plane.width, plane.height].map((length) => Math.round(length * scale));
+  const column = (x) => canvas.getContext('2d').getImageData(left + x, top, 1, height).data;
+  const isCurve = (r, g, b, a) => a > 200 && curves.some((colour) => Math.hypot(r - colour[0], g - colour[1], b - colour[2]) < 40);
+  const perSecond = width / 60; // the minute fills the plane
+  const cursorX = ((cursor.right - plane.left) / plane.width) * width;
+  const columns = [];
+  for (let x = Math.ceil(cursorX - 6 * perSecond); x < cursorX; x++) {
+    const data = column(x);
+    const rows = [];
+    for (let y = 0; y < height; y++) if (isCurve(...data.subarray(4 * y, 4 * y + 4))) rows.push(height - y - 0.5);
+    columns.push({ before_s: (cursorX - x - 0.5) / perSecond, rows });
+  }
+  const time = Date.parse(document.querySelector('[data-testid="tip"] time').dateTime) / 1000;
+  return { columns, time, scale, corner: [...column(width - 6).subarray(8, 12)] };
+}
+
+/** Around a step the lines' own width is in the way: on a phone a second has ten pixels. */
+const MARGIN_S = 0.38;
+
+/** The robots' and balls' counts of some seconds stand at their heights: heights are as the counts are. */
+async function assertSeenDrawnToScale(page) {
+  await page.click('button:has-text("1 min")');
+  await page.focus(byId('graphs'));
+  await page.keyboard.press('End');
+  await page.keyboard.press('ArrowLeft');
+  await page.waitForSelector(byId('tip'));
+  const { columns, time, scale } = await page.evaluate(measureGraph, ['seen', CURVES]);
+  const timeline = await ask('timeline?seconds=600');
+  const at = timeline.time_s.findIndex((one) => Math.abs(one - time) < 0.002);
+  const curves = ids.flatMap((id) => [camera(timeline, id).robots, camera(timeline, id).balls]);
+  // A sample stands for the time since the one before; at its ends steps go up and down.
+  const seconds = [at - 3, at - 2, at - 1, at].map((i) => ({
+    counts: curves.map((curve) => curve[i]),
+    columns: columns.filter(({ before_s }) => time - before_s > timeline.time_s[i - 1] + MARGIN_S && time - before_s < timeline.time_s[i] - MARGIN_S),
+  }));
+  const rows = seconds.flatMap((second) => second.columns.flatMap((column) => column.rows));
+  assert.ok(rows.length > 0, 'nothing is drawn');
+  const highest = rows.filter((row) => row > Math.max(...rows) - 3 * scale);
+  const perCount = highest.reduce((sum, row) => sum + row, 0) / highest.length / Math.max(...seconds.flatMap(({ counts }) => counts));
+  assert.ok(perCount > 3 * scale, `${perCount} px for one`);
+  const isAt = (row, count) => Math.abs(row - count * perCount) < 2.5 * scale;
+  const told = JSON.stringify({ perCount, seconds });
+  for (const second of seconds) {
+    const strays = second.columns.flatMap((column) => column.rows).filter((row) => !second.counts.some((count) => isAt(row, count)));
+    assert.deepEqual(strays, [], told);
+  }
+  // Balls are dashed, and the zero line lies on the plane's edge.
+  for (const [i, count] of seconds[0].counts.entries())
+    if (count > 0 && seconds.every(({ counts }) => counts[i] === count)) assert.ok(rows.some((row) => isAt(row, count)), `${count}: ${told}`);
+}
+
+const shownLines = (page) => page.$$eval(byId('log-line'), (lines) => lines.map((line) => ({ level: line.dataset.level, text: line.lastElementChild.textContent })));
+const lineIs = (page, words) => page.waitForSelector(`${byId('log-line')}:has-text(${JSON.stringify(words)})`);
+
+describe('panel: Diagnostics', () => {
+  before(async () => {
+    await browser.start();
+    await service.start();
+  });
+  after(async () => {
+    await browser.end();
+    await service.end();
+  });
+
+  for (const { name, viewport, options } of views) {
+    it(`draws what the timeline says on a ${name}`, withPage(viewport, PATH, options, async (page) => {
+      await drawn(page);
+      await assertSeenDrawnToScale(page);
+      const times = [];
+      for (const key of ['End', 'ArrowLeft', 'ArrowLeft']) {
+        await page.focus(byId('graphs'));
+        await page.keyboard.press(key);
+        await page.waitForSelector(byId('tip'));
+        times.push(await compareAtCursor(page));
+      }
+      assert.ok(times[0] > times[1] && times[1] > times[2], `the cursor goes back: ${times}`);
+      await page.keyboard.press('Escape');
+      await page.waitForSelector(byId('tip'), { state: 'detached' });
+
+      // It goes on by itself.
+      const newest = (await ask('timeline?seconds=1')).time_s[0];
+      await timelineBecomes(({ time_s }) => time_s.at(-1) > newest + 1.5);
+      await page.keyboard.press('End');
+      await page.waitForSelector(byId('tip'));
+      await compareAtCursor(page);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(wide <= 0, `the page is ${wide} px too wide`);
+    }));
+
+    it(`tells of the computer, stages and transport on a ${name}`, withPage(viewport, PATH, options, async (page) => {
+      await page.waitForSelector(byId('stage-histogram'));
+      const { system, clock, cameras } = await ask('diagnostics');
+      const computer = await text(page, 'computer');
+      assert.ok(computer.includes(system.host), computer);
+      assert.equal(await page.locator(`${byId('computer')} .cores li`).count(), system.cpu_percent.length);
+      assert.match(computer, /Memory.*\d [GM]B of .*\d GB.*This service.*\d % of a core.*\d threads/s);
+      assert.match(await text(page, 'clock'), clock === null ? /cannot be read/ : clock.synchronised ? /Error.*±/s : /not synchronised/);
+      assert.equal(await page.locator(byId('stage-histogram')).count(), cameras[0].stages.length + 1);
+      for (const shape of await page.$$eval(`${byId('stage-histogram')} .shape`, (paths) => paths.map((path) => path.getBoundingClientRect().height)))
+        assert.ok(shape > 10, `a histogram ${shape} px high`);
+      const transport = await page.$$eval(`${byId('transport')} tbody tr`, (rows) => rows.map((row) => [...row.children].map((cell) => cell.textContent)));
+      const status = await statusBecomes(() => true);
+      assert.deepEqual(transport.map((cells) => cells.slice(1, 5)), status.cameras.map((one) =>
+        [one.packets ? String(one.packets.missing) : '–', one.packets ? String(one.packets.resent) : '–', String(one.frames_incomplete), String(one.reconnects)]));
+    }));
+  }
+
+  it('moves one cursor through all graphs with the pointer', withPage(DESKTOP, PATH, {}, async (page) => {
+    await drawn(page);
+    await page.click('button:has-text("1 min")');
+    const plane = await page.locator(`${byId('graph-latency')} .u-over`).boundingBox();
+    await page.mouse.move(plane.x + plane.width - 20, plane.y + 30);
+    await page.waitForSelector(byId('tip'));
+    await compareAtCursor(page);
+    const places = await page.$$eval('.u-cursor-x', (lines) => lines.map((line) => line.getBoundingClientRect().left));
+    assert.equal(places.length, 4);
+    assert.ok(Math.max(...places) - Math.min(...places) < 0.01, `cursors at ${places}`);
+    await page.mouse.move(5, 5);
+    await page.waitForSelector(byId('tip'), { state: 'detached' });
+  }));
+
+  it('moves the cursor with a finger', withPage(PHONE, PATH, phone, async (page) => {
+    await drawn(page);
+    await page.click('button:has-text("1 min")');
+    const plane = await page.locator(`${byId('graph-fps')} .u-over`).boundingBox();
+    await page.touchscreen.tap(plane.x + plane.width - 10, plane.y + 20);
+    await page.waitForSelector(byId('tip'));
+    await compareAtCursor(page);
+  }));
+
+  it('follows the log, pauses, searches and copies', withPage(DESKTOP, PATH, {}, async (page) => {
+    await page.context().grantPermissions(['clipboard-read']);
+    await patch({ op: 'replace', path: '/site', value: 'Field of the log' });
+    await lineIs(page, 'Field of the log');
+
+    await page.click(byId('log-pause'));
+    await patch({ op: 'replace', path: '/site', value: 'Field of the pause' });
+    await page.waitForSelector('section:has-text("paused, 1 new line")');
+    assert.ok(!(await shownLines(page)).some((line) => line.text.includes('Field of the pause')));
+    await page.click(byId('log-pause'));
+    await lineIs(page, 'Field of the pause');
+
+    await page.fill(byId('log-search'), 'FIELD saved');
+    const found = await shownLines(page);
+    const { lines } = await ask('log');
+    const expected = lines.filter((line) => /field/i.test(line.text) && /saved/i.test(line.text)).map((line) => line.text);
+    assert.ok(expected.length >= 2);
+    assert.deepEqual(found.map((line) => line.text), expected.reverse(), 'newest on top');
+    await page.click(byId('log-copy'));
+    await page.waitForSelector(`section:has-text("${found.length} lines copied")`);
+    const copied = (await page.evaluate(() => navigator.clipboard.readText())).trimEnd().split('\n');
+    assert.equal(copied.length, found.length);
+    copied.reverse().forEach((line, i) => {
+      assert.ok(line.endsWith(`info    ${found[i].text}`), line);
+      assert.match(line, /^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z /);
+    });
+  }));
+
+  for (const { name, viewport, options } of views) {
+    it(`shows the gap and the reason when a camera is lost, on a ${name}`, withPage(viewport, PATH, options, async (page) => {
+      await drawn(page);
+      const missing = join(folder, `no-such-recording-${name}`);
+      await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: missing } });
+      await timelineBecomes((timeline) => camera(timeline, 1).fps.slice(-4).every((value) => value === null));
+      await page.waitForFunction((selector) => document.querySelector(selector).lastChild.textContent.trim() === '–', byId('value-fps-1'));
+      await page.waitForSelector(byId('shaded'));
+      assert.notEqual((await page.textContent(byId('value-fps-0'))).replace(/.*: /, ''), '–', 'camera 0 goes on');
+      await lineIs(page, missing);
+
+      await page.click('button:has-text("1 min")');
+      await page.focus(byId('graphs'));
+      await page.keyboard.press('End');
+      await page.keyboard.press('ArrowLeft');
+      await page.waitForSelector(`${byId('tip')}:has-text("Camera 1 did not run")`);
+      await compareAtCursor(page);
+      // Above all curves, at the right edge, there is nothing but the shade in camera 1's colour.
+      const { corner: [r, g, b, a] } = await page.evaluate(measureGraph, ['latency', CURVES]);
+      assert.ok(a > 20 && a < 100 && r > b && b > g, `no shade: rgba(${[r, g, b, a]})`);
+
+      await page.click(byId('level-warning'));
+      await lineIs(page, missing);
+      const shown = await shownLines(page);
+      const { lines } = await ask('log?level=warning');
+      assert.deepEqual(shown.map((line) => line.text).reverse(), lines.slice(0, shown.length).map((line) => line.text));
+      assert.ok(shown.every(({ level }) => level === 'warning' || level === 'error'));
+      await page.click(byId('level-info'));
+      await page.waitForSelector(`${byId('log-line')}[data-level="info"]`);
+
+      await patch({ op: 'replace', path: '/cameras/1/source', value: settings.cameras[1].source });
+      await page.waitForFunction((selector) => document.querySelector(selector).lastChild.textContent.trim() !== '–', byId('value-fps-1'));
+      await page.waitForSelector(byId('shaded'));
+    }));
+  }
+
+  it('saves a support bundle', withPage(DESKTOP, PATH, {}, async (page) => {
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('support'))]);
+    assert.match(download.suggestedFilename(), /^ssl-visiond-.*\.tar\.gz$/);
+    const files = execFileSync('tar', ['tzf', await download.path()], { encoding: 'utf8' }).split('\n');
+    for (const file of ['README.txt', 'status.json', 'settings.json', 'settings_history.json', 'log.txt', 'timeline.json', 'camera_1/picture.jpg'])
+      assert.ok(files.some((path) => path.endsWith(`/${file}`)), `${file} in ${files}`);
+    await page.waitForSelector(`${byId('support')}:enabled`);
+  }));
+
+  for (const { name, viewport, options } of views) {
+    it(`is accessible on a ${name}`, withPage(viewport, PATH, options, async (page) => {
+      await drawn(page);
+      await page.waitForSelector(byId('stage-histogram'));
+      for (const theme of ['dark', 'light']) {
+        await chooseTheme(page, theme);
+        await accessible(page, `Diagnostics on a ${name}, ${theme}`);
+      }
+    }));
+  }
+
+  it('says that the service is gone, and goes on when it is back', withPage(DESKTOP, PATH, {}, async (page, panel) => {
+    await drawn(page);
+    panel.errorsExpected = true;
+    await service.stop();
+    await page.waitForSelector('p.trouble:has-text("No answer from the service")');
+    await page.waitForFunction((selector) => document.querySelector(selector).lastChild.textContent.trim() === '–', byId('value-fps-0'));
+    await service.start();
+    await page.waitForSelector('p.trouble', { state: 'detached' });
+    await drawn(page);
+    panel.errorsExpected = false;
+    await patch({ op: 'replace', path: '/site', value: 'Field after the restart' });
+    await lineIs(page, 'Field after the restart');
+  }));
+
+  screenshots(['dark', 'light'].map((theme) => ({
+    file: `diagnostics-${theme}.jpg`, theme, path: PATH, viewport: DESKTOP, options: {},
+    ready: async () => { await timelineBecomes(({ time_s }) => time_s.length > 60); },
+  })));
+});

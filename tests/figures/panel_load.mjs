@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// What viewers and idle connections cost: the pipeline's latency with and without them, from the packets that teams
+// get (t_sent - t_capture), and how fast the interface answers. Prints a Markdown table.
+//   node panel_load.mjs [seconds of each block; default 15]
+import { spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { connect } from 'node:net';
+import { createInterface } from 'node:readline';
+import { setTimeout as pause } from 'node:timers/promises';
+import { fileURLToPath } from 'node:url';
+import { createService } from '../e2e/service.mjs';
+
+const BLOCK_S = Number(process.argv[2] ?? 15);
+const ROUNDS = 4; // of a block without and a block with viewers in turn, so that the machine's moods hit both
+const VIEWERS = 20;
+const PREVIEW = { camera: 0, width: 640, quality: 70, fps: 30 };
+
+const service = await createService('239.255.77.90');
+const [camera] = service.settings.cameras;
+const { principal_point_x: x, principal_point_y: y, focal_length: f } = camera.calibration;
+const scale = 1280 / 780;
+Object.assign(camera.source, { width: 1280, height: 1024, frame_rate_hz: 60 });
+Object.assign(camera.calibration, {
+  principal_point_x: x * scale, principal_point_y: y * scale, focal_length: f * scale, pixel_image_width: 1280, pixel_image_height: 1024,
+});
+service.settings.cameras = [camera];
+
+// ---- packets
+
+/** The fields of a protobuf message that are needed here: varints and doubles by number, messages as bytes. */
+function fieldsOf(bytes) {
+  const fields = new Map();
+  for (let at = 0; at < bytes.length;) {
+    const varint = () => {
+      let value = 0;
+      for (let scaleOf = 1; ; scaleOf *= 128) {
+        const byte = bytes[at++];
+        value += (byte & 127) * scaleOf;
+        if (byte < 128) return value;
+      }
+    };
+    const key = varint();
+    const type = key & 7;
+    if (type === 0) fields.set(key >> 3, varint());
+    else if (type === 1) { fields.set(key >> 3, bytes.readDoubleLE(at)); at += 8; }
+    else if (type === 5) at += 4;
+    else { const length = varint(); fields.set(key >> 3, bytes.subarray(at, at + length)); at += length; }
+  }
+  return fields;
+}
+
+let frames = [];
+const { group, port } = service.settings.network.vision;
+const receiver = createSocket({ type: 'udp4', reuseAddr: true });
+receiver.on('message', (packet) => {
+  const detection = fieldsOf(packet).get(1);
+  if (!detection) return;
+  const fields = fieldsOf(detection);
+  frames.push({ number: fields.get(1), latencyMs: (fields.get(3) - fields.get(2)) * 1e3 });
+});
+receiver.bind(port, () => receiver.addMembership(group, '127.0.0.1'));
+await once(receiver, 'listening');
+
+const percentile = (values, share) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(values.length * share))];
+const missing = (block) => block.slice(1).reduce((sum, frame, i) => sum + Math.max(0, frame.number - block[i].number - 1), 0);
+
+async function block(seconds) {
+  frames = [];
+  await pause(seconds * 1e3);
+  return frames;
+}
+
+async function watched(seconds) {
+  const viewers = spawn(process.execPath, [fileURLToPath(new URL('viewers.mjs', import.meta.url)), service.settings.panel.port, VIEWERS, JSON.stringify(PREVIEW)], { stdio: ['pipe', 'pipe', 'inherit'] });
+  const lines = createInterface(viewers.stdout)[Symbol.asyncIterator]();
+  await lines.next();
+  await pause(1000);
+  const seen = await block(seconds);
+  viewers.stdin.end();
+  const { value } = await lines.next();
+  return { seen, ...JSON.parse(value) };
+}
+
+// ---- the interface's answers
+
+async function answers(count) {
+  const times = [];
+  for (let i = 0; i < count; i++) {
+    const begin = performance.now();
+    await (await fetch(service.address('api/status'))).arrayBuffer();
+    times.push(performance.now() - begin);
+  }
+  return times;
+}
+
+async function idleConnections(count) {
+  const sockets = [];
+  for (let i = 0; i < count; i++) {
+    const socket = connect(service.settings.panel.port, '127.0.0.1');
+    await once(socket, 'connect');
+    sockets.push(socket);
+  }
+  return sockets;
+}
+
+/** Asks for a stream of pictures and never reads it. */
+function slowReader() {
+  const socket = connect(service.settings.panel.port, '127.0.0.1');
+  socket.pause();
+  socket.write('GET /api/cameras/0/stream.mjpg HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n');
+  return socket;
+}
+
+// ---- the table
+
+const encoded = async () => (await (await fetch(service.address('api/diagnostics'))).json()).web.jpegs_encoded;
+
+try {
+  await service.start();
+  await service.statusBecomes(({ cameras }) => cameras[0].frames > 300);
+
+  const without = [], withViewers = [];
+  let pictures = 0, lost = 0, lostWith = 0, jpegsWithout = 0;
+  for (let round = 0; round < ROUNDS; round++) {
+    const before = await encoded();
+    const alone = await block(BLOCK_S);
+    jpegsWithout += await encoded() - before;
+    without.push(...alone.map(({ latencyMs }) => latencyMs));
+    lost += missing(alone);
+    const crowd = await watched(BLOCK_S);
+    withViewers.push(...crowd.seen.map(({ latencyMs }) => latencyMs));
+    lostWith += missing(crowd.seen);
+    pictures += crowd.pictures;
+  }
+  const p = (values, share) => percentile(values, share).toFixed(3);
+  console.log(`One camera, 1280 x 1024, 60 Hz; ${ROUNDS} times ${BLOCK_S} s each, in turn\n`);
+  console.log('| | frames | missing | latency p50, ms | p99, ms | pictures a second and viewer |');
+  console.log('|---|---:|---:|---:|---:|---:|');
+  console.log(`| no viewer (${jpegsWithout} JPEGs made) | ${without.length} | ${lost} | ${p(without, 0.5)} | ${p(without, 0.99)} | |`);
+  console.log(`| ${VIEWERS} viewers | ${withViewers.length} | ${lostWith} | ${p(withViewers, 0.5)} | ${p(withViewers, 0.99)} | ${(pictures / VIEWERS / ROUNDS / (BLOCK_S + 1)).toFixed(1)} |`);
+  console.log(`| change | | | ${((percentile(withViewers, 0.5) / percentile(without, 0.5) - 1) * 100).toFixed(1)} % | ${((percentile(withViewers, 0.99) / percentile(without, 0.99) - 1) * 100).toFixed(1)} % | |`);
+
+  const calm = await answers(500);
+  const idle = await idleConnections(200);
+  const slow = slowReader();
+  await pause(2000);
+  const busy = await answers(500);
+  console.log('\n| `GET /api/status` | p50, ms | p99, ms |\n|---|---:|---:|');
+  console.log(`| alone | ${p(calm, 0.5)} | ${p(calm, 0.99)} |`);
+  console.log(`| beside ${idle.length} idle connections and a reader of pictures that reads nothing | ${p(busy, 0.5)} | ${p(busy, 0.99)} |`);
+  for (const socket of [...idle, slow]) socket.destroy();
+} finally {
+  receiver.close();
+  await service.end();
+}

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// So many viewers of one camera in a process that gets the processor last: real ones sit at other computers.
+//   node viewers.mjs PORT COUNT PREVIEW_JSON
+// Writes {"pictures": ..., "bytes": ...} of all of them together when its input ends.
+import { setPriority } from 'node:os';
+import { openViewer } from './viewer.mjs';
+
+setPriority(19);
+const [, , port, count, preview] = process.argv;
+const viewers = [];
+for (let i = 0; i < Number(count); i++) viewers.push(await openViewer(Number(port), JSON.parse(preview)));
+process.stdout.write('watching\n');
+process.stdin.resume();
+process.stdin.on('end', () => {
+  const sum = (name) => viewers.reduce((total, viewer) => total + viewer[name], 0);
+  process.stdout.write(`${JSON.stringify({ pictures: sum('pictures'), bytes: sum('bytes') })}\n`);
+  process.exit(0);
+});

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// What ssl-visionctl makes of the daemon's answers for people.
+#include "ctl/client.h"
+#include "ctl/diagnostics_text.h"
+#include "ctl/status_text.h"
+#include "ctl/table.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Table, ColumnsAreAlignedWhateverTheirLetters) {
+  EXPECT_EQ(table_text({{"id", true}, {"name"}, {"state"}}, {{"0", "Süd", "running"}, {"12", "Nord 1", ""}}),
+            "id  name    state\n"
+            " 0  Süd     running\n"
+            "12  Nord 1\n");
+}
+
+TEST(Refusal, SaysWhoChangedWhatSince) {
+  EXPECT_EQ(refusal_text("/api/settings", 422, R"({"error": "/site: 4 is not allowed"})"),
+            "/site: 4 is not allowed");
+  EXPECT_EQ(refusal_text("/api/x", 502, "<html>"), "/api/x: HTTP status 502");
+  const Json stale =
+      Json::parse(R"({"error": "the settings are at revision 3, this edit was made on 1", "revision": 3,
+    "changed_since": [
+      {"revision": 3, "time": 2, "who": "192.168.1.5", "what": "", "changes": [
+        {"op": "replace", "path": "/site", "before": "A", "after": "B"},
+        {"op": "add", "path": "/ids/0", "after": 1}]},
+      {"revision": 2, "time": 1, "who": "192.168.1.6", "what": "", "changes": []}]})");
+  EXPECT_EQ(refusal_text("/api/settings", 409, stale.dump()),
+            "the settings are at revision 3, this edit was made on 1; 192.168.1.5 made revision 3: /site: "
+            "\"A\" -> \"B\", /ids/0: nothing -> 1; 192.168.1.6 made revision 2");
+}
+
+TEST(PathPart, EscapesWhatMeansSomethingElseInAnAddress) {
+  EXPECT_EQ(path_part("Hall 3/ü?#%_-.~"), "Hall%203%2F%C3%BC%3F%23%25_-.~");
+}
+
+TEST(Alerts, TheWorstFirst) {
+  const Json alerts = Json::parse(R"([
+    {"severity": "info", "title": "i", "fix": "1", "camera": null},
+    {"severity": "warn", "title": "w", "fix": "2", "camera": 0},
+    {"severity": "bad", "title": "b", "fix": "3", "camera": 0},
+    {"severity": "warn", "title": "v", "fix": "4", "camera": 1}])");
+  const Json sorted = worst_first(alerts);
+  EXPECT_EQ(alerts_text(sorted), "bad   b\n      3\nwarn  w\n      2\nwarn  v\n      4\ninfo  i\n      1\n");
+  EXPECT_TRUE(any_bad(alerts));
+  EXPECT_FALSE(any_bad(Json::array({alerts[0], alerts[1]})));
+  EXPECT_EQ(alerts_text(Json::array()), "no alerts\n");
+}
+
+TEST(Checks, BeginWithGoOrNoGo) {
+  const Json checks = Json::parse(R"({"go": false, "checks": [
+    {"id": "cameras", "title": "Cameras", "state": "fail", "text": "camera 0 is lost"},
+    {"id": "clock", "title": "Clock", "state": "pass", "text": "0.1 ms off"}]})");
+  EXPECT_EQ(checks_text(checks),
+            "NO-GO\n"
+            "state  check    what was found\n"
+            "fail   Cameras  camera 0 is lost\n"
+            "pass   Clock    0.1 ms off\n");
+}
+
+TEST(Quantile, LiesWithinItsBin) {
+  const Json histogram = Json::parse(R"({"edges_us": [100, 200, 400, 800], "counts": [50, 0, 50]})");
+  EXPECT_DOUBLE_EQ(*quantile_us(histogram, 0.5), 200);
+  EXPECT_NEAR(*quantile_us(histogram, 0.25), 100 * std::sqrt(2), 1e-9);
+  EXPECT_NEAR(*quantile_us(histogram, 0.75), 400 * std::sqrt(2), 1e-9);
+  EXPECT_DOUBLE_EQ(*quantile_us(histogram, 1), 800);
+  EXPECT_FALSE(quantile_us(Json::parse(R"({"edges_us": [], "counts": []})"), 0.5));
+}
+
+TEST(Diagnostics, SayWhatTakesHowLong) {
+  const Json diagnostics = Json::parse(R"({
+    "system": {"host": "vision", "kernel": "6.1", "uptime_s": 60, "load": [1, 0.5, 0.25], "cpu_percent": [10, 90],
+               "memory": {"total_bytes": 8589934592, "available_bytes": 4294967296}, "disk": null,
+               "temperature_c": null,
+               "process": {"cpu_percent": 50, "rss_bytes": 104857600, "threads": 9, "descriptors": 30}},
+    "clock": {"synchronised": false, "offset_ms": 1.5, "estimated_error_ms": 16},
+    "cameras": [{"id": 0, "exposure": null, "latency": {"edges_us": [1000, 1000.001], "counts": [7]},
+                 "age": {"edges_us": [], "counts": []},
+                 "stages": [{"name": "segment", "histogram": {"edges_us": [200, 200.001], "counts": [7]}}]}]})");
+  const std::string text = diagnostics_text(diagnostics);
+  EXPECT_THAT(text, HasSubstr("memory    4.0 of 8.0 GiB available\n"));
+  EXPECT_THAT(text, HasSubstr("service   50 % of a core, 100 MiB, 9 threads, 30 descriptors\n"));
+  EXPECT_THAT(text, HasSubstr("clock     NOT synchronised, 1.500 ms off, known to 16.000 ms\n"));
+  EXPECT_THAT(text, HasSubstr("camera  what     p50 ms  p99 ms\n"
+                              "     0  segment   0.200   0.200\n"
+                              "     0  latency   1.000   1.000\n"
+                              "     0  age           -       -\n"));
+}
+
+}  // namespace
+}  // namespace sslv

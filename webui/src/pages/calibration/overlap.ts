@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far apart two cameras have the same robot. Their pictures are not taken at the same moment, so a robot of one is
+// compared with where the other has it between two of its pictures.
+import type { Detections, Robot } from '../../api/types';
+import type { CameraModel } from '../../geometry/cameraModel';
+
+/** Of a camera's robots, the newest two pictures are kept. */
+export type Pictures = { older: Detections | null; newer: Detections };
+
+/** Two pictures further apart than this say nothing about what was between them, s. */
+const LONGEST_GAP_S = 0.2;
+
+export interface Meeting {
+  camera: number;
+  /** Apart with the calibration in use, mm. */
+  inUse: number;
+  /** ... and with the proposed one. */
+  proposed: number | null;
+}
+
+/** The robots of one picture that another camera has too, at the moment of that picture. */
+export function meetings(mine: Detections, theirs: Pictures, proposal: CameraModel | null): Meeting[] {
+  const { older, newer } = theirs;
+  if (!older || newer.t_capture - older.t_capture > LONGEST_GAP_S) return [];
+  const share = (mine.t_capture - older.t_capture) / (newer.t_capture - older.t_capture);
+  if (!(share >= 0 && share <= 1)) return [];
+  return mine.robots.flatMap((robot) => {
+    const same = (one: Robot) => one.team === robot.team && one.id === robot.id;
+    const [from, to] = [older.robots.find(same), newer.robots.find(same)];
+    if (!from || !to) return [];
+    const there = { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y) };
+    const moved = proposal?.unproject(robot.pixel_x, robot.pixel_y, robot.height);
+    return [{
+      camera: newer.camera,
+      inUse: Math.hypot(robot.x - there.x, robot.y - there.y),
+      proposed: moved ? Math.hypot(moved.x - there.x, moved.y - there.y) : null,
+    }];
+  });
+}
+
+export const median = (values: number[]): number | null => {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted.length ? sorted[Math.floor((sorted.length - 1) / 2)]! : null;
+};

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mask polygons in pixels of the picture. They may reach beyond it.
+import type { FieldSize } from '../../api/types';
+import type { CameraModel, Point } from '../../geometry/cameraModel';
+import type { Size } from '../../geometry/turn';
+
+export type Kind = 'include' | 'exclude';
+export type Pair = [number, number];
+export interface Polygon {
+  points: Pair[];
+}
+export interface Mask {
+  include: Polygon[];
+  exclude: Polygon[];
+}
+
+export const FEWEST_CORNERS = 3;
+/** What the service takes, px. */
+const LEAST = -16384;
+const MOST = 32768;
+
+const settled = (value: number) => Math.min(MOST, Math.max(LEAST, Math.round(value * 10) / 10));
+export const pairOf = ({ x, y }: Point): Pair => [settled(x), settled(y)];
+export const pointOf = ([x, y]: Pair): Point => ({ x, y });
+
+export const withCorner = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: polygon.points.map((point, i) => (i === index ? pairOf(at) : point)) });
+/** The new corner follows corner `index`. */
+export const withInserted = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: polygon.points.toSpliced(index + 1, 0, pairOf(at)) });
+export const withoutCorner = (polygon: Polygon, index: number): Polygon =>
+  (polygon.points.length > FEWEST_CORNERS ? { points: polygon.points.toSpliced(index, 1) } : polygon);
+export const shifted = (polygon: Polygon, dx: number, dy: number): Polygon => ({ points: polygon.points.map(([x, y]) => pairOf({ x: x + dx, y: y + dy })) });
+
+/** The middles of its edges; the first follows corner 0. */
+export const middles = ({ points }: Polygon): Point[] => points.map(([x, y], i) => {
+  const [nextX, nextY] = points[(i + 1) % points.length]!;
+  return { x: (x + nextX) / 2, y: (y + nextY) / 2 };
+});
+
+/** As SVG draws it: half a pixel from where pixel centres are whole numbers. */
+export const polygonPath = ({ points }: Polygon): string => `M${points.map(([x, y]) => `${x + 0.5} ${y + 0.5}`).join('L')}Z`;
+
+/** A quarter of the picture's sides around its middle; several at once lie beside each other. */
+export function newPolygon({ width, height }: Size, already: number): Polygon {
+  const shift = (already % 5) * 0.03;
+  const [left, top] = [(0.375 + shift) * width, (0.375 + shift) * height];
+  const [right, bottom] = [left + width / 4, top + height / 4];
+  return { points: [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => pairOf({ x: x!, y: y! })) };
+}
+
+/** Around the field with its boundary as a camera sees it; null when part of that lies beyond what it can show. */
+export function aroundField(model: CameraModel, field: FieldSize): Polygon | null {
+  const a = field.field_length / 2 + field.boundary_width;
+  const b = field.field_width / 2 + field.boundary_width;
+  const corners: Pair[] = [[-a, -b], [a, -b], [a, b], [-a, b]];
+  const PARTS = 6;
+  const points: Pair[] = [];
+  for (let side = 0; side < 4; side++) {
+    const [x1, y1] = corners[side]!;
+    const [x2, y2] = corners[(side + 1) % 4]!;
+    for (let i = 0; i < PARTS; i++) {
+      const pixel = model.project(x1 + ((x2 - x1) * i) / PARTS, y1 + ((y2 - y1) * i) / PARTS, 0);
+      if (!pixel) return null;
+      points.push(pairOf(pixel));
+    }
+  }
+  return { points };
+}

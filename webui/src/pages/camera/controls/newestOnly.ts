@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/**
+ * Sends values one after the other. Of those that come for one name while another is on its way only the newest is
+ * sent: a slider may be dragged faster than a camera answers.
+ */
+export function newestOnly<T>(send: (name: string, value: T) => Promise<void>, atRest: () => void) {
+  const waiting = new Map<string, T>();
+  let busy = false;
+
+  async function run(): Promise<void> {
+    busy = true;
+    for (let next = waiting.entries().next(); !next.done; next = waiting.entries().next()) {
+      const [name, value] = next.value;
+      waiting.delete(name);
+      await send(name, value);
+    }
+    busy = false;
+    atRest();
+  }
+
+  return {
+    put(name: string, value: T): void {
+      waiting.set(name, value);
+      if (!busy) void run();
+    },
+    isWaiting: (name: string) => waiting.has(name),
+  };
+}

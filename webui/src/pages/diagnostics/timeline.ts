@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The service's timeline, followed: the first answer is all of it, later ones add their seconds.
+import type { CameraTimeline, Timeline } from '../../api/types';
+
+export const LONGEST_S = 600;
+/** Asked for again, so that nothing is missed between two answers. */
+const OVERLAP_S = 5;
+
+export const figures = ['fps', 'latency_p50_ms', 'latency_p99_ms', 'robots', 'balls', 'dropped', 'incomplete'] as const satisfies readonly (keyof CameraTimeline)[];
+export type Figure = (typeof figures)[number];
+export type CameraSeries = Record<Figure, (number | null)[]>;
+
+export interface Series {
+  /** Unix seconds, rising. A hole in time is a sample without values. */
+  times: number[];
+  /** By the camera's id; all lists are as long as `times`. */
+  cameras: Map<number, CameraSeries>;
+}
+
+export const noSeries: Series = { times: [], cameras: new Map() };
+
+const emptyCamera = (length: number) =>
+  Object.fromEntries(figures.map((figure) => [figure, new Array<number | null>(length).fill(null)])) as CameraSeries;
+
+/** The series with the answer's newer seconds, ten minutes at most. */
+export function follow(series: Series, { interval_s, time_s, cameras }: Timeline): Series {
+  const last = series.times.at(-1) ?? -Infinity;
+  const times = [...series.times];
+  /** Places of the new samples in the answer; null is a hole. */
+  const added: (number | null)[] = [];
+  time_s.forEach((time, i) => {
+    if (time <= last) return;
+    const before = times.at(-1);
+    if (before !== undefined && time - before > 1.9 * interval_s) {
+      times.push(before + interval_s);
+      added.push(null);
+    }
+    times.push(time);
+    added.push(i);
+  });
+  if (!added.length) return series;
+
+  const surplus = times.findIndex((time) => time > times.at(-1)! - LONGEST_S - interval_s);
+  const ids = new Set([...series.cameras.keys(), ...cameras.map(({ id }) => id)]);
+  const next: Series = { times: times.slice(surplus), cameras: new Map() };
+  for (const id of ids) {
+    const before = series.cameras.get(id) ?? emptyCamera(series.times.length);
+    const news = cameras.find((camera) => camera.id === id);
+    next.cameras.set(id, Object.fromEntries(figures.map((figure) =>
+      [figure, [...before[figure], ...added.map((i) => (i === null ? null : news?.[figure][i] ?? null))].slice(surplus)])) as CameraSeries);
+  }
+  return next;
+}
+
+/** When a camera did not run: pairs of Unix seconds. */
+export function outages({ times, cameras }: Series, camera: number): [number, number][] {
+  const fps = cameras.get(camera)?.fps ?? [];
+  const found: [number, number][] = [];
+  fps.forEach((value, i) => {
+    if (value !== null) return;
+    const to = times[i + 1] ?? times[i]!;
+    if (i > 0 && fps[i - 1] === null) found.at(-1)![1] = to;
+    else found.push([times[i - 1] ?? times[i]!, to]);
+  });
+  return found;
+}
+
+/** How many seconds to ask for so that none is missed; `silent_s` went by since the last answer. */
+export const secondsToAsk = (series: Series, silent_s: number) =>
+  series.times.length ? Math.min(LONGEST_S, Math.ceil(silent_s) + OVERLAP_S) : LONGEST_S;
+
+/** The sample nearest to a moment. */
+export function nearestSample(times: readonly number[], time: number): number | null {
+  let low = 0;
+  let high = times.length - 1;
+  if (high < 0) return null;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle]! <= time) low = middle;
+    else high = middle;
+  }
+  return time - times[low]! <= times[high]! - time ? low : high;
+}

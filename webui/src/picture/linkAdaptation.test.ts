@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from 'vitest';
+import { adapt, EFFORTS, LINK_START, type LinkPeriod, type LinkState } from './linkAdaptation';
+
+const fine: LinkPeriod = { delayMs: 20, fps: 29, wantedFps: 30 };
+const after = (state: LinkState, ...periods: LinkPeriod[]) => periods.reduce(adapt, state);
+const times = (count: number, period: LinkPeriod) => Array<LinkPeriod>(count).fill(period);
+
+describe('adaptation to the link', () => {
+  it('leaves a good link alone', () => {
+    expect(after(LINK_START, ...times(100, fine)).effort).toBe(0);
+  });
+
+  it('takes smaller pictures when they come late, and no smaller than the least', () => {
+    const late = { ...fine, delayMs: 130 };
+    expect(after(LINK_START, fine, late).effort).toBe(1);
+    expect(after(LINK_START, fine, ...times(3, late)).effort).toBe(3);
+    expect(after(LINK_START, fine, ...times(50, late)).effort).toBe(EFFORTS.length - 1);
+  });
+
+  it('takes smaller pictures when few of those wanted come', () => {
+    expect(after(LINK_START, { ...fine, fps: 12 }).effort).toBe(1);
+    expect(after(LINK_START, { delayMs: 20, fps: 12, wantedFps: 15 }).effort).toBe(0);
+  });
+
+  it('measures the delay from what the link takes at best', () => {
+    const far = { ...fine, delayMs: 400 };
+    expect(after(LINK_START, ...times(20, far)).effort).toBe(0);
+  });
+
+  it('forgets a floor that was too low', () => {
+    const state = after(LINK_START, { ...fine, delayMs: -200 }, ...times(400, fine));
+    expect(state.floorMs).toBe(20);
+    expect(state.effort).toBe(0);
+  });
+
+  it('takes better pictures again when there is room', () => {
+    const low = { ...LINK_START, effort: 3, floorMs: 20 };
+    expect(after(low, ...times(3, fine)).effort).toBe(3);
+    expect(after(low, ...times(4, fine)).effort).toBe(2);
+    expect(after(low, ...times(12, fine)).effort).toBe(0);
+  });
+
+  it('neither raises nor lowers in between', () => {
+    expect(after({ ...LINK_START, effort: 2, floorMs: 20 }, ...times(20, { ...fine, delayMs: 75, fps: 26 })).effort).toBeLessThanOrEqual(2);
+    expect(after({ ...LINK_START, effort: 2, floorMs: 20 }, ...times(20, { ...fine, fps: 21 })).effort).toBe(2);
+  });
+
+  it('tries ever more seldom what failed before', () => {
+    const late = { ...fine, delayMs: 150 };
+    const low = { ...LINK_START, effort: 3, floorMs: 20 };
+    const failed = after(low, ...times(4, fine), late);
+    expect(failed).toMatchObject({ effort: 3, patience: 8 });
+    expect(after(failed, ...times(7, fine)).effort).toBe(3);
+    expect(after(failed, ...times(8, fine)).effort).toBe(2);
+  });
+});

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits the pictures to the link: smaller and coarser ones while they come late or seldom, better ones again when there is room.
+
+export interface PictureEffort {
+  /** Factor on the width that would be sharp. */
+  width: number;
+  /** Of the JPEG. */
+  quality: number;
+}
+
+/** From the best picture to the smallest; each takes about 0.6 of the bytes of the one before. */
+export const EFFORTS: readonly PictureEffort[] = [
+  { width: 1, quality: 75 },
+  { width: 1, quality: 55 },
+  { width: 0.75, quality: 55 },
+  { width: 0.6, quality: 50 },
+  { width: 0.45, quality: 45 },
+  { width: 0.3, quality: 40 },
+];
+
+/** The figures of a judged period. */
+export interface LinkPeriod {
+  /** Median time from capture to the screen. */
+  delayMs: number;
+  fps: number;
+  /** Asked for, and no more than the camera gives. */
+  wantedFps: number;
+}
+
+export interface LinkState {
+  /** Index into EFFORTS. */
+  effort: number;
+  /** Least delay of late: what this link takes when nothing queues. */
+  floorMs: number;
+  /** Good periods in a row. */
+  good: number;
+  /** Good periods that are wanted before better pictures are tried. */
+  patience: number;
+  /** Periods since better pictures were tried; those that then come late show that there is no room. */
+  sinceRaise: number;
+}
+
+export const LINK_START: LinkState = { effort: 0, floorMs: Infinity, good: 0, patience: 4, sinceRaise: Infinity };
+
+const LATE_MS = 100;
+const EASY_MS = 40;
+const SELDOM = 0.6;
+const OFTEN = 0.8;
+/** The floor rises by this with each period, so that one lucky picture, or another clock, does not count for ever. */
+const FLOOR_RISE_MS = 1;
+const FAILED_AFTER = 3;
+const MOST_PATIENCE = 64;
+
+/** What to do after one more period. */
+export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): LinkState {
+  const floorMs = Math.min(delayMs, state.floorMs + FLOOR_RISE_MS);
+  const above = delayMs - floorMs;
+  const sinceRaise = state.sinceRaise + 1;
+  if (above > LATE_MS || fps < SELDOM * wantedFps) {
+    const failed = sinceRaise <= FAILED_AFTER;
+    return {
+      effort: Math.min(state.effort + 1, EFFORTS.length - 1), floorMs, good: 0, sinceRaise: Infinity,
+      patience: failed ? Math.min(state.patience * 2, MOST_PATIENCE) : state.patience,
+    };
+  }
+  if (above > EASY_MS || fps < OFTEN * wantedFps) return { ...state, floorMs, good: 0, sinceRaise };
+  const good = state.good + 1;
+  if (state.effort === 0 || good < state.patience) {
+    // What has been good for long is trusted again.
+    const patience = state.effort === 0 && good >= MOST_PATIENCE ? LINK_START.patience : state.patience;
+    return { ...state, floorMs, good, sinceRaise, patience };
+  }
+  return { ...state, effort: state.effort - 1, floorMs, good: 0, sinceRaise: 0 };
+}

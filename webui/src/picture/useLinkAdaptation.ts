@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Watches how pictures come and says what to ask for.
+import { computed, shallowRef } from 'vue';
+import { adapt, EFFORTS, LINK_START } from './linkAdaptation';
+import type { Shown } from './useLivePicture';
+
+const PERIOD_MS = 1000;
+/** A fresh picture after a gap like this came after a freeze, a tab in the background, a lost camera: a period begins anew. */
+const GAP_MS = 700;
+
+export function useLinkAdaptation(wantedFps: () => number) {
+  const state = shallowRef(LINK_START);
+  let period: Shown[] = [];
+
+  function count(shown: Shown): void {
+    const last = period.at(-1);
+    if (last && shown.at - last.at > GAP_MS && shown.delayMs < (shown.at - last.at) / 2) period = [];
+    period.push(shown);
+    const lasted = shown.at - period[0]!.at;
+    if (lasted < PERIOD_MS) return;
+    const delays = period.map(({ delayMs }) => delayMs).sort((a, b) => a - b);
+    state.value = adapt(state.value, {
+      delayMs: delays[Math.floor(delays.length / 2)]!,
+      fps: (period.length - 1) / (lasted / 1000),
+      wantedFps: wantedFps(),
+    });
+    period = [shown];
+  }
+  return { count, effort: computed(() => EFFORTS[state.value.effort]!) };
+}

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from 'vitest';
+import type { Check } from '../api/types';
+import { verdictText } from './verdict';
+
+const checks = (...states: Check['state'][]) => states.map((state) => ({ id: 'cameras', title: '', state, value: '', unit: '', text: '' }) satisfies Check);
+
+describe('verdictText', () => {
+  it('counts what fails first', () => {
+    expect(verdictText(checks('pass', 'pass'))).toBe('2 of 2 pass');
+    expect(verdictText(checks('pass', 'warn'))).toBe('1 of 2 pass, 1 warning');
+    expect(verdictText(checks('fail', 'warn', 'warn'))).toBe('1 of 3 failed, 2 warnings');
+  });
+});
