@@ -35,6 +35,7 @@ export type Profile = Schemas['Profile'];
 
 export type SettingsRevision = Schemas['SettingsRevision'];
 export type SettingsStep = Schemas['SettingsStep'];
+export type SettingsChange = Schemas['SettingsChange'];
 export type Stale = Schemas['Stale'];
 export type Control = Schemas['Control'];
 export type FieldPreset = Schemas['FieldPreset'];
