@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { after, before, describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, picturesGoOn, text, views } from './browser.mjs';
-import { createService } from './service.mjs';
+import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.80');
 const { settings, address, patch, statusBecomes } = service;
@@ -68,10 +68,9 @@ async function drag(page, from, to, finger) {
   return () => send('touchEnd', []);
 }
 
-/** Robots that camera 0 reported in so many pictures from now on. */
-async function robotsFromNowOn(page, panel, pictures = 20) {
-  const before = panel.detections.at(-1)?.t_capture ?? 0;
-  const fresh = () => panel.detections.filter(({ camera, t_capture }) => camera === 0 && t_capture > before);
+/** Robots that camera 0 reported in so many pictures that were taken after that status. */
+async function robotsSince({ time }, page, panel, pictures = 20) {
+  const fresh = () => panel.detections.filter(({ camera, t_capture }) => camera === 0 && t_capture > time);
   while (fresh().length < pictures) await page.evaluate(() => new Promise(requestAnimationFrame));
   return fresh().flatMap(({ robots }) => robots);
 }
@@ -124,9 +123,9 @@ describe('calibration page', () => {
         const both = [project(truth, x, y), project(truth, -x, -y)];
         assert.ok(Math.min(...both.map((at) => distance(at, project(found, x, y)))) < 0.3, `${x}, ${y}`);
       }
-      await statusBecomes(({ cameras }) => cameras[0].robots > 0);
-      // Robots are drawn where they are reported, by the calibration that is in use now.
-      const robots = await robotsFromNowOn(page, panel);
+      const status = await statusBecomes(({ cameras }) => cameras[0].robots > 0);
+      // Robots are reported where the picture shows them, by the calibration that is in use now.
+      const robots = await robotsSince(status, page, panel);
       assert.ok(robots.length > 0);
       for (const robot of robots) {
         assert.ok(distance(project(found, robot.x, robot.y, robot.height), { x: robot.pixel_x, y: robot.pixel_y }) < 1, JSON.stringify(robot));
@@ -209,8 +208,8 @@ describe('calibration page', () => {
         await drop();
         await untilSaved(async () => distance(pair((await mask()).exclude[0].points[i]), { x, y }) < 4);
       }
-      await statusBecomes(({ cameras }) => cameras[0].robots === 0 && cameras[0].balls === 0);
-      assert.deepEqual(await robotsFromNowOn(page, panel), []);
+      const status = await statusBecomes(({ cameras }) => cameras[0].robots === 0 && cameras[0].balls === 0);
+      assert.deepEqual(await robotsSince(status, page, panel), []);
       // What is hidden is dark in the labelled picture.
       await click(byId('mask-labels'));
       await page.waitForSelector(`${byId('camera-picture-0')}[data-picture="labels"]`);
@@ -348,9 +347,10 @@ async function found(page) {
   await page.waitForFunction((selector) => /\d/.test(document.querySelector(selector).textContent), byId('figure-overlap'));
 }
 
-/** Asks again and again; the test's own time limit ends it. */
+/** Asks the service until it is as wanted. */
 async function untilSaved(wanted) {
-  while (!(await wanted()));
+  const deadline = Date.now() + PATIENCE_MS;
+  while (!(await wanted())) assert.ok(Date.now() < deadline, `not saved: ${wanted}`);
 }
 
 async function freePort() {

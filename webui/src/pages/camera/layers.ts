@@ -24,12 +24,12 @@ export const layerList: readonly Layer[] = [
   { name: 'grid', title: 'Grid, 1 m', key: '8', isOn: false, what: 'Lines on the floor every metre from the middle of the field.' },
 ];
 
-const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as Layers;
+const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.map((layer) => [layer.name, value(layer)])) as unknown as Required<Layers>;
 
 const KEY = 'layers';
 
 /** The choice of an earlier visit; what it does not say is as at the first. */
-export function storedLayers(text: string | null): Layers {
+export function storedLayers(text: string | null): Required<Layers> {
   let stored: unknown = null;
   try {
     stored = JSON.parse(text ?? 'null');
@@ -48,7 +48,7 @@ function storage(): Storage | null {
   }
 }
 
-export const layers = reactive<Layers>(storedLayers(storage()?.getItem(KEY) ?? null));
+export const layers = reactive<Required<Layers>>(storedLayers(storage()?.getItem(KEY) ?? null));
 export const allHidden = ref(false);
 watch(layers, () => {
   try {
