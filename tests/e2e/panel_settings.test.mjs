@@ -251,12 +251,17 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.waitForSelector(`${byId('camera-entry')}:has-text("Camera 2")`);
 
     await page.goto(address('#/settings/cameras/0/colors/classes'));
+    // Each click waits for what the one before made of the list.
+    const listIs = async (labels) => {
+      await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === labels);
+      await page.waitForFunction(([selector, wanted]) => [...document.querySelectorAll(selector)].map((title) => title.textContent).join() === wanted, [`${byId('entry')} .title b`, labels]);
+    };
     await page.click('button[aria-label="Duplicate green"]');
-    await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === 'orange,yellow,blue,pink,green,green');
+    await listIs('orange,yellow,blue,pink,green,green');
     await page.click('button[aria-label="Move orange down"]');
-    await treeBecomes(({ cameras }) => cameras[0].colors.classes[1].label === 'orange');
+    await listIs('yellow,orange,blue,pink,green,green');
     await page.click('button[aria-label="Remove yellow"]');
-    await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === 'orange,blue,pink,green,green');
+    await listIs('orange,blue,pink,green,green');
     assert.deepEqual((await tree()).cameras[0].colors.classes[0], first.cameras[0].colors.classes[0]);
 
     await page.goto(address('#/settings/ball_models'));
