@@ -161,8 +161,6 @@ void add_calibration_alerts(std::vector<Alert>& alerts, const CameraFacts& camer
 
 /// What a second vision does to the teams, which cannot tell whose packets they get.
 void add_vision_alerts(std::vector<Alert>& alerts, const HealthInput& input) {
-  SSL_WrapperPacket ours;
-  write_geometry(*input.geometry, ours);
   for (const OtherVision& other : input.other_visions) {
     const auto add = [&](const char* id, Severity severity, std::string title, std::string fix,
                          std::string page) {
@@ -181,10 +179,8 @@ void add_vision_alerts(std::vector<Alert>& alerts, const HealthInput& input) {
         shared_ids.push_back(std::to_string(id));
       }
     }
-    if (other.field) {
-      for (const SizeConflict& size : size_conflicts(ours.geometry().field(), *other.field)) {
-        conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
-      }
+    for (const SizeConflict& size : field_conflicts(input, other)) {
+      conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
     }
     if (!shared_ids.empty()) {
       add("vision_same_camera", Severity::kBad,
@@ -309,6 +305,13 @@ const char* name_of(Severity severity) {
 }
 
 }  // namespace
+
+std::vector<SizeConflict> field_conflicts(const HealthInput& input, const OtherVision& other) {
+  if (!other.field) return {};
+  SSL_WrapperPacket ours;
+  write_geometry(*input.geometry, ours);
+  return size_conflicts(ours.geometry().field(), *other.field);
+}
 
 std::vector<Alert> find_alerts(const HealthInput& input) {
   std::vector<Alert> alerts;

@@ -82,6 +82,9 @@ struct Alert {
   double since_s = 0;           // Unix time; see AlertTimes
 };
 
+/// The sizes of the field that another vision tells otherwise.
+std::vector<SizeConflict> field_conflicts(const HealthInput& input, const OtherVision& other);
+
 /// What is wrong, worst first, each with what to do about it.
 std::vector<Alert> find_alerts(const HealthInput& input);
 

@@ -6,6 +6,7 @@
 #include "base/params_json.h"
 #include "cameras.h"
 #include "detections_json.h"
+#include "net/network_cards.h"
 #include "routes.h"
 #include "teams.h"
 #include "vision/label_picture.h"
@@ -246,6 +247,19 @@ WebHost Daemon::make_web_host() {
           {{"name", preset.name}, {"description", preset.help}, {"field", params_to_json(preset.size)}});
     }
     return presets;
+  };
+  host.network_interfaces = [] {
+    Json interfaces = Json::array();
+    for (const NetworkCard& card : network_cards()) {
+      Json addresses = Json::array();
+      for (const auto& address : card.addresses) addresses.push_back(address.to_string());
+      interfaces.push_back({{"name", card.name},
+                            {"addresses", addresses},
+                            {"is_up", card.is_up},
+                            {"is_loopback", card.is_loopback},
+                            {"multicast", card.has_multicast}});
+    }
+    return interfaces;
   };
   const auto saved = [answer](const SettingsStore::Version& version) {
     Json out = answer(version);

@@ -44,6 +44,7 @@ std::span<const Route> routes() {
       {"GET", "/api/support", get_support},
       {"GET", "/api/schema", get_schema},
       {"GET", "/api/field/presets", get_field_presets},
+      {"GET", "/api/network/interfaces", get_network_interfaces},
       {"GET", "/api/ws", get_websocket},  // the upgraded connection is web/websocket.cpp's
   };
   return kRoutes;

@@ -83,7 +83,14 @@ Json teams_json(const HealthInput& input) {
 Json other_visions_json(const HealthInput& input) {
   Json out = Json::array();
   for (const OtherVision& other : input.other_visions) {
-    out.push_back({{"address", other.address}, {"silent_s", other.silent_s}, {"cameras", other.cameras}});
+    Json conflicts = Json::array();
+    for (const SizeConflict& size : field_conflicts(input, other)) {
+      conflicts.push_back({{"name", size.name}, {"ours", size.ours}, {"theirs", size.theirs}});
+    }
+    out.push_back({{"address", other.address},
+                   {"silent_s", other.silent_s},
+                   {"cameras", other.cameras},
+                   {"field_conflicts", std::move(conflicts)}});
   }
   return out;
 }

@@ -139,7 +139,8 @@ std::span<const std::uint8_t> JpegEncoder::encode_yuv422(const ImageView& image,
                                                          int quality) {
   // Camera and JPEG mean the same by Y, U and V, so the planes are scaled and encoded as they are.
   const int chroma_width = (width + 1) / 2;
-  const std::size_t luma_size = static_cast<std::size_t>(width) * height;
+  const int luma_stride = 2 * chroma_width;  // the library takes whole pairs of pixels, also of an odd width
+  const std::size_t luma_size = static_cast<std::size_t>(luma_stride) * height;
   const std::size_t chroma_size = static_cast<std::size_t>(chroma_width) * height;
   scaled_.resize(luma_size + 2 * chroma_size);
   std::uint8_t* const y = scaled_.data();
@@ -150,11 +151,14 @@ std::span<const std::uint8_t> JpegEncoder::encode_yuv422(const ImageView& image,
   const int y_offset = image.format == PixelFormat::kUyvy ? 1 : 0;
   const int u_offset = 1 - y_offset;
   const std::array channels{
-      Channel{y_offset, 2, image.width, y, 1, width, width, &edges_},
+      Channel{y_offset, 2, image.width, y, 1, luma_stride, width, &edges_},
       Channel{u_offset, 4, image.width / 2, u, 1, chroma_width, chroma_width, &chroma_edges_},
       Channel{u_offset + 2, 4, image.width / 2, v, 1, chroma_width, chroma_width, &chroma_edges_},
   };
   shrink([&](int row) { return image.row(row); }, image.width * 2, image.height, height, channels);
+  if (luma_stride > width) {
+    for (std::uint8_t* end = y + width; end < u; end += luma_stride) *end = end[-1];
+  }
 
   reserve_jpeg(width, height, TJSAMP_422);
   const std::array<const unsigned char*, 3> planes{y, u, v};

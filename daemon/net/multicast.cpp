@@ -122,8 +122,9 @@ bool MulticastSender::is_own(const udp::endpoint& sender) const {
   const std::uint32_t ports = own_ports_;
   if (sender.port() != (ports & 0xFFFF) && sender.port() != ports >> 16) return false;
   const std::vector<NetworkCard> cards = network_cards();
-  return std::any_of(cards.begin(), cards.end(),
-                     [&](const NetworkCard& card) { return card.address == sender.address(); });
+  return std::any_of(cards.begin(), cards.end(), [&](const NetworkCard& card) {
+    return std::find(card.addresses.begin(), card.addresses.end(), sender.address()) != card.addresses.end();
+  });
 }
 
 MulticastStatus MulticastSender::status() const {

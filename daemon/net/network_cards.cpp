@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/network_cards.h"
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 
 #include <ifaddrs.h>
+#include <net/if.h>
 #include <netinet/in.h>
 
 namespace sslv {
@@ -17,23 +19,36 @@ std::vector<NetworkCard> network_cards() {
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
   std::vector<NetworkCard> cards;
   for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    auto card = std::find_if(cards.begin(), cards.end(),
+                             [&](const NetworkCard& one) { return one.name == entry->ifa_name; });
+    if (card == cards.end()) {
+      card = cards.insert(cards.end(), {.name = entry->ifa_name,
+                                        .addresses = {},
+                                        .is_up = (entry->ifa_flags & IFF_UP) != 0,
+                                        .is_loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0,
+                                        .has_multicast = (entry->ifa_flags & IFF_MULTICAST) != 0});
+    }
     if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
     const auto* address = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
-    cards.push_back({entry->ifa_name, address_v4(ntohl(address->sin_addr.s_addr))});
+    card->addresses.emplace_back(ntohl(address->sin_addr.s_addr));
   }
   return cards;
 }
 
 std::string network_cards_text() {
   std::string cards;
-  for (const NetworkCard& card : network_cards())
-    cards += " " + card.name + " (" + card.address.to_string() + ")";
+  for (const NetworkCard& card : network_cards()) {
+    for (const address_v4& address : card.addresses)
+      cards += " " + card.name + " (" + address.to_string() + ")";
+  }
   return cards.empty() ? "no card has an IPv4 address at present" : "there are" + cards;
 }
 
 address_v4 find_network_card(const std::string& name_or_address) {
   for (const NetworkCard& card : network_cards()) {
-    if (card.name == name_or_address || card.address.to_string() == name_or_address) return card.address;
+    for (const address_v4& address : card.addresses) {
+      if (card.name == name_or_address || address.to_string() == name_or_address) return address;
+    }
   }
   throw std::runtime_error("no network card has the name or IPv4 address '" + name_or_address + "'");
 }

@@ -11,13 +11,16 @@ namespace sslv {
 
 struct NetworkCard {
   std::string name;
-  boost::asio::ip::address_v4 address;
+  std::vector<boost::asio::ip::address_v4> addresses;  // those it has at present
+  bool is_up = false;
+  bool is_loopback = false;
+  bool has_multicast = false;  // as the system says; lo says no and still takes it
 };
 
-/// The network cards that have an IPv4 address at present.
+/// The network cards of this computer, in the system's order.
 std::vector<NetworkCard> network_cards();
 
-/// Those cards, as the end of a sentence for the admin.
+/// Those that have an IPv4 address, as the end of a sentence for the admin.
 std::string network_cards_text();
 
 /// The address of the card with this name or IPv4 address. Throws std::runtime_error when there is none.

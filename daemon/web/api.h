@@ -25,6 +25,8 @@ void get_checks(const WebHost& host, const httplib::Request& request, httplib::R
 void get_timeline(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_diagnostics(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_log(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_network_interfaces(const WebHost& host, const httplib::Request& request,
+                            httplib::Response& response);
 
 // api_cameras.cpp: the path holds the camera's id
 /// The camera named in the path. Throws HttpError 404.

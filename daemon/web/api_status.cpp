@@ -51,4 +51,8 @@ void get_log(const WebHost&, const httplib::Request& request, httplib::Response&
   set_json(response, out);
 }
 
+void get_network_interfaces(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_json(response, {{"interfaces", host.network_interfaces()}});
+}
+
 }  // namespace sslv

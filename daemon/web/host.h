@@ -42,6 +42,7 @@ struct WebHost {
   std::function<Json()> settings;  // with its revision
   std::function<Json()> schema;
   std::function<Json()> field_presets;
+  std::function<Json()> network_interfaces;
 
   /// Applies a JSON Patch and returns once it is on disk. `if_revision`: the revision the patch was made for;
   /// `who`: the client's address, for the history. Throws SettingsError when the patch is refused,

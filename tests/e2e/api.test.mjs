@@ -92,6 +92,9 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal(status.cameras.length, 2);
     await ask('get', '/api/cameras');
     await ask('get', '/api/sources');
+    const { interfaces } = await ask('get', '/api/network/interfaces');
+    const lo = interfaces.find(({ name }) => name === 'lo');
+    assert.deepEqual({ ...lo, multicast: false }, { name: 'lo', addresses: ['127.0.0.1'], is_up: true, is_loopback: true, multicast: false });
   });
 
   it('tells what is wrong and whether a match may begin', async () => {

@@ -16,7 +16,7 @@ export const root = fileURLToPath(new URL('../..', import.meta.url));
 export const PATIENCE_MS = 60_000; // for a busy machine; nothing waits this long when all is well
 const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
 
-async function freeUdpPort() {
+export async function freeUdpPort() {
   const socket = createSocket('udp4').bind(0);
   await once(socket, 'listening');
   const { port } = socket.address();

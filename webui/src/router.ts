@@ -19,6 +19,7 @@ export const pages: readonly [Page, ...Page[]] = [
   { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
   { name: 'calibration', title: 'Calibration', icon: 'target', component: defineAsyncComponent(() => import('./pages/calibration/CalibrationPage.vue')) },
   { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
+  { name: 'field', title: 'Field', icon: 'network', component: defineAsyncComponent(() => import('./pages/field/FieldPage.vue')) },
   { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: defineAsyncComponent(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
   { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];

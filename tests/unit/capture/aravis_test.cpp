@@ -461,7 +461,7 @@ TEST_F(Gige, IsListedAndOpenedBySerial) {
 /// The address of a network card of this machine, for a second camera; empty: it has none.
 std::string card_address() {
   for (const NetworkCard& card : network_cards()) {
-    if (!card.address.is_loopback()) return card.address.to_string();
+    if (!card.is_loopback && !card.addresses.empty()) return card.addresses.front().to_string();
   }
   return "";
 }

@@ -88,6 +88,7 @@ class FakeHost {
     host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
     host.schema = [] { return Json{{"type", "object"}}; };
     host.field_presets = [] { return Json{{{"name", "division-b"}}}; };
+    host.network_interfaces = [] { return Json{{{"name", "lo"}}}; };
     host.patch_settings = [this](const Json& patch, std::optional<std::uint64_t> if_revision,
                                  const std::string& who) {
       if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest", 7, Json::array());

@@ -92,6 +92,7 @@ TEST_F(RouterTest, AnswersFromTheHost) {
   EXPECT_EQ(ask("GET", "/api/settings").body, R"({"revision":7,"settings":{"site":"test"}})");
   EXPECT_EQ(ask("GET", "/api/schema").body, R"({"type":"object"})");
   EXPECT_EQ(ask("GET", "/api/field/presets").body, R"([{"name":"division-b"}])");
+  EXPECT_EQ(ask("GET", "/api/network/interfaces").body, R"({"interfaces":[{"name":"lo"}]})");
   EXPECT_THAT(ask("GET", "/api/schema").header, AllOf(HasSubstr("Content-Type: application/json\r\n"),
                                                       HasSubstr("Cache-Control: no-store\r\n")));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A series over the last minute as an SVG path.
-import { HISTORY_MS, type Sample } from '../state/history';
+import { HISTORY_MS } from '../state/history';
 
 /** A hole longer than this is left open: nothing was measured there. */
 const HOLE_MS = 3000;
@@ -14,7 +14,7 @@ export interface Plane {
 
 const round = (value: number) => Math.round(value * 10) / 10;
 
-export function seriesPaths(samples: readonly Sample[], value: (sample: Sample) => number, now: number, plane: Plane) {
+export function seriesPaths<Sample extends { at: number }>(samples: readonly Sample[], value: (sample: Sample) => number, now: number, plane: Plane) {
   let line = '';
   let area = '';
   let lastX: number | null = null;

@@ -41,6 +41,12 @@ describe('field lines', () => {
     expect(fieldArcs(divisionB)[0]![0]).toEqual({ x: 500, y: 0 });
   });
 
+  it('leaves out what has no size', () => {
+    const bare = { ...divisionB, penalty_area_depth: 0, center_circle_radius: 0 };
+    expect(fieldLines(bare)).toHaveLength(6);
+    expect(fieldArcs(bare)).toEqual([]);
+  });
+
   it('counts the grid from the centre', () => {
     const xs = gridLines(divisionB).filter((l) => l.name.startsWith('x')).map((l) => l.p1.x);
     expect(xs).toEqual([-4000, -3000, -2000, -1000, 0, 1000, 2000, 3000, 4000]);

@@ -19,13 +19,17 @@ export function fieldLines(field: FieldSize): FieldLine[] {
   const b = field.field_width / 2;
   const px = a - field.penalty_area_depth;
   const py = field.penalty_area_width / 2;
-  return [
+  const lines = [
     line('TopTouchLine', -a, b, a, b),
     line('BottomTouchLine', -a, -b, a, -b),
     line('LeftGoalLine', -a, -b, -a, b),
     line('RightGoalLine', a, -b, a, b),
     line('HalfwayLine', 0, -b, 0, b),
     line('CenterLine', -a, 0, a, 0),
+  ];
+  if (field.penalty_area_depth <= 0 || field.penalty_area_width <= 0) return lines;
+  return [
+    ...lines,
     line('LeftPenaltyStretch', -px, -py, -px, py),
     line('RightPenaltyStretch', px, -py, px, py),
     line('LeftFieldLeftPenaltyStretch', -a, -py, -px, -py),
@@ -52,15 +56,17 @@ export function arc(centre: Point, radius: number, a1 = 0, a2 = 2 * Math.PI, cor
   });
 }
 
-/** The arcs that the sizes give. */
-export const arcsOfSizes = (field: FieldSize) => [
-  { name: 'CenterCircle', x: 0, y: 0, radius: field.center_circle_radius, a1: 0, a2: 2 * Math.PI, thickness: 0 },
-];
+export type FieldArc = Omit<NonNullable<FieldSize['field_arcs']>[number], 'thickness'>;
+
+export function fieldCurves(field: FieldSize): FieldArc[] {
+  if (field.field_arcs) return field.field_arcs;
+  if (field.center_circle_radius <= 0) return [];
+  return [{ name: 'CenterCircle', x: 0, y: 0, radius: field.center_circle_radius, a1: 0, a2: 2 * Math.PI }];
+}
 
 /** The field's arcs as points. */
-export function fieldArcs(field: FieldSize): Point[][] {
-  return (field.field_arcs ?? arcsOfSizes(field)).map(({ x, y, radius, a1, a2 }) => arc({ x, y }, radius, a1, a2));
-}
+export const fieldArcs = (field: FieldSize): Point[][] =>
+  fieldCurves(field).map(({ x, y, radius, a1, a2 }) => arc({ x, y }, radius, a1, a2));
 
 /** Points along a line, close enough that a lens' bend shows. */
 export function alongLine({ p1, p2 }: FieldLine, step = 100): Point[] {

@@ -12,10 +12,17 @@ describe('adaptation to the link', () => {
   });
 
   it('takes smaller pictures when they come late, and no smaller than the least', () => {
-    const late = { ...fine, delayMs: 130 };
-    expect(after(LINK_START, fine, late).effort).toBe(1);
-    expect(after(LINK_START, fine, ...times(3, late)).effort).toBe(3);
-    expect(after(LINK_START, fine, ...times(50, late)).effort).toBe(EFFORTS.length - 1);
+    const late = (delayMs: number) => ({ ...fine, delayMs });
+    expect(after(LINK_START, fine, late(130)).effort).toBe(1);
+    expect(after(LINK_START, fine, late(500), late(300), late(200)).effort).toBe(3);
+    expect(after(LINK_START, fine, ...times(300, late(9999))).effort).toBe(EFFORTS.length - 1);
+  });
+
+  it('takes no smaller ones for a while where that does not help', () => {
+    const slow = { delayMs: 20, fps: 10, wantedFps: 30 };
+    expect(after(LINK_START, ...times(20, slow)).effort).toBe(1);
+    expect(after(LINK_START, ...times(25, slow)).effort).toBe(2);
+    expect(after(LINK_START, slow, { ...slow, fps: 15 }).effort).toBe(2);
   });
 
   it('takes smaller pictures when few of those wanted come', () => {

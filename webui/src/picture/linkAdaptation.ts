@@ -38,9 +38,11 @@ export interface LinkState {
   patience: number;
   /** Periods since better pictures were tried; those that then come late show that there is no room. */
   sinceRaise: number;
+  /** What there was when smaller pictures were taken last, and periods since. */
+  lowered: { delayMs: number; fps: number; ago: number } | null;
 }
 
-export const LINK_START: LinkState = { effort: 0, floorMs: Infinity, good: 0, patience: 4, sinceRaise: Infinity };
+export const LINK_START: LinkState = { effort: 0, floorMs: Infinity, good: 0, patience: 4, sinceRaise: Infinity, lowered: null };
 
 const LATE_MS = 100;
 const EASY_MS = 40;
@@ -50,25 +52,31 @@ const OFTEN = 0.8;
 const FLOOR_RISE_MS = 1;
 const FAILED_AFTER = 3;
 const MOST_PATIENCE = 64;
+/** Where smaller pictures changed less than this, it is not the link (a slow computer), and still smaller ones wait this long. */
+const HELPED = 0.87;
+const HOLD = 20;
 
 /** What to do after one more period. */
 export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): LinkState {
   const floorMs = Math.min(delayMs, state.floorMs + FLOOR_RISE_MS);
   const above = delayMs - floorMs;
   const sinceRaise = state.sinceRaise + 1;
+  const lowered = state.lowered && { ...state.lowered, ago: state.lowered.ago + 1 };
   if (above > LATE_MS || fps < SELDOM * wantedFps) {
+    const helped = !lowered || lowered.ago > HOLD || delayMs < HELPED * lowered.delayMs || lowered.fps < HELPED * fps;
+    if (!helped) return { ...state, floorMs, good: 0, sinceRaise, lowered };
     const failed = sinceRaise <= FAILED_AFTER;
     return {
-      effort: Math.min(state.effort + 1, EFFORTS.length - 1), floorMs, good: 0, sinceRaise: Infinity,
+      effort: Math.min(state.effort + 1, EFFORTS.length - 1), floorMs, good: 0, sinceRaise: Infinity, lowered: { delayMs, fps, ago: 0 },
       patience: failed ? Math.min(state.patience * 2, MOST_PATIENCE) : state.patience,
     };
   }
-  if (above > EASY_MS || fps < OFTEN * wantedFps) return { ...state, floorMs, good: 0, sinceRaise };
+  if (above > EASY_MS || fps < OFTEN * wantedFps) return { ...state, floorMs, good: 0, sinceRaise, lowered };
   const good = state.good + 1;
   if (state.effort === 0 || good < state.patience) {
     // What has been good for long is trusted again.
     const patience = state.effort === 0 && good >= MOST_PATIENCE ? LINK_START.patience : state.patience;
-    return { ...state, floorMs, good, sinceRaise, patience };
+    return { ...state, floorMs, good, sinceRaise, patience, lowered };
   }
-  return { ...state, effort: state.effort - 1, floorMs, good: 0, sinceRaise: 0 };
+  return { ...state, effort: state.effort - 1, floorMs, good: 0, sinceRaise: 0, lowered: null };
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // JSON Pointers (RFC 6901) into the settings tree.
 
-export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
+/** The string comes before the boolean: as a component's property '' would else become true. */
+export type Json = null | string | boolean | number | Json[] | { [key: string]: Json };
 
 export const escapeKey = (key: string | number) => String(key).replaceAll('~', '~0').replaceAll('/', '~1');
 const unescapeKey = (key: string) => key.replaceAll('~1', '/').replaceAll('~0', '~');

@@ -11,8 +11,15 @@ export interface Sample {
   p99: number;
 }
 
+export interface NetworkSample {
+  at: number;
+  packetsPerS: number;
+  sendErrors: number;
+}
+
 export class History {
   private readonly cameras = new Map<number, Sample[]>();
+  private readonly network: NetworkSample[] = [];
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
@@ -23,10 +30,16 @@ export class History {
       samples.push({ at, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99 });
       forget(samples, at);
     }
+    this.network.push({ at, packetsPerS: status.network.packets_per_s, sendErrors: status.network.send_errors });
+    forget(this.network, at);
   }
 
   samples(camera: number): readonly Sample[] {
     return this.cameras.get(camera) ?? [];
+  }
+
+  networkSamples(): readonly NetworkSample[] {
+    return this.network;
   }
 }
 

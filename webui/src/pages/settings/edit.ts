@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of whole parts of the settings: entries of lists, cameras, what can be absent.
 import type { Status } from '../../api/types';
-import { arcsOfSizes, fieldLines } from '../../geometry/fieldLines';
+import { fieldCurves, fieldLines } from '../../geometry/fieldLines';
 import { isEqual, keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
 import { nodeAt, type SchemaNode } from '../../settings/schema';
 
@@ -12,7 +12,7 @@ const defaultsOf = (node: SchemaNode | undefined): Json => Object.fromEntries(Ob
 export function startOf(schema: SchemaNode, tree: Json, pointer: string, status: Status | null): Json {
   const key = keysOf(pointer).at(-1);
   if (key === 'field_lines' && status) return fieldLines({ ...status.field, field_lines: null }).map(({ name, p1, p2 }) => ({ name, x1: p1.x, y1: p1.y, x2: p2.x, y2: p2.y, thickness: 0 }));
-  if (key === 'field_arcs' && status) return arcsOfSizes(status.field);
+  if (key === 'field_arcs' && status) return fieldCurves({ ...status.field, field_arcs: null }).map((curve) => ({ ...curve, thickness: 0 }));
   const node = nodeAt(schema, tree, pointer);
   if (node?.items) return [];
   const start = defaultsOf(node) as { [key: string]: Json };

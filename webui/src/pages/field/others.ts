@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What another vision on our group means for the teams, in words.
+import type { OtherVision } from '../../api/types';
+import { titleOf } from '../../settings/schema';
+
+export interface Finding {
+  kind: 'bad' | 'info';
+  text: string;
+  fix: string;
+}
+
+const list = (words: (string | number)[]) => (words.length < 2 ? words.join('') : `${words.slice(0, -1).join(', ')} and ${words.at(-1)}`);
+
+export const sharedIds = (other: OtherVision, ours: number[]): number[] => other.cameras.filter((id) => ours.includes(id));
+
+export function findings(other: OtherVision, ours: number[]): Finding[] {
+  const shared = sharedIds(other, ours);
+  const out: Finding[] = [];
+  if (shared.length) {
+    out.push({
+      kind: 'bad', text: `Sends ${shared.length > 1 ? 'cameras' : 'camera'} ${list(shared)}, as this service does.`,
+      fix: 'Teams mix up what the two see: give each its own id, or end one of the visions.',
+    });
+  }
+  if (other.field_conflicts.length) {
+    const sizes = other.field_conflicts.map(({ name, ours: here, theirs }) => `${titleOf(name).toLowerCase()} ${theirs} mm (here ${here} mm)`);
+    out.push({ kind: 'bad', text: `Sends another field: ${list(sizes)}.`, fix: 'Teams get both in turn: set the same sizes, or end one of the visions.' });
+  }
+  if (!out.length) out.push({ kind: 'info', text: 'Sends nothing that contradicts this service.', fix: 'Nothing to do if it is the vision of this field\'s other cameras.' });
+  return out;
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { FieldPreset } from '../../api/types';
+import { isEqual, pointerOf, setOperations, type Json, type Operation } from '../../settings/pointer';
+
+export interface Difference {
+  key: string;
+  before: Json;
+  after: Json;
+}
+
+/** What of the field a preset would change. */
+export function differences(field: Json | undefined, preset: FieldPreset): Difference[] {
+  const now = (field ?? {}) as Record<string, Json>;
+  return Object.entries(preset.field as Record<string, Json>)
+    .map(([key, after]) => ({ key, before: now[key] ?? null, after }))
+    .filter(({ before, after }) => !isEqual(before, after));
+}
+
+/** One patch for all of it. */
+export const presetOperations = (tree: Json, changes: Difference[]): Operation[] =>
+  changes.flatMap(({ key, after }) => setOperations(tree, pointerOf(['field', key]), after));
+
+/** "Division A, 2026" without the year, for a button. */
+export const shortName = ({ description, name }: FieldPreset): string => description.split(',')[0] || name;
