@@ -181,8 +181,10 @@ export async function checkChange(operations: Operation[]): Promise<{ changes: S
   }
 }
 
-/** Takes one step of the history back. */
-export const undoStep = (step: number): Promise<Outcome> => inTurn(() => attempt(async () => {
+/** `pick` is asked for the step when its turn comes. */
+const undo = (pick: () => number | undefined): Promise<Outcome> => inTurn(() => attempt(async () => {
+  const step = pick();
+  if (step === undefined) return { kind: 'saved' };
   try {
     take(await api.post<SettingsRevision>('settings/undo', { revision: step }));
     ownSteps.value = ownSteps.value.filter((own) => own !== step);
@@ -195,6 +197,9 @@ export const undoStep = (step: number): Promise<Outcome> => inTurn(() => attempt
   }
 }));
 
+/** Takes one step of the history back. */
+export const undoStep = (step: number): Promise<Outcome> => undo(() => step);
+
 /** The newest step that changed something there; null when the history knows none. */
 export async function newestStepAt(pointer: string): Promise<SettingsStep | null> {
   const steps = await api.get<SettingsStep[]>('settings/history').catch(() => []);
@@ -202,10 +207,7 @@ export async function newestStepAt(pointer: string): Promise<SettingsStep | null
 }
 
 /** Takes this browser's last change back. */
-export function undoLast(): Promise<Outcome> | null {
-  const last = ownSteps.value.at(-1);
-  return last === undefined ? null : undoStep(last);
-}
+export const undoLast = (): Promise<Outcome> | null => (canUndo.value ? undo(() => ownSteps.value.at(-1)) : null);
 
 /** The place of a camera in the list of the settings; -1 when it is not there. */
 export function cameraIndex(id: number): number {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import type { SchemaNode } from '../../settings/schema';
-import { entryTitle, freeId, newEntry, startOf } from './edit';
+import { entryPlace, entryTitle, freeId, newEntry, startOf } from './edit';
 
 const schema: SchemaNode = {
   type: 'object',
@@ -26,6 +26,11 @@ describe('edits', () => {
   it('find a free id', () => {
     expect(freeId({ cameras: [{ id: 0 }, { id: 2 }] })).toBe(1);
     expect(freeId({})).toBe(0);
+  });
+  it('find an entry again', () => {
+    expect(entryPlace([{ a: 1 }, { a: 2 }, { a: 2 }], 2, { a: 2 })).toBe(2);
+    expect(entryPlace([{ a: 2 }, { a: 1 }], 1, { a: 2 })).toBe(0);
+    expect(entryPlace([{ a: 1 }], 0, { a: 2 })).toBeNull();
   });
   it('name entries', () => {
     expect(entryTitle({ label: 'blue' }, 0)).toBe('blue');

@@ -2,7 +2,7 @@
 // Changes of whole parts of the settings: entries of lists, cameras, what can be absent.
 import type { Status } from '../../api/types';
 import { fieldCurves, fieldLines } from '../../geometry/fieldLines';
-import { keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
+import { isEqual, keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
 import { nodeAt, type SchemaNode } from '../../settings/schema';
 
 const defaultsOf = (node: SchemaNode | undefined): Json => Object.fromEntries(Object.entries(node?.properties ?? {})
@@ -36,7 +36,7 @@ export function newEntry(schema: SchemaNode, tree: Json, list: string): Json {
   return start;
 }
 
-const idsOf = (tree: Json) => {
+export const idsOf = (tree: Json) => {
   const cameras = valueAt(tree, '/cameras');
   return (Array.isArray(cameras) ? cameras : []).map((camera) => valueAt(camera, '/id'));
 };
@@ -57,4 +57,12 @@ export function entryTitle(entry: Json, index: number): string {
   }
   const points = valueAt(entry, '/points');
   return Array.isArray(points) ? `Polygon of ${points.length} corners` : `Entry ${index + 1}`;
+}
+
+/** Where an entry is that was at `index`; null when it is gone. */
+export function entryPlace(list: Json | undefined, index: number, entry: Json): number | null {
+  if (!Array.isArray(list)) return null;
+  if (isEqual(list[index], entry)) return index;
+  const place = list.findIndex((one) => isEqual(one, entry));
+  return place < 0 ? null : place;
 }

@@ -55,7 +55,8 @@ describe('places', () => {
   it('are searched by key, help and place', () => {
     expect(search(settings, 'teams LISTEN').map(({ pointer }) => pointer)).toEqual(['/network/vision/port']);
     expect(search(settings, 'camera 3 width').map(({ key }) => key)).toEqual(['width']);
-    expect(byPlace(search(settings, 'width'))[0]!.place.path).toEqual(['Cameras', 'Camera 3', 'Source']);
+    expect(byPlace(search(settings, 'width'))[0]!.path).toEqual(['Cameras', 'Camera 3', 'Source']);
+    expect(byPlace(search(settings, 'port'))[0]!.path).toEqual(['Network', 'Vision']);
     expect(search(settings, 'nothing like it')).toEqual([]);
   });
   it('have pages and names', () => {

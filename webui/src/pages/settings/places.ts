@@ -9,6 +9,8 @@ export interface Setting {
   key: string;
   help: string;
   place: Place;
+  /** Titles of its place, and of the groups there that it is in. */
+  path: string[];
   /** Differs from its default. */
   isChanged: boolean;
   /** Has a control of its own; the others have a page. */
@@ -73,12 +75,12 @@ export function overview(schema: SchemaNode, tree: Json): Overview {
     parent?.children.push(place);
     return place;
   };
-  const add = (place: Place, pointer: string, node: SchemaNode, isChanged: boolean, isRow: boolean, plain = false) => {
+  const add = (place: Place, pointer: string, node: SchemaNode, isChanged: boolean, isRow: boolean, plain = false, path = place.path) => {
     const key = keysOf(pointer).at(-1) ?? '';
-    settings.push({ pointer, key, title: titleOf(key), help: node.description ?? '', place, isChanged, isRow, plain });
+    settings.push({ pointer, key, title: titleOf(key), help: node.description ?? '', place, path, isChanged, isRow, plain });
   };
 
-  function walk(place: Place, pointer: string, node: SchemaNode, plain = false, without: string[] = []): void {
+  function walk(place: Place, pointer: string, node: SchemaNode, plain = false, without: string[] = [], path = place.path): void {
     for (const [key, raw] of Object.entries(node.properties ?? {})) {
       if (without.includes(key)) continue;
       const here = pointer + pointerOf([key]);
@@ -86,17 +88,17 @@ export function overview(schema: SchemaNode, tree: Json): Overview {
       const child = shapeOf(raw, value);
       const differs = raw.default !== undefined && !isEqual(value, raw.default);
       const kind = kindOf(child);
-      if (kind === 'group') whole(place, here, child, value, differs, plain);
-      else add(place, here, child, differs && !plain, !['list', 'object'].includes(kind), plain);
+      if (kind === 'group') whole(place, here, child, value, differs, plain, [...path, titleOf(key)]);
+      else add(place, here, child, differs && !plain, !['list', 'object'].includes(kind), plain, path);
     }
   }
 
   /** A group that may be absent counts as one where its default is to be absent: its numbers have no defaults then. */
-  function whole(place: Place, pointer: string, node: SchemaNode, value: Json | undefined, differs: boolean, plain: boolean): void {
+  function whole(place: Place, pointer: string, node: SchemaNode, value: Json | undefined, differs: boolean, plain: boolean, path = place.path): void {
     const isAbsent = isNullable(node) && value === null;
     const startsAbsent = isNullable(node) && node.default === null;
-    if (isNullable(node) && (isAbsent || startsAbsent)) add(place, pointer, node, differs, false);
-    if (!isAbsent) walk(place, pointer, node, plain || startsAbsent);
+    if (isNullable(node) && (isAbsent || startsAbsent)) add(place, pointer, node, differs, false, false, path);
+    if (!isAbsent) walk(place, pointer, node, plain || startsAbsent, [], path);
   }
 
   function cameraParts(camera: Place, node: SchemaNode): void {
@@ -166,17 +168,29 @@ export const flat = (places: Place[]): Place[] => places.flatMap((place) => [pla
 /** Those whose title, key, help or place has all the words. */
 export function search(settings: Setting[], query: string): Setting[] {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
-  return settings.filter(({ title, key, help, place, pointer }) => {
-    const text = `${title} ${key} ${help} ${place.path.join(' ')} ${pointer}`.toLowerCase();
+  return settings.filter(({ title, key, help, path, pointer }) => {
+    const text = `${title} ${key} ${help} ${path.join(' ')} ${pointer}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
 }
 
-/** Settings under the titles of their places. */
-export function byPlace(settings: Setting[]): { place: Place; settings: Setting[] }[] {
-  const groups = new Map<Place, Setting[]>();
-  for (const setting of settings) groups.set(setting.place, [...(groups.get(setting.place) ?? []), setting]);
-  return [...groups].map(([place, list]) => ({ place, settings: list }));
+export interface PlaceGroup {
+  place: Place;
+  path: string[];
+  settings: Setting[];
+}
+
+/** Settings under the titles of where they lie. */
+export function byPlace(settings: Setting[]): PlaceGroup[] {
+  const groups = new Map<string, PlaceGroup>();
+  for (const setting of settings) {
+    const { place, path } = setting;
+    const key = `${place.pointer}\n${path.join('\n')}`;
+    const group = groups.get(key) ?? { place, path, settings: [] };
+    group.settings.push(setting);
+    groups.set(key, group);
+  }
+  return [...groups.values()];
 }
 
 /** The page that shows what stands there: the place itself where it is a group or list, else what it is in. */
