@@ -23,7 +23,8 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
   },
-  server: { proxy: { '/api': { target: daemon, ws: true } } },
+  // Tests read what the service itself says, in ../daemon.
+  server: { proxy: { '/api': { target: daemon, ws: true } }, fs: { allow: ['..'] } },
   preview: { proxy: { '/api': { target: daemon, ws: true } } },
   test: { include: ['src/**/*.test.ts'] },
 });
