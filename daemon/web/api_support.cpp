@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <ctime>
 #include <functional>
 
@@ -42,9 +43,10 @@ std::string log_text() {
   std::string out;
   const auto recent = log::recent().newer_than(0, log::Level::kDebug);
   for (const auto& line : recent.lines) {
-    const auto time = static_cast<std::time_t>(line.time_s);
-    out +=
-        fmt::format("{:%Y-%m-%d %H:%M:%S} {} {}\n", fmt::gmtime(time), log::name_of(line.level), line.text);
+    const auto milliseconds = static_cast<std::int64_t>(line.time_s * 1e3);
+    out += fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {:7} {}\n",
+                       fmt::gmtime(static_cast<std::time_t>(milliseconds / 1000)), milliseconds % 1000,
+                       log::name_of(line.level), line.text);
   }
   return out;
 }

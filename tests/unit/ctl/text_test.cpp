@@ -41,7 +41,7 @@ TEST(PathPart, EscapesWhatMeansSomethingElseInAnAddress) {
   EXPECT_EQ(path_part("Hall 3/ü?#%_-.~"), "Hall%203%2F%C3%BC%3F%23%25_-.~");
 }
 
-TEST(Alerts, TheWorstFirst) {
+TEST(AlertsText, TheWorstFirst) {
   const Json alerts = Json::parse(R"([
     {"severity": "info", "title": "i", "fix": "1", "camera": null},
     {"severity": "warn", "title": "w", "fix": "2", "camera": 0},
@@ -54,7 +54,7 @@ TEST(Alerts, TheWorstFirst) {
   EXPECT_EQ(alerts_text(Json::array()), "no alerts\n");
 }
 
-TEST(Checks, BeginWithGoOrNoGo) {
+TEST(ChecksText, BeginWithGoOrNoGo) {
   const Json checks = Json::parse(R"({"go": false, "checks": [
     {"id": "cameras", "title": "Cameras", "state": "fail", "text": "camera 0 is lost"},
     {"id": "clock", "title": "Clock", "state": "pass", "text": "0.1 ms off"}]})");

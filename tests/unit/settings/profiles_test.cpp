@@ -27,7 +27,7 @@ class ProfilesTest : public testing::Test {
   }
   static std::string refusal(Profiles& profiles, const std::string& name) {
     try {
-      profiles.save({name, 1, "Mia", {}});
+      profiles.save({name, 1, "Mia", Json::object()});
     } catch (const SettingsError& error) {
       return error.what();
     }

@@ -659,10 +659,11 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
   RunList runs;
   RegionList regions;
   RobotList out;
+  const Mask mask;
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const Confetti confetti(seed);
     const Image image = confetti.image();
-    segment.process({}, drawn.lut(), Mask(), image, runs, regions);
+    segment.process({}, drawn.lut(), mask, image, runs, regions);
     ASSERT_GT(regions.regions.size(), 3000U);
     for (const int most : {100, 3000}) {
       DetectRobots::Params params;
@@ -670,7 +671,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
       const auto process = [&](double t_s) {
         FrameInfo info;
         info.times.t_capture_s = t_s;
-        detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), Mask(), info, image, regions,
+        detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), mask, info, image, regions,
                          out);
       };
       process(1);
