@@ -65,7 +65,10 @@ async function drag(page, from, to, finger) {
   const send = (type, points) => session.send('Input.dispatchTouchEvent', { type, touchPoints: points });
   await send('touchStart', [from]);
   for (let i = 1; i <= steps; i++) await send('touchMove', [at(i)]);
-  return () => send('touchEnd', []);
+  return async () => {
+    await page.waitForTimeout(300); // the finger rests: after a swing the browser takes the next tap for its end
+    await send('touchEnd', []);
+  };
 }
 
 /** Robots that camera 0 reported in so many pictures that were taken after that status. */
@@ -361,7 +364,7 @@ async function freePort() {
   return port;
 }
 
-/** A game controller that says NORMAL_START, several times a second. Returns how to end it. */
+/** A game controller that says NORMAL_START, several times a second. Returns how to halt and end it. */
 async function playGame(group, port) {
   const socket = createSocket('udp4');
   await new Promise((resolve) => { socket.bind(0, '127.0.0.1', resolve); });
@@ -376,15 +379,20 @@ async function playGame(group, port) {
   const message = (field, bytes) => [...varint(field * 8 + 2), ...varint(bytes.length), ...bytes];
   const name = (words) => message(1, [...Buffer.from(words)]);
   const team = (words) => [...name(words), ...number(2, 0), ...number(3, 0), ...number(5, 0), ...number(6, 4), ...number(7, 300_000_000), ...number(8, 0)];
-  const say = () => {
+  let command = 2; // NORMAL_START
+  const say = (sent) => {
     const now = BigInt(Date.now()) * 1000n;
-    // SSL_Referee: packet_timestamp, stage NORMAL_FIRST_HALF, command NORMAL_START, counter, since when, both teams.
+    // SSL_Referee: packet_timestamp, stage NORMAL_FIRST_HALF, command, counter, since when, both teams.
     socket.send(Buffer.from([
-      ...number(1, now), ...number(2, 1), ...number(4, 2), ...number(5, 1), ...number(6, now), ...message(7, team('Yellow')), ...message(8, team('Blue')),
-    ]), port, group);
+      ...number(1, now), ...number(2, 1), ...number(4, command), ...number(5, 1), ...number(6, now), ...message(7, team('Yellow')), ...message(8, team('Blue')),
+    ]), port, group, sent);
   };
   const timer = setInterval(say, 200);
-  return () => { clearInterval(timer); socket.close(); };
+  return () => {
+    clearInterval(timer);
+    command = 0; // HALT; silence alone would end no game
+    say(() => socket.close());
+  };
 }
 
 /** How much brighter the picture is on the drawn lines than beside them; runs in the browser. */

@@ -50,8 +50,8 @@ TEST(Timeline, HasNoTimesOfASecondWithoutAFrame) {
   silent.times = std::nullopt;
   timeline.add(101, {{0, silent}});
   const Json json = timeline.to_json(1);
-  EXPECT_EQ(json["cameras"][0]["age_p99_ms"], Json({nullptr}));
-  EXPECT_EQ(json["cameras"][0]["robots"], Json({6}));
+  EXPECT_EQ(json["cameras"][0]["age_p99_ms"], Json::array({nullptr}));
+  EXPECT_EQ(json["cameras"][0]["robots"], Json::array({6}));
 }
 
 TEST(Timeline, GoesOnWhenACamerasCountersBeginAnew) {
