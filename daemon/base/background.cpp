@@ -2,6 +2,7 @@
 #include "base/background.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <sys/resource.h>
 
 namespace sslv {
@@ -11,6 +12,12 @@ void become_background_thread(const char* name) {
   // On Linux 0 means the calling thread, not the process. Lowering it needs no privilege, so it cannot fail.
   constexpr int kNice = 10;
   setpriority(PRIO_PROCESS, 0, kNice);
+}
+
+void become_idle_thread(const char* name) {
+  pthread_setname_np(pthread_self(), name);
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_IDLE, &none);  // needs no privilege either
 }
 
 }  // namespace sslv

@@ -7,4 +7,8 @@ namespace sslv {
 /// cameras' threads.
 void become_background_thread(const char* name);
 
+/// Names the calling thread, and lets it run only while nothing else wants its processor: whatever else wakes
+/// takes it at once. For what may slow down without harm (SCHED_IDLE, sched(7)).
+void become_idle_thread(const char* name);
+
 }  // namespace sslv

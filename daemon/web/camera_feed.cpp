@@ -234,7 +234,7 @@ void CameraFeed::deliver(const View& view, const std::vector<Delivery>& deliveri
 }
 
 void CameraFeed::run(const std::stop_token& stop) {
-  become_background_thread(("view" + std::to_string(camera_id_)).c_str());
+  become_idle_thread(("view" + std::to_string(camera_id_)).c_str());
   JpegEncoder encoder;
   std::vector<std::uint8_t> drawing;
   std::unique_lock lock(mutex_);
