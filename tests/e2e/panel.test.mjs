@@ -443,6 +443,7 @@ describe('panel', () => {
   screenshots([
     { file: 'overview-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
     { file: 'overview-light.jpg', theme: 'light', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
+    ...['dark', 'light'].map((theme) => ({ file: `interface-${theme}.jpg`, theme, path: '#/api', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('api-route')) })),
     { file: 'overview-phone.jpg', theme: 'dark', path: '', viewport: PHONE, options: phone, ready: withGraphs },
   ]);
 });

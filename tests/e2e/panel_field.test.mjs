@@ -267,8 +267,8 @@ describe('panel: field and network', () => {
     }));
   }
 
-  screenshots([
-    { file: 'field.jpg', theme: 'dark', path: '#/field', viewport: DESKTOP, options: {}, ready: (page) => page.focus(inputOf('/field/field_length')) },
-    { file: 'network.jpg', theme: 'light', path: '#/field/network', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('team-yellow')) },
-  ]);
+  screenshots(['dark', 'light'].flatMap((theme) => [
+    { file: `field-${theme}.jpg`, theme, path: '#/field', viewport: DESKTOP, options: {}, ready: (page) => page.focus(inputOf('/field/field_length')) },
+    { file: `network-${theme}.jpg`, theme, path: '#/field/network', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('team-yellow')) },
+  ]));
 });
