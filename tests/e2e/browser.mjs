@@ -6,7 +6,7 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import { it } from 'node:test';
+import { after, before, it } from 'node:test';
 import { PATIENCE_MS, root } from './service.mjs';
 
 const require = createRequire(join(root, 'webui/package.json'));
@@ -117,16 +117,22 @@ export function createBrowser(service) {
     }
   }
 
-  return {
-    async start() {
+  /** For a suite: both run from before its first test until after its last. `prepare` comes last. */
+  function aroundTests(prepare = () => {}) {
+    before(async () => {
       browser = await chromium.launch({
         executablePath: CHROMIUM,
         chromiumSandbox: process.getuid() !== 0,
         args: ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
       });
-    },
-    end: () => browser?.close(),
-    withPage,
-    screenshots,
-  };
+      await service.start();
+      await prepare();
+    });
+    after(async () => {
+      await browser?.close();
+      await service.end();
+    });
+  }
+
+  return { aroundTests, withPage, screenshots };
 }

@@ -4,14 +4,13 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, describe, it } from 'node:test';
+import { describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, frameNumber, live, PHONE, phone, picturesGoOn, text, views } from './browser.mjs';
 import { createService, root } from './service.mjs';
 
 const service = await createService('239.255.77.78');
 const { settings, folder, address, patch, statusBecomes } = service;
-const browser = createBrowser(service);
-const { withPage, screenshots } = browser;
+const { aroundTests, withPage, screenshots } = createBrowser(service);
 
 /** Everything in the page that measures pictures; runs in the browser, in one task, so that picture and overlay belong together. */
 function measure(camera) {
@@ -111,14 +110,7 @@ const pages = [
 ];
 
 describe('panel', () => {
-  before(async () => {
-    await browser.start();
-    await service.start();
-  });
-  after(async () => {
-    await browser.end();
-    await service.end();
-  });
+  aroundTests();
 
   for (const { name, viewport, options } of views) {
     it(`shows both cameras live on a ${name}`, withPage(viewport, '', options, async (page) => {

@@ -3,14 +3,13 @@
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
-import { after, before, describe, it } from 'node:test';
+import { describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, picturesGoOn, text, views } from './browser.mjs';
 import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.80');
 const { settings, address, patch, statusBecomes } = service;
-const browser = createBrowser(service);
-const { withPage, screenshots } = browser;
+const { aroundTests, withPage, screenshots } = createBrowser(service);
 
 const get = async (path) => (await fetch(address(path))).json();
 const calibration = (camera = 0) => get(`api/cameras/${camera}/calibration`);
@@ -80,17 +79,11 @@ async function robotsSince({ time }, page, panel, pictures = 20) {
 
 const verdict = (page) => page.waitForSelector(byId('verdict'));
 
+// The game controller is played further down.
+settings.network.referee = { enabled: true, group: '239.255.77.81', port: await freePort(), interface: 'lo' };
+
 describe('calibration page', () => {
-  before(async () => {
-    // The game controller is played further down.
-    settings.network.referee = { enabled: true, group: '239.255.77.81', port: await freePort(), interface: 'lo' };
-    await browser.start();
-    await service.start();
-  });
-  after(async () => {
-    await browser.end();
-    await service.end();
-  });
+  aroundTests();
 
   for (const { name: view, viewport, options } of views) {
     it(`finds a camera that is not calibrated by itself, on a ${view}`, withPage(viewport, '#/calibration/0', options, async (page, panel) => {

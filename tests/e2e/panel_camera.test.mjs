@@ -3,15 +3,14 @@
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { mkdirSync, writeFileSync } from 'node:fs';
-import { after, before, describe, it } from 'node:test';
+import { describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, picturesGoOn, views } from './browser.mjs';
 import { join } from 'node:path';
 import { createService } from './service.mjs';
 
 const service = await createService('239.255.77.81');
 const { address, patch, settings, statusBecomes } = service;
-const browser = createBrowser(service);
-const { withPage, screenshots } = browser;
+const { aroundTests, withPage, screenshots } = createBrowser(service);
 
 const picture = byId('camera-picture-0');
 const press = (page, name) => page.click(byId(`layer-${name}`));
@@ -39,14 +38,7 @@ const brightnessBecomes = async (page, { above = 0, below = 256 }) => {
 };
 
 describe('the camera page', () => {
-  before(async () => {
-    await browser.start();
-    await service.start();
-  });
-  after(async () => {
-    await browser.end();
-    await service.end();
-  });
+  aroundTests();
 
   for (const { name, viewport, options } of views) {
     it(`shows at once what a slider of the source does, on a ${name}`, withPage(viewport, '#/camera/0', options, async (page) => {

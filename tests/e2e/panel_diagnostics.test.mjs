@@ -4,15 +4,14 @@
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
-import { after, before, describe, it } from 'node:test';
+import { describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, text, views } from './browser.mjs';
 import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.85');
 const { settings, folder, address, patch, statusBecomes } = service;
-const browser = createBrowser(service);
-const { withPage, screenshots } = browser;
+const { aroundTests, withPage, screenshots } = createBrowser(service);
 const PATH = '#/diagnostics';
 
 const ask = async (path) => (await fetch(address(`api/${path}`))).json();
@@ -132,14 +131,7 @@ const shownLines = (page) => page.$$eval(byId('log-line'), (lines) => lines.map(
 const lineIs = (page, words) => page.waitForSelector(`${byId('log-line')}:has-text(${JSON.stringify(words)})`);
 
 describe('panel: Diagnostics', () => {
-  before(async () => {
-    await browser.start();
-    await service.start();
-  });
-  after(async () => {
-    await browser.end();
-    await service.end();
-  });
+  aroundTests();
 
   for (const { name, viewport, options } of views) {
     it(`draws what the timeline says on a ${name}`, withPage(viewport, PATH, options, async (page) => {

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { after, before, describe, it } from 'node:test';
+import { describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, views } from './browser.mjs';
 import { createService, freeUdpPort, PATIENCE_MS } from './service.mjs';
 
@@ -16,8 +16,7 @@ const service = await createService(GROUP);
 const { settings, address, patch, statusBecomes } = service;
 const refereePort = await freeUdpPort();
 settings.network.referee = { group: REFEREE_GROUP, port: refereePort, interface: 'lo' };
-const browser = createBrowser(service);
-const { withPage, screenshots } = browser;
+const { aroundTests, withPage, screenshots } = createBrowser(service);
 
 /** The fields of a protobuf message: number to numbers and byte strings. */
 function fieldsOf(bytes) {
@@ -97,14 +96,7 @@ const carpetShape = (page) => page.$eval(byId('field-carpet'), (rect) => rect.wi
 const near = (value, wanted) => assert.ok(Math.abs(value - wanted) < 0.01, `${value}, not ${wanted}`);
 
 describe('panel: field and network', () => {
-  before(async () => {
-    await browser.start();
-    await service.start();
-  });
-  after(async () => {
-    await browser.end();
-    await service.end();
-  });
+  aroundTests();
 
   for (const { name, viewport, options } of views) {
     it(`changes the field by a preset, and takes that back, on a ${name}`, withPage(viewport, '#/field', options, async (page) => {

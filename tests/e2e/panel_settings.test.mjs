@@ -3,15 +3,14 @@
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { after, before, beforeEach, describe, it } from 'node:test';
+import { beforeEach, describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, text, views } from './browser.mjs';
 import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.79');
 const { settings, address, patch, statusBecomes } = service;
-const browser = createBrowser(service);
-const { withPage, screenshots } = browser;
+const { aroundTests, withPage, screenshots } = createBrowser(service);
 
 const ask = async (path, method = 'GET', body = undefined) => {
   const answer = await fetch(address(`api/${path}`), { method, body: body === undefined ? undefined : JSON.stringify(body) });
@@ -56,15 +55,9 @@ const typeInto = async (page, pointer, value) => {
 
 describe('settings page', { timeout: 540_000 }, () => {
   let first;
-  before(async () => {
-    await service.start();
-    await browser.start();
+  aroundTests(async () => {
     await statusBecomes(({ cameras }) => cameras.every(({ state }) => state === 'running'));
     first = await tree();
-  });
-  after(async () => {
-    await browser.end();
-    await service.end();
   });
   // Each test begins with the demo's settings.
   beforeEach(async () => {

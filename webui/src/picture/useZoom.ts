@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wheel, drag and pinch on a picture's frame.
 import { ref, shallowRef, type Ref } from 'vue';
-import type { Size } from '../../geometry/turn';
-import { WHOLE, type View } from '../../picture/useBox';
-import { panned, zoomed } from '../../picture/view';
+import type { Size } from '../geometry/turn';
+import { WHOLE, type View } from './useBox';
+import { panned, zoomed } from './view';
 
 const STEP = 1.4;
 const WHEEL = 0.0016;
