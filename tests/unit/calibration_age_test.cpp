@@ -21,7 +21,7 @@ Json step(double time_s, const Json& before, const Json& after) {
 
 TEST(CalibrationAge, SeesAFieldThatWasChangedSince) {
   const Json now = changed(kSettings, "/field/field_length", 12000);
-  const Json steps{step(20, kSettings, now)};
+  const Json steps = Json::array({step(20, kSettings, now)});
   EXPECT_TRUE(field_changed_since(10, now, steps));
   EXPECT_FALSE(field_changed_since(30, now, steps));
   EXPECT_FALSE(field_changed_since(10, now, Json::array()));
@@ -36,7 +36,7 @@ TEST(CalibrationAge, IsContentWithAFieldThatWasChangedBack) {
 
 TEST(CalibrationAge, LooksOnlyAtWhatIsPainted) {
   const Json now = changed(changed(kSettings, "/field/goal_height", 200), "/site", "B");
-  EXPECT_FALSE(field_changed_since(10, now, Json{step(20, kSettings, now)}));
+  EXPECT_FALSE(field_changed_since(10, now, Json::array({step(20, kSettings, now)})));
 }
 
 TEST(CalibrationAge, GoesBackAsFarAsTheStepsFit) {

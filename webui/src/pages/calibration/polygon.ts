@@ -23,11 +23,16 @@ const settled = (value: number) => Math.min(MOST, Math.max(LEAST, Math.round(val
 export const pairOf = ({ x, y }: Point): Pair => [settled(x), settled(y)];
 export const pointOf = ([x, y]: Pair): Point => ({ x, y });
 
+/** A list with some of it replaced. Array.toSpliced is too new for Node 18 and for older phones. */
+export function spliced<T>(list: readonly T[], start: number, count: number, ...by: T[]): T[] {
+  return [...list.slice(0, start), ...by, ...list.slice(start + count)];
+}
+
 export const withCorner = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: polygon.points.map((point, i) => (i === index ? pairOf(at) : point)) });
 /** The new corner follows corner `index`. */
-export const withInserted = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: polygon.points.toSpliced(index + 1, 0, pairOf(at)) });
+export const withInserted = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: spliced(polygon.points, index + 1, 0, pairOf(at)) });
 export const withoutCorner = (polygon: Polygon, index: number): Polygon =>
-  (polygon.points.length > FEWEST_CORNERS ? { points: polygon.points.toSpliced(index, 1) } : polygon);
+  (polygon.points.length > FEWEST_CORNERS ? { points: spliced(polygon.points, index, 1) } : polygon);
 export const shifted = (polygon: Polygon, dx: number, dy: number): Polygon => ({ points: polygon.points.map(([x, y]) => pairOf({ x: x + dx, y: y + dy })) });
 
 /** The middles of its edges; the first follows corner 0. */

@@ -5,7 +5,7 @@ import { useSetting } from '../../settings/useSetting';
 import { cameraIndex, useSettings } from '../../state/settings';
 import type { Json } from '../../settings/pointer';
 import type { Point } from '../../geometry/cameraModel';
-import { shifted, withCorner, withInserted, withoutCorner, type Kind, type Mask, type Polygon } from './polygon';
+import { shifted, spliced, withCorner, withInserted, withoutCorner, type Kind, type Mask, type Polygon } from './polygon';
 
 export interface Place {
   kind: Kind;
@@ -25,7 +25,7 @@ export function useMask(camera: number) {
   const before = ref<Mask[]>([]);
 
   const polygonAt = ({ kind, index }: Place): Polygon | undefined => mask.value[kind][index];
-  const replaced = ({ kind, index }: Place, ...by: Polygon[]): Mask => ({ ...mask.value, [kind]: mask.value[kind].toSpliced(index, 1, ...by) });
+  const replaced = ({ kind, index }: Place, ...by: Polygon[]): Mask => ({ ...mask.value, [kind]: spliced(mask.value[kind], index, 1, ...by) });
 
   async function put(next: Mask): Promise<void> {
     await setting.set(next as unknown as Json);
