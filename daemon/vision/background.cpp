@@ -152,7 +152,7 @@ bool contains(const ColorBox& box, const Channels& color) {
 /// The label of the greys 8 * bin .. 8 * bin + 7, or LutTable::kMixed.
 Label grey_label(const LutTable& table, std::size_t bin) {
   const Label first = table.of(128, 128, static_cast<std::uint8_t>(8 * bin));
-  for (std::size_t y = 8 * bin + 2; y < 8 * bin + 8; y += 2) {
+  for (std::size_t y = 8 * bin + 1; y < 8 * bin + 8; ++y) {
     if (table.of(128, 128, static_cast<std::uint8_t>(y)) != first) return LutTable::kMixed;
   }
   return first;

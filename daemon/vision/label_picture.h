@@ -11,6 +11,7 @@ namespace sslv {
 
 /// Draws runs for people: RGB24, one pixel for each cell, in the labels' display colours. The picture lies in
 /// `buffer`, which is reused.
-ImageView draw_label_picture(const RunList& runs, std::vector<std::uint8_t>& buffer);
+ImageView draw_label_picture(const RunList& runs, std::vector<std::uint8_t>& buffer,
+                             const LabelSet& labels = LabelSet::built_in());
 
 }  // namespace sslv

@@ -9,28 +9,75 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sslv {
+
+/// A table as people make, save and edit it: one label for each cell of the YUV colour cube.
+struct ColorTable {
+  static constexpr int kLeastBits = 5, kMostBits = 8;
+
+  /// All clear.
+  explicit ColorTable(int bits_a_channel = 7)
+      : bits(bits_a_channel), labels(std::size_t{1} << (3 * bits_a_channel)) {}
+  ColorTable(int bits_a_channel, std::vector<Label> all) : bits(bits_a_channel), labels(std::move(all)) {}
+  bool operator==(const ColorTable&) const = default;
+
+  /// Cells a channel.
+  int side() const { return 1 << bits; }
+  std::size_t index(std::uint8_t y, std::uint8_t u, std::uint8_t v) const {
+    const int shift = 8 - bits;
+    return static_cast<std::size_t>(u >> shift) << (2 * bits) | static_cast<std::size_t>(v >> shift) << bits |
+           static_cast<std::size_t>(y >> shift);
+  }
+  Label of(Yuv c) const { return labels[index(c.y, c.u, c.v)]; }
+  /// The colour in the middle of a cell, rounded up.
+  Yuv color_of(std::size_t cell) const {
+    const std::size_t mask = (std::size_t{1} << bits) - 1;
+    const auto middle = [this](std::size_t place) {
+      const int shift = 8 - bits;
+      return static_cast<std::uint8_t>((place << shift) + (std::size_t{1} << shift >> 1));
+    };
+    return {middle(cell & mask), middle(cell >> (2 * bits)), middle(cell >> bits & mask)};
+  }
+
+  int bits;                   // a channel, kLeastBits .. kMostBits
+  std::vector<Label> labels;  // ordered U, V, Y, with Y innermost
+};
+
+/// The same table with other bits: finer cells have the label of the one they lie in, a coarser one that of
+/// most of those in it, of several the lowest.
+ColorTable resampled(const ColorTable& table, int bits);
+
+/// Cells of a ColorTable, one after the other, that changed from one label to another.
+struct CellRun {
+  std::uint32_t begin, length;
+  Label before, after;
+  bool operator==(const CellRun&) const = default;
+};
 
 /// A colour lookup table over one colour space, with what a fast look at a picture needs to know of it.
 /// Channels are named by their place in the index: `a` outermost (U or R), `b` (V or B), `c` innermost (Y or
 /// G), so that the cells of one chroma lie in one cache line.
 struct LutTable {
+  /// Of most tables; others have 8.
   static constexpr int kBits = 7;
   static constexpr std::size_t kEntries = std::size_t{1} << (3 * kBits);
   static constexpr int kBlockBits = 6, kChromaBits = 5;
   /// Stands for "several labels" in `blocks` and `chroma`.
   static constexpr Label kMixed = 255;
 
-  static constexpr std::size_t index(std::uint8_t a, std::uint8_t b, std::uint8_t c) {
-    return static_cast<std::size_t>(a >> 1) << 14 | static_cast<std::size_t>(b >> 1) << 7 |
-           static_cast<std::size_t>(c >> 1);
+  static constexpr std::size_t index(std::uint8_t a, std::uint8_t b, std::uint8_t c, int bits = kBits) {
+    return static_cast<std::size_t>(a >> (8 - bits)) << (2 * bits) |
+           static_cast<std::size_t>(b >> (8 - bits)) << bits | static_cast<std::size_t>(c >> (8 - bits));
   }
-  Label of(std::uint8_t a, std::uint8_t b, std::uint8_t c) const { return labels[index(a, b, c)]; }
+  Label of(std::uint8_t a, std::uint8_t b, std::uint8_t c) const { return labels[index(a, b, c, bits)]; }
 
-  std::vector<Label> labels;  // kEntries, ordered as index() says
+  int bits = kBits;           // a channel: 7 or 8
+  std::vector<Label> labels;  // ordered as index() says
   /// The label that all colours of a block of 4x4x4 (2^(8-kBlockBits) a channel) share, or kMixed; ordered
   /// as the labels are.
   std::vector<Label> blocks;
@@ -40,8 +87,9 @@ struct LutTable {
   std::array<Label, std::size_t{1} << (2 * kChromaBits)> chroma;
 };
 
-/// The colour lookup table: one label for each cell of the colour cube, 7 bits a channel (2 MiB). It is
-/// defined over YUV; an RGB twin is derived from it once, so that RGB and Bayer pixels need no conversion.
+/// A colour table made ready for looking up: 7 bits a channel (2 MiB), or 8 (16 MiB) for a table of 8;
+/// coarser ones are spread out. It is defined over YUV; an RGB twin is derived from it once, so that RGB and
+/// Bayer pixels need no conversion.
 class Lut {
  public:
   struct Shares {
@@ -53,8 +101,15 @@ class Lut {
 
   /// All clear.
   Lut();
-  /// `yuv` has kEntries labels, ordered as index_yuv says. Throws SettingsError when it has not.
+  /// Throws SettingsError when the number of labels is not that of the bits, or the bits are not allowed.
+  explicit Lut(ColorTable table);
+  /// `yuv` has kEntries labels, ordered as index_yuv.
   explicit Lut(std::vector<Label> yuv);
+
+  /// What Lut(color_table() with these changes) would be, bit by bit, but for a few hundred cells in a
+  /// hundredth of the time. `changed` speaks of cells of color_table(); of labels, only `after`
+  /// counts. Throws SettingsError when there are no such cells or labels.
+  Lut with_changes(std::span<const CellRun> changed) const;
 
   static constexpr std::size_t index_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) {
     return LutTable::index(u, v, y);
@@ -62,6 +117,10 @@ class Lut {
 
   Label of_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) const { return yuv_.of(u, v, y); }
   Label of_rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) const { return rgb_.of(r, b, g); }
+
+  /// The table this was made of.
+  ColorTable color_table() const;
+  int color_bits() const { return color_bits_; }
 
   /// Mean shares of red, green and blue (with sum 1) among the label's colours: what stays of a colour when
   /// the light changes. Equal shares for a label without colours.
@@ -77,15 +136,28 @@ class Lut {
   std::uint64_t id() const { return id_; }
 
  private:
+  /// Sums over a label's colours, so that shares follow changed cells. Whole numbers: the order of adding
+  /// does not matter.
+  struct ShareSums {
+    std::array<std::int64_t, 3> color{};
+    std::int64_t squares = 0;  // of the shares' lengths, times the brightness and kSquareUnit
+
+    void add(int r, int g, int b, int times);
+    Shares shares() const;
+  };
+  void finish_shares();
+
+  int color_bits_;
   LutTable yuv_, rgb_;
-  std::array<Shares, label::kCount> shares_;
+  std::array<ShareSums, label::kMost> share_sums_{};
+  std::array<Shares, label::kMost> shares_;
   std::uint64_t id_;
 };
 
 /// A class of colour by hue and saturation instead of single table cells, so that it holds over a range of
 /// light: hue is the angle of (U-128, V-128), counter-clockwise from +U; saturation its length over the luma.
 struct ColorClass {
-  std::string label;                           // one of label::kNames
+  std::string label;                           // a LabelSet's name
   std::array<int, 2> luma{0, 255};             // Y
   std::array<int, 2> hue_deg{0, 360};          // wraps when written as e.g. [340, 380]
   std::array<int, 2> saturation_pct{0, 1000};  // 100 * |(U-128, V-128)| / Y
@@ -93,7 +165,7 @@ struct ColorClass {
   static constexpr auto fields() {
     return std::tuple{
         text("label", &ColorClass::label,
-             "clear, field, orange, yellow, blue, pink, cyan, green, white or black"),
+             "clear, field, orange, yellow, blue, pink, cyan, green, white, black, or an own label"),
         range("luma", &ColorClass::luma, 0, 255, "", "brightness Y"),
         range("hue_deg", &ColorClass::hue_deg, 0, 720, "deg",
               "angle of (U-128, V-128) from +U towards +V; may pass 360"),
@@ -103,25 +175,41 @@ struct ColorClass {
   }
 };
 
-/// Where a camera's table comes from: a `.lut` file, or colour classes of which a later one wins.
+/// Where a camera's table comes from: one that the service has saved, a `.lut` file, or colour classes of
+/// which a later one wins.
 struct ColorSettings {
+  std::string table;
   std::string lut_file;
   std::vector<ColorClass> classes;
+  int bits = 7;
 
   static constexpr auto fields() {
     return std::tuple{
+        text("table", &ColorSettings::table,
+             "the table that was edited, learnt or imported on the Colours page; empty: that of lut_file or "
+             "classes"),
         text("lut_file", &ColorSettings::lut_file, "a .lut file; empty: the table is made from the classes"),
         list("classes", &ColorSettings::classes, "colour classes; a later one wins"),
+        number("bits", &ColorSettings::bits, ColorTable::kLeastBits, ColorTable::kMostBits, "",
+               "of each channel of the table: 5 to 7 cost the same time, 8 more"),
     };
   }
 };
 
 /// Throws SettingsError, beginning with `path`: unknown label, unreadable file, file of the wrong size or
 /// format.
-std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::string& path);
+std::shared_ptr<const Lut> make_lut(const ColorSettings& colors, const std::string& path,
+                                    const LabelSet& labels = LabelSet::built_in());
+/// The table that make_lut makes ready.
+ColorTable make_color_table(const ColorSettings& colors, const std::string& path,
+                            const LabelSet& labels = LabelSet::built_in());
 
-/// The `.lut` file: 8 bytes "SSLVLUT1", then kEntries labels ordered as Lut::index_yuv.
-std::shared_ptr<const Lut> read_lut(const std::string& file, const std::string& path);
-std::vector<std::uint8_t> lut_file_bytes(const Lut& lut);
+/// The same, or one of other bits.
+std::shared_ptr<const Lut> with_bits(std::shared_ptr<const Lut> lut, int bits);
+
+/// The `.lut` file, see lut_codec.h.
+std::shared_ptr<const Lut> read_lut(const std::string& file, const std::string& path,
+                                    const LabelSet& labels = LabelSet::built_in());
+std::vector<std::uint8_t> lut_file_bytes(const Lut& lut, const LabelSet& labels = LabelSet::built_in());
 
 }  // namespace sslv

@@ -19,7 +19,8 @@ using Color = Eigen::Vector3f;  // red, green, blue; unlike Rgb it may lie outsi
 
 constexpr float kToleranceShare = 0.07F, kToleranceGrey = 1.5F;
 constexpr float kLeastNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than what a sample averages
-constexpr float kLimit = 4;                            // in tolerances
+constexpr float kNoisePerPixelNoise = 0.67F;
+constexpr float kLimit = 4;  // in tolerances
 // Most of a picture is background, so that wins when in doubt. Factors are on the distance in tolerances,
 // handicaps on its square.
 constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kEdgeHandicap = 0.2F;
@@ -87,7 +88,7 @@ float squared_distance(const Color& color, const Color& from, const Color& to) {
 /// what prints of one name differ by.
 float spread_of(std::span<const ColorSample> samples) {
   float sum = 0, degrees_of_freedom = 0;
-  for (std::size_t i = 0; i < label::kCount; ++i) {
+  for (std::size_t i = 0; i < label::kMost; ++i) {
     const auto label = static_cast<Label>(i);
     const std::vector<Color> colors = colors_of(samples, label);
     if (label == label::kClear || colors.size() <= Curve::kKnots) continue;
@@ -162,15 +163,16 @@ float light_range(const Curve& curve) {
   return brightness(curve.knots.back()) / std::max(brightness(curve.knots.front()), 1.0F);
 }
 
-Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels background) {
+Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels background, double noise_grey) {
   const auto named = [&](Label label) {
     return background == BackgroundLabels::kNamed ? label : label::kClear;
   };
   const auto field = curve_of(samples, label::kField), white = curve_of(samples, label::kWhite),
              black = curve_of(samples, label::kBlack);
   const float field_range = field ? light_range(*field) : 1;
-  Pieces out(std::max(kLeastNoise, kNoisePerSpread * spread_of(samples)));
-  for (std::size_t i = 0; i < label::kCount; ++i) {
+  Pieces out(std::max({kLeastNoise, kNoisePerSpread * spread_of(samples),
+                       kNoisePerPixelNoise * static_cast<float>(noise_grey)}));
+  for (std::size_t i = 0; i < label::kMost; ++i) {
     const auto label = static_cast<Label>(i);
     if (label == label::kField || label == label::kWhite || label == label::kBlack) continue;
     if (label == label::kClear) {
@@ -294,8 +296,8 @@ void measure(const Piece& piece, const Color& center, const Block& offsets,
 
 }  // namespace
 
-Lut lut_from_samples(std::span<const ColorSample> samples, BackgroundLabels background) {
-  const Pieces pieces = pieces_of(samples, background);
+Lut lut_from_samples(std::span<const ColorSample> samples, BackgroundLabels background, double noise_grey) {
+  const Pieces pieces = pieces_of(samples, background, noise_grey);
   const Block offsets = offsets_in_block();
   float radius = 0;
   for (std::size_t i = 0; i < kBlockCells; ++i) {

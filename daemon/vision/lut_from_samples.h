@@ -33,12 +33,13 @@ enum class BackgroundLabels {
 /// blends, are such lines from 0.7 x the darkest to 1.08 x the brightest. A cell gets the label of the line
 /// that is nearest, in units of a tolerance: 1.5 + 7 % of the line's brightness + noise, which is twice what
 /// samples are seen to lie off their lines, and 4 at least. Beyond four tolerances it is clear. In doubt it
-/// is background.
+/// is background. Samples that are averages of many pixels do not show the noise: `noise_grey` is that of a
+/// pixel (sigma), when it is known.
 ///
 /// Limits: what nobody pointed at is left out only beyond those four. In light below a tenth the tolerance is
 /// larger than what separates the colours. A label without samples is not in the table; without samples of
 /// field, white or black, what looks like these may get a colour's label. Takes 40 to 80 ms.
 Lut lut_from_samples(std::span<const ColorSample> samples,
-                     BackgroundLabels background = BackgroundLabels::kClear);
+                     BackgroundLabels background = BackgroundLabels::kClear, double noise_grey = 0);
 
 }  // namespace sslv

@@ -189,6 +189,8 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
       seen.color = name.color;
       seen.margin = name.margin;
       seen.off = name.off;
+      seen.contrast_rgb = discs[i].contrast;
+      seen.color_rgb = discs[i].color;
       ++out.seen;
       squares += seen.off_mm * seen.off_mm;
       sum_r2 += seen.r2;

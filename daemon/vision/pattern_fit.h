@@ -24,6 +24,8 @@ struct PatternDotFit {
   double margin = 0;  // 0: might as well be the second likeliest; 1: just as the table's colour; less than 0:
                       // the colour table contradicts
   double pixel_x = 0, pixel_y = 0;
+  // Red, green and blue, as DiscFit: for those who learn colours instead of naming them.
+  std::array<double, 3> contrast_rgb{}, color_rgb{};
 };
 
 /// A pattern laid over the picture.

@@ -89,8 +89,8 @@ double millimetres(const Json& json, const std::string& path, double min, double
   return read_number<double>(json, path, min, max, "mm");
 }
 
-Label color_of(const Json& json, const std::string& path) {
-  const auto label = json.is_string() ? label_named(json.get<std::string>()) : std::nullopt;
+Label color_of(const Json& json, const std::string& path, const LabelSet& labels) {
+  const auto label = json.is_string() ? labels.find(json.get<std::string>()) : std::nullopt;
   if (!label || *label == label::kClear) refuse(path, json, "a colour's name");
   return *label;
 }
@@ -161,7 +161,7 @@ void collect_rings(PatternTable& table) {
 
 }  // namespace
 
-PatternTable parse_patterns(const std::string& json_text, const std::string& path) {
+PatternTable parse_patterns(const std::string& json_text, const std::string& path, const LabelSet& labels) {
   Json json;
   try {
     json = Json::parse(json_text);
@@ -188,7 +188,8 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
     const std::string here = path + "/team_colors";
     if (!colors.is_object() || colors.size() != 2 || !colors.contains("yellow") || !colors.contains("blue"))
       refuse(here, colors, "{\"yellow\": colour, \"blue\": colour}");
-    table.team_colors = {color_of(colors["yellow"], here + "/yellow"), color_of(colors["blue"], here + "/blue")};
+    table.team_colors = {color_of(colors["yellow"], here + "/yellow", labels),
+                         color_of(colors["blue"], here + "/blue", labels)};
     if (table.team_colors[0] == table.team_colors[1])
       throw SettingsError(fmt::format("{}: both teams have the same colour", here));
   }
@@ -207,7 +208,7 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
       refuse(here + "/colors", colors, fmt::format("{} colours, one for each dot", table.dots.size()));
     }
     for (std::size_t dot = 0; dot < colors.size(); ++dot) {
-      const Label label = color_of(colors[dot], fmt::format("{}/colors/{}", here, dot));
+      const Label label = color_of(colors[dot], fmt::format("{}/colors/{}", here, dot), labels);
       code.colors.push_back(label);
       if (std::find(table.side_colors.begin(), table.side_colors.end(), label) == table.side_colors.end()) {
         table.side_colors.push_back(label);

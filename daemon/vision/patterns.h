@@ -48,7 +48,8 @@ struct PatternTable {
 /// Reads a pattern table from JSON text. Throws SettingsError, beginning with `path`: wrong type or number of
 /// colours, an id twice, dots that overlap or stand over the top's rim, or two codes that look alike when the
 /// robot turns (both named).
-PatternTable parse_patterns(const std::string& json_text, const std::string& path);
+PatternTable parse_patterns(const std::string& json_text, const std::string& path,
+                            const LabelSet& labels = LabelSet::built_in());
 
 /// The league's table, config/patterns/league.json, built into the program.
 const PatternTable& league_patterns();

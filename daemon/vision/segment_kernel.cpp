@@ -156,9 +156,10 @@ struct Yuv422 {
       {kLuma == 0 ? kC : kA, kLuma == 0 ? kA : kC, kLuma == 0 ? kC : kB, kLuma == 0 ? kB : kC}};
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
+  template <int kBits>
   static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t, int i) {
     const std::uint8_t* pair = block + i / 2 * 4;
-    return labels[LutTable::index(pair[kU], pair[kV], pair[kLuma + i % 2 * 2])];
+    return labels[LutTable::index(pair[kU], pair[kV], pair[kLuma + i % 2 * 2], kBits)];
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -193,9 +194,10 @@ struct Rgb24 {
   static constexpr Channel kChannels[kRows][kPeriod] = {{kRed == 0 ? kA : kB, kC, kRed == 0 ? kB : kA}};
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
+  template <int kBits>
   static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t, int i) {
     const std::uint8_t* pixel = block + i * 3;
-    return labels[LutTable::index(pixel[kRed], pixel[2 - kRed], pixel[1])];
+    return labels[LutTable::index(pixel[kRed], pixel[2 - kRed], pixel[1], kBits)];
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -218,12 +220,13 @@ struct Bayer {
   static constexpr int kGreen1 = kRed == 0 || kRed == 3 ? 1 : 0, kGreen2 = 3 - kGreen1;
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
+  template <int kBits>
   static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t stride,
                                 int i) {
     const std::uint8_t *upper = block + i * 2, *lower = upper + stride;
     const std::uint8_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
     const auto green = static_cast<std::uint8_t>((quad[kGreen1] + quad[kGreen2] + 1) / 2);
-    return labels[LutTable::index(quad[kRed], quad[3 - kRed], green)];
+    return labels[LutTable::index(quad[kRed], quad[3 - kRed], green, kBits)];
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -248,8 +251,9 @@ struct Mono {
   static constexpr Channel kChannels[kRows][kPeriod] = {{kC}};
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
+  template <int kBits>
   static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t, int i) {
-    return labels[LutTable::index(128, 128, block[i])];
+    return labels[LutTable::index(128, 128, block[i], kBits)];
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -305,7 +309,8 @@ class BoxTest {
 };
 #endif
 
-template <class Format>
+/// kBits: of the table, a channel.
+template <class Format, int kBits>
 class Search {
  public:
   explicit Search(const RunSearch& search)
@@ -338,7 +343,7 @@ class Search {
 
  private:
   HWY_INLINE Label label(const std::uint8_t* row, int x) const {
-    return Format::label(labels_, row, stride_, x);
+    return Format::template label<kBits>(labels_, row, stride_, x);
   }
 
   HWY_INLINE void look_up(const std::uint8_t* row, int begin, int end) {
@@ -457,7 +462,7 @@ class Search {
     } else if (to - from == kBlock) {
       alignas(64) Label buffer[kBlock + kBlock];
       Label* labels = buffer + kBlock;
-      for (int i = 0; i < kBlock; ++i) labels[i] = Format::label(labels_, block, stride_, i);
+      for (int i = 0; i < kBlock; ++i) labels[i] = Format::template label<kBits>(labels_, block, stride_, i);
       out_.set_block(x, labels);
     } else {
       look_up(row, from, to);
@@ -471,7 +476,7 @@ class Search {
       int i = std::countr_zero(candidates);
       if (done < x + i) out_.set(done, background_);
       for (; i < kBlock && (candidates >> i & 1) != 0; ++i) {
-        out_.set(x + i, Format::label(labels_, block, stride_, i));
+        out_.set(x + i, Format::template label<kBits>(labels_, block, stride_, i));
       }
       done = x + i;
       if (i == kBlock) break;
@@ -495,17 +500,23 @@ class Search {
   RunSearchResult result_;
 };
 
+template <class Format>
+RunSearchResult search_with(const RunSearch& search) {
+  if (Format::table(*search.lut).bits == 8) return Search<Format, 8>(search).run();
+  return Search<Format, LutTable::kBits>(search).run();
+}
+
 RunSearchResult SearchRuns(const RunSearch& search) {
   switch (search.image.format) {
-    case PixelFormat::kUyvy: return Search<Yuv422<1>>(search).run();
-    case PixelFormat::kYuyv: return Search<Yuv422<0>>(search).run();
-    case PixelFormat::kRgb24: return Search<Rgb24<0>>(search).run();
-    case PixelFormat::kBgr24: return Search<Rgb24<2>>(search).run();
-    case PixelFormat::kMono8: return Search<Mono>(search).run();
-    case PixelFormat::kBayerRg8: return Search<Bayer<0>>(search).run();
-    case PixelFormat::kBayerGr8: return Search<Bayer<1>>(search).run();
-    case PixelFormat::kBayerGb8: return Search<Bayer<2>>(search).run();
-    case PixelFormat::kBayerBg8: return Search<Bayer<3>>(search).run();
+    case PixelFormat::kUyvy: return search_with<Yuv422<1>>(search);
+    case PixelFormat::kYuyv: return search_with<Yuv422<0>>(search);
+    case PixelFormat::kRgb24: return search_with<Rgb24<0>>(search);
+    case PixelFormat::kBgr24: return search_with<Rgb24<2>>(search);
+    case PixelFormat::kMono8: return search_with<Mono>(search);
+    case PixelFormat::kBayerRg8: return search_with<Bayer<0>>(search);
+    case PixelFormat::kBayerGr8: return search_with<Bayer<1>>(search);
+    case PixelFormat::kBayerGb8: return search_with<Bayer<2>>(search);
+    case PixelFormat::kBayerBg8: return search_with<Bayer<3>>(search);
   }
   return {};
 }

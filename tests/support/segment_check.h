@@ -24,16 +24,10 @@ inline constexpr std::array<Rgb, 6> kColors{
 inline const std::vector<std::shared_ptr<const Lut>>& test_luts() {
   static const auto made = [] {
     std::vector<std::shared_ptr<const Lut>> all{std::make_shared<const Lut>()};
-    const auto add = [&](auto label_of) {
-      std::vector<Label> table(Lut::kEntries);
-      for (int u = 0; u < 128; ++u) {
-        for (int v = 0; v < 128; ++v) {
-          for (int y = 0; y < 128; ++y) {
-            const auto byte = [](int cell) { return static_cast<std::uint8_t>(2 * cell); };
-            table[Lut::index_yuv(byte(y), byte(u), byte(v))] = label_of(Yuv{byte(y), byte(u), byte(v)});
-          }
-        }
-      }
+    const auto add = [&](auto label_of, int bits = 7) {
+      ColorTable table(bits);
+      for (std::size_t cell = 0; cell < table.labels.size(); ++cell)
+        table.labels[cell] = label_of(table.color_of(cell));
       all.push_back(std::make_shared<const Lut>(std::move(table)));
     };
     const auto near_color = [](Yuv c, int reach) {
@@ -54,6 +48,9 @@ inline const std::vector<std::shared_ptr<const Lut>>& test_luts() {
     add([&](Yuv) { return static_cast<Label>(random() % 10); });
     add([&](Yuv) { return static_cast<Label>(random() % 200 == 0 ? 3 : 0); });
     add([](Yuv c) { return static_cast<Label>((c.u / 8 + c.v / 8 + c.y / 32) % 3); });
+    add([&](Yuv c) { return near_color(c, 20); }, 8);
+    add([&](Yuv) { return static_cast<Label>(random() % 50 == 0 ? 31 : 0); }, 8);
+    add([&](Yuv c) { return near_color(c, 25); }, 5);
     return all;
   }();
   return made;

@@ -47,6 +47,14 @@ TEST(LabelPicture, WithoutRunsItIsClear) {
   }
 }
 
+TEST(LabelPicture, OwnLabelsHaveTheirColours) {
+  std::vector<std::uint8_t> buffer;
+  const RunList runs{2, 1, 1, {{0, 0, 1, 12}, {0, 1, 2, 13}}, false};
+  const ImageView picture = draw_label_picture(runs, buffer, LabelSet({{12, "purple", "#8020c0"}}, ""));
+  EXPECT_EQ(pixel(picture, 0, 0), (Rgb{0x80, 0x20, 0xc0}));
+  EXPECT_EQ(pixel(picture, 1, 0), LabelSet::built_in().color(13)) << "without a name";
+}
+
 TEST(LabelPicture, DisplayColorsCanBeToldApart) {
   for (std::size_t a = 0; a < label::kCount; ++a) {
     for (std::size_t b = 0; b < a; ++b) {

@@ -4,9 +4,11 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -130,24 +132,138 @@ TEST_F(LutFile, ComesBackAsWritten) {
   EXPECT_NE(again->id(), lut->id());
 }
 
-TEST_F(LutFile, RefusesAFileOfTheWrongSize) {
+TEST_F(LutFile, ProblemsNameSettingAndFile) {
   const std::string file = write({'S', 'S', 'L', 'V', 'L', 'U', 'T', '1', 0, 0});
   EXPECT_THAT(error_of([&] { read_lut(file, "/cameras/0/colors/lut_file"); }),
-              AllOf(HasSubstr("/cameras/0/colors/lut_file"), HasSubstr(file), HasSubstr("10 bytes"),
-                    HasSubstr("2097160")));
-}
-
-TEST_F(LutFile, RefusesAnotherFormat) {
-  const std::string file = write(std::vector<std::uint8_t>(8 + Lut::kEntries));
-  EXPECT_THAT(error_of([&] { read_lut(file, "/x"); }), HasSubstr("does not begin with \"SSLVLUT1\""));
+              AllOf(HasSubstr("/cameras/0/colors/lut_file"), HasSubstr(file), HasSubstr("10 bytes")));
   EXPECT_THAT(error_of([&] { read_lut("/does/not/exist", "/x"); }), HasSubstr("No such file"));
 }
 
-TEST_F(LutFile, RefusesALabelThatDoesNotExist) {
-  auto bytes = lut_file_bytes(Lut());
-  bytes[8 + 5] = 200;
-  const std::string file = write(bytes);
-  EXPECT_THAT(error_of([&] { read_lut(file, "/x"); }), HasSubstr("label 200"));
+TEST(Lut, ClassesMayHaveOwnLabels) {
+  const LabelSet labels({{11, "purple", "#8020c0"}}, "/own_labels");
+  ColorSettings colors;
+  colors.classes = {{"purple", {0, 255}, {0, 40}, {10, 1000}}};
+  const auto lut = make_lut(colors, "/colors", labels);
+  const Yuv purple = to_yuv({160, 60, 200});
+  EXPECT_EQ(lut->of_yuv(purple.y, purple.u, purple.v), 11);
+  EXPECT_NE(lut->shares(11)[2], lut->shares(11)[1]);
+  EXPECT_THAT(error_of([&] { make_lut(colors, "/colors"); }), HasSubstr("\"purple\" is not allowed"));
+}
+
+// ---- other bits, and changes
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  unsigned below(unsigned end) { return static_cast<unsigned>(engine_() % end); }
+  std::uint8_t byte() { return static_cast<std::uint8_t>(below(256)); }
+  Label label() { return static_cast<Label>(below(label::kMost)); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Blobs of all labels, as tables have, and a few cells without order.
+ColorTable blobs(int bits, unsigned seed) {
+  ColorTable table(bits);
+  Random random(seed);
+  const auto side = static_cast<unsigned>(table.side());
+  for (int blob = 0; blob < 12; ++blob) {
+    const Label label = random.label();
+    const unsigned from_u = random.below(side), from_v = random.below(side), from_y = random.below(side);
+    const unsigned size = 1 + random.below(side / 2);
+    for (unsigned u = from_u; u < std::min(side, from_u + size); ++u) {
+      for (unsigned v = from_v; v < std::min(side, from_v + size); ++v) {
+        for (unsigned y = from_y; y < std::min(side, from_y + size); ++y)
+          table.labels[(u * side + v) * side + y] = label;
+      }
+    }
+  }
+  const auto count = static_cast<unsigned>(table.labels.size());
+  for (int i = 0; i < 100; ++i) table.labels[random.below(count)] = random.label();
+  return table;
+}
+
+void expect_same(const Lut& found, const Lut& expected) {
+  for (const auto& [a, b] :
+       {std::pair{&found.yuv(), &expected.yuv()}, std::pair{&found.rgb(), &expected.rgb()}}) {
+    EXPECT_EQ(a->bits, b->bits);
+    EXPECT_TRUE(a->labels == b->labels);
+    EXPECT_TRUE(a->blocks == b->blocks);
+    EXPECT_TRUE(a->chroma == b->chroma);
+  }
+  for (std::size_t label = 0; label < label::kMost; ++label) {
+    const auto value = static_cast<Label>(label);
+    EXPECT_EQ(found.shares(value), expected.shares(value)) << label;
+    EXPECT_EQ(found.share_spread(value), expected.share_spread(value)) << label;
+  }
+}
+
+class LutOfBits : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(All, LutOfBits, ::testing::Values(5, 6, 7, 8));
+
+TEST_P(LutOfBits, HasTheTablesLabelsInAllItsColours) {
+  const ColorTable table = blobs(GetParam(), 3);
+  const Lut lut(table);
+  EXPECT_TRUE(lut.color_table() == table);
+  EXPECT_EQ(lut.color_bits(), GetParam());
+  Random random(5);
+  // The twin asks the table about the middle of its own cell.
+  const unsigned half = lut.rgb().bits == 8 ? 0 : 1;
+  const auto middle = [&] { return static_cast<std::uint8_t>(random.byte() | half); };
+  for (int i = 0; i < 100'000; ++i) {
+    const Yuv c{random.byte(), random.byte(), random.byte()};
+    ASSERT_EQ(lut.of_yuv(c.y, c.u, c.v), table.of(c));
+    const Rgb rgb{middle(), middle(), middle()};
+    ASSERT_EQ(lut.of_rgb(rgb.r, rgb.g, rgb.b), table.of(to_yuv(rgb)));
+  }
+}
+
+TEST_P(LutOfBits, ChangesGiveWhatAWholeRebuildGives) {
+  ColorTable table = blobs(GetParam(), 7);
+  Lut lut(table);
+  Random random(static_cast<unsigned>(GetParam()));
+  const auto count = static_cast<unsigned>(table.labels.size());
+  for (int round = 0; round < 12; ++round) {
+    std::vector<CellRun> changed;
+    // Single cells, runs, and at times more than is worth it.
+    const int runs = round == 11 ? 3000 : round % 3 == 0 ? 1 : 40;
+    const unsigned longest = round == 11 ? count / 3000 : round % 2 == 0 ? 1 : 30;
+    for (int i = 0; i < runs; ++i) {
+      const unsigned begin = random.below(count);
+      const unsigned length = std::min(1 + random.below(longest), count - begin);
+      const Label label = random.below(4) == 0 ? random.label() : label::kClear;
+      changed.push_back({begin, length, table.labels[begin], label});
+      std::fill_n(table.labels.begin() + begin, length, label);
+    }
+    lut = lut.with_changes(changed);
+    if (GetParam() == 8 && round % 6 != 5) continue;  // a whole one takes its time
+    expect_same(lut, Lut(table));
+    if (HasFailure()) FAIL() << "round " << round;
+  }
+}
+
+TEST(Lut, EveryCellCanBeChangedOnItsOwn) {
+  // Corners and edges of the cube, where RGB colours of clamped chromas lie.
+  Lut lut{ColorTable(5)};
+  ColorTable table(5);
+  std::vector<CellRun> changed;
+  for (std::uint32_t cell = 0; cell < table.labels.size(); cell += 17) {
+    changed.push_back({cell, 1, 0, static_cast<Label>(1 + cell % 31)});
+    table.labels[cell] = changed.back().after;
+    if (changed.size() < 100) continue;
+    lut = lut.with_changes(changed);
+    changed.clear();
+  }
+  expect_same(lut.with_changes(changed), Lut(table));
+}
+
+TEST(Lut, RefusesWhatIsNoTable) {
+  EXPECT_THAT(error_of([] { Lut(ColorTable(7, {1, 2, 3})); }), HasSubstr("3 labels; expected 2097152"));
+  EXPECT_THAT(error_of([] { Lut(ColorTable(4)); }), HasSubstr("4 bits a channel; expected 5 .. 8"));
+  ColorTable table(5);
+  table.labels[9] = 32;
+  EXPECT_THAT(error_of([&] { Lut{table}; }), HasSubstr("label 32; labels are 0 .. 31"));
 }
 
 // ---- what a fast look at a picture relies on
@@ -193,6 +309,24 @@ TEST(LutTable, ATidyTableHasUniformChromas) {
     EXPECT_GT(std::count(table->chroma.begin(), table->chroma.end(), label::kClear), 500);
     EXPECT_GT(std::count(table->chroma.begin(), table->chroma.end(), LutTable::kMixed), 50);
   }
+}
+
+TEST(ColorTable, OtherBitsKeepWhatCellsMean) {
+  ColorTable table(6);
+  std::minstd_rand random(1);
+  for (Label& label : table.labels) label = static_cast<Label>(random() % label::kCount);
+  EXPECT_EQ(resampled(table, 6), table);
+  const ColorTable finer = resampled(table, 8);
+  for (std::size_t cell = 0; cell < finer.labels.size(); cell += 997)
+    ASSERT_EQ(finer.labels[cell], table.of(finer.color_of(cell)));
+  EXPECT_EQ(resampled(finer, 6), table);
+  // Most of the eight cells count, of as many the lowest label.
+  ColorTable fine(7);
+  for (const std::uint8_t y : std::array<std::uint8_t, 2>{0, 2})
+    for (const std::uint8_t v : std::array<std::uint8_t, 2>{0, 2}) fine.labels[fine.index(y, 0, v)] = label::kPink;
+  EXPECT_EQ(resampled(fine, 6).of({0, 0, 0}), label::kClear);
+  fine.labels[fine.index(0, 2, 0)] = label::kPink;
+  EXPECT_EQ(resampled(fine, 6).of({0, 0, 0}), label::kPink);
 }
 
 }  // namespace

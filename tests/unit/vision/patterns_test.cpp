@@ -43,6 +43,14 @@ TEST(Patterns, OtherArrangementsAreData) {
   EXPECT_EQ(table.side_colors, (std::vector<Label>{label::kPink, label::kCyan}));
 }
 
+TEST(Patterns, MayHaveOwnLabels) {
+  const std::string json = R"({"name": "lab", "center_diameter_mm": 30, "dot_diameter_mm": 20,
+      "dots": [[40, 0], [-40, 0]], "codes": [{"id": 1, "colors": ["pink", "purple"]}]})";
+  const PatternTable table = parse_patterns(json, "lab.json", LabelSet({{12, "purple"}}, ""));
+  EXPECT_EQ(table.side_colors, (std::vector<Label>{label::kPink, 12}));
+  EXPECT_THAT(error_of(json), HasSubstr("\"purple\" is not allowed"));
+}
+
 TEST(Patterns, NamesThePairThatLooksAlike) {
   // Turned by half, 4 is 9.
   EXPECT_THAT(error_of(R"({"name": "lab", "center_diameter_mm": 30, "dot_diameter_mm": 20,
