@@ -114,11 +114,16 @@ Rgb paint_color(std::uint8_t paint) {
 
 DrawnScene::DrawnScene(const SimulatorOptions& options, const CameraCalibration& camera,
                        std::array<double, 2> robot_height_mm, const FieldSize& field)
-    : options_(options), sensor_(options, 1), lut_(lut_for(options)) {
+    : options_(options), sensor_(options, 1) {
   options_.placement = SimulatorPlacement::kScatter;  // draws distractors with the other things
   scene_.field = field;
   scene_.camera.emplace(camera);
   scene_.robot_height_mm = robot_height_mm;
+}
+
+const std::shared_ptr<const Lut>& DrawnScene::lut_pointer() {
+  if (!lut_) lut_ = lut_for(options_);
+  return lut_;
 }
 
 void DrawnScene::add_robot(Team team, int id, double x_mm, double y_mm, double angle_rad, int covered_dot) {
@@ -246,7 +251,7 @@ const RegionList& DrawnScene::regions() {
   const Image& picture = image();
   if (!regions_) {
     RunList runs;
-    Segment().process({}, *lut_, Mask(), picture, runs, regions_.emplace());
+    Segment().process({}, lut(), Mask(), picture, runs, regions_.emplace());
   }
   return *regions_;
 }
@@ -261,14 +266,14 @@ RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const Detect
   FrameInfo info;
   info.times.t_capture_s = t_s;
   const RegionList& found = regions();
-  detector.process(params, scene_, league_patterns(), *lut_, Mask(), info, image(), found, out);
+  detector.process(params, scene_, league_patterns(), lut(), Mask(), info, image(), found, out);
   return out;
 }
 
 BallList DrawnScene::balls(const DetectBalls::Params& params) {
   BallList out;
   const RegionList& found = regions();
-  DetectBalls().process(params, scene_, *lut_, image(), found, robots(), out);
+  DetectBalls().process(params, scene_, lut(), image(), found, robots(), out);
   return out;
 }
 

@@ -57,7 +57,8 @@ class DrawnScene {
   /// What the detectors are told; a test may change it.
   Scene& scene() { return scene_; }
   void use_lut(std::shared_ptr<const Lut> lut);
-  const Lut& lut() const { return *lut_; }
+  const Lut& lut() { return *lut_pointer(); }
+  const std::shared_ptr<const Lut>& lut_pointer();
   /// Its buffer ends with the picture's last byte, so that a sanitizer sees who reads beyond.
   const Image& image();
   const RegionList& regions();
@@ -84,7 +85,7 @@ class DrawnScene {
   SimulatedScene things_;
   std::vector<Cover> covers_;
   SimulatorSensor sensor_;
-  std::shared_ptr<const Lut> lut_;
+  std::shared_ptr<const Lut> lut_;  // made when it is needed
   std::unique_ptr<std::uint8_t[]> bytes_;
   std::optional<Image> image_;
   std::optional<RegionList> regions_;

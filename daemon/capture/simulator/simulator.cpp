@@ -118,6 +118,18 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
     throw SettingsError(fmt::format("{}/{}: {} is not allowed with {} {}; expected ids up to {}", path,
                                     count_key, count, first_key, first, kIds - 1));
   };
+  const auto check_swing = [&](std::string_view key, const auto& swing, double least, double most) {
+    for (std::size_t i = 0; i < swing.size(); ++i) {
+      const std::string point = fmt::format("{}/{}/{}", path, key, i);
+      if (i == 0 ? swing[0][0] != 0 : swing[i][0] <= swing[i - 1][0])
+        refuse(point + "/0", swing[i][0], i == 0 ? "0" : "more than the time before");
+      if (swing[i][1] < least || swing[i][1] > most)
+        refuse(point + "/1", swing[i][1], fmt::format("a factor {} .. {}", least, most));
+    }
+    if (swing.size() == 1) refuse(fmt::format("{}/{}", path, key), swing, "no points, or two and more");
+  };
+  check_swing("light_swing", options.light_swing, 0.05, 4.0);
+  check_swing("cast_swing", options.cast_swing, 0.5, 2.0);
   check_ids("robots_yellow", options.robots_yellow, "first_yellow_id", options.first_yellow_id);
   check_ids("robots_blue", options.robots_blue, "first_blue_id", options.first_blue_id);
 

@@ -43,6 +43,16 @@ SimulatedWorld world_of(const SimulatorOptions& options, const SourceContext& co
   }
 }
 
+/// Its factor at a Unix time, so that all cameras agree.
+double swing_at(const std::vector<std::array<double, 2>>& swing, double t_s) {
+  if (swing.empty()) return 1;
+  const double at = t_s - std::floor(t_s / swing.back()[0]) * swing.back()[0];
+  const auto next = std::find_if(swing.begin() + 1, swing.end() - 1,
+                                 [&](const std::array<double, 2>& point) { return point[0] > at; });
+  const auto& [from_s, from] = *(next - 1);
+  return from + ((*next)[1] - from) * (at - from_s) / ((*next)[0] - from_s);
+}
+
 const char* name_of(Team team) {
   return team == Team::kBlue ? "blue" : "yellow";
 }
@@ -74,14 +84,30 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
                       context.camera_id, name_of(robot.team), robot.id, patterns.name));
     }
   }
-  for (int top = 0; top < options.height; top += kBandRows) {
-    const PixelBox band{0, top, options.width, std::min(options.height, top + kBandRows)};
+  develop_background();
+}
+
+void SimulatedCamera::develop_background() {
+  for (int top = 0; top < options_.height; top += kBandRows) {
+    const PixelBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
     sensor_.develop(background_, band, clean_background_.data());
   }
   clean_ = clean_background_;
 }
 
+/// A new light is all over the picture.
+void SimulatedCamera::follow_swing(double t_s) {
+  const double light = swing_at(options_.light_swing, t_s), cast = swing_at(options_.cast_swing, t_s);
+  const std::array gains{static_cast<float>(light * cast), static_cast<float>(light),
+                         static_cast<float>(light / cast)};
+  if (gains == gains_) return;
+  gains_ = gains;
+  sensor_.set_gains(gains);
+  develop_background();
+}
+
 void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
+  follow_swing(t_s);
   world_.expose(t_s, options_.exposure_ms * 1e-3, moments_);
   renderer_.draw(moments_, light_, boxes_);
   for (const PixelBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());

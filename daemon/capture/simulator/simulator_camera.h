@@ -11,6 +11,7 @@
 #include "image/image.h"
 #include "vision/patterns.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -45,6 +46,8 @@ class SimulatedCamera {
   Json truth(const std::string& frame, double t_s) const;
 
  private:
+  void develop_background();
+  void follow_swing(double t_s);
   bool fully_visible(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene) const;
   double visible_share(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene,
                        const SimulatedRobot* top) const;
@@ -57,6 +60,7 @@ class SimulatedCamera {
   ImageView layout_;
   LightPicture background_, light_;                     // light_ is background_ but while a frame is drawn
   std::vector<std::uint8_t> clean_background_, clean_;  // the same, as bytes without noise
+  std::array<float, 3> gains_{1, 1, 1};                 // that clean_background_ was developed with
   std::vector<SimulatedScene> moments_;
   SimulatorRenderer::Boxes boxes_;
 };

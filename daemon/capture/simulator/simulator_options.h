@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <tuple>
+#include <vector>
 
 namespace sslv {
 
@@ -43,6 +44,7 @@ struct SimulatorOptions {
   double blur_sigma_px = 0.5;
   double exposure_ms = 0;
   double red_gain = 1, blue_gain = 1;
+  std::vector<std::array<double, 2>> light_swing, cast_swing;
 
   static constexpr auto fields() {
     using O = SimulatorOptions;
@@ -85,6 +87,11 @@ struct SimulatorOptions {
         number("exposure_ms", &O::exposure_ms, 0.0, 100.0, "ms", "smears what moves; 0: nothing is smeared"),
         number("red_gain", &O::red_gain, 0.2, 4.0, "", "cast of the light"),
         number("blue_gain", &O::blue_gain, 0.2, 4.0, "", "cast of the light"),
+        point_list("light_swing", &O::light_swing, 0, 0.0, 3600.0, "",
+                   "light that changes: [seconds, factor on the brightness], by rising time, straight from "
+                   "one to the next; after the last it begins anew. Empty: it stays"),
+        point_list("cast_swing", &O::cast_swing, 0, 0.0, 3600.0, "",
+                   "the same for its colour: [seconds, factor on red], by which blue is divided"),
     };
   }
 };

@@ -194,7 +194,9 @@ void SimulatorSensor::develop(const LightPicture& light, const PixelBox& box, st
       for (std::size_t i = 0; i < row_floats; ++i) line_[i] += weight * (above[i] + below[i]);
     }
     // A pixel's well is full at 255, before any mixing of colours.
-    for (std::size_t i = 0; i < row_floats; ++i) line_[i] = std::min(line_[i], 255.0F);
+    for (std::size_t i = 0; i < row_floats; i += 3) {
+      for (std::size_t c = 0; c < 3; ++c) line_[i + c] = std::min(gains_[c] * line_[i + c], 255.0F);
+    }
     write_row(line_.data(), box, y, picture);
   }
 }

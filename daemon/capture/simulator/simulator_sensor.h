@@ -5,6 +5,7 @@
 #include "capture/simulator/simulator_picture.h"
 #include "capture/simulator/simulator_random.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,6 +24,9 @@ class SimulatorSensor {
   /// The pixels that the light inside `box` reaches, in whole units of the pixel format.
   PixelBox reached_from(const PixelBox& box) const;
 
+  /// Factors on red, green and blue from now on; 1 at first.
+  void set_gains(const std::array<float, 3>& gains) { gains_ = gains; }
+
   /// Writes the bytes of `box`, which must be in whole units of the pixel format, without noise.
   void develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture);
 
@@ -36,6 +40,7 @@ class SimulatorSensor {
   void write_row(const float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const;
 
   SimulatorOptions options_;
+  std::array<float, 3> gains_{1, 1, 1};
   std::vector<float> kernel_;  // one half of the blur from its middle; sums to 1 with the other half
   std::vector<float> rows_, line_;
   std::vector<std::int8_t> noise_;  // rows take it from a random place on

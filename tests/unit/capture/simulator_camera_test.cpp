@@ -702,5 +702,26 @@ TEST(SimulatedCamera, SaysWhatItCannotDraw) {
   EXPECT_THAT(error_of(options, tiny, league_patterns()), HasSubstr("32 robots and 1 balls are not allowed"));
 }
 
+TEST(SimulatedCamera, LightAndItsColourSwingWithTheTime) {
+  SimulatorOptions options = plain_options();
+  options.speed = 0;
+  options.light = 0.5;
+  SimulatedCamera still(options, context_of(options), league_patterns());
+  options.light_swing = {{0, 1}, {10, 0.4}, {30, 1.2}, {40, 1}};
+  options.cast_swing = {{0, 1}, {20, 1.25}, {40, 1}};
+  SimulatedCamera swinging(options, context_of(options), league_patterns());
+  const Picture steady = draw(still, 0);
+  for (const auto& [t_s, light, cast] :
+       {std::array{0.0, 1.0, 1.0}, std::array{5.0, 0.7, 1.0625}, std::array{10.0, 0.4, 1.125},
+        std::array{30.0, 1.2, 1.125}, std::array{35.0, 1.1, 1.0625}, std::array{4000.0, 1.0, 1.0}}) {
+    const Picture picture = draw(swinging, t_s);
+    const std::array gains{light * cast, light, light / cast};
+    for (std::size_t i = 0; i < picture.size(); ++i) {
+      if (steady[i] * gains[i % 3] > 250) continue;
+      ASSERT_NEAR(picture[i], steady[i] * gains[i % 3], 1.5) << t_s << " s, byte " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sslv

@@ -144,6 +144,16 @@ TEST(Simulator, RefusesWhatCannotBeDrawn) {
       "more than touch none");
   EXPECT_EQ(error_of({{"covered_dots", 13}}),
             "/cameras/0/source/covered_dots: 13 is not allowed with 12 robots; expected no more than these");
+  const auto swing = [](const char* points) { return Json{{"light_swing", Json::parse(points)}}; };
+  EXPECT_EQ(error_of(swing("[[0, 1], [5, 0.5]]")), "no error");
+  EXPECT_EQ(error_of(swing("[[0, 1]]")),
+            "/cameras/0/source/light_swing: [[0.0,1.0]] is not allowed; expected no points, or two and more");
+  EXPECT_EQ(error_of(swing("[[1, 1], [5, 0.5]]")),
+            "/cameras/0/source/light_swing/0/0: 1.0 is not allowed; expected 0");
+  EXPECT_EQ(error_of(swing("[[0, 1], [5, 0.5], [5, 1]]")),
+            "/cameras/0/source/light_swing/2/0: 5.0 is not allowed; expected more than the time before");
+  EXPECT_EQ(error_of(swing("[[0, 1], [5, 9]]")),
+            "/cameras/0/source/light_swing/1/1: 9.0 is not allowed; expected a factor 0.05 .. 4");
 }
 
 }  // namespace
