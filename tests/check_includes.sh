@@ -12,6 +12,7 @@ rules='
   geometry          base
   calibration       base image geometry
   vision            base image geometry
+  colors            base image geometry vision
   capture           base image geometry vision/patterns.h vision/label.h
   pipeline/frame.h  image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
   pipeline          base image geometry vision

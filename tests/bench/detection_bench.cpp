@@ -3,6 +3,7 @@
 // input that is meant to take long. Medians of many runs over a few pictures, one thread, microseconds.
 #include "capture/simulator/simulator.h"
 #include "capture/simulator/simulator_camera.h"
+#include "colors/learn_colors.h"
 #include "support/simd_target.h"
 #include "vision/detect_balls.h"
 #include "vision/detect_robots.h"
@@ -248,6 +249,35 @@ void bench_hostile(const std::shared_ptr<const Lut>& lut) {
   }
 }
 
+/// Colours from three pictures, with a calibration and without.
+void bench_learning() {
+  std::printf("\nLearning colours from three pictures, milliseconds\n%-28s%-11s%14s%14s\n", "", "",
+              "calibrated", "without");
+  for (const Setting& setting : kSettings) {
+    const Scene scene = scene_of(setting);
+    Scene uncalibrated = scene;
+    uncalibrated.camera.reset();
+    const Scene& without = uncalibrated;
+    for (const PixelFormat format : kFormats) {
+      const std::vector<Picture> pictures = draw(setting, format, scene, 6, 1);
+      std::printf("%-28s%-11s", setting.name, std::string(name_of(format)).c_str());
+      for (const Scene* one : {&scene, &without}) {
+        const LearnTask task{{pictures[0].view, pictures[1].view, pictures[2].view}, *one, league_patterns()};
+        std::vector<double> ms;
+        for (int run = 0; run < 5; ++run) {
+          const auto begin = std::chrono::steady_clock::now();
+          const bool learnt = learn_colors(task).problem.empty();
+          const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+          if (learnt) ms.push_back(took.count());
+        }
+        std::sort(ms.begin(), ms.end());
+        std::printf("%14s", ms.empty() ? "not learnt" : fmt::format("{:.0f}", ms[ms.size() / 2]).c_str());
+      }
+      std::printf("\n");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sslv
 
@@ -256,4 +286,5 @@ int main() {
   sslv::bench_fits(*lut);
   sslv::bench_stages(lut);
   sslv::bench_hostile(lut);
+  sslv::bench_learning();
 }

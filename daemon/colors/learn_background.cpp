@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/learn_background.h"
+
+#include "colors/find_spots.h"
+#include "colors/name_dots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+constexpr double kCarpetAlike = 0.07;  // in shares
+constexpr std::size_t kCarpetSamples = 12, kLineSamples = 9, kThingSamples = 24;
+
+ColorSample sample_of(Label label, const Color3& color) {
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
+  };
+  return {label, {byte(color[0]), byte(color[1]), byte(color[2])}};
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool is_at_robot(std::span<const SeenRobot> robots, std::size_t frame, const Eigen::Vector2d& pixel) {
+  constexpr double kReachMm = 130;
+  return std::any_of(robots.begin(), robots.end(), [&](const SeenRobot& robot) {
+    return robot.frame == frame &&
+           std::hypot(robot.pixel_x - pixel.x(), robot.pixel_y - pixel.y()) < kReachMm * robot.px_per_mm;
+  });
+}
+
+/// So many of the colours, evenly over their range of brightness.
+std::vector<Color3> over_brightness(std::vector<Color3> colors, std::size_t count) {
+  std::sort(colors.begin(), colors.end(), [](const Color3& a, const Color3& b) { return a.sum() < b.sum(); });
+  std::vector<Color3> out;
+  if (colors.empty()) return out;
+  const std::size_t n = colors.size(), first = n / 200, last = n - 1 - n / 200;
+  const double low = std::max(1.0, colors[first].sum()), high = std::max(low, colors[last].sum());
+  for (std::size_t i = 0; i < count; ++i) {
+    const double sum = low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(count - 1));
+    const auto at = std::lower_bound(colors.begin(), colors.end(), sum,
+                                     [](const Color3& color, double value) { return color.sum() < value; });
+    // The mean of some neighbours has less noise.
+    const auto middle = std::clamp(static_cast<std::size_t>(at - colors.begin()), first, last);
+    const std::size_t reach = std::min(n / 100, std::min(middle - first, last - middle));
+    Color3 mean = Color3::Zero();
+    for (std::size_t j = middle - reach; j <= middle + reach; ++j) mean += colors[j];
+    out.push_back(mean / static_cast<double>(2 * reach + 1));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<Color3> carpet_shares(const RobotSearch& search, std::span<const SeenRobot> robots) {
+  std::array<std::vector<double>, 3> all;
+  std::vector<Color3> colors;
+  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
+    const SmallPicture& picture = search.pictures[frame].finest();
+    for (const SeenRobot& robot : robots) {
+      if (robot.frame != frame) continue;
+      for (int i = 0; i < 24; ++i) {
+        const double angle = 2 * std::numbers::pi * i / 24;
+        for (const double radius_mm : {125.0, 150.0}) {
+          const Eigen::Vector2d pixel(robot.pixel_x + radius_mm * robot.px_per_mm * std::cos(angle),
+                                      robot.pixel_y + radius_mm * robot.px_per_mm * std::sin(angle));
+          const Eigen::Vector2d cell = picture.cell_of(pixel);
+          const int x = static_cast<int>(std::lround(cell.x())), y = static_cast<int>(std::lround(cell.y()));
+          if (x < 1 || y < 1 || x + 1 >= picture.width() || y + 1 >= picture.height() || !picture.shows(x, y))
+            continue;
+          colors.push_back(shares_of(picture.mean(x, y, 1)));
+        }
+      }
+    }
+  }
+  if (colors.size() < 20) return {};
+  Color3 out;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> values;
+    for (const Color3& color : colors) values.push_back(color[c]);
+    out[c] = median(values);
+  }
+  const auto alike = std::count_if(colors.begin(), colors.end(),
+                                   [&](const Color3& color) { return (color - out).norm() < kCarpetAlike; });
+  if (static_cast<double>(alike) < 0.3 * static_cast<double>(colors.size())) return {};
+  return out / out.sum();
+}
+
+CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenRobot> robots,
+                                const Color3& shares, const Color3& gains) {
+  std::vector<Color3> carpet, lines;
+  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
+    const SmallPicture& picture = search.pictures[frame].finest();
+    const int step = std::max(2, std::min(picture.width(), picture.height()) / 120);
+    for (int y = step; y + step < picture.height(); y += step) {
+      for (int x = step; x + step < picture.width(); x += step) {
+        if (!picture.shows(x, y) || is_at_robot(robots, frame, picture.pixel_of(x, y))) continue;
+        const Color3 around = picture.mean(x, y, 1);
+        if ((shares_of(around) - shares).norm() < kCarpetAlike) carpet.push_back(around);
+      }
+    }
+    // A line's middle is brighter than the carpet on both its sides, in every colour.
+    constexpr int kSide = 12, kNearSide = 5, kEvery = 5;  // lines may be wide
+    constexpr double kBrighter = 1.35, kBrighterGrey = 10;
+    for (int y = kSide + 1; y + kSide + 1 < picture.height(); ++y) {
+      for (int x = kSide + 1 + (y * 7) % kEvery; x + kSide + 1 < picture.width(); x += kEvery) {
+        if (!picture.shows(x, y)) continue;
+        const Color3 here = picture.at(x, y);
+        for (const auto& [dx, dy] : {std::pair(kNearSide, 0), {0, kNearSide}, {kSide, 0}, {0, kSide}}) {
+          const Color3 one = picture.mean(x - dx, y - dy, 1), other = picture.mean(x + dx, y + dy, 1);
+          const Color3 ground = (one + other) / 2;
+          if (here.sum() < kBrighter * ground.sum() + kBrighterGrey || (here - ground).minCoeff() <= 0)
+            continue;
+          if ((shares_of(one) - shares).norm() > kCarpetAlike ||
+              (shares_of(other) - shares).norm() > kCarpetAlike)
+            continue;
+          if (is_at_robot(robots, frame, picture.pixel_of(x, y))) continue;
+          lines.push_back(here);
+          break;
+        }
+      }
+    }
+  }
+  CarpetAndLines out;
+  for (const Color3& color : over_brightness(carpet, kCarpetSamples))
+    out.samples.push_back(sample_of(label::kField, color));
+
+  // What lies beside the carpet is a blend with it; the farthest from the carpet's colour are white.
+  const Color3 expected = shares_of(gains);
+  out.white_shares = expected;
+  const auto towards_white = [&](const Color3& color) {
+    return (shares_of(color) - shares).dot(expected - shares) /
+           std::max(1e-6, (expected - shares).squaredNorm());
+  };
+  constexpr double kLikeWhite = 0.12, kTowardsWhite = 0.3;
+  std::erase_if(lines, [&](const Color3& color) {
+    return towards_white(color) < kTowardsWhite || (shares_of(color) - expected).norm() > kLikeWhite;
+  });
+  constexpr std::size_t kLeastLines = 40;
+  if (lines.size() < kLeastLines) return out;
+  std::sort(lines.begin(), lines.end(),
+            [&](const Color3& a, const Color3& b) { return towards_white(a) > towards_white(b); });
+  lines.resize(lines.size() / 3);
+  for (const Color3& color : over_brightness(lines, kLineSamples))
+    out.samples.push_back(sample_of(label::kWhite, color));
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> values;
+    for (const Color3& color : lines) values.push_back(shares_of(color)[c]);
+    out.white_shares[c] = median(values);
+  }
+  out.white_shares /= out.white_shares.sum();
+  return out;
+}
+
+std::vector<ColorSample> large_things(const RobotSearch& search, const Lut& lut,
+                                      std::span<const ColorSample> samples, double largest_dot_px) {
+  // A square that no dot fills, evenly full of one colour of the table.
+  std::vector<Color3> things;
+  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
+    const int side_px = std::max(8, static_cast<int>(std::ceil(1.3 * largest_dot_px)));
+    const int cell = std::max(2, side_px / 4 / 2 * 2);
+    const SmallPicture& picture = search.pictures[frame].of(cell);
+    const int reach = std::max(1, (side_px / cell) / 2 + 1);
+    const auto label_at = [&](int x, int y) {
+      const Rgb color = sample_of(0, picture.at(x, y)).color;
+      return lut.of_rgb(color.r, color.g, color.b);
+    };
+    for (int y = reach; y + reach < picture.height(); y += reach) {
+      for (int x = reach; x + reach < picture.width(); x += reach) {
+        if (!picture.shows(x, y)) continue;
+        const Label label = label_at(x, y);
+        if (label == label::kClear) continue;
+        bool full = true;
+        for (int dy = -reach; full && dy <= reach; ++dy) {
+          for (int dx = -reach; full && dx <= reach; ++dx) full = label_at(x + dx, y + dy) == label;
+        }
+        if (!full) continue;
+        const Color3 color = picture.mean(x, y, 1);
+        const bool like_a_sample =
+            std::any_of(samples.begin(), samples.end(), [&](const ColorSample& sample) {
+              if (sample.label != label) return false;
+              const Color3 other(sample.color.r, sample.color.g, sample.color.b);
+              return (other - color).norm() < 12 + 0.15 * other.mean();
+            });
+        if (!like_a_sample) things.push_back(color);
+      }
+    }
+  }
+  std::vector<ColorSample> out;
+  // Each as far from those before as can be.
+  while (!things.empty() && out.size() < kThingSamples) {
+    const auto away = [&](const Color3& color) {
+      double least = 1e9;
+      for (const ColorSample& sample : out)
+        least = std::min(least, (Color3(sample.color.r, sample.color.g, sample.color.b) - color).norm());
+      return least;
+    };
+    const auto farthest = std::max_element(
+        things.begin(), things.end(), [&](const Color3& a, const Color3& b) { return away(a) < away(b); });
+    if (away(*farthest) < 12) break;
+    out.push_back(sample_of(label::kClear, *farthest));
+  }
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "colors/learn_balls.h"
+#include "colors/learn_robots.h"
+#include "vision/lut.h"
+#include "vision/lut_from_samples.h"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace sslv {
+
+/// What robots stand on: shares of red, green and blue. Nothing when they do not stand on one thing.
+std::optional<Color3> carpet_shares(const RobotSearch& search, std::span<const SeenRobot> robots);
+
+/// Samples of the carpet in all its lights, and of the lines on it.
+struct CarpetAndLines {
+  std::vector<ColorSample> samples;
+  Color3 white_shares;  // what is white has these shares: of the lines or, without any, as the gains say
+};
+CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenRobot> robots,
+                                const Color3& carpet_shares, const Color3& gains);
+
+/// What a table takes for a colour though it is far larger than any dot or ball: samples of it, as something
+/// else. What looks just like the colours in `samples` is left alone.
+std::vector<ColorSample> large_things(const RobotSearch& search, const Lut& lut,
+                                      std::span<const ColorSample> samples, double largest_dot_px);
+
+}  // namespace sslv

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/learn_balls.h"
+
+#include "colors/find_spots.h"
+#include "colors/name_dots.h"
+#include "vision/ball_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kMostSpots = 600;
+constexpr double kBlurPx = 0.55;
+// Of red, green and blue in a ball's colour. By print orange has .64, .29, .07, but balls shine, and cameras
+// see them paler.
+constexpr double kLeastRed = 0.38, kMostBlue = 0.27, kLeastGreenPerRed = 0.15;
+constexpr double kMostGreenPerRed = 0.9, kOfYellows = 0.9;
+constexpr double kCarpetAlike = 0.1;  // in shares
+constexpr double kLeastR2 = 0.6, kMostRadiusOff = 0.25, kLeastClear = 0.4, kLeastVisible = 0.9;
+constexpr double kOneColor = 0.06;     // in shares
+constexpr double kOutsideMm = 0;       // of the lines
+constexpr double kRobotReachMm = 100;  // nothing nearer to a robot's middle is a ball
+
+bool is_warm(const Color3& color, double most_green_per_red) {
+  const Color3 s = shares_of(color);
+  return s[0] > s[1] && s[1] > s[2] && s[0] > kLeastRed && s[2] < kMostBlue &&
+         s[1] > kLeastGreenPerRed * s[0] && s[1] < most_green_per_red * s[0];
+}
+
+/// How far from grey, towards orange.
+double depth_of(const Color3& color) {
+  return (color[0] - color[2]) / std::max(1.0, color.sum());
+}
+
+/// The colours of what lies well within a ball, those with most colour first.
+std::vector<Color3> colors_within(const SmallPicture& picture, const Eigen::Vector2d& pixel,
+                                  double radius_px) {
+  const Eigen::Vector2d middle = picture.cell_of(pixel);
+  const double reach = std::max(0.75, 0.75 * radius_px / picture.cell_px() - 0.5);
+  std::vector<Color3> colors;
+  for (int y = static_cast<int>(middle.y() - reach); y <= middle.y() + reach; ++y) {
+    for (int x = static_cast<int>(middle.x() - reach); x <= middle.x() + reach; ++x) {
+      if (x < 0 || y < 0 || x >= picture.width() || y >= picture.height()) continue;
+      if (std::hypot(x - middle.x(), y - middle.y()) <= reach) colors.push_back(picture.at(x, y));
+    }
+  }
+  std::sort(colors.begin(), colors.end(),
+            [](const Color3& a, const Color3& b) { return depth_of(a) > depth_of(b); });
+  return colors;
+}
+
+Color3 mean_of(std::span<const Color3> colors) {
+  Color3 sum = Color3::Zero();
+  for (const Color3& color : colors) sum += color;
+  return sum / std::max(1.0, static_cast<double>(colors.size()));
+}
+
+/// A ball's colour beside its shine: of the half of it that has most colour.
+Color3 body_of(std::span<const Color3> within) {
+  return mean_of(within.first((within.size() + 1) / 2));
+}
+
+/// The best fit from some starts: a spot's place is good to a cell only.
+BallFit best_fit(BallFitter& fitter, const BallFitter::Frame& frame, const Eigen::Vector2d& place_mm,
+                 double cell_mm) {
+  BallFit best;
+  for (const Eigen::Vector2d& step :
+       {Eigen::Vector2d(0, 0), {cell_mm, 0}, {-cell_mm, 0}, {0, cell_mm}, {0, -cell_mm}}) {
+    const Eigen::Vector2d start = place_mm + step;
+    const BallFit fit = fitter.fit(frame, start.x(), start.y());
+    if (fit.ok && (!best.ok || fit.r2 > best.r2)) best = fit;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<SeenBall> find_balls(const BallSearch& b) {
+  const double radius_mm = b.field.ball_radius;
+  const auto in_white_light = [&](const Color3& color) {
+    return Color3(color.cwiseQuotient(b.white_shares));
+  };
+  // As the camera sees it or as it would be in white light: what is known of it is not exact.
+  const auto is_ball_colored = [&](const Color3& color) {
+    const auto limit = [&](const Color3& yellow) {
+      return b.yellow ? std::min(kMostGreenPerRed, kOfYellows * yellow[1] / std::max(yellow[0], 1e-6))
+                      : kMostGreenPerRed;
+    };
+    const Color3 yellow = b.yellow.value_or(Color3::Zero());
+    return is_warm(color, limit(yellow)) || is_warm(in_white_light(color), limit(in_white_light(yellow)));
+  };
+  std::vector<SeenBall> out;
+  BallFitter fitter;
+  for (std::size_t frame = 0; frame < b.search.frames.size(); ++frame) {
+    const ImageView& image = b.search.frames[frame];
+    const double area = b.camera.mm2_per_px({image.width / 2.0, image.height / 2.0}, radius_mm);
+    if (!(area > 0)) continue;
+    const double radius_px = radius_mm / std::sqrt(area);
+    const SmallPicture& picture = b.search.pictures[frame].of(cell_px_for(image.format, radius_px));
+    const SmallPicture& fine = b.search.pictures[frame].of(cell_px_for(image.format, radius_px / 2));
+    std::vector<Robot> robots;
+    for (const SeenRobot& robot : b.robots) {
+      if (robot.frame != frame) continue;
+      robots.push_back({Team::kYellow, 0, robot.pose.x_mm, robot.pose.y_mm, robot.pose.angle_rad,
+                        robot.height_mm, robot.pixel_x, robot.pixel_y, 1});
+    }
+    const BallFitter::Frame to_fit{
+        image,  b.camera, radius_mm, robots, b.search.patterns.top_radius_mm, b.search.patterns.top_front_mm,
+        kBlurPx};
+    for (const Spot& spot :
+         find_spots(picture, radius_px, b.search.noise_grey[frame], SpotsOf::kAnyColor, kMostSpots)) {
+      if (b.search.stop.stop_requested()) return out;
+      if (!is_ball_colored(body_of(colors_within(fine, spot.pixel, radius_px)))) continue;
+      if ((shares_of(spot.around) - b.carpet_shares).norm() > kCarpetAlike) continue;
+      const bool on_robot = std::any_of(b.robots.begin(), b.robots.end(), [&](const SeenRobot& robot) {
+        return robot.frame == frame &&
+               std::hypot(robot.pixel_x - spot.pixel.x(), robot.pixel_y - spot.pixel.y()) <
+                   kRobotReachMm * robot.px_per_mm;
+      });
+      if (on_robot) continue;
+      const auto place = b.camera.unproject(spot.pixel, radius_mm);
+      if (!place) continue;
+      if (b.on_field_only && (std::abs(place->x()) > b.field.field_length / 2.0 + kOutsideMm ||
+                              std::abs(place->y()) > b.field.field_width / 2.0 + kOutsideMm))
+        continue;
+      const BallFit fit = best_fit(fitter, to_fit, *place, picture.cell_px() * std::sqrt(area));
+      if (!fit.ok || fit.r2 < kLeastR2 || fit.clear_share < kLeastClear || fit.visible_share < kLeastVisible)
+        continue;
+      if (std::abs(fit.radius_mm - radius_mm) > std::max(kMostRadiusOff * radius_mm, 2 * fit.radius_sigma_mm))
+        continue;
+      const auto pixel = b.camera.project({fit.x_mm, fit.y_mm, radius_mm});
+      if (!pixel) continue;
+      const std::vector<Color3> within = colors_within(fine, *pixel, radius_px);
+      const Color3 body = body_of(within);
+      if (!is_ball_colored(body)) continue;
+      if (b.ball_shares && (shares_of(body) - *b.ball_shares).norm() > kOneColor) continue;
+      std::vector<Color3> shades{mean_of(within)};
+      constexpr std::size_t kManyColors = 24;
+      if (within.size() >= kManyColors) {
+        const auto all = std::span(std::as_const(within));
+        const std::size_t third = within.size() / 3;
+        shades = {mean_of(all.first(third)), mean_of(all.subspan(third, third)), mean_of(all.last(third))};
+      }
+      out.push_back({frame, pixel->x(), pixel->y(), radius_px, body, std::move(shades), fit.r2});
+    }
+  }
+  if (out.empty()) return out;
+  // A ball may be two spots.
+  std::sort(out.begin(), out.end(),
+            [](const SeenBall& one, const SeenBall& other) { return one.r2 > other.r2; });
+  std::vector<SeenBall> kept;
+  for (const SeenBall& ball : out) {
+    const bool twin = std::any_of(kept.begin(), kept.end(), [&](const SeenBall& other) {
+      return other.frame == ball.frame &&
+             std::hypot(other.pixel_x - ball.pixel_x, other.pixel_y - ball.pixel_y) < ball.radius_px;
+    });
+    if (!twin) kept.push_back(ball);
+  }
+  // Brown, beige and skin are paler than a ball's orange.
+  const auto likely = [](const SeenBall& ball) { return ball.r2 + 2 * depth_of(ball.body); };
+  const auto best = std::max_element(
+      kept.begin(), kept.end(),
+      [&](const SeenBall& one, const SeenBall& other) { return likely(one) < likely(other); });
+  const Color3 likeliest = shares_of(best->body);
+  std::erase_if(kept,
+                [&](const SeenBall& ball) { return (shares_of(ball.body) - likeliest).norm() > kOneColor; });
+  return kept;
+}
+
+}  // namespace sslv

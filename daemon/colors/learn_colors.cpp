@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/learn_colors.h"
+
+#include "colors/learn_background.h"
+#include "colors/learn_balls.h"
+#include "colors/learn_robots.h"
+#include "colors/name_dots.h"
+#include "colors/small_picture.h"
+#include "vision/color_name.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace sslv {
+namespace {
+
+/// Sightings of robots that will do; fewer when each is beyond doubt.
+constexpr std::size_t kEnoughRobots = 5;
+constexpr double kClearR2 = 0.7, kClearRmsMm = 1.5;
+constexpr double kMostClippedShare = 0.35, kLeastBright = 15, kLeastColorfulness = 3;
+/// Of the dots that taught a table, so many must get their label from it.
+constexpr double kLeastNamed = 0.9;
+constexpr const char* kNeeded =
+    "put at least five robots (both teams, and a ball) on the field, in the light of the match";
+
+Color3 color_of(const Rgb& c) {
+  return {static_cast<double>(c.r), static_cast<double>(c.g), static_cast<double>(c.b)};
+}
+Rgb rgb_of(const Color3& color) {
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
+  };
+  return {byte(color[0]), byte(color[1]), byte(color[2])};
+}
+
+bool is_background(Label label) {
+  return label == label::kClear || label == label::kField || label == label::kWhite || label == label::kBlack;
+}
+
+class Learner {
+ public:
+  explicit Learner(const LearnTask& task)
+      : task_(task), search_{task.frames, {}, {}, task.patterns, task.mask, task.stop} {}
+
+  LearntColors learn() {
+    for (const auto step : {&Learner::look_at_pictures, &Learner::see_robots, &Learner::name_colors,
+                            &Learner::see_background_and_balls, &Learner::predict, &Learner::make_table}) {
+      (this->*step)();
+      if (task_.stop.stop_requested()) out_.problem = "learning was stopped";
+      if (!out_.problem.empty()) break;
+    }
+    if (!out_.problem.empty()) out_.lut = nullptr;
+    describe();
+    return std::move(out_);
+  }
+
+ private:
+  void look_at_pictures() {
+    if (task_.frames.empty()) {
+      out_.problem = "no picture was given";
+      return;
+    }
+    const ImageView& first = task_.frames.front();
+    pictures_.reserve(task_.frames.size());
+    double bright = 0, clipped = 0, colorfulness = 0;
+    for (const ImageView& image : task_.frames) {
+      if (image.empty() || image.format != first.format || image.width != first.width ||
+          image.height != first.height) {
+        out_.problem = "the pictures are not all of one size and format";
+        return;
+      }
+      if (!has_colors(image.format)) {
+        out_.problem = "the camera sends grey pictures: choose a pixel format with colours";
+        return;
+      }
+      constexpr int kLeastSide = 32;
+      if (std::min(image.width, image.height) < kLeastSide) {
+        out_.problem =
+            fmt::format("pictures of {} x {} pixels are too small to learn from", image.width, image.height);
+        return;
+      }
+      const Exposure exposure = exposure_of(pictures_.emplace_back(image, task_.mask).of(2));
+      const double per = 1 / static_cast<double>(task_.frames.size());
+      bright = std::max(bright, exposure.bright);
+      clipped += exposure.clipped_share * per;
+      colorfulness += exposure.colorfulness * per;
+      noise_.push_back(noise_of(image));
+      out_.noise_grey += noise_.back() * per;
+    }
+    search_.noise_grey = noise_;
+    search_.pictures = pictures_;
+    clipped_share_ = clipped;
+    bright_ = bright;
+    if (bright < kLeastBright) {
+      out_.problem = fmt::format(
+          "the picture is too dark: its brightest parts reach {:.0f} of 255; open the lens, "
+          "raise exposure or gain, or switch the light on",
+          bright);
+    } else if (clipped > kMostClippedShare) {
+      out_.problem = fmt::format(
+          "the picture is over-exposed: {:.0f} % of it is at the upper end; lower exposure or "
+          "gain",
+          100 * clipped);
+    } else if (colorfulness < kLeastColorfulness) {
+      out_.problem = "the picture is grey: check the camera's saturation and pixel format";
+    }
+  }
+
+  void see_robots() {
+    const ImageView& first = task_.frames.front();
+    double mm_per_px = 0;
+    if (task_.scene.camera) {
+      camera_ = task_.scene.camera;
+      heights_mm_ = {task_.scene.robot_height_mm[0]};
+      if (task_.scene.robot_height_mm[1] != heights_mm_.front())
+        heights_mm_.push_back(task_.scene.robot_height_mm[1]);
+    } else {
+      mm_per_px = find_scale(search_);
+      heights_mm_ = {0};
+      if (mm_per_px > 0) camera_ = flat_camera(first.width, first.height, mm_per_px);
+    }
+    if (camera_) {
+      robots_ = task_.scene.camera ? find_patterns(search_, *camera_, heights_mm_)
+                                   : find_patterns_flat(search_, mm_per_px);
+      const double area = camera_->mm2_per_px({first.width / 2.0, first.height / 2.0}, heights_mm_.front());
+      if (area > 0) out_.mm_per_px = std::sqrt(area);
+    }
+    if (!task_.scene.camera && !robots_.empty()) {
+      std::vector<double> scales;
+      for (const SeenRobot& robot : robots_) scales.push_back(1 / robot.px_per_mm);
+      std::nth_element(scales.begin(), scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2),
+                       scales.end());
+      out_.mm_per_px = scales[scales.size() / 2];
+    }
+    if (robots_.empty()) {
+      out_.problem = fmt::format(
+          "no robot was found{}: {}",
+          camera_ && task_.scene.camera
+              ? fmt::format(" (with patterns {} mm above the floor)", fmt::join(heights_mm_, " and "))
+              : "",
+          kNeeded);
+      return;
+    }
+    const bool clear_cut = std::all_of(robots_.begin(), robots_.end(), [](const SeenRobot& robot) {
+      return robot.least_r2 > kClearR2 && robot.rms_mm < kClearRmsMm;
+    });
+    if (robots_.size() < kEnoughRobots && (robots_.size() < 2 || !clear_cut)) {
+      out_.problem = fmt::format(
+          "only {} robot{} found{}: {}", robots_.size(), robots_.size() == 1 ? " was" : "s were",
+          task_.frames.size() > 1 ? fmt::format(" in {} pictures", task_.frames.size()) : "", kNeeded);
+    } else if (robots_.size() < kEnoughRobots) {
+      out_.notes.push_back(
+          fmt::format("only {} robots were found: with more of them, all over the field, the table "
+                      "holds in more light",
+                      robots_.size()));
+    }
+  }
+
+  void name_colors() {
+    dots_ = name_dots(robots_, task_.patterns, task_.guide);
+    out_.problem = dots_.problem;
+    for (const std::string& note : dots_.notes) out_.notes.push_back(note);
+    if (!out_.problem.empty()) return;
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const SeenRobot& robot = robots_[i];
+      lights_.push_back(light_of(robot, dots_.labels[i]));
+      for (std::size_t j = 0; j < robot.dots.size(); ++j) add(dots_.labels[i][j], robot.dots[j].color);
+      add(label::kBlack, robot.black);
+    }
+  }
+
+  void see_background_and_balls() {
+    const auto carpet = carpet_shares(search_, robots_);
+    if (!carpet) {
+      out_.problem =
+          fmt::format("no carpet was found: the robots do not stand on one even ground; {}", kNeeded);
+      return;
+    }
+    const CarpetAndLines ground = carpet_and_lines(search_, robots_, *carpet, dots_.gains);
+    out_.samples.insert(out_.samples.end(), ground.samples.begin(), ground.samples.end());
+    Color3 guided = Color3::Zero();
+    for (const ColorSample& sample : task_.guide) {
+      if (sample.label == label::kOrange) guided += color_of(sample.color);
+    }
+    balls_ = find_balls({search_, *camera_, task_.scene.field, task_.scene.camera.has_value(), robots_,
+                         ground.white_shares, *carpet, mean_contrast(label::kYellow),
+                         guided.sum() > 0 ? std::optional(shares_of(guided)) : std::nullopt});
+    for (const SeenBall& ball : balls_) {
+      for (const Color3& shade : ball.shades) add(label::kOrange, shade);
+    }
+  }
+
+  /// What was not seen at all, and what was not seen in all the light there is.
+  void predict() {
+    if (balls_.empty()) {
+      unseen_.push_back(label::kOrange);
+    }
+    for (const Label label : dots_.unseen) {
+      if (std::find(unseen_.begin(), unseen_.end(), label) == unseen_.end() && !has_samples(label))
+        unseen_.push_back(label);
+    }
+    for (const ColorSample& sample : task_.guide) {
+      out_.samples.push_back(sample);
+      std::erase(unseen_, sample.label);
+    }
+    // Before what was seen, a prediction gives way.
+    constexpr double kTooAlike = 0.1;  // in shares
+    std::erase_if(unseen_, [&](Label label) {
+      Color3 predicted = Color3::Zero();
+      for (std::size_t i = 0; i < robots_.size(); ++i)
+        predicted += robots_[i].black + lights_[i] * print_contrast(label);
+      predicted = shares_of(predicted);
+      for (const ColorSample& sample : out_.samples) {
+        if (is_background(sample.label) || (shares_of(color_of(sample.color)) - predicted).norm() > kTooAlike)
+          continue;
+        out_.notes.push_back(fmt::format("{} was not seen and is left out: here it is likely to look like {}",
+                                         label::kNames[label], label::kNames[sample.label]));
+        return true;
+      }
+      return false;
+    });
+    for (const Label label : unseen_) {
+      const Color3 contrast = print_contrast(label);
+      for (std::size_t i = 0; i < robots_.size(); ++i) add(label, robots_[i].black + lights_[i] * contrast);
+    }
+    if (std::find(unseen_.begin(), unseen_.end(), label::kOrange) != unseen_.end())
+      out_.notes.push_back("no ball was found: orange is predicted from the other colours");
+    std::vector<std::string_view> names;
+    for (const Label label : unseen_) {
+      if (label != label::kOrange) names.push_back(label::kNames[label]);
+    }
+    if (!names.empty())
+      out_.notes.push_back(
+          fmt::format("not seen, and predicted from the other colours: {}", fmt::join(names, ", ")));
+
+    // Each colour in the least and in the most light that any robot was seen in.
+    if (lights_.empty()) return;
+    const auto [least, most] = std::minmax_element(lights_.begin(), lights_.end());
+    const Color3 dim_black = robots_[static_cast<std::size_t>(least - lights_.begin())].black,
+                 bright_black = robots_[static_cast<std::size_t>(most - lights_.begin())].black;
+    std::vector<std::pair<Label, Color3>> more;
+    for (const auto& [label, lit] : lit_) {
+      double low = 1e9, high = 0;
+      Color3 per_light = Color3::Zero();
+      for (const auto& [light, contrast] : lit) {
+        low = std::min(low, light);
+        high = std::max(high, light);
+        per_light += contrast / light / static_cast<double>(lit.size());
+      }
+      if (*least < 0.8 * low) more.emplace_back(label, dim_black + *least * per_light);
+      if (*most > 1.25 * high) more.emplace_back(label, bright_black + *most * per_light);
+    }
+    for (const auto& [label, color] : more) add(label, color);
+  }
+
+  void make_table() {
+    // What a table allows for as noise is also how much colours may differ: where detectors could not be sure
+    // of the dots that taught it, it is too narrow.
+    constexpr double kLeastNoiseGrey = 6, kWider = 1.6;
+    constexpr int kWidths = 3;
+    std::size_t best = 0;
+    double noise_grey = std::max(out_.noise_grey, kLeastNoiseGrey);
+    const std::vector<ColorSample> samples = out_.samples;
+    for (int i = 0; i < kWidths && !task_.stop.stop_requested(); ++i, noise_grey *= kWider) {
+      std::vector<ColorSample> with_things = samples;
+      auto lut = table_of(with_things, noise_grey);
+      const auto things =
+          large_things(search_, *lut, samples,
+                       std::max(task_.patterns.center_diameter_mm, 2 * task_.scene.field.ball_radius) *
+                           largest_px_per_mm());
+      if (!things.empty()) {
+        with_things.insert(with_things.end(), things.begin(), things.end());
+        lut = table_of(with_things, noise_grey);
+      }
+      const std::size_t named = count_named(*lut);
+      if (named <= best) continue;
+      best = named;
+      out_.lut = std::move(lut);
+      out_.samples = std::move(with_things);
+      out_.table_noise_grey = noise_grey;
+      if (named == dot_count()) break;
+    }
+    if (static_cast<double>(best) < kLeastNamed * static_cast<double>(dot_count())) {
+      out_.problem = fmt::format(
+          "the colours do not come apart: with a table only {} of {} dots would be named for sure; there is "
+          "too "
+          "little light, or too much noise",
+          best, dot_count());
+    }
+  }
+
+  static std::shared_ptr<const Lut> table_of(std::span<const ColorSample> samples, double noise_grey) {
+    return std::make_shared<const Lut>(lut_from_samples(samples, BackgroundLabels::kClear, noise_grey));
+  }
+  std::size_t dot_count() const { return robots_.size() * (task_.patterns.dots.size() + 1); }
+  /// How many of the dots a table names for sure.
+  std::size_t count_named(const Lut& lut) const {
+    constexpr double kLeastMargin = 0.4, kMostOff = 1.3;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      for (std::size_t j = 0; j < robots_[i].dots.size(); ++j) {
+        const SeenDot& dot = robots_[i].dots[j];
+        const auto array = [](const Color3& color) { return std::array{color[0], color[1], color[2]}; };
+        const ColorName name = name_color(
+            array(dot.contrast), array(dot.color), lut,
+            j == 0 ? std::span<const Label>(task_.patterns.team_colors) : task_.patterns.side_colors);
+        if (name.color == dots_.labels[i][j] && name.margin > kLeastMargin && name.off < kMostOff) ++count;
+      }
+    }
+    return count;
+  }
+
+  /// What was used, for people.
+  void describe() {
+    for (std::size_t i = 0; i < robots_.size() && i < dots_.labels.size(); ++i) {
+      const SeenRobot& seen = robots_[i];
+      const std::vector<Label>& labels = dots_.labels[i];
+      LearntRobot robot{seen.frame,
+                        labels.front() == task_.patterns.team_colors[1] ? Team::kBlue : Team::kYellow,
+                        -1,
+                        seen.pixel_x,
+                        seen.pixel_y,
+                        seen.pose.angle_rad,
+                        seen.px_per_mm,
+                        {}};
+      for (const PatternTable::Code& code : task_.patterns.codes) {
+        if (std::equal(code.colors.begin(), code.colors.end(), labels.begin() + 1, labels.end()))
+          robot.id = code.id;
+      }
+      for (std::size_t j = 0; j < seen.dots.size(); ++j)
+        robot.dots.push_back(
+            {labels[j], seen.dots[j].pixel_x, seen.dots[j].pixel_y, rgb_of(seen.dots[j].color)});
+      out_.robots.push_back(std::move(robot));
+    }
+    for (const SeenBall& ball : balls_)
+      out_.balls.push_back({ball.frame, ball.pixel_x, ball.pixel_y, ball.radius_px, rgb_of(ball.body)});
+    for (std::size_t i = 0; i < label::kCount; ++i) {
+      const auto label = static_cast<Label>(i);
+      LearntLabel one{label, 0, 0, {}, 0};
+      Color3 mean = Color3::Zero(), square = Color3::Zero();
+      double count = 0;
+      for (const ColorSample& sample : out_.samples) {
+        if (sample.label != label) continue;
+        const Color3 color = color_of(sample.color);
+        mean += color;
+        square += color.cwiseProduct(color);
+        ++count;
+      }
+      if (count == 0) continue;
+      mean /= count;
+      one.mean = rgb_of(mean);
+      one.spread = std::sqrt(std::max(0.0, (square / count - mean.cwiseProduct(mean)).sum()));
+      one.guided = static_cast<std::size_t>(
+          std::count_if(task_.guide.begin(), task_.guide.end(),
+                        [&](const ColorSample& sample) { return sample.label == label; }));
+      const bool predicted = std::find(unseen_.begin(), unseen_.end(), label) != unseen_.end();
+      if (is_background(label)) {
+        one.seen = static_cast<std::size_t>(count) - one.guided;
+      } else if (const auto seen = seen_.find(label); seen != seen_.end() && !predicted) {
+        one.seen = seen->second;
+      }
+      out_.labels.push_back(one);
+    }
+  }
+
+  void add(Label label, const Color3& color) {
+    out_.samples.push_back({label, rgb_of(color)});
+    ++seen_[label];
+  }
+  bool has_samples(Label label) const {
+    return std::any_of(out_.samples.begin(), out_.samples.end(),
+                       [&](const ColorSample& sample) { return sample.label == label; });
+  }
+  Color3 print_contrast(Label label) const {
+    return (print_color(label) - print_color(label::kBlack)).cwiseProduct(dots_.gains);
+  }
+  /// How bright a robot is lit: its dots' contrast, over that of prints in white light.
+  double light_of(const SeenRobot& robot, const std::vector<Label>& labels) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < robot.dots.size(); ++i)
+      ratios.push_back(robot.dots[i].contrast.sum() / std::max(1.0, print_contrast(labels[i]).sum()));
+    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+                     ratios.end());
+    const double light = std::max(0.01, ratios[ratios.size() / 2]);
+    for (std::size_t i = 0; i < robot.dots.size(); ++i)
+      lit_[labels[i]].emplace_back(light, robot.dots[i].contrast);
+    return light;
+  }
+  std::optional<Color3> mean_contrast(Label label) const {
+    const auto lit = lit_.find(label);
+    if (lit == lit_.end()) return {};
+    Color3 sum = Color3::Zero();
+    for (const auto& [light, contrast] : lit->second) sum += contrast / light;
+    return sum;
+  }
+  double largest_px_per_mm() const {
+    double out = 0;
+    for (const SeenRobot& robot : robots_) out = std::max(out, robot.px_per_mm);
+    return out;
+  }
+
+  const LearnTask& task_;
+  std::vector<SmallPictures> pictures_;
+  double clipped_share_ = 0, bright_ = 0;
+  std::vector<double> noise_;
+  RobotSearch search_;
+  std::optional<CameraModel> camera_;
+  std::vector<double> heights_mm_;
+  std::vector<SeenRobot> robots_;
+  NamedDots dots_;
+  std::vector<double> lights_;                                   // of each robot
+  std::map<Label, std::vector<std::pair<double, Color3>>> lit_;  // light and contrast of each label's dots
+  std::map<Label, std::size_t> seen_;
+  std::vector<SeenBall> balls_;
+  std::vector<Label> unseen_;
+  LearntColors out_;
+};
+
+}  // namespace
+
+std::size_t LearntColors::robots_of(Team team) const {
+  return static_cast<std::size_t>(std::count_if(
+      robots.begin(), robots.end(), [&](const LearntRobot& robot) { return robot.team == team; }));
+}
+
+LearntColors learn_colors(const LearnTask& task) {
+  return Learner(task).learn();
+}
+
+}  // namespace sslv

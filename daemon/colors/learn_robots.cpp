@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/learn_robots.h"
+
+#include "colors/find_spots.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kMostSpots = 1500;
+constexpr double kBlurPx = 0.55;
+constexpr int kMostPasses = 4;
+// What a pattern must be like to teach.
+constexpr double kMostRmsMm = 2.5, kLeastR2 = 0.45;
+/// How far the tops of one robot may differ below its dots, as a share of its dots' contrast.
+constexpr double kMostUnevenBlack = 0.45;
+/// Robots do not stand closer.
+constexpr double kApartMm = 120;
+
+const Lut& no_colors() {
+  static const Lut lut;
+  return lut;
+}
+
+double quality(const SeenRobot& robot) {
+  return robot.mean_r2 - 0.2 * robot.rms_mm;
+}
+
+/// Whether all dots are there, and what is between them is one black.
+std::optional<SeenRobot> whole(const PatternFit& fit, const PatternTable& patterns) {
+  const std::size_t sides = patterns.dots.size();
+  if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMostRmsMm || fit.least_r2 < kLeastR2)
+    return {};
+  SeenRobot out;
+  out.pose = fit.pose;
+  out.pixel_x = fit.pixel_x;
+  out.pixel_y = fit.pixel_y;
+  out.px_per_mm = fit.px_per_mm;
+  out.rms_mm = fit.rms_mm;
+  out.least_r2 = fit.least_r2;
+  out.mean_r2 = fit.mean_r2;
+  Color3 ground = Color3::Zero();
+  double contrast = 0;
+  for (std::size_t i = 0; i <= sides; ++i) {
+    const PatternDotFit& dot = fit.dots[i == 0 ? PatternFit::kCenter : i - 1];
+    const SeenDot seen{Color3(dot.contrast_rgb.data()), Color3(dot.color_rgb.data()), dot.pixel_x,
+                       dot.pixel_y, dot.snr};
+    ground += seen.color - seen.contrast;
+    contrast += seen.contrast.norm();
+    out.dots.push_back(seen);
+  }
+  const double count = static_cast<double>(sides) + 1;
+  out.black = ground / count;
+  contrast /= count;
+  for (const SeenDot& dot : out.dots) {
+    if ((dot.color - dot.contrast - out.black).norm() > kMostUnevenBlack * contrast) return {};
+  }
+  return out;
+}
+
+/// Sizes in pixels of what is one mm large, over the picture.
+std::vector<double> scales_of(const ImageView& image, const CameraModel& camera, double height_mm) {
+  std::vector<double> all;
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 5; ++x) {
+      const double area =
+          camera.mm2_per_px({(x + 0.5) / 5 * image.width, (y + 0.5) / 5 * image.height}, height_mm);
+      if (area > 0) all.push_back(1 / std::sqrt(area));
+    }
+  }
+  if (all.empty()) return {};
+  std::sort(all.begin(), all.end());
+  constexpr double kSame = 1.5;  // a filter finds what is larger or smaller by its root
+  const double low = all[all.size() / 10], high = all[all.size() - 1 - all.size() / 10];
+  const double middle = all[all.size() / 2];
+  if (high / low < kSame) return {middle};
+  std::vector<double> out;
+  for (double scale = low * std::sqrt(kSame); scale / std::sqrt(kSame) < high; scale *= kSame)
+    out.push_back(scale);
+  return out;
+}
+
+/// Keeps the best of those that stand where only one can.
+std::vector<SeenRobot> without_twins(std::vector<SeenRobot> found) {
+  std::sort(found.begin(), found.end(),
+            [](const SeenRobot& a, const SeenRobot& b) { return quality(a) > quality(b); });
+  std::vector<SeenRobot> out;
+  for (SeenRobot& robot : found) {
+    const bool taken = std::any_of(out.begin(), out.end(), [&](const SeenRobot& other) {
+      return other.frame == robot.frame &&
+             std::hypot(other.pixel_x - robot.pixel_x, other.pixel_y - robot.pixel_y) <
+                 kApartMm * robot.px_per_mm;
+    });
+    if (!taken) out.push_back(std::move(robot));
+  }
+  return out;
+}
+
+class PatternSearch {
+ public:
+  PatternSearch(const RobotSearch& search, std::size_t frame)
+      : search_(search), frame_(frame), image_(search.frames[frame]) {}
+
+  void look(const CameraModel& camera, double height_mm, double px_per_mm) {
+    const double radius_px = search_.patterns.center_diameter_mm / 2 * px_per_mm;
+    const SmallPicture& picture = search_.pictures[frame_].of(cell_px_for(image_.format, radius_px));
+    const auto spots =
+        find_spots(picture, radius_px, search_.noise_grey[frame_], SpotsOf::kBrighter, kMostSpots);
+    const PatternFitter::Frame frame{image_, camera, search_.patterns, no_colors(), kBlurPx};
+    for (const Spot& spot : spots) {
+      if (search_.stop.stop_requested()) return;
+      const auto place = camera.unproject(spot.pixel, height_mm);
+      if (!place) continue;
+      const auto center = fitter_.fit_center(frame, place->x(), place->y(), height_mm);
+      if (!center.seen) continue;
+      std::array<double, PatternFitter::kMostHeadings> angles;
+      const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, angles);
+      for (std::size_t i = 0; i < count; ++i) {
+        const PatternFit fit =
+            fitter_.fit(frame, {center.x_mm, center.y_mm, angles[i]}, height_mm, kMostPasses);
+        auto robot = whole(fit, search_.patterns);
+        if (!robot) continue;
+        robot->frame = frame_;
+        robot->height_mm = height_mm;
+        found_.push_back(std::move(*robot));
+        break;
+      }
+    }
+  }
+  std::vector<SeenRobot> found() { return without_twins(std::move(found_)); }
+
+ private:
+  const RobotSearch& search_;
+  std::size_t frame_;
+  const ImageView& image_;
+  PatternFitter fitter_;
+  std::vector<SeenRobot> found_;
+};
+
+}  // namespace
+
+std::vector<SeenRobot> find_patterns(const RobotSearch& search, const CameraModel& camera,
+                                     std::span<const double> heights_mm) {
+  std::vector<SeenRobot> out;
+  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
+    PatternSearch one(search, frame);
+    for (const double height_mm : heights_mm) {
+      for (const double px_per_mm : scales_of(search.frames[frame], camera, height_mm))
+        one.look(camera, height_mm, px_per_mm);
+    }
+    auto found = one.found();
+    std::move(found.begin(), found.end(), std::back_inserter(out));
+  }
+  return out;
+}
+
+std::vector<SeenRobot> find_patterns_flat(const RobotSearch& search, double mm_per_px) {
+  std::vector<SeenRobot> all;
+  constexpr std::array kHeightsMm{0.0};
+  for (const double factor : {1.0, 0.94, 1.06}) {
+    const ImageView& image = search.frames.front();
+    auto found =
+        find_patterns(search, flat_camera(image.width, image.height, factor * mm_per_px), kHeightsMm);
+    for (SeenRobot& robot : found) {
+      robot.pose.x_mm /= factor;
+      robot.pose.y_mm /= factor;
+    }
+    std::move(found.begin(), found.end(), std::back_inserter(all));
+  }
+  return without_twins(std::move(all));
+}
+
+CameraModel flat_camera(int width_px, int height_px, double mm_per_px) {
+  constexpr double kFocalPx = 20'000;
+  CameraCalibration c;
+  c.focal_length = kFocalPx;
+  c.principal_point_x = (width_px - 1) / 2.0;
+  c.principal_point_y = (height_px - 1) / 2.0;
+  // It looks down; +x is to the right, +y up.
+  c.q0 = 1;
+  c.q3 = 0;
+  c.tz = kFocalPx * mm_per_px;
+  c.pixel_image_width = width_px;
+  c.pixel_image_height = height_px;
+  return CameraModel(c);
+}
+
+double find_scale(const RobotSearch& search) {
+  // A camera sees between 1.5 m and 14 m of a field, and a dot is four pixels wide at least.
+  constexpr double kMostSeenMm = 14'000, kLeastSeenMm = 1500, kLeastPxPerMm = 0.08, kStep = 1.1;
+  const double width = search.frames.empty() ? 0 : search.frames.front().width;
+  const double least = std::max(kLeastPxPerMm, width / kMostSeenMm), most = width / kLeastSeenMm;
+  const auto score_at = [&](double px_per_mm, std::size_t frame) {
+    const CameraModel camera =
+        flat_camera(search.frames[frame].width, search.frames[frame].height, 1 / px_per_mm);
+    PatternSearch one(search, frame);
+    one.look(camera, 0, px_per_mm);
+    double score = 0;
+    for (const SeenRobot& robot : one.found()) score += std::max(0.1, quality(robot));
+    return score;
+  };
+  double best_scale = 0, best = 0;
+  for (std::size_t frame = 0; frame < search.frames.size() && best == 0; ++frame) {
+    for (double scale = least; scale < most && !search.stop.stop_requested(); scale *= kStep) {
+      const double score = score_at(scale, frame);
+      if (score <= best) continue;
+      best = score;
+      best_scale = scale;
+    }
+    if (best == 0) continue;
+    // Finer around it.
+    for (const double factor : {1.05, 0.95, 1.025, 0.975, 1.0125, 0.9875}) {
+      const double score = score_at(best_scale * factor, frame);
+      if (score <= best) continue;
+      best = score;
+      best_scale *= factor;
+    }
+  }
+  return best_scale > 0 ? 1 / best_scale : 0;
+}
+
+}  // namespace sslv

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "image/color.h"
+#include "image/image.h"
+#include "vision/label.h"
+#include "vision/lut.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace sslv {
+
+/// A rectangle of a picture, in pixels.
+struct PixelBox {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// The cells of a rectangle, row by row: pixels, or the 2x2 quads of a Bayer picture, and what a table makes
+/// of them.
+struct PixelBlock {
+  PixelBox box;  // what is left of the rectangle within the picture, grown to whole cells
+  int cell_px = 1;
+  int columns = 0, rows = 0;
+  std::vector<Yuv> colors;
+  std::vector<Label> labels;
+};
+
+/// Empty when the rectangle lies outside the picture. Grey pixels have U = V = 128.
+PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut);
+
+/// Cells of the block that hang together (8 neighbours) with the one that the pixel lies in, and have its
+/// label; none when it lies outside.
+std::vector<bool> region_around(const PixelBlock& block, int x_px, int y_px);
+
+/// Of some cells.
+struct PixelFigures {
+  static constexpr std::size_t kBins = 64;
+  std::size_t count = 0;
+  std::array<double, 3> mean{}, spread{};         // of Y, U, V; spread: standard deviation
+  std::array<std::size_t, label::kMost> cells{};  // of each label
+  std::array<std::array<std::size_t, kBins>, 3> histogram{};
+};
+
+/// `chosen`: one for each cell of the block; empty: all.
+PixelFigures figures_of(const PixelBlock& block, const std::vector<bool>& chosen = {});
+
+}  // namespace sslv
