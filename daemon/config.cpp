@@ -27,6 +27,7 @@ Config read_config(const Json& settings) {
   check_field(config.field, "/field");
   check_multicast(config.network.vision, "/network/vision");
   check_group(config.network.referee.group, "/network/referee/group");
+  LabelSet(config.own_labels, "/own_labels");
   std::map<int, std::size_t> camera_with_id;
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     CameraSettings& camera = config.cameras[i];
@@ -71,8 +72,10 @@ Json settings_schema() {
   return schema;
 }
 
-World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut) {
+World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut,
+                 const LoadTable& load_table) {
   const CameraSettings& camera = config.cameras[i];
+  const auto labels = std::make_shared<const LabelSet>(config.own_labels, "/own_labels");
   auto scene = std::make_shared<Scene>();
   scene->field = config.field;
   if (camera.calibration) scene->camera.emplace(*camera.calibration, camera_path(i) + "/calibration");
@@ -93,10 +96,23 @@ World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut>
           fmt::format("/patterns_file: cannot read \"{}\": {}", config.patterns_file, std::strerror(errno)));
     }
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    patterns = std::make_shared<const PatternTable>(parse_patterns(text, config.patterns_file));
+    patterns = std::make_shared<const PatternTable>(parse_patterns(text, config.patterns_file, *labels));
   }
-  if (!lut) lut = make_lut(camera.colors, camera_path(i) + "/colors");
-  return {std::move(scene), std::move(lut), std::make_shared<const Mask>(camera.mask), std::move(patterns)};
+  const std::string colors_path = camera_path(i) + "/colors";
+  if (!lut && !camera.colors.table.empty() && !load_table) {
+    throw SettingsError(fmt::format(
+        "{}/table: \"{}\" is kept by the service that saved it; export it there and name the file "
+        "in lut_file",
+        colors_path, camera.colors.table));
+  }
+  if (!lut && !camera.colors.table.empty())
+    lut = load_table(camera.colors.table, colors_path + "/table", *labels);
+  if (!lut) lut = make_lut(camera.colors, colors_path, *labels);
+  lut = with_bits(std::move(lut), camera.colors.bits);
+  World world{std::move(scene),    std::move(lut), std::make_shared<const Mask>(camera.mask),
+              std::move(patterns), nullptr,        labels};
+  world.accepted_lut = world.lut;
+  return world;
 }
 
 }  // namespace sslv

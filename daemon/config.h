@@ -6,6 +6,7 @@
 #include "base/json.h"
 #include "base/params.h"
 #include "capture/camera_thread.h"
+#include "colors/light_follower.h"
 #include "geometry/ball_models.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
@@ -15,6 +16,8 @@
 #include "stages.h"
 #include "vision/lut.h"
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -78,6 +81,7 @@ struct CameraSettings {
   Json source = Json{{"backend", "simulator"}};
   std::optional<CameraCalibration> calibration;
   ColorSettings colors;
+  FollowLightParams follow_light;
   MaskSettings mask;
   std::vector<std::string> stack = default_stack();
   Json stages = Json::object();
@@ -91,6 +95,7 @@ struct CameraSettings {
         group("calibration", &C::calibration,
               "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
         group("colors", &C::colors, "the colour lookup table"),
+        group("follow_light", &C::follow_light, "whether the table follows the light, and how far"),
         group("mask", &C::mask, "which part of the picture is looked at"),
         names("stack", &C::stack, "the stages a picture passes, in order"),
         object("stages", &C::stages, "parameters of the stages"),
@@ -105,6 +110,7 @@ struct Config {
   std::optional<BallModels> ball_models = BallModels{};
   TeamsSettings teams;
   std::string patterns_file;
+  std::vector<OwnLabel> own_labels;
   NetworkSettings network;
   PanelSettings panel;
   std::vector<CameraSettings> cameras;
@@ -115,6 +121,8 @@ struct Config {
         group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
         group("teams", &Config::teams, "names and heights of the teams"),
         text("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
+        list("own_labels", &Config::own_labels,
+             "labels of colour tables besides the built-in ones, for patterns of your own"),
         group("network", &Config::network, "what is sent where"),
         group("panel", &Config::panel, "where the web panel listens"),
         list("cameras", &Config::cameras, "the cameras of this daemon"),
@@ -132,8 +140,15 @@ Json complete_settings(const Json& settings);
 /// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
 Json settings_schema();
 
+/// The colour table that the service has saved under a name; null: use what the settings say besides. Throws
+/// SettingsError, beginning with `path`.
+using LoadTable = std::function<std::shared_ptr<const Lut>(const std::string& name, const std::string& path,
+                                                           const LabelSet& labels)>;
+
 /// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table
-/// unless `lut` is given; throws SettingsError when their files cannot be used.
-World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr);
+/// unless `lut` is given; throws SettingsError when their files cannot be used. Without `load_table` a saved
+/// table cannot.
+World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr,
+                 const LoadTable& load_table = {});
 
 }  // namespace sslv

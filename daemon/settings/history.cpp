@@ -92,6 +92,27 @@ void SettingsHistory::add(SettingsStep step) {
   }
 }
 
+void SettingsHistory::join(SettingsStep step) {
+  constexpr double kLongest_s = 60;
+  const auto same = [&](const char* key) { return steps_.back()[key] == step[key]; };
+  const auto replaces_same = [&] {
+    const Json &old = steps_.back()["changes"], &now = step["changes"];
+    return std::equal(old.begin(), old.end(), now.begin(), now.end(), [](const Json& a, const Json& b) {
+      return a["op"] == "replace" && b["op"] == "replace" && a["path"] == b["path"];
+    });
+  };
+  const bool joins = !steps_.empty() && same("who") && same("what") && replaces_same() &&
+                     step["time"].get<double>() - steps_.back()["time"].get<double>() < kLongest_s;
+  if (joins) {
+    for (std::size_t i = 0; i < step["changes"].size(); ++i)
+      step["changes"][i]["before"] = steps_.back()["changes"][i]["before"];
+    bytes_ -= sizes_.back();
+    sizes_.pop_back();
+    steps_.pop_back();
+  }
+  add(std::move(step));
+}
+
 const SettingsStep* SettingsHistory::find(std::uint64_t revision) const {
   const auto found = std::find_if(steps_.begin(), steps_.end(),
                                   [=](const Json& step) { return step["revision"] == revision; });

@@ -36,6 +36,9 @@ class SettingsHistory {
   explicit SettingsHistory(const Json& saved);
 
   void add(SettingsStep step);
+  /// As a part of the newest step, when that replaced the same values, for the same client and purpose, less
+  /// than a minute ago: it is the newer revision then, and what was before the first of them is before it.
+  void join(SettingsStep step);
   const SettingsStep* find(std::uint64_t revision) const;
   /// Newest first, those after a revision.
   Json newer_than(std::uint64_t revision) const;

@@ -193,11 +193,12 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
   const auto put_into_force = prepare(next.settings);
 
   SettingsHistory history = history_;
-  history.add({{"revision", next.revision},
-               {"time", unix_time_s()},
-               {"who", edit.who},
-               {"what", edit.what},
-               {"changes", changes_between(version_.settings, next.settings)}});
+  SettingsStep step{{"revision", next.revision},
+                    {"time", unix_time_s()},
+                    {"who", edit.who},
+                    {"what", edit.what},
+                    {"changes", changes_between(version_.settings, next.settings)}};
+  edit.joins ? history.join(std::move(step)) : history.add(std::move(step));
   const Json saved{{"revision", next.revision},
                    {"changes", Json::diff(admin_settings_, next.settings)},
                    {"history", history.to_json()}};

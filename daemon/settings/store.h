@@ -31,6 +31,7 @@ struct SettingsEdit {
   std::string who;
   std::optional<std::uint64_t> if_revision{};  // refused unless this is the newest
   std::string what{};                          // that the change is part of: "calibration", say
+  bool joins = false;  // one of many small ones that are one step of the history: see SettingsHistory::join
 };
 
 /// A file that cannot be written or read; one line.

@@ -283,6 +283,27 @@ TEST(SettingsHistory, ForgetsTheOldest) {
   EXPECT_EQ(SettingsHistory(Json{{"no", "list"}}).newer_than(0).size(), 0u);
 }
 
+TEST_F(Store, ManySmallChangesMayBeOneStep) {
+  auto store = open();
+  const auto paint = [&](const char* who, const char* what, int a) {
+    SettingsEdit edit{who, {}, what};
+    edit.joins = true;
+    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", a}}}), edit,
+                       kNothingToPrepare);
+  };
+  for (int a = 3; a <= 6; ++a) paint("Mia", "colours", a);
+  ASSERT_EQ(store.history().size(), 1u);
+  EXPECT_EQ(store.history()[0]["changes"],
+            Json::parse(R"([{"op": "replace", "path": "/a", "before": 1, "after": 6}])"));
+  EXPECT_EQ(store.history()[0]["revision"], store.current().revision);
+  paint("Tom", "colours", 7);
+  paint("Tom", "mask", 8);
+  set(store, "b", 9);
+  EXPECT_EQ(store.history().size(), 4u) << "another client's, another purpose, another value";
+  const auto revision = open().history()[3]["revision"].get<std::uint64_t>();
+  EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, revision); }), HasSubstr("changed again"));
+}
+
 TEST_F(Store, NoProblemWithoutSavedChanges) {
   EXPECT_THAT(open().problem(), IsEmpty());
 }
