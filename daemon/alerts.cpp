@@ -110,7 +110,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
          fmt::format("Camera {}: {} of {} pictures of the last minute had too much to look at", camera.id,
                      minute.capped, minute.all()),
          "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.",
-         fmt::format("#/settings/cameras/{}/colors", camera.place));
+         fmt::format("#/colors/{}", camera.id));
   }
   if (!camera.exposure) return;
   if (camera.exposure->clipped_share > kClippedShare) {
@@ -283,6 +283,13 @@ void add_computer_alerts(std::vector<Alert>& alerts, const HealthInput& input) {
          fmt::format("This computer's memory is nearly full: {:.0f} MB are free",
                      static_cast<double>(input.computer.memory_available_bytes) * 1e-6),
          "End other programs before the system ends this one.", "#/diagnostics");
+  }
+  for (const std::string& problem : input.lost_tables) {
+    warn("table_lost", CheckId::kPictures, problem,
+         "The camera has the table of its settings' classes or file. Learn its colours, import a table, or "
+         "take "
+         "an older one from the settings' history.",
+         "#/colors");
   }
   if (!input.settings_problem.empty()) {
     warn("settings_rejected", CheckId::kComputer, input.settings_problem,

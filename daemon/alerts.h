@@ -48,8 +48,9 @@ struct HealthInput {
   bool another_host_sends = false;  // one of them is on another computer
   std::string listening_error;      // why the vision group cannot be heard
   RefereeStatus referee;
-  std::string settings_problem;  // at start
-  std::string save_problem;      // why the last change was not saved
+  std::string settings_problem;          // at start
+  std::string save_problem;              // why the last change was not saved
+  std::vector<std::string> lost_tables;  // why saved colour tables could not be used at start
   ComputerFigures computer;
   std::optional<ClockFigures> clock;
   std::vector<CameraFacts> cameras;

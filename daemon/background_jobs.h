@@ -50,12 +50,13 @@ class BackgroundJobs {
 
   using LogFailure = std::function<void(int key, const std::string& problem)>;
 
-  /// `thread_name`: at most 15 characters.
-  BackgroundJobs(const char* thread_name, Work work, LogFailure log_failure)
+  /// `thread_name`: at most 15 characters. `become`: what kind of thread (base/background.h).
+  BackgroundJobs(const char* thread_name, Work work, LogFailure log_failure,
+                 void (*become)(const char* name) = become_background_thread)
       : work_(std::move(work)),
         log_failure_(std::move(log_failure)),
-        thread_([this, thread_name](const std::stop_token& ending) {
-          become_background_thread(thread_name);
+        thread_([this, thread_name, become](const std::stop_token& ending) {
+          become(thread_name);
           serve(ending);
         }) {}
 

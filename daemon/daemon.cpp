@@ -59,6 +59,7 @@ Daemon::Daemon(const Options& options)
     : started_s_(unix_time_s()),
       store_(options.settings_file, options.state_folder, complete_settings),
       profiles_(options.state_folder / "profiles.json"),
+      saved_tables_(options.state_folder / "tables"),
       config_(read_config(store_.current().settings)),
       multicast_(config_.load()->network.vision, "/network/vision"),
       geometry_(make_geometry(*config_.load())),
@@ -69,6 +70,8 @@ Daemon::Daemon(const Options& options)
       calibration_history_(options.state_folder / "calibrations.json"),
       calibration_jobs_(make_calibration_jobs(frame_waiter())),
       joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())),
+      color_learning_(make_color_learning(frame_waiter())),
+      follow_light_(light_hooks()),
       monitor_(
           options.state_folder, [this] { return cameras_now(); }, [this] { look_after(); }) {
   prepare(store_.current().settings)();
@@ -94,13 +97,30 @@ Daemon::MadeReady Daemon::make_ready(const Json& settings) const {
   for (std::size_t i = 0; i < config->cameras.size(); ++i) {
     const auto running = old_cameras->find(config->cameras[i].id);
     if (running == old_cameras->end()) {
-      ready.setups.push_back(make_setup(*config, i, nullptr, nullptr));
+      ready.setups.push_back(make_setup(*config, i, nullptr, nullptr, load_table()));
     } else {
       ready.setups.push_back(make_setup(*config, i, running->second->settings().get(),
-                                        running->second->pipeline().setup().get()));
+                                        running->second->pipeline().setup().get(), load_table()));
     }
   }
   return ready;
+}
+
+LoadTable Daemon::load_table() const {
+  const bool is_start = listening_.load() == nullptr;
+  return [this, is_start](const std::string& name, const std::string& path,
+                          const LabelSet& labels) -> std::shared_ptr<const Lut> {
+    try {
+      return saved_tables_.load(name, path, labels);
+    } catch (const SettingsError& error) {
+      if (!is_start) throw;
+      log::error("{}", error.what());
+      auto lost = *lost_tables_.load();
+      lost[name] = error.what();
+      lost_tables_.store(std::move(lost));
+      return nullptr;
+    }
+  };
 }
 
 std::function<void()> Daemon::prepare(const Json& settings) {
@@ -144,6 +164,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     // Before a camera that goes is missed by its job.
     invalidate(calibration_jobs_, changed);
     invalidate(joint_calibration_jobs_, changed);
+    invalidate(color_learning_, changed);
     cameras_.store(std::move(cameras));
   };
 }
@@ -225,9 +246,10 @@ std::optional<View> Daemon::wait_view(std::uint32_t camera_id, std::uint64_t new
             {},
             {}};
   if (frame.runs.width > 0) {
-    view.regions = [hold] { return regions_json(hold->frame->regions); };
-    view.draw_labels = [hold](std::vector<std::uint8_t>& buffer) {
-      return draw_label_picture(hold->frame->runs, buffer);
+    const auto labels = hold->camera->pipeline().setup()->world.labels;
+    view.regions = [hold, labels] { return regions_json(hold->frame->regions, *labels); };
+    view.draw_labels = [hold, labels](std::vector<std::uint8_t>& buffer) {
+      return draw_label_picture(hold->frame->runs, buffer, *labels);
     };
   }
   return view;
@@ -295,13 +317,10 @@ WebHost Daemon::make_web_host() {
   host.wait_view = [this](std::uint32_t id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
     return wait_view(id, newer_than, timeout);
   };
-  host.lut_file = [this](std::uint32_t id) {
-    const auto running = camera(id);
-    return running ? lut_file_bytes(*running->pipeline().setup()->world.lut) : std::vector<std::uint8_t>{};
-  };
   add_profiles_to(host);
   add_health_to(host);
   add_calibration_to(host);
+  add_colors_to(host);
   return host;
 }
 

@@ -4,16 +4,22 @@
 #include "base/snapshot.h"
 #include "calibration_history.h"
 #include "calibration_jobs.h"
+#include "color_desk.h"
+#include "color_learning.h"
+#include "colors_json.h"
 #include "config.h"
+#include "follow_light.h"
 #include "joint_calibration_jobs.h"
 #include "monitor.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
 #include "running_camera.h"
+#include "saved_tables.h"
 #include "settings/profiles.h"
 #include "settings/store.h"
 #include "status.h"
+#include "stills.h"
 #include "web/server.h"
 
 #include <atomic>
@@ -56,6 +62,8 @@ class Daemon {
   };
   /// Throws SettingsError.
   MadeReady make_ready(const Json& settings) const;
+  /// At start a camera whose table is lost has that of its settings instead, and says so.
+  LoadTable load_table() const;
   /// Makes everything new settings need; the result puts it into force. Throws SettingsError.
   std::function<void()> prepare(const Json& settings);
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
@@ -125,6 +133,50 @@ class Daemon {
                                    const SettingsStore::Version& current, const std::string& what,
                                    const std::string& who);
 
+  // daemon_colors.cpp; all that has to do with a desk while colors_mutex_ is held
+  void add_colors_to(WebHost& host);
+  struct ColorCamera {
+    std::shared_ptr<RunningCamera> camera;
+    World world;
+    ColorDesk& desk;  // with the accepted table on it
+  };
+  /// Throws HttpError 404.
+  ColorCamera color_camera(int camera_id);
+  ColorDesk::Save table_saver(int camera_id, const LabelSet& labels, const std::string& who);
+  /// Saves in the settings that the camera has this table.
+  void put_table_into_force(int camera_id, const std::string& name, const std::string& what,
+                            const std::string& who);
+  /// Removes saved tables that nothing names any more.
+  void tidy_tables();
+  Json colors_state(int camera_id);
+  LightView light_view(int camera_id, const World& world) const;
+  /// A whole table, in the bits of the camera's.
+  void take_over(const ColorCamera& at, int camera_id, std::shared_ptr<const Lut> lut,
+                 const std::string& what, const std::string& who);
+  /// The table in force becomes the accepted one.
+  void keep_todays_light(const ColorCamera& at, int camera_id, const std::string& who);
+  void take_light_back(const ColorCamera& at, int camera_id, const std::string& who);
+  FollowLight::Hooks light_hooks();
+  TableEdit read_color_command(int camera_id, const Json& json, const std::string& path, const World& world);
+  Json edit_colors(int camera_id, const Json& request, const std::string& who);
+  Json import_colors(int camera_id, const TableFile& file, const std::string& who);
+  /// A still, or the newest picture.
+  struct Looked {
+    LentPicture picture;
+    std::uint32_t frame_number;
+    double t_capture_s;
+  };
+  /// Throws HttpError: 404 no such still, 503 no picture.
+  Looked look(int camera_id, std::optional<int> still);
+  Json pixels(int camera_id, const PixelWish& wish);
+  Json take_still(int camera_id);
+  Json start_learning(int camera_id, const Json& json, const std::string& who);
+  Json learning_state(int camera_id) const;
+  /// Of a finished job; throws HttpError 409.
+  std::shared_ptr<const LearningReport> learning_report(int camera_id) const;
+  const LearningPicture& learning_picture(const LearningReport& report, int picture) const;
+  Json accept_learning(int camera_id, const std::string& who);
+
   // daemon_joint_calibration.cpp
   Json joint_calibration() const;
   Json start_joint_calibration(const Json& request, bool force, const std::string& who);
@@ -135,6 +187,7 @@ class Daemon {
   const double started_s_;
   SettingsStore store_;
   Profiles profiles_;
+  SavedTables saved_tables_;
   Snapshot<Config> config_;
   MulticastSender multicast_;
   Snapshot<Geometry> geometry_;
@@ -147,6 +200,13 @@ class Daemon {
   CalibrationHistory calibration_history_;
   CalibrationJobs calibration_jobs_;
   JointCalibrationJobs joint_calibration_jobs_;
+  mutable Snapshot<std::map<std::string, std::string>> lost_tables_{{}};  // at start: name, and why
+  std::mutex colors_mutex_;  // guards the desks; held during a whole change of a table
+  int tables_since_tidied_ = 0;
+  std::map<int, ColorDesk> desks_;  // by camera
+  Stills stills_;
+  ColorLearning color_learning_;
+  FollowLight follow_light_;
   AlertTimes alert_times_;
   Snapshot<std::set<int>> stale_calibrations_{{}};        // ids of the cameras whose field was changed since
   std::shared_ptr<const Config> calibrations_looked_at_;  // of the monitor's thread: with these settings

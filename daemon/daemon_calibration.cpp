@@ -73,8 +73,8 @@ WaitFrame Daemon::frame_waiter() {
     const auto held = hold_frame(id, newer_than, timeout);
     if (!held) return std::nullopt;
     const Frame& frame = *held->hold->frame;
-    return LentFrame{held->version,       held->hold,      frame.image.view(), frame.info.times.t_capture_s,
-                     frame.robots.robots, frame.info.whole};
+    return LentFrame{held->version,       held->hold,       frame.image.view(), frame.info.times.t_capture_s,
+                     frame.robots.robots, frame.info.whole, frame.info.number};
   };
 }
 

@@ -141,10 +141,16 @@ HealthInput Daemon::health_input(const Config& config,
                     .referee = referee_.status(steady_s()),
                     .settings_problem = store_.problem(),
                     .save_problem = store_.save_problem(),
+                    .lost_tables = {},
                     .computer = monitor_.computer(),
                     .clock = monitor_.clock(),
                     .cameras = {}};
   input.another_host_sends = is_of_another_host(input.other_visions);
+  const auto lost = lost_tables_.load();
+  for (const CameraSettings& camera : config.cameras) {
+    if (const auto found = lost->find(camera.colors.table); found != lost->end())
+      input.lost_tables.push_back(found->second);
+  }
   const auto stale = stale_calibrations_.load();
   for (const auto& camera : cameras) {
     const auto settings = camera->settings();

@@ -32,7 +32,7 @@ Json detections_json(const RobotList& robots, const BallList& balls) {
   return out;
 }
 
-Json regions_json(const RegionList& list) {
+Json regions_json(const RegionList& list, const LabelSet& labels) {
   constexpr std::size_t kMost = 500;
   std::vector<const Region*> largest;
   for (const Region& region : list.regions) largest.push_back(&region);
@@ -45,7 +45,10 @@ Json regions_json(const RegionList& list) {
     boxes.push_back({region.label, region.left, region.top, region.right - region.left + 1,
                      region.bottom - region.top + 1, region.area_px});
   }
-  return {{"labels", label::kNames}, {"boxes", std::move(boxes)}, {"total", list.regions.size()}};
+  Json names = Json::array();  // by value
+  for (std::size_t value = 0; value <= labels.all().back().value; ++value)
+    names.push_back(labels.name(static_cast<Label>(value)));
+  return {{"labels", std::move(names)}, {"boxes", std::move(boxes)}, {"total", list.regions.size()}};
 }
 
 }  // namespace sslv

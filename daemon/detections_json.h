@@ -12,6 +12,6 @@ namespace sslv {
 Json detections_json(const RobotList& robots, const BallList& balls);
 
 /// The largest regions as docs/openapi.json's PreviewRegions has them.
-Json regions_json(const RegionList& regions);
+Json regions_json(const RegionList& regions, const LabelSet& labels);
 
 }  // namespace sslv

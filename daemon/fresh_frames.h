@@ -22,6 +22,7 @@ struct LentFrame {
   double t_capture_s = 0;
   std::span<const Robot> robots{};
   WholePicture whole{};
+  std::uint32_t number = 0;
 };
 
 /// The newest frame once its version is newer than the given one (0: any); nothing after the timeout. Throws

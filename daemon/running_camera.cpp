@@ -5,6 +5,7 @@
 #include "base/params_json.h"
 #include "cameras.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sslv {
@@ -86,6 +87,15 @@ void RunningCamera::change_robot_heights(const std::array<double, 2>& robot_heig
   pipeline_.change(with_robot_heights(*setup, robot_height_mm));
 }
 
+bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
+                                 std::shared_ptr<const Lut> in_todays_light) {
+  CameraSetup setup = *pipeline_.setup();
+  if (setup.world.accepted_lut != accepted) return false;
+  setup.world.lut = std::move(in_todays_light);
+  pipeline_.change(std::move(setup));
+  return true;
+}
+
 CameraHealth RunningCamera::health() const {
   const std::lock_guard lock(thread_mutex_);
   return thread_ ? thread_->health() : CameraHealth{};
@@ -103,8 +113,19 @@ void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots
   age.add_ns(static_cast<std::int64_t>((t_sent_s - info.times.t_capture_s) * 1e9));
 }
 
+namespace {
+
+/// Then colour classes and tables mean the same.
+bool same_names(const LabelSet& a, const LabelSet& b) {
+  return std::ranges::equal(a.all(), b.all(), [](const LabelInfo& one, const LabelInfo& other) {
+    return one.value == other.value && one.name == other.name;
+  });
+}
+
+}  // namespace
+
 CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings* previous_settings,
-                       const CameraSetup* previous) {
+                       const CameraSetup* previous, const LoadTable& load_table) {
   const CameraSettings& camera = config.cameras[i];
   const std::string path = "/cameras/" + std::to_string(i);
   CameraSetup setup;
@@ -114,8 +135,10 @@ CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings
     setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.stack, path + "/stack");
   }
   setup.parameters = setup.pipeline->make_parameters(camera.stages, path + "/stages");
-  const bool same_colors = previous && same(previous_settings->colors, camera.colors);
-  setup.world = make_world(config, i, same_colors ? previous->world.lut : nullptr);
+  const bool same_colors = previous && same(previous_settings->colors, camera.colors) &&
+                           same_names(*previous->world.labels, LabelSet(config.own_labels, "/own_labels"));
+  setup.world = make_world(config, i, same_colors ? previous->world.accepted_lut : nullptr, load_table);
+  if (same_colors) setup.world.lut = previous->world.lut;
   return setup;
 }
 

@@ -37,6 +37,10 @@ class RunningCamera {
   /// The next frame has robots of these heights. Not while another thread is in change().
   void change_robot_heights(const std::array<double, 2>& robot_height_mm);
 
+  /// The next frame uses this table, which is the accepted one in today's light. False when that is no longer
+  /// the accepted one. Not while another thread is in change().
+  bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> in_todays_light);
+
   std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
   CameraHealth health() const;
   /// Those of the open camera; none while it is not open, or has none.
@@ -68,7 +72,7 @@ class RunningCamera {
 /// remember, is kept when the stack is the same, and its colour table when the colours are. Throws
 /// SettingsError.
 CameraSetup make_setup(const Config& config, std::size_t i, const CameraSettings* previous_settings,
-                       const CameraSetup* previous);
+                       const CameraSetup* previous, const LoadTable& load_table);
 
 /// The same setup with robots of these heights.
 CameraSetup with_robot_heights(CameraSetup setup, const std::array<double, 2>& robot_height_mm);

@@ -5,6 +5,7 @@
 #include "capture/simulator/simulator.h"
 #include "capture/simulator/simulator_camera.h"
 #include "capture/simulator/simulator_random.h"
+#include "colors/learn_colors.h"
 #include "config.h"
 #include "ctl/no_sink.h"
 #include "detections_json.h"
@@ -26,8 +27,9 @@
 namespace sslv {
 namespace {
 
-constexpr double kMatchMm = 100;                // as score()
-constexpr double kFirstS = 1000, kStepS = 7.3;  // so far apart that pictures have little in common
+constexpr double kMatchMm = 100;                    // as score()
+constexpr double kFirstS = 1000, kStepS = 7.3;      // so far apart that pictures have little in common
+constexpr double kFilmBeginS = 1200, kLookS = 0.2;  // swings begin; the light is looked at
 
 // ---- conditions
 
@@ -330,26 +332,50 @@ std::vector<Place> spread(const std::vector<Place>& places, std::size_t count) {
   return out;
 }
 
+/// The same conditions with other pictures.
+SimulatorOptions other_pictures(SimulatorOptions options) {
+  constexpr int kOtherSeed = 500'000;
+  options.seed = (options.seed + kOtherSeed) % 1'000'000;
+  return options;
+}
+
+void take(SimulatedCamera& camera, int number, TrainingPicture& picture) {
+  const double t_s = kFirstS + kStepS * number;
+  picture.bytes.resize(camera.picture_bytes());
+  camera.draw(t_s, picture.bytes.data());
+  picture.view = camera.layout();
+  picture.view.data = picture.bytes.data();
+  picture.truth = camera.truth("", t_s);
+}
+
+/// A table without a click; with a problem when nothing was learnt.
+LearntColors learn(const Trial& trial, const World& world) {
+  constexpr int kPictures = 3;
+  SimulatedCamera camera(other_pictures(trial.source), {0, *world.scene}, *world.patterns);
+  std::array<TrainingPicture, kPictures> pictures;
+  LearnTask task{{}, *world.scene, *world.patterns};
+  for (int i = 0; i < kPictures; ++i) {
+    TrainingPicture& picture = pictures[static_cast<std::size_t>(i)];
+    take(camera, i, picture);
+    task.frames.push_back(picture.view);
+  }
+  return learn_colors(task);
+}
+
 std::vector<ColorSample> click(const Trial& trial, const World& world) {
   constexpr std::size_t kPictures = 2, kClicks = 8;
-  constexpr int kOtherSeed = 500'000;
-  SimulatorOptions options = trial.source;
-  options.seed = (options.seed + kOtherSeed) % 1'000'000;
+  SimulatorOptions options = other_pictures(trial.source);
   options.balls = std::max(options.balls, 6);                             // an admin has more than one
   options.hidden_balls = options.covered_dots = options.distractors = 0;  // knows what to click at
+  options.light_swing.clear(), options.cast_swing.clear();
   SimulatedCamera camera(options, {0, *world.scene}, *world.patterns);
   SimulatorRandom random(static_cast<std::uint64_t>(options.seed));
 
   std::array<TrainingPicture, kPictures> pictures;
   std::vector<Place> places;
   for (std::size_t i = 0; i < kPictures; ++i) {
-    const double t_s = kFirstS + kStepS * static_cast<double>(i);
     TrainingPicture& picture = pictures[i];
-    picture.bytes.resize(camera.picture_bytes());
-    camera.draw(t_s, picture.bytes.data());
-    picture.view = camera.layout();
-    picture.view.data = picture.bytes.data();
-    picture.truth = camera.truth("", t_s);
+    take(camera, static_cast<int>(i), picture);
     const auto more = PlaceFinder(*world.scene, *world.patterns, i, picture.truth, random).find();
     places.insert(places.end(), more.begin(), more.end());
   }
@@ -420,14 +446,27 @@ void add_frame(Reliability& reliability, const Frame& frame, const Json& truth) 
 
 // ---- one trial
 
-Score run_trial(const Trial& trial, const AccuracyCondition& condition, int frames,
-                Reliability& reliability) {
+struct TrialResult {
+  Score score;
+  std::vector<AccuracyRow::Stretch> film;
+  std::string problem;  // why no colours were learnt
+};
+
+TrialResult run_trial(const Trial& trial, const AccuracyCondition& condition, int frames,
+                      AccuracyColors colors, Reliability& reliability) {
+  TrialResult out;
   const CameraSettings& settings = trial.config.cameras.front();
   CameraSetup setup;
   setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.stack, "/stack");
   setup.parameters = setup.pipeline->make_parameters(settings.stages, "/stages");
   setup.world = make_world(trial.config, 0, std::make_shared<Lut>());
-  setup.world.lut = std::make_shared<const Lut>(lut_from_samples(click(trial, setup.world)));
+  if (colors == AccuracyColors::kClicked) {
+    setup.world.lut = std::make_shared<const Lut>(lut_from_samples(click(trial, setup.world)));
+  } else {
+    LearntColors learnt = learn(trial, setup.world);
+    out.problem = learnt.problem;
+    if (learnt.lut) setup.world.lut = std::move(learnt.lut);
+  }
 
   SimulatedCamera camera(trial.source, {0, *setup.world.scene}, *setup.world.patterns);
   std::vector<std::uint8_t> picture(camera.picture_bytes());
@@ -435,24 +474,55 @@ Score run_trial(const Trial& trial, const AccuracyCondition& condition, int fram
   view.data = picture.data();
   NoSink sink;
   CameraPipeline pipeline(0, sink, setup);
-  std::stringstream detections, truth;
+  LightFollower follower(setup.world.lut);
+  ScoreOptions scoring;
+  scoring.min_ball_share = condition.min_ball_share;
+
+  std::string detections, truth;
+  struct {
+    std::string detections, truth;
+  } stretch;
+  const bool is_film = condition.film_hz.has_value();
+  const double step_s = is_film ? 1 / *condition.film_hz : kStepS, begin_s = is_film ? kFilmBeginS : kFirstS;
+  const int stretch_frames =
+      std::max(1, static_cast<int>(std::lround(AccuracyRow::Stretch::kSeconds / step_s)));
+  const int look_frames = std::max(1, static_cast<int>(std::lround(kLookS / step_s)));
   for (int i = 0; i < frames; ++i) {
-    const double t_s = kFirstS + kStepS * i;
+    const double t_s = begin_s + step_s * i;
     camera.draw(t_s, picture.data());
     const Frame& frame = pipeline.process(Image(view, nullptr, nullptr, nullptr), {t_s});
     Json found{{"frame", std::to_string(i)}};
     found.update(detections_json(frame.robots, frame.balls));
     const Json expected = camera.truth(std::to_string(i), t_s);
     add_frame(reliability, frame, expected);
-    detections << found.dump() << '\n';
-    truth << expected.dump() << '\n';
+    stretch.detections += found.dump() + '\n';
+    stretch.truth += expected.dump() + '\n';
+    if (is_film && i % look_frames == 0) {
+      follower.observe(condition.follow_light,
+                       {t_s, view, *setup.world.scene, *setup.world.patterns, frame.robots.robots});
+      if (auto table = follower.new_table()) {
+        setup.world.lut = std::move(table);
+        pipeline.change(setup);
+      }
+    }
+    if (i + 1 < frames && (i + 1) % stretch_frames != 0) continue;
+    if (is_film) {
+      std::istringstream detected(stretch.detections), expected_there(stretch.truth);
+      const Score part = score(detected, expected_there, scoring);
+      const auto& steps = follower.steps();
+      out.film.push_back({step_s * (i / stretch_frames * stretch_frames), part.robots, part.balls,
+                          steps.empty() ? LightChange{} : steps.back().change});
+    }
+    detections += std::exchange(stretch.detections, {});
+    truth += std::exchange(stretch.truth, {});
   }
-  ScoreOptions scoring;
-  scoring.min_ball_share = condition.min_ball_share;
-  return score(detections, truth, scoring);
+  std::istringstream detected(detections), expected(truth);
+  out.score = score(detected, expected, scoring);
+  return out;
 }
 
-std::vector<std::string> failures_of(const Score& score, const AccuracyLimits& limits) {
+std::vector<std::string> failures_of(const Score& score, const std::vector<AccuracyRow::Stretch>& film,
+                                     const AccuracyLimits& limits) {
   std::vector<std::string> out;
   const auto at_least = [&](std::string_view what, double value, const std::optional<double>& least,
                             std::size_t expected) {
@@ -476,6 +546,11 @@ std::vector<std::string> failures_of(const Score& score, const AccuracyLimits& l
   at_least("ball_recall", score.balls.recall(), limits.ball_recall, score.balls.expected);
   at_least("ball_precision", score.balls.precision(), limits.ball_precision, score.balls.expected);
   at_most("ball_rms_mm", score.ball_position_mm.rms, limits.ball_rms_mm);
+  for (const AccuracyRow::Stretch& part : film) {
+    const auto from = fmt::format("from second {:g} on: ", part.begin_s);
+    at_least(from + "recall", part.robots.recall(), limits.worst_recall, part.robots.expected);
+    at_least(from + "ball_recall", part.balls.recall(), limits.worst_ball_recall, part.balls.expected);
+  }
   return out;
 }
 
@@ -521,6 +596,27 @@ Json json_of(const std::array<Reliability::Bin, Reliability::kBins>& bins) {
   return out;
 }
 
+/// How it went on in films.
+Table film_table(const AccuracyReport& report) {
+  Table table{{"condition", "format", "second", "robots", "recall", "wrong id", "false", "balls",
+               "ball recall", "red", "green", "blue", "darkest", "brightest"}};
+  for (const AccuracyRow& row : report.rows) {
+    for (const AccuracyRow::Stretch& part : row.film) {
+      const auto [r, g, b] = part.change.gain;
+      table.push_back({row.condition, row.pixel_format, fmt::format("{:g}", part.begin_s),
+                       std::to_string(part.robots.expected),
+                       number_or_dash(part.robots.expected, part.robots.recall(), 4),
+                       std::to_string(part.robots.wrong_id), std::to_string(part.robots.invented),
+                       std::to_string(part.balls.expected),
+                       number_or_dash(part.balls.expected, part.balls.recall(), 4), fmt::format("{:.2f}", r),
+                       fmt::format("{:.2f}", g), fmt::format("{:.2f}", b),
+                       fmt::format("{:.2f}", part.change.darkest_area),
+                       fmt::format("{:.2f}", part.change.brightest_area)});
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 AccuracySuite read_accuracy_suite(const std::string& file) {
@@ -563,9 +659,12 @@ AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOpti
     if (!only.empty() && std::find(only.begin(), only.end(), condition.name) == only.end()) continue;
     for (const std::string& format : condition.pixel_formats) {
       const Trial trial = trial_of(suite, i, format);
-      Score score = run_trial(trial, condition, options.frames.value_or(trial.frames), report.reliability);
-      auto failures = failures_of(score, trial.limits);
-      report.rows.push_back({condition.name, format, trial.px_per_mm, std::move(score), std::move(failures)});
+      TrialResult result = run_trial(trial, condition, options.frames.value_or(trial.frames),
+                                     options.colors.value_or(suite.colors), report.reliability);
+      auto failures = failures_of(result.score, result.film, trial.limits);
+      if (!result.problem.empty()) failures.insert(failures.begin(), "not learnt: " + result.problem);
+      report.rows.push_back({condition.name, format, trial.px_per_mm, std::move(result.score),
+                             std::move(failures), std::move(result.film)});
       options.done(report.rows.back());
     }
   }
@@ -595,6 +694,9 @@ std::string accuracy_text(const AccuracyReport& report, bool markdown) {
   }
   std::string out = table_text(table, 2, markdown);
   if (!failures.empty()) out += "\n" + failures;
+
+  const auto film = film_table(report);
+  if (film.size() > 1) out += "\n" + table_text(film, 2, markdown);
 
   Table reliability{{"confidence", "robots", "right", "balls", "right"}};
   for (std::size_t i = 0; i < Reliability::kBins; ++i) {

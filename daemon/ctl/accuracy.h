@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "base/params.h"
+#include "colors/light_follower.h"
 #include "ctl/score.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
@@ -13,6 +14,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -41,6 +43,7 @@ struct AccuracyLimits {
   std::optional<double> recall, position_rms_mm, orientation_rms_deg;
   std::optional<int> wrong_id, invented;
   std::optional<double> ball_recall, ball_precision, ball_rms_mm;
+  std::optional<double> worst_recall, worst_ball_recall;
   static constexpr auto fields() {
     using L = AccuracyLimits;
     return std::tuple{
@@ -53,6 +56,9 @@ struct AccuracyLimits {
         number("ball_recall", &L::ball_recall, 0.0, 1.0, "", "least share of the visible balls found"),
         number("ball_precision", &L::ball_precision, 0.0, 1.0, "", "least share of the found balls that are"),
         number("ball_rms_mm", &L::ball_rms_mm, 0.0, 1000.0, "mm", "largest error of a ball's position"),
+        number("worst_recall", &L::worst_recall, 0.0, 1.0, "",
+               "least recall of robots in any five seconds of a film"),
+        number("worst_ball_recall", &L::worst_ball_recall, 0.0, 1.0, "", "the same of balls"),
     };
   }
 };
@@ -69,6 +75,8 @@ struct AccuracyCondition {
   Json stages = Json::object();
   double min_ball_share = 1;
   std::optional<int> frames;
+  std::optional<double> film_hz;
+  FollowLightParams follow_light;
   Json must = Json::object();
   static constexpr auto fields() {
     using C = AccuracyCondition;
@@ -85,19 +93,36 @@ struct AccuracyCondition {
         number("min_ball_share", &C::min_ball_share, 0.0, 1.0, "",
                "a ball of which less is in sight need not be found"),
         number("frames", &C::frames, 1, 100'000, "", "pictures; null: as many as the field says"),
+        number("film_hz", &C::film_hz, 1.0, 1000.0, "Hz",
+               "pictures follow each other like this, and the colours were clicked at before light_swing and "
+               "cast_swing began; null: they have little in common"),
+        group("follow_light", &C::follow_light, "the colour table follows the light of a film"),
         object("must", &C::must, "how good the result must be, over the suite's"),
     };
   }
 };
 
+/// Where a condition's colour table comes from.
+enum class AccuracyColors : std::uint8_t {
+  kClicked,  // from what an admin might have clicked at in two other pictures: eight places for each label
+  kLearnt,   // from three other pictures by learn_colors(), without a click
+};
+inline constexpr std::array<Choice<AccuracyColors>, 2> kAccuracyColorsChoices{
+    {{"clicked", AccuracyColors::kClicked}, {"learnt", AccuracyColors::kLearnt}}};
+
 struct AccuracySuite {
   std::string file;
+  AccuracyColors colors = AccuracyColors::kClicked;
   Json source = Json::object(), stages = Json::object(), must = Json::object();
   Json named_fields = Json::object();
   std::vector<AccuracyCondition> conditions;
   static constexpr auto fields() {
     using S = AccuracySuite;
     return std::tuple{
+        choice(
+            "colors", &S::colors, kAccuracyColorsChoices,
+            "where the colour tables come from: clicked: a few places in two other pictures; learnt: three "
+            "other pictures and no click"),
         object("source", &S::source, "the simulator's options in every condition"),
         object("stages", &S::stages, "parameters of the stages in every condition"),
         object("must", &S::must, "how good the result must be in every condition"),
@@ -116,6 +141,14 @@ struct AccuracyRow {
   double px_per_mm;  // on the floor in the middle of the picture
   Score score;
   std::vector<std::string> failures;  // what is worse than it must be, for people
+  /// A part of a film.
+  struct Stretch {
+    static constexpr double kSeconds = 5;
+    double begin_s;
+    FoundCounts robots, balls;
+    LightChange change{};  // that the table had in the end
+  };
+  std::vector<Stretch> film{};
 };
 
 /// How often detections of one confidence were right: robots with the right id, balls where one is.
@@ -135,17 +168,17 @@ struct AccuracyReport {
 };
 
 struct AccuracyOptions {
-  std::vector<std::string> only;  // names of conditions; empty: all
-  std::optional<int> frames;      // of every condition, instead of what its field says
+  std::vector<std::string> only;              // names of conditions; empty: all
+  std::optional<int> frames;                  // of every condition, instead of what its field says
+  std::optional<AccuracyColors> colors = {};  // instead of what the suite says
   /// Called after each row.
   std::function<void(const AccuracyRow&)> done = [](const AccuracyRow&) {};
 };
 
 /// Runs the camera's usual stack over simulated pictures of each condition and scores it. The colour table is
-/// made by lut_from_samples from what an admin might have clicked at in two other pictures under the same
-/// condition: eight places for each label, spread over the picture. The same suite gives the same report.
-/// Throws SettingsError for a name of `only` that is not in the suite, CaptureError when the simulator cannot
-/// draw a condition.
+/// made under the same condition from other pictures: of clicks, spread over the picture, by
+/// lut_from_samples, or by learn_colors. The same suite gives the same report. Throws SettingsError for a
+/// name of `only` that is not in the suite, CaptureError when the simulator cannot draw a condition.
 AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOptions& options);
 
 /// Tables for people, plain or as Markdown; rows that are not as good as they must be are marked, and named

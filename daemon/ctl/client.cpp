@@ -85,6 +85,11 @@ Json Client::post(const std::string& path, const Json& body, std::optional<std::
               address_, path));
 }
 
+Json Client::post_bytes(const std::string& path, const std::string& bytes) const {
+  return Json::parse(
+      body_of(client_of(address_).Post(path, bytes, "application/octet-stream"), address_, path));
+}
+
 Json Client::patch(const std::string& path, const Json& body,
                    std::optional<std::uint64_t> if_revision) const {
   return Json::parse(body_of(

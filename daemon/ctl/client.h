@@ -27,6 +27,7 @@ class Client {
   /// Answers of the other methods; they throw likewise. `if_revision`: refused unless the settings are still
   /// at this revision; then the error says who changed what since.
   Json post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision = {}) const;
+  Json post_bytes(const std::string& path, const std::string& bytes) const;
   Json patch(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision = {}) const;
   Json put(const std::string& path, const Json& body) const;
   Json remove(const std::string& path) const;

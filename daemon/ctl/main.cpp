@@ -29,6 +29,7 @@ void add_commands(CommandLine& line) {
   add_snapshot(line);
   add_controls(line);
   add_sources(line);
+  add_colours(line);
   add_settings(line);
   add_field(line);
   add_profiles(line);
@@ -39,6 +40,7 @@ void add_commands(CommandLine& line) {
   add_simulate(line);
   add_score(line);
   add_calibrate(line);
+  add_learn_colours(line);
   add_completion(line);
 }
 

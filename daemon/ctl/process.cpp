@@ -37,8 +37,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
     switch (input->next(captured, problem, std::chrono::seconds(10))) {
       case CaptureStatus::kImage: {
         const std::string name = captured.name;
-        const Frame& frame =
-            pipeline.process(std::move(captured.image), captured.times);
+        const Frame& frame = pipeline.process(std::move(captured.image), captured.times);
         Json line{{"frame", name}};
         line.update(detections_json(frame.robots, frame.balls));
         line["timing_us"] = Json::object();

@@ -36,9 +36,11 @@ struct Frame {
 /// What the admin has set up for one camera, swapped as a whole between frames.
 struct World {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Lut> lut;
+  std::shared_ptr<const Lut> lut;  // as it is in today's light
   std::shared_ptr<const Mask> mask;
   std::shared_ptr<const PatternTable> patterns;
+  std::shared_ptr<const Lut> accepted_lut{};  // what `lut` follows the light from; the same when it does not
+  std::shared_ptr<const LabelSet> labels{};
 };
 
 /// A part's name in error messages and its place in Frame.

@@ -31,13 +31,14 @@ void get_network_interfaces(const WebHost& host, const httplib::Request& request
 // api_cameras.cpp: the path holds the camera's id
 /// The camera named in the path. Throws HttpError 404.
 std::uint32_t path_camera(const WebHost& host, const httplib::Request& request);
+/// A JPEG of the picture, of the width and quality that the query asks for.
+void set_picture(httplib::Response& response, const LentPicture& picture, const httplib::Request& request);
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 /// The head alone: the pictures are web/picture_stream.cpp's.
 void get_stream(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 inline constexpr const char* kStreamPattern = R"(/api/cameras/(\d+)/stream\.mjpg)";
 /// What such a request asks for, whether or not there is such a camera. Throws HttpError 400.
 StreamWish stream_wish(const httplib::Request& request);
-void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_controls.cpp: the path holds the camera's id
 void get_controls(const WebHost& host, const httplib::Request& request, httplib::Response& response);
@@ -62,6 +63,31 @@ void accept_joint_calibration(const WebHost& host, const httplib::Request& reque
                               httplib::Response& response);
 void reject_joint_calibration(const WebHost& host, const httplib::Request& request,
                               httplib::Response& response);
+
+// api_colors.cpp: the path holds the camera's id, and more
+void get_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_color_table(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void edit_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void undo_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void redo_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void reset_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void copy_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void import_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void export_colors(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void revert_light(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void keep_light(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_learning(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void start_learning(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void cancel_learning(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void accept_learning(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void reject_learning(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_learning_picture(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+
+// api_pixels.cpp: the path holds the camera's id, and a still's number
+void get_pixels(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void take_still(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_still_picture(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_still_labels(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_settings.cpp
 /// The revision that the request names in If-Match. Throws HttpError 400.

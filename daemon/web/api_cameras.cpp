@@ -40,6 +40,14 @@ std::uint32_t path_camera(const WebHost& host, const httplib::Request& request) 
   return id;
 }
 
+void set_picture(httplib::Response& response, const LentPicture& picture, const httplib::Request& request) {
+  const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
+  const int quality = query_number(request, "quality", 85, 1, 100);
+  JpegEncoder encoder;
+  const std::span<const std::uint8_t> jpeg = encoder.encode(picture.image, width, quality, Chroma::kHalved);
+  response.set_content(reinterpret_cast<const char*>(jpeg.data()), jpeg.size(), "image/jpeg");
+}
+
 void get_snapshot(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   const std::uint32_t id = path_camera(host, request);
   const int width = query_number(request, "width", kMaxWidth, 1, kMaxWidth);
@@ -73,14 +81,6 @@ void get_stream(const WebHost& host, const httplib::Request& request, httplib::R
     sink.done();
     return true;
   });
-}
-
-void get_lut(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
-  const std::uint32_t id = path_camera(host, request);
-  const std::vector<std::uint8_t> file = host.lut_file(id);
-  response.set_header("Content-Disposition",
-                      "attachment; filename=\"camera-" + std::to_string(id) + ".lut\"");
-  response.set_content(reinterpret_cast<const char*>(file.data()), file.size(), "application/octet-stream");
 }
 
 }  // namespace sslv

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sslv {
@@ -31,6 +32,54 @@ struct View {
   /// Draws the labelled picture into the buffer, where it then lies; not set when the camera's stack makes no
   /// runs.
   std::function<ImageView(std::vector<std::uint8_t>& buffer)> draw_labels;
+};
+
+/// A picture on loan: let go soon.
+struct LentPicture {
+  std::shared_ptr<const void> hold;
+  ImageView image;
+};
+
+/// A rectangle of a camera's picture to look at.
+struct PixelWish {
+  int x = 0, y = 0, width = 1, height = 1;  // px
+  bool region = false;                      // of the region that its middle lies in
+  std::optional<int> still;                 // none: the newest picture
+};
+
+/// A file that somebody brings, or wants to look into.
+struct TableFile {
+  std::string_view bytes;
+  std::string name;                  // for messages
+  std::optional<std::size_t> table;  // which of several
+  bool only_try = false;
+};
+
+/// Colour tables: docs/openapi.json's "colours". All may throw HttpError 404 for an unknown camera; what
+/// writes, as `WebHost::patch_settings` does.
+struct ColorHost {
+  std::function<Json(std::uint32_t camera_id)> state;
+  /// As a .lut file; as it is in today's light, or as it was accepted.
+  std::function<std::vector<std::uint8_t>(std::uint32_t camera_id, bool in_todays_light)> lut_file;
+  std::function<std::string(std::uint32_t camera_id)> json_file;
+  std::function<Json(std::uint32_t camera_id, const Json& edits, const std::string& who)> edit;
+  std::function<Json(std::uint32_t camera_id, const std::string&who)> undo, redo, reset;  // or HttpError 409
+  std::function<Json(std::uint32_t camera_id, int from_camera_id, const std::string& who)> copy;
+  std::function<Json(std::uint32_t camera_id, const TableFile& file, const std::string& who)> import_file;
+  std::function<Json(std::uint32_t camera_id, const std::string&who)> revert_light, keep_light;  // likewise
+
+  std::function<Json(std::uint32_t camera_id)> learning;
+  std::function<Json(std::uint32_t camera_id, const Json& request, const std::string& who)> start_learning;
+  std::function<Json(std::uint32_t camera_id)> cancel_learning, reject_learning;  // or HttpError 409
+  std::function<Json(std::uint32_t camera_id, const std::string& who)> accept_learning;
+  std::function<LentPicture(std::uint32_t camera_id, int picture)> learning_picture;
+  /// As docs/openapi.json's LabelPicture.
+  std::function<std::vector<std::uint8_t>(std::uint32_t camera_id, int picture, bool after)> learning_labels;
+
+  std::function<Json(std::uint32_t camera_id, const PixelWish& wish)> pixels;
+  std::function<Json(std::uint32_t camera_id)> take_still;
+  std::function<LentPicture(std::uint32_t camera_id, int still)> still_picture;
+  std::function<std::vector<std::uint8_t>(std::uint32_t camera_id, int still)> still_labels;
 };
 
 /// All that the web server needs of the daemon. Every member must be set, and is called from several threads
@@ -111,8 +160,7 @@ struct WebHost {
   std::function<Json(bool force, const std::string& who)> accept_joint_calibration;
   std::function<Json()> reject_joint_calibration;
 
-  /// The colour lookup table of a camera that is there, as the bytes of a .lut file.
-  std::function<std::vector<std::uint8_t>(std::uint32_t camera_id)> lut_file;
+  ColorHost colors;
 };
 
 }  // namespace sslv

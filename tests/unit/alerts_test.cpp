@@ -72,6 +72,7 @@ class Alerts : public ::testing::Test {
                      .referee = {},
                      .settings_problem = {},
                      .save_problem = {},
+                     .lost_tables = {},
                      .computer = {},
                      .clock = {},
                      .cameras = {}};
@@ -106,6 +107,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.computer.memory_available_bytes = 1;
   input_.settings_problem = "saved changes were set aside";
   input_.save_problem = "cannot write";
+  input_.lost_tables = {"no such table"};
   std::set<std::string> found;
   for (const std::string& kind : kinds()) found.insert(kind);
   input_.network.error = "no card";
@@ -140,7 +142,7 @@ TEST_F(Alerts, OfLostPicturesBeginAtOneInAThousand) {
   input_.cameras[0].last_minute = {60, 3600, 0, 4, 0};
   EXPECT_EQ(only_alert().id, "frames_incomplete");
   input_.cameras[0].last_minute = {60, 3600, 0, 0, 1};
-  EXPECT_EQ(only_alert().page, "#/settings/cameras/0/colors");
+  EXPECT_EQ(only_alert().page, "#/colors/0");
 }
 
 TEST_F(Alerts, OfExposureBeginAboveWhatPaintedLinesAre) {

@@ -22,6 +22,8 @@ void add_snapshot(CommandLine& line);
 void add_controls(CommandLine& line);
 void add_sources(CommandLine& line);
 
+void add_colours(CommandLine& line);
+
 // Its settings.
 void add_settings(CommandLine& line);
 void add_field(CommandLine& line);
@@ -36,6 +38,7 @@ void add_simulate(CommandLine& line);
 void add_score(CommandLine& line);
 
 void add_calibrate(CommandLine& line);  // with a daemon or without
+void add_learn_colours(CommandLine& line);
 void add_completion(CommandLine& line);
 
 }  // namespace sslv

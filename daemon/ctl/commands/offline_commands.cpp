@@ -10,7 +10,9 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -132,6 +134,12 @@ void add_score(CommandLine& line) {
   command->add_option("--only", o->suite.only, "conditions of the suite, by name")->needs(suite);
   command->add_option("--frames", o->suite.frames, "pictures for each condition")
       ->check(CLI::Range(1, 100000))
+      ->needs(suite);
+  const std::map<std::string, AccuracyColors> colors{{"clicked", AccuracyColors::kClicked},
+                                                     {"learnt", AccuracyColors::kLearnt}};
+  command
+      ->add_option("--colors", o->suite.colors, "make the colour tables of clicks, or learn them without any")
+      ->transform(CLI::CheckedTransformer(colors))
       ->needs(suite);
   CLI::Option* markdown =
       command->add_flag("--markdown", o->as_markdown, "the suite's tables as Markdown")->needs(suite);

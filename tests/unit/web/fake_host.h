@@ -161,7 +161,7 @@ class FakeHost {
       return Json{{"accepted", "all"}, {"force", force}, {"who", who}};
     };
     host.reject_joint_calibration = [] { return Json{{"rejected", "all"}}; };
-    host.lut_file = [](std::uint32_t) { return std::vector<std::uint8_t>{1, 2, 3}; };
+    host.colors.lut_file = [](std::uint32_t, bool) { return std::vector<std::uint8_t>{1, 2, 3}; };
     return host;
   }
 

@@ -99,7 +99,7 @@ TEST_F(RouterTest, AnswersFromTheHost) {
 
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
   for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
-                             "/api/cameras/0/lut/x", "/api/cameras/x/lut", "/api/../secret.txt"}) {
+                             "/api/cameras/0/colors/table/x", "/api/cameras/x/colors", "/api/../secret.txt"}) {
     const Answer response = ask("GET", target);
     EXPECT_EQ(response.status, 404) << target;
     EXPECT_THAT(response.header, HasSubstr("Content-Type: application/json\r\n"));
@@ -112,7 +112,7 @@ TEST_F(RouterTest, WrongMethodsAre405AndSayWhatIsAllowed) {
   EXPECT_EQ(settings.status, 405);
   EXPECT_THAT(settings.header, HasSubstr("Allow: GET, PATCH\r\n"));
   EXPECT_THAT(settings.body, StartsWith("{\"error\":"));
-  EXPECT_THAT(ask("PATCH", "/api/cameras/0/lut", "[]").header,
+  EXPECT_THAT(ask("PATCH", "/api/cameras/0/colors/table", "[]").header,
               AllOf(StartsWith("HTTP/1.1 405"), HasSubstr("Allow: GET\r\n")));
   EXPECT_EQ(ask("DELETE", "/index.html").status, 405);
   EXPECT_EQ(ask("POST", "/api/nothing").status, 404);
@@ -342,10 +342,12 @@ TEST_F(RouterTest, SnapshotsAreJpegs) {
 }
 
 TEST_F(RouterTest, TheColourTableIsAFile) {
-  const Answer lut = ask("GET", "/api/cameras/0/lut");
+  EXPECT_EQ(ask("GET", "/api/cameras/0/colors/table").body, "\x01\x02\x03");
+  const Answer lut = ask("GET", "/api/cameras/0/colors/export");
   EXPECT_EQ(lut.body, "\x01\x02\x03");
-  EXPECT_THAT(lut.header, HasSubstr("Content-Disposition: attachment; filename=\"camera-0.lut\"\r\n"));
-  EXPECT_EQ(ask("GET", "/api/cameras/1/lut").status, 404);
+  EXPECT_THAT(lut.header,
+              HasSubstr("Content-Disposition: attachment; filename=\"colours-of-camera-0.lut\"\r\n"));
+  EXPECT_EQ(ask("GET", "/api/cameras/1/colors/table").status, 404);
 }
 
 TEST_F(RouterTest, ServesThePanel) {
@@ -431,7 +433,7 @@ TEST_F(RouterTest, NothingIsMultipliedOrUnpackedForAClient) {
   while (ranges.size() < 1000) ranges += ",0-";
   EXPECT_EQ(ask("GET", "/", "", ranges + "\r\n").body, "<!doctype html>");
   EXPECT_EQ(ask("GET", "/", "", "Range: bytes=" + std::string(1000, '1') + "-\r\n").status, 416);
-  EXPECT_EQ(ask("GET", "/api/cameras/" + std::string(1000, '1') + "/lut").status, 400);
+  EXPECT_EQ(ask("GET", "/api/cameras/" + std::string(1000, '1') + "/colors").status, 400);
   EXPECT_THAT(ask("GET", "/", "", "Accept-Encoding: gzip, br\r\n").header,
               Not(HasSubstr("Content-Encoding")));
   EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", "Content-Encoding: gzip\r\n").status, 200);

@@ -308,11 +308,11 @@ TEST_F(ServerTest, ManyClientsAreServedAtOnce) {
 
 TEST_F(ServerTest, LargeFilesAreSentWhole) {
   WebHost host = daemon_.host();
-  host.lut_file = [](std::uint32_t) { return std::vector<std::uint8_t>(2 * 1024 * 1024, 7); };
+  host.colors.lut_file = [](std::uint32_t, bool) { return std::vector<std::uint8_t>(2 * 1024 * 1024, 7); };
   WebServer server(host, routes(), options());
   Client client(server.port());
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(ask(client, "GET", "/api/cameras/0/lut").body, std::string(2 * 1024 * 1024, 7));
+    EXPECT_EQ(ask(client, "GET", "/api/cameras/0/colors/table").body, std::string(2 * 1024 * 1024, 7));
   }
 }
 
@@ -343,7 +343,7 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
   EXPECT_THAT(body.read_to_end(), AllOf(StartsWith("HTTP/1.1 413"), HasSubstr("{\"error\":"), kIsSecured));
 
   Client address(server_.port());
-  address.send(request_text("GET", "/api/cameras/" + std::string(8000, '1') + "/lut"));
+  address.send(request_text("GET", "/api/cameras/" + std::string(8000, '1') + "/colors"));
   EXPECT_THAT(address.read_to_end(), AllOf(StartsWith("HTTP/1.1 414"), kIsSecured));
 
   Client range(server_.port());

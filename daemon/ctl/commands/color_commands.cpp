@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/colors.h"
+#include "ctl/commands/commands.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+struct Options {
+  int camera_id = 0;
+  bool as_json = false;
+};
+
+std::string colors_path(int camera_id) {
+  return fmt::format("/api/cameras/{}/colors", camera_id);
+}
+
+/// One of the things that may be done to a table, with its camera and what it answers.
+CLI::App* add_action(CLI::App* group, const char* name, const char* help, const std::shared_ptr<Options>& o) {
+  CLI::App* command = group->add_subcommand(name, help);
+  command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
+  add_json_flag(command, o->as_json);
+  return command;
+}
+
+std::string file_content(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw ClientError(fmt::format("{}: cannot be read", file));
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void add_post(CommandLine& line, CLI::App* group, const char* name, const char* path, const char* help) {
+  const auto o = std::make_shared<Options>();
+  line.on(add_action(group, name, help, o), [&line, o, path] {
+    print_answer(line.client().post(colors_path(o->camera_id) + path, Json::object()), o->as_json,
+                 colors_text);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_import(CommandLine& line, CLI::App* group) {
+  struct ImportOptions {
+    std::string file;
+    int table = -1;
+    bool only_try = false;
+  };
+  const auto o = std::make_shared<Options>();
+  const auto import = std::make_shared<ImportOptions>();
+  CLI::App* command =
+      add_action(group, "import", "take a table from a file: .lut, our JSON, or SSL-Vision's XML", o);
+  command->add_option("file", import->file, "the file")->required();
+  command->add_option("--table", import->table, "which of several tables in it, from 0");
+  command->add_flag("--try", import->only_try, "say what is in it and change nothing");
+  line.on(command, [&line, o, import] {
+    std::string path = colors_path(o->camera_id) + "/import?name=" + path_part(import->file);
+    if (import->table >= 0) path += fmt::format("&table={}", import->table);
+    if (import->only_try) path += "&try=true";
+    const Json answer = line.client().post_bytes(path, file_content(import->file));
+    if (import->only_try) {
+      print_answer(answer, o->as_json, tables_text);
+    } else {
+      print_answer(answer.at("state"), o->as_json, colors_text);
+    }
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_export(CommandLine& line, CLI::App* group) {
+  const auto o = std::make_shared<Options>();
+  const auto file = std::make_shared<std::string>();
+  CLI::App* command = group->add_subcommand("export", "write the table to a file");
+  command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
+  command->add_option("file", *file, "file to write: .lut, or .json; -: .lut to standard output")->required();
+  line.on(command, [&line, o, file] {
+    const char* format = file->ends_with(".json") ? "json" : "lut";
+    const std::string bytes =
+        line.client().get(fmt::format("{}/export?format={}", colors_path(o->camera_id), format));
+    Output output(*file);
+    output.stream() << bytes;
+    output.finish();
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_copy(CommandLine& line, CLI::App* group) {
+  const auto o = std::make_shared<Options>();
+  const auto from = std::make_shared<int>(0);
+  CLI::App* command = add_action(group, "copy", "take another camera's table over", o);
+  command->add_option("--from", *from, "id of the other camera")->required();
+  line.on(command, [&line, o, from] {
+    print_answer(line.client().post(colors_path(o->camera_id) + "/copy", {{"from", *from}}), o->as_json,
+                 colors_text);
+    return EXIT_SUCCESS;
+  });
+}
+
+}  // namespace
+
+void add_colours(CommandLine& line) {
+  CLI::App* group = line.app.add_subcommand("colours", "a camera's colour table");
+  group->require_subcommand(1);
+  const auto o = std::make_shared<Options>();
+  line.on(
+      add_action(group, "show", "its labels, where they touch, what was done, how it follows the light", o),
+      [&line, o] {
+        print_answer(line.client().get_json(colors_path(o->camera_id)), o->as_json, colors_text);
+        return EXIT_SUCCESS;
+      });
+  add_import(line, group);
+  add_export(line, group);
+  add_copy(line, group);
+  add_post(line, group, "undo", "/undo", "take the newest step back");
+  add_post(line, group, "redo", "/redo", "do again what was taken back");
+  add_post(line, group, "reset", "/reset", "back to the table of the settings' classes or file");
+  add_post(line, group, "keep-light", "/light/keep", "accept the table as it is in today's light");
+  add_post(line, group, "revert-light", "/light/revert", "back to the accepted table");
+}
+
+}  // namespace sslv

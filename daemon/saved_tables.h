@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vision/label.h"
+#include "vision/lut.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace sslv {
+
+/// Colour tables that were edited, learnt or imported: each a .lut file of the state folder, named after its
+/// content, so that a name always means the same table. The settings, their history and profiles keep names.
+/// May be used from any thread.
+class SavedTables {
+ public:
+  /// Beyond that the oldest that nobody uses go.
+  static constexpr std::size_t kMost = 200;
+
+  explicit SavedTables(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// Its name; on disk when it returns. Throws StorageError.
+  std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
+
+  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used.
+  std::shared_ptr<const Lut> load(const std::string& name, const std::string& path,
+                                  const LabelSet& labels) const;
+
+  /// Removes old ones, but none of these.
+  void tidy(const std::set<std::string>& used);
+
+ private:
+  std::filesystem::path file_of(const std::string& name) const { return folder_ / (name + ".lut"); }
+
+  const std::filesystem::path folder_;
+  mutable std::mutex mutex_;  // guards what follows
+  mutable std::map<std::string, std::weak_ptr<const Lut>> in_memory_;
+};
+
+}  // namespace sslv
