@@ -38,7 +38,7 @@ async function ask(method, path, { parameters = {}, query = '', headers = {}, bo
   assert.ok(operation, `${method} ${path} is not documented`);
   const url = service.address(path.slice(1).replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(parameters[name] ?? 0))) + query;
   const answer = await fetch(url, {
-    method: method.toUpperCase(), headers, body: body === undefined ? undefined : typeof body === 'string' ? body : JSON.stringify(body),
+    method: method.toUpperCase(), headers, body: body === undefined || typeof body === 'string' || Buffer.isBuffer(body) ? body : JSON.stringify(body),
   });
   const what = `${method.toUpperCase()} ${url}`;
   const bytes = Buffer.from(await answer.arrayBuffer());
@@ -161,8 +161,50 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('get', path, { query: '?width=0', expect: 400 });
     await ask('get', path, { query: '?picture=x', expect: 400 });
     await ask('get', path, { parameters: { camera: 9 }, expect: 404 });
-    await ask('get', '/api/cameras/{camera}/lut');
-    await ask('get', '/api/cameras/{camera}/lut', { parameters: { camera: 9 }, expect: 404 });
+  });
+
+  it('edits, learns and follows colours', async () => {
+    const colors = '/api/cameras/{camera}/colors';
+    assert.equal((await ask('get', colors)).bits, 7);
+    await ask('get', colors, { parameters: { camera: 9 }, expect: 404 });
+    const paint = { op: 'paint', label: 'cyan', shape: 'ball', at: [90, 60, 60], radius: [9, 9, 9], over: 'clear' };
+    assert.ok((await ask('post', `${colors}/edits`, { body: { commands: [paint], try: true } })).cells > 0);
+    const { state } = await ask('post', `${colors}/edits`, { body: { commands: [paint, { op: 'grow', label: 'cyan' }, { op: 'smooth', label: 'cyan' }, { op: 'fill', label: 'black', at: [90, 60, 60], all_lumas: true }, { op: 'replace', from: 'black', to: 'cyan' }] } });
+    assert.match(state.undo.what, /cyan/);
+    await ask('post', `${colors}/edits`, { body: { commands: [{ op: 'dance' }] }, expect: 422 });
+    const table = await ask('get', `${colors}/table`);
+    assert.equal(table.toString('latin1', 0, 8), 'SSLVLUT2');
+    await ask('get', `${colors}/table`, { query: '?light=maybe', expect: 400 });
+    await ask('get', `${colors}/export`, { query: '?format=json' });
+    await ask('post', `${colors}/undo`);
+    await ask('post', `${colors}/redo`);
+    await ask('post', `${colors}/redo`, { expect: 409 });
+    await ask('post', `${colors}/reset`);
+    await ask('post', `${colors}/copy`, { body: { from: 1 } });
+    await ask('post', `${colors}/copy`, { body: { from: 0 }, expect: 409 });
+    assert.equal((await ask('post', `${colors}/import`, { query: '?name=x.lut&try=true', body: table })).tables.length, 1);
+    await ask('post', `${colors}/import`, { body: Buffer.from('nothing'), expect: 422 });
+    await ask('post', `${colors}/light/revert`, { expect: 409 });
+    await ask('post', `${colors}/light/keep`, { expect: 409 });
+
+    const { still } = await ask('post', '/api/cameras/{camera}/stills', { expect: 201 });
+    await ask('get', '/api/cameras/{camera}/stills/{still}/picture.jpg', { parameters: { still }, query: '?width=100' });
+    await ask('get', '/api/cameras/{camera}/stills/{still}/labels', { parameters: { still } });
+    await ask('get', '/api/cameras/{camera}/stills/{still}/labels', { parameters: { still: 99999 }, expect: 404 });
+    assert.equal((await ask('get', '/api/cameras/{camera}/pixels', { query: `?x=10&y=10&width=6&height=4&still=${still}` })).count, 24);
+    await ask('get', '/api/cameras/{camera}/pixels', { query: '?x=10&y=10&region=true' });
+    await ask('get', '/api/cameras/{camera}/pixels', { query: '?x=a', expect: 400 });
+
+    const learning = `${colors}/learning`;
+    assert.equal((await ask('get', learning)).state, 'idle');
+    await ask('delete', learning, { expect: 409 });
+    await ask('post', learning, { body: { frames: 2, guide: [{ label: 'pink', x: 100, y: 100, still }] }, expect: 202 });
+    await becomes(learning, ({ state: now }) => now === 'done');
+    await ask('get', `${learning}/pictures/{picture}`, { parameters: { picture: 0 }, query: '?width=100' });
+    await ask('get', `${learning}/pictures/{picture}`, { parameters: { picture: 1 }, query: '?labels=before' });
+    await ask('post', `${learning}/reject`);
+    await ask('post', `${learning}/accept`, { expect: 409 });
+    await ask('post', learning, { body: { frames: 0 }, expect: 422 });
   });
 
   it('sets what a camera offers', async () => {

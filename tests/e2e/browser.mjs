@@ -52,8 +52,8 @@ export const views = [
   { name: 'phone', viewport: PHONE, options: phone },
 ];
 
-/** A browser on the panel of a service. */
-export function createBrowser(service) {
+/** A browser on the panel of a service. `webgl`: with a drawing machine made of software. */
+export function createBrowser(service, { webgl = false } = {}) {
   const { address } = service;
   let browser;
 
@@ -123,7 +123,7 @@ export function createBrowser(service) {
       browser = await chromium.launch({
         executablePath: CHROMIUM,
         chromiumSandbox: process.getuid() !== 0,
-        args: ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+        args: [...(webgl ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
       });
       await service.start();
       await prepare();

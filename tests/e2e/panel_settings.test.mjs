@@ -221,8 +221,8 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.waitForSelector(byId('place-title'));
     await page.keyboard.press('/');
     await page.keyboard.type('camera 1 min_confidence');
-    await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.startsWith('2 '), byId('results'));
-    for (const stage of ['detect_robots', 'detect_balls']) await page.waitForSelector(row(`/cameras/1/stages/${stage}/min_confidence`));
+    await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.startsWith('3 '), byId('results'));
+    for (const part of ['stages/detect_robots', 'stages/detect_balls', 'follow_light']) await page.waitForSelector(row(`/cameras/1/${part}/min_confidence`));
     await typeInto(page, '/cameras/1/stages/detect_balls/min_confidence', '0.45'); // a result is the setting itself
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_balls.min_confidence === 0.45);
     await page.fill(byId('settings-search'), 'no such thing');

@@ -22,22 +22,6 @@ Json checked(const httplib::Result& answer, const std::string& asked, int expect
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "ssl-visiond-test.XXXXXX").string();
-  if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
-  std::ofstream(file(name), std::ios::binary) << text;
-  return file(name);
-}
-
 Json demo_settings(int multicast_port) {
   Json settings = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/config/demo.json"));
   settings["panel"] = {{"port", 0}};

@@ -5,6 +5,7 @@
 #include "ssl_vision_wrapper.pb.h"
 #include "support/child_process.h"
 #include "support/group_listener.h"
+#include "support/temporary_folder.h"
 
 #include <filesystem>
 #include <optional>
@@ -14,21 +15,6 @@
 #include <gtest/gtest.h>
 
 namespace sslv::test {
-
-/// A folder that goes with the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-  /// Path of a file in it.
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  /// Writes a file into it and returns its path.
-  std::string write(const std::string& name, const std::string& text) const;
-
- private:
-  std::filesystem::path path_;
-};
 
 /// config/demo.json, with a panel on any free port and packets to a group of this test's own.
 Json demo_settings(int multicast_port);
