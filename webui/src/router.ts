@@ -17,6 +17,7 @@ export interface Page {
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
   { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
+  { name: 'colours', title: 'Colours', icon: 'palette', component: defineAsyncComponent(() => import('./pages/colours/ColoursPage.vue')) },
   { name: 'calibration', title: 'Calibration', icon: 'target', component: defineAsyncComponent(() => import('./pages/calibration/CalibrationPage.vue')) },
   { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
   { name: 'field', title: 'Field', icon: 'network', component: defineAsyncComponent(() => import('./pages/field/FieldPage.vue')) },

@@ -14,22 +14,25 @@ const PATIENCE_MS = 15_000;
 export const errorText = (body: unknown, status: number): string =>
   typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
 
-async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {
+async function ask(path: string, init: RequestInit): Promise<Response> {
   let answer: Response;
   try {
-    answer = await fetch(`api/${path}`, {
-      method,
-      headers: body === undefined ? headers : { 'Content-Type': 'application/json', ...headers },
-      body: body === undefined ? undefined : JSON.stringify(body),
-      cache: 'no-store',
-      signal: AbortSignal.timeout(PATIENCE_MS),
-    });
+    answer = await fetch(`api/${path}`, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS), ...init });
   } catch {
     throw new ApiError(0, 'No answer from the service');
   }
+  if (answer.ok) return answer;
   const parsed: unknown = await answer.json().catch(() => null);
-  if (!answer.ok) throw new ApiError(answer.status, errorText(parsed, answer.status), parsed);
-  return parsed as T;
+  throw new ApiError(answer.status, errorText(parsed, answer.status), parsed);
+}
+
+async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {
+  const answer = await ask(path, {
+    method,
+    headers: body === undefined ? headers : { 'Content-Type': 'application/json', ...headers },
+    body: body === undefined ? undefined : JSON.stringify(body),
+  });
+  return await answer.json().catch(() => null) as T;
 }
 
 /** Each throws ApiError. `path` is what follows "api/". */
@@ -39,6 +42,11 @@ export const api = {
   put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
   patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
   delete: <T>(path: string) => request<T>('DELETE', path),
+  /** What is no JSON: a picture, a table. */
+  blob: async (path: string) => (await ask(path, {})).blob(),
+  /** Sends a file as it is. */
+  upload: async <T>(path: string, file: Blob) =>
+    await (await ask(path, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: file })).json() as T,
 };
 
 /** What to tell somebody about whatever was thrown. */

@@ -18,10 +18,19 @@ export class PanelSocket {
   private socket: WebSocket | null = null;
   private attempt = 0;
   private lastMessage = 0;
+  private readonly watchdog: ReturnType<typeof setInterval>;
+  private ended = false;
 
   constructor(private readonly url: string, private readonly events: SocketEvents) {
     this.connect();
-    setInterval(() => this.checkSilence(), 1000);
+    this.watchdog = setInterval(() => this.checkSilence(), 1000);
+  }
+
+  /** For good. */
+  end(): void {
+    this.ended = true;
+    clearInterval(this.watchdog);
+    this.socket?.close();
   }
 
   get isOpen(): boolean {
@@ -58,7 +67,7 @@ export class PanelSocket {
     if (socket !== this.socket) return;
     this.socket = null;
     this.events.closed();
-    setTimeout(() => this.connect(), backoffMs(this.attempt++));
+    if (!this.ended) setTimeout(() => { if (!this.ended) this.connect(); }, backoffMs(this.attempt++));
   }
 
   private checkSilence(): void {

@@ -53,6 +53,21 @@ export type FieldPoint = CalibrationState['points'][number];
 export type JointCalibrationReport = Schemas['JointCalibrationReport'];
 export type JointCalibrationState = Schemas['JointCalibrationState'];
 
+export type ColorState = Schemas['ColorState'];
+export type ColorLabel = Schemas['ColorLabel'];
+export type ColorStep = Schemas['ColorStep'];
+export type ColorCommand = Schemas['ColorCommand'];
+export type ColorEdited = Schemas['ColorEdited'];
+export type ColorImport = Schemas['ColorImport'];
+export type LightState = Schemas['LightState'];
+export type Still = Schemas['Still'];
+export type Pixels = Schemas['Pixels'];
+export type LearningState = Schemas['LearningState'];
+export type LearningReport = Schemas['LearningReport'];
+export type LearningPicture = Schemas['LearningPicture'];
+export type LearningDetections = Schemas['LearningDetections'];
+export type LearningGuide = NonNullable<Schemas['LearningRequest']['guide']>[number];
+
 export type Topic = 'status' | 'detections';
 
 export type ClientMessage =

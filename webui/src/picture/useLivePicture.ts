@@ -3,7 +3,7 @@
 import { onUnmounted, shallowRef, watch, type Ref } from 'vue';
 import type { PreviewMessage } from '../api/messages';
 import type { PreviewHeader, PreviewRequest } from '../api/types';
-import { acknowledge, ageOf, startPreview, stopPreview } from '../state/live';
+import { ageOf, sharedLine, type PictureLine } from '../state/live';
 import type { Turn } from '../geometry/turn';
 import { drawTurned } from './drawTurned';
 
@@ -24,7 +24,7 @@ export interface Shown {
 const same = (a: PreviewRequest | null, b: PreviewRequest | null) => JSON.stringify(a) === JSON.stringify(b);
 
 /** `request` null: no picture is asked for and the last one stays (a frozen or hidden view). */
-export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: () => PreviewRequest | null, turn: () => Turn) {
+export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: () => PreviewRequest | null, turn: () => Turn, line: PictureLine = sharedLine) {
   const shown = shallowRef<Shown | null>(null);
   let bitmap: ImageBitmap | null = null;
   let alive = true;
@@ -50,7 +50,7 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
       next = await createImageBitmap(new Blob([jpeg], { type: 'image/jpeg' }));
     } catch {
       // A damaged picture: ask for the next one all the same.
-      acknowledge(header.camera, header.frame);
+      line.acknowledge(header.camera, header.frame);
       return;
     }
     requestAnimationFrame(() => {
@@ -68,21 +68,21 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
       };
       old?.close();
       // A task of its own runs after the paint: only then is the picture on the screen.
-      setTimeout(() => acknowledge(header.camera, header.frame));
+      setTimeout(() => line.acknowledge(header.camera, header.frame));
     });
   }
 
   watch(request, (next, previous) => {
     if (same(next, previous ?? null)) return;
-    if (previous && previous.camera !== next?.camera) stopPreview(previous.camera, onPreview);
+    if (previous && previous.camera !== next?.camera) line.stop(previous.camera, onPreview);
     if (next && shown.value && shown.value.header.camera !== next.camera) forgetPicture();
-    if (next) startPreview(next, onPreview);
+    if (next) line.start(next, onPreview);
   }, { immediate: true });
   watch(turn, draw);
   onUnmounted(() => {
     alive = false;
     const current = request();
-    if (current) stopPreview(current.camera, onPreview);
+    if (current) line.stop(current.camera, onPreview);
     bitmap?.close();
   });
   return { shown };

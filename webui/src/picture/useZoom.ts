@@ -6,6 +6,8 @@ import { WHOLE, type View } from './useBox';
 import { panned, zoomed } from './view';
 
 const STEP = 1.4;
+const PRIMARY = 0;
+const MIDDLE = 1;
 const WHEEL = 0.0016;
 /** A press that moves less than this is a click on what lies under it. */
 const CLICK_PX = 4;
@@ -31,7 +33,7 @@ export function useZoom(frame: Ref<HTMLElement | null>, picture: () => Size) {
   }
 
   function onDown(event: PointerEvent): void {
-    if (event.button !== 0) return;
+    if (event.button !== PRIMARY && event.button !== MIDDLE) return;
     fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     travelled = 0;
   }

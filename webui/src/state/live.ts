@@ -116,11 +116,50 @@ export function acknowledge(camera: number, frame: number): void {
   socket?.send({ ack: { camera, frame } });
 }
 
-export function connect(): void {
+/** How a view gets a camera's pictures. */
+export interface PictureLine {
+  start: typeof startPreview;
+  stop: typeof stopPreview;
+  acknowledge: typeof acknowledge;
+}
+export const sharedLine: PictureLine = { start: startPreview, stop: stopPreview, acknowledge };
+
+/** A connection of its own for a second picture of the same camera: the shared one carries one of each. */
+export function openLine(): PictureLine & { end(): void } {
+  let wanted: { request: PreviewRequest; listener: PreviewListener } | null = null;
+  const line = new PanelSocket(socketUrl(), {
+    open() {
+      // Without a word now and then a connection counts as dead.
+      line.send({ subscribe: ['status'] });
+      if (wanted) line.send({ preview: wanted.request });
+    },
+    text() {},
+    preview(message) { wanted?.listener(message); },
+    closed() {},
+  });
+  return {
+    start(request, listener) {
+      wanted = { request, listener };
+      line.send({ preview: request });
+    },
+    stop(camera) {
+      wanted = null;
+      line.send({ stop_preview: camera });
+    },
+    acknowledge: (camera, frame) => line.send({ ack: { camera, frame } }),
+    end: () => line.end(),
+  };
+}
+
+function socketUrl(): string {
   const url = new URL('api/ws', document.baseURI);
   url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
   url.hash = '';
-  socket = new PanelSocket(url.href, {
+  return url.href;
+}
+
+export function connect(): void {
+  socket = new PanelSocket(socketUrl(), {
     open() {
       isOpen.value = true;
       socket!.send({ subscribe: ['status', 'detections'] });

@@ -7,7 +7,7 @@ import { linesPath } from '../../geometry/outline';
 import { knownStatus } from '../../state/live';
 import { clampInto, knownOf, knownText, NOTHING_KNOWN, pointsOf, requestOf, seenPoints, type Corner, type Known } from './points';
 import { figures } from './figures';
-import { useJob } from './useJob';
+import { useJob } from '../../state/useJob';
 import { useOverlap } from './useOverlap';
 import { useRefusable } from './useRefusable';
 

@@ -6,7 +6,7 @@ import type { CameraStatus, Control } from '../../../api/types';
 import { setOperations, pointerOf, valueAt, type Json } from '../../../settings/pointer';
 import { cameraIndex, save, settings, useSettings } from '../../../state/settings';
 import { isSame, type Value } from './controls';
-import { newestOnly } from './newestOnly';
+import { newestOnly } from '../../../api/newestOnly';
 
 /** One control may change what others are or allow. They are asked for once nothing was changed for so long. */
 const ASK_AGAIN_MS = 400;

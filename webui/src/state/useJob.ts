@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A calibration that the service works on: its state, kept up to date, and what can be asked of it.
+// Something the service works on for a while (a calibration, learning colours): its state, kept up to date, and what
+// can be asked of it.
 import { computed, onUnmounted, ref, shallowRef } from 'vue';
-import { api, messageOf } from '../../api/client';
-import { showSaving } from '../../state/settings';
+import { api, messageOf } from '../api/client';
+import { showSaving } from './settings';
 
 const RUNNING_MS = 200;
 const IDLE_MS = 2000;
 
 /** `path` is what follows "api/". */
-export function useJob<State extends { state: string; game_is_running: boolean }>(path: string) {
+export function useJob<State extends { state: string }>(path: string) {
   const state = shallowRef<State | null>(null);
   /** Why the state is not known. */
   const problem = ref('');
@@ -52,7 +53,7 @@ export function useJob<State extends { state: string; game_is_running: boolean }
   onUnmounted(() => { alive = false; newest++; clearTimeout(timer); });
 
   return {
-    state, problem, running,
+    state, problem, running, ask, refresh,
     start: (request: object) => ask(() => api.post<State>(path, request)),
     cancel: () => ask(() => api.delete<State>(path)),
     accept: (force: boolean) => ask(() => showSaving(() => api.post<State>(`${path}/accept`, { force }))),

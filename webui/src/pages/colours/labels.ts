@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Labels as people choose them: their order, names and keys.
+import type { ColorLabel } from '../../api/types';
+import type { Rgb } from '../../picture/exposure';
+import { CLEAR } from './table';
+
+/** What is looked for most comes first; the admin's own labels follow. */
+const ORDER = ['orange', 'yellow', 'blue', 'pink', 'green', 'cyan', 'field', 'white', 'black'];
+const WHAT: Readonly<Record<string, string>> = {
+  orange: 'ball', yellow: 'team', blue: 'team', pink: 'dots', green: 'dots', cyan: 'dots', field: 'carpet', white: 'lines', black: 'robot tops',
+};
+
+/** Those that can be chosen; clear is what none of them has. */
+export function choosable(labels: readonly ColorLabel[]): ColorLabel[] {
+  const place = ({ name, value }: ColorLabel) => (ORDER.includes(name) ? ORDER.indexOf(name) : ORDER.length + value);
+  return labels.filter(({ value }) => value !== CLEAR).sort((a, b) => place(a) - place(b));
+}
+
+export const titleOfLabel = (name: string) => name.charAt(0).toUpperCase() + name.slice(1);
+/** What has that colour on a field; empty for an own label. */
+export const useOfLabel = ({ name, built_in }: ColorLabel) => (built_in ? WHAT[name] ?? '' : '');
+/** 1 to 9, then 0; none for those that follow. */
+export const keyOf = (index: number) => (index < 9 ? String(index + 1) : index === 9 ? '0' : '');
+
+export function rgbOf(color: string): Rgb {
+  const value = Number.parseInt(color.slice(1), 16);
+  return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
+}
+
+/** Pixels (as ImageData has them in a 32-bit view) by label; what is hidden looks clear. */
+export function palette(labels: readonly ColorLabel[], hidden: ReadonlySet<number>): Uint32Array {
+  const clear = labels.find(({ value }) => value === CLEAR)?.color ?? '#34363a';
+  const pixel = (color: string) => {
+    const [r, g, b] = rgbOf(color);
+    return ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
+  };
+  const table = new Uint32Array(256).fill(pixel(clear));
+  for (const { value, color } of labels) if (!hidden.has(value)) table[value] = pixel(color);
+  return table;
+}
+
+/** The first value that an own label may have and no label has; null when all are taken. */
+export function freeValue(labels: readonly ColorLabel[]): number | null {
+  for (let value = 10; value < 32; value++) if (!labels.some((one) => one.value === value)) return value;
+  return null;
+}
+
+/** "adds 27 cells to Pink, 3 of them now Orange" */
+export function trialText(edited: { cells: number; from: readonly { label: string; cells: number }[] }, label: string, takesAway: boolean): string {
+  const name = titleOfLabel(label);
+  if (edited.cells === 0) return takesAway ? `takes nothing from ${name}` : `is ${name} already`;
+  const cells = `${edited.cells} ${edited.cells === 1 ? 'cell' : 'cells'}`;
+  if (takesAway) return `takes ${cells} from ${name}`;
+  const others = edited.from.filter((one) => one.label !== 'clear' && one.label !== label);
+  const now = others.map((one) => `${one.cells} of them now ${titleOfLabel(one.label)}`);
+  return [`adds ${cells} to ${name}`, ...now].join(', ');
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the pointer does, with which label, and what of the table is shown.
+import { computed, ref, shallowRef } from 'vue';
+import type { ColorLabel } from '../../api/types';
+import type { Brush } from './brush';
+import { choosable, palette } from './labels';
+
+export type Tool = 'pick' | 'box' | 'paint' | 'erase' | 'fill';
+export const PICK_SIZES = [1, 3, 5, 9] as const;
+
+export function useTools(all: () => readonly ColorLabel[]) {
+  const tool = ref<Tool>('pick');
+  const labels = computed(() => choosable(all()));
+  const chosenName = ref('');
+  const chosen = computed(() => labels.value.find(({ name }) => name === chosenName.value) ?? labels.value[0] ?? null);
+  const hidden = shallowRef<ReadonlySet<number>>(new Set());
+  /** Only where two colours meet is shown bright. */
+  const showsConflicts = ref(false);
+  const pickSize = ref<(typeof PICK_SIZES)[number]>(3);
+  const brush = ref<Brush>({ shape: 'ball', size: 3, depth: 3, onlyClear: false });
+  const y = ref(128);
+  return {
+    tool, labels, chosen, hidden, showsConflicts, pickSize, brush,
+    /** The level that the slice shows. */
+    y,
+    colours: computed(() => palette(all(), hidden.value)),
+    use(next: Tool) { tool.value = next; },
+    toggleConflicts() { showsConflicts.value = !showsConflicts.value; },
+    choose(name: string) { chosenName.value = name; },
+    toggle({ value }: ColorLabel) {
+      const next = new Set(hidden.value);
+      if (!next.delete(value)) next.add(value);
+      hidden.value = next;
+    },
+    named: (value: number) => all().find((one) => one.value === value) ?? null,
+  };
+}
+export type Tools = ReturnType<typeof useTools>;
