@@ -105,7 +105,7 @@ const char* name_of(LightFollowing following) {
     case LightFollowing::kOff: return "off";
     case LightFollowing::kLearning: return "learning";
     case LightFollowing::kFollowing: return "following";
-    case LightFollowing::kAtBound: return "at its bound";
+    case LightFollowing::kAtBound: return "at_bound";
     case LightFollowing::kFrozen: return "frozen";
   }
   return "";

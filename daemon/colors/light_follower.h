@@ -62,6 +62,7 @@ enum class LightFollowing : std::uint8_t {
   kAtBound,    // the light is further away than the table may follow
   kFrozen,     // nothing is confirmed, or it may not
 };
+/// As in the interface: "off", "learning", "following", "at_bound", "frozen".
 const char* name_of(LightFollowing following);
 
 struct LightState {

@@ -144,6 +144,17 @@ HWY_INLINE std::uint64_t doubled(std::uint64_t bits) {
 
 enum Channel { kA, kB, kC };
 
+/// A table's labels. How many bits a channel has is known at run time only: one more shift costs less than the
+/// kernel a second time.
+struct Cells {
+  explicit Cells(const LutTable& table) : labels(table.labels.data()), bits(table.bits) {}
+  HWY_INLINE Label at(std::uint8_t a, std::uint8_t b, std::uint8_t c) const {
+    return labels[LutTable::index(a, b, c, bits)];
+  }
+  const Label* labels;
+  int bits;
+};
+
 HWY_INLINE std::uint8_t extent(const ColorBox& box, Channel channel) {
   return static_cast<std::uint8_t>(box.high[channel] - box.low[channel]);
 }
@@ -156,10 +167,9 @@ struct Yuv422 {
       {kLuma == 0 ? kC : kA, kLuma == 0 ? kA : kC, kLuma == 0 ? kC : kB, kLuma == 0 ? kB : kC}};
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
-  template <int kBits>
-  static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t, int i) {
+  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t, int i) {
     const std::uint8_t* pair = block + i / 2 * 4;
-    return labels[LutTable::index(pair[kU], pair[kV], pair[kLuma + i % 2 * 2], kBits)];
+    return cells.at(pair[kU], pair[kV], pair[kLuma + i % 2 * 2]);
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -194,10 +204,9 @@ struct Rgb24 {
   static constexpr Channel kChannels[kRows][kPeriod] = {{kRed == 0 ? kA : kB, kC, kRed == 0 ? kB : kA}};
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
-  template <int kBits>
-  static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t, int i) {
+  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t, int i) {
     const std::uint8_t* pixel = block + i * 3;
-    return labels[LutTable::index(pixel[kRed], pixel[2 - kRed], pixel[1], kBits)];
+    return cells.at(pixel[kRed], pixel[2 - kRed], pixel[1]);
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -220,13 +229,12 @@ struct Bayer {
   static constexpr int kGreen1 = kRed == 0 || kRed == 3 ? 1 : 0, kGreen2 = 3 - kGreen1;
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
-  template <int kBits>
-  static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t stride,
+  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t stride,
                                 int i) {
     const std::uint8_t *upper = block + i * 2, *lower = upper + stride;
     const std::uint8_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
     const auto green = static_cast<std::uint8_t>((quad[kGreen1] + quad[kGreen2] + 1) / 2);
-    return labels[LutTable::index(quad[kRed], quad[3 - kRed], green, kBits)];
+    return cells.at(quad[kRed], quad[3 - kRed], green);
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -251,9 +259,8 @@ struct Mono {
   static constexpr Channel kChannels[kRows][kPeriod] = {{kC}};
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
-  template <int kBits>
-  static HWY_INLINE Label label(const Label* labels, const std::uint8_t* block, std::ptrdiff_t, int i) {
-    return labels[LutTable::index(128, 128, block[i], kBits)];
+  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t, int i) {
+    return cells.at(128, 128, block[i]);
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -309,13 +316,12 @@ class BoxTest {
 };
 #endif
 
-/// kBits: of the table, a channel.
-template <class Format, int kBits>
+template <class Format>
 class Search {
  public:
   explicit Search(const RunSearch& search)
       : search_(search),
-        labels_(Format::table(*search.lut).labels.data()),
+        cells_(Format::table(*search.lut)),
         stride_(search.image.stride_bytes),
         width_(search.image.width / Format::kRows),
 #if HWY_TARGET != HWY_SCALAR
@@ -343,7 +349,7 @@ class Search {
 
  private:
   HWY_INLINE Label label(const std::uint8_t* row, int x) const {
-    return Format::template label<kBits>(labels_, row, stride_, x);
+    return Format::label(cells_, row, stride_, x);
   }
 
   HWY_INLINE void look_up(const std::uint8_t* row, int begin, int end) {
@@ -462,7 +468,7 @@ class Search {
     } else if (to - from == kBlock) {
       alignas(64) Label buffer[kBlock + kBlock];
       Label* labels = buffer + kBlock;
-      for (int i = 0; i < kBlock; ++i) labels[i] = Format::template label<kBits>(labels_, block, stride_, i);
+      for (int i = 0; i < kBlock; ++i) labels[i] = Format::label(cells_, block, stride_, i);
       out_.set_block(x, labels);
     } else {
       look_up(row, from, to);
@@ -476,7 +482,7 @@ class Search {
       int i = std::countr_zero(candidates);
       if (done < x + i) out_.set(done, background_);
       for (; i < kBlock && (candidates >> i & 1) != 0; ++i) {
-        out_.set(x + i, Format::template label<kBits>(labels_, block, stride_, i));
+        out_.set(x + i, Format::label(cells_, block, stride_, i));
       }
       done = x + i;
       if (i == kBlock) break;
@@ -487,7 +493,7 @@ class Search {
 #endif
 
   const RunSearch& search_;
-  const Label* const labels_;
+  const Cells cells_;
   const std::ptrdiff_t stride_;
   const int width_;
 #if HWY_TARGET != HWY_SCALAR
@@ -500,23 +506,17 @@ class Search {
   RunSearchResult result_;
 };
 
-template <class Format>
-RunSearchResult search_with(const RunSearch& search) {
-  if (Format::table(*search.lut).bits == 8) return Search<Format, 8>(search).run();
-  return Search<Format, LutTable::kBits>(search).run();
-}
-
 RunSearchResult SearchRuns(const RunSearch& search) {
   switch (search.image.format) {
-    case PixelFormat::kUyvy: return search_with<Yuv422<1>>(search);
-    case PixelFormat::kYuyv: return search_with<Yuv422<0>>(search);
-    case PixelFormat::kRgb24: return search_with<Rgb24<0>>(search);
-    case PixelFormat::kBgr24: return search_with<Rgb24<2>>(search);
-    case PixelFormat::kMono8: return search_with<Mono>(search);
-    case PixelFormat::kBayerRg8: return search_with<Bayer<0>>(search);
-    case PixelFormat::kBayerGr8: return search_with<Bayer<1>>(search);
-    case PixelFormat::kBayerGb8: return search_with<Bayer<2>>(search);
-    case PixelFormat::kBayerBg8: return search_with<Bayer<3>>(search);
+    case PixelFormat::kUyvy: return Search<Yuv422<1>>(search).run();
+    case PixelFormat::kYuyv: return Search<Yuv422<0>>(search).run();
+    case PixelFormat::kRgb24: return Search<Rgb24<0>>(search).run();
+    case PixelFormat::kBgr24: return Search<Rgb24<2>>(search).run();
+    case PixelFormat::kMono8: return Search<Mono>(search).run();
+    case PixelFormat::kBayerRg8: return Search<Bayer<0>>(search).run();
+    case PixelFormat::kBayerGr8: return Search<Bayer<1>>(search).run();
+    case PixelFormat::kBayerGb8: return Search<Bayer<2>>(search).run();
+    case PixelFormat::kBayerBg8: return Search<Bayer<3>>(search).run();
   }
   return {};
 }

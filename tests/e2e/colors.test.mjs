@@ -6,8 +6,9 @@ import { readdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
-import { createService, PATIENCE_MS } from './service.mjs';
+import { createService, PATIENCE_MS, root } from './service.mjs';
 
+const openApi = JSON.parse(readFileSync(join(root, 'docs/openapi.json'), 'utf8'));
 const service = await createService('239.255.77.82');
 // Robots that stand still teach what they look like, and what is learnt of them can be checked.
 for (const { source } of service.settings.cameras) source.speed = 0;
@@ -340,6 +341,34 @@ describe('colour tables', () => {
     await post('colors/undo');
     assert.deepEqual(await bytes('colors/table'), accepted);
     await service.patch({ op: 'replace', path: '/cameras/0/follow_light/enabled', value: false }, { op: 'replace', path: '/cameras/0/source/light', value: 1 });
+  });
+
+  it('follow the light no further than they may, and say each state as the interface names it', async () => {
+    const { enum: allowed } = openApi.components.schemas.LightState.properties.state;
+    const seen = new Set();
+    const light = async () => {
+      const now = (await get('colors')).light;
+      seen.add(now.state);
+      return now;
+    };
+    await becomes(async () => (await detections()).robots === pictureRobots, 'robots are not found');
+    await service.patch(
+      { op: 'replace', path: '/cameras/0/follow_light/most_brightness', value: 1.1 },
+      { op: 'replace', path: '/cameras/0/follow_light/enabled', value: true });
+    await becomes(async () => (await light()).state === 'following', 'the light is not followed');
+    await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 0.8 });
+    const bound = await becomes(async () => {
+      const now = await light();
+      return now.state === 'at_bound' ? now : null;
+    }, 'the light is followed beyond the bound');
+    assert.match(bound.reason, /^the brightness is more than a factor 1\.1 from the accepted table's$/);
+    for (const gain of bound.gain) assert.ok(gain > 0.8, `${bound.gain}`);
+    await service.patch(
+      { op: 'replace', path: '/cameras/0/follow_light/enabled', value: false },
+      { op: 'replace', path: '/cameras/0/follow_light/most_brightness', value: 4 },
+      { op: 'replace', path: '/cameras/0/source/light', value: 1 });
+    await becomes(async () => (await light()).state === 'off', 'the light is still followed');
+    for (const state of seen) assert.ok(allowed.includes(state), `${state} is none of ${allowed}`);
   });
 
   it('are kept small on disk', () => {

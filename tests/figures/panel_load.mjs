@@ -3,13 +3,13 @@
 // get (t_sent - t_capture), and how fast the interface answers. Prints a Markdown table.
 //   node panel_load.mjs [seconds of each block; default 10]
 import { spawn } from 'node:child_process';
-import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { connect } from 'node:net';
 import { createInterface } from 'node:readline';
 import { setTimeout as pause } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { createService } from '../e2e/service.mjs';
+import { largerCamera, missing, percentile, receivePackets } from './packets.mjs';
 
 const BLOCK_S = Number(process.argv[2] ?? 10);
 const ROUNDS = 6; // of a block without and a block with viewers in turn, so that the machine's moods hit both
@@ -17,59 +17,9 @@ const VIEWERS = 20;
 const PREVIEW = { camera: 0, width: 640, quality: 70, fps: 30 };
 
 const service = await createService('239.255.77.90');
-const [camera] = service.settings.cameras;
-const { principal_point_x: x, principal_point_y: y, focal_length: f } = camera.calibration;
-const scale = 1280 / 780;
-Object.assign(camera.source, { width: 1280, height: 1024, frame_rate_hz: 60 });
-Object.assign(camera.calibration, {
-  principal_point_x: x * scale, principal_point_y: y * scale, focal_length: f * scale, pixel_image_width: 1280, pixel_image_height: 1024,
-});
-service.settings.cameras = [camera];
-
-// ---- packets
-
-/** The fields of a protobuf message that are needed here: varints and doubles by number, messages as bytes. */
-function fieldsOf(bytes) {
-  const fields = new Map();
-  for (let at = 0; at < bytes.length;) {
-    const varint = () => {
-      let value = 0;
-      for (let scaleOf = 1; ; scaleOf *= 128) {
-        const byte = bytes[at++];
-        value += (byte & 127) * scaleOf;
-        if (byte < 128) return value;
-      }
-    };
-    const key = varint();
-    const type = key & 7;
-    if (type === 0) fields.set(key >> 3, varint());
-    else if (type === 1) { fields.set(key >> 3, bytes.readDoubleLE(at)); at += 8; }
-    else if (type === 5) at += 4;
-    else { const length = varint(); fields.set(key >> 3, bytes.subarray(at, at + length)); at += length; }
-  }
-  return fields;
-}
-
-let frames = [];
-const { group, port } = service.settings.network.vision;
-const receiver = createSocket({ type: 'udp4', reuseAddr: true });
-receiver.on('message', (packet) => {
-  const detection = fieldsOf(packet).get(1);
-  if (!detection) return;
-  const fields = fieldsOf(detection);
-  frames.push({ number: fields.get(1), latencyMs: (fields.get(3) - fields.get(2)) * 1e3 });
-});
-receiver.bind(port, () => receiver.addMembership(group, '127.0.0.1'));
-await once(receiver, 'listening');
-
-const percentile = (values, share) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(values.length * share))];
-const missing = (block) => block.slice(1).reduce((sum, frame, i) => sum + Math.max(0, frame.number - block[i].number - 1), 0);
-
-async function block(seconds) {
-  frames = [];
-  await pause(seconds * 1e3);
-  return frames;
-}
+service.settings.cameras = [largerCamera(service.settings.cameras[0])];
+const packets = await receivePackets(service);
+const { block } = packets;
 
 async function watched(seconds) {
   const viewers = spawn(process.execPath, [fileURLToPath(new URL('viewers.mjs', import.meta.url)), service.settings.panel.port, VIEWERS, JSON.stringify(PREVIEW)], { stdio: ['pipe', 'pipe', 'inherit'] });
@@ -157,6 +107,6 @@ try {
   console.log(`| beside ${idle.length} idle connections and a reader of pictures that reads nothing | ${p(busy, 0.5)} | ${p(busy, 0.99)} |`);
   for (const socket of [...idle, slow]) socket.destroy();
 } finally {
-  receiver.close();
+  packets.close();
   await service.end();
 }
