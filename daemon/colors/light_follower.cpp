@@ -32,7 +32,8 @@ constexpr std::size_t kLeastRobotsForAreas = 3;
 constexpr double kTableStepLog = 0.05, kAreaStepLog = 0.07;
 /// A jump of the light is one of at least this, alike in this share of all areas.
 constexpr double kLeastJumpLog = 0.15, kAlikeLog = 0.12, kAlikeShare = 0.8;
-constexpr double kVanishedWithinS = 1, kTrialS = 2;
+/// A busy computer looks seldom, so what was before may be seconds old.
+constexpr double kVanishedWithinS = 3, kTrialS = 2;
 constexpr double kMinuteS = 60;
 constexpr std::size_t kMostSteps = 500;
 

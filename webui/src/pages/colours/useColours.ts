@@ -5,7 +5,8 @@ import { onUnmounted, ref, shallowRef, triggerRef, watch } from 'vue';
 import { api, messageOf } from '../../api/client';
 import type { ColorCommand, ColorEdited, ColorState } from '../../api/types';
 import { knownStatus } from '../../state/live';
-import { showSaving } from '../../state/settings';
+import { valueAt } from '../../settings/pointer';
+import { cameraIndex, showSaving, useSettings } from '../../state/settings';
 import { paint, strokeCommands, type Brush, type Cell } from './brush';
 import { decodeTable, type Table } from './table';
 
@@ -82,7 +83,10 @@ export function useColours(camera: number) {
   void load();
   // Whatever is saved counts up there, also what others change.
   watch(() => knownStatus.value?.settings_revision, (now, before) => { if (before !== undefined && now !== before) void load(); });
-  const timer = setInterval(() => { if (state.value && state.value.light.state !== 'off') void load(); }, LIGHT_MS);
+  const { settings } = useSettings();
+  // The service begins to follow a moment after the setting says so, and ends likewise.
+  const isFollowed = () => settings.value !== null && valueAt(settings.value, `/cameras/${cameraIndex(camera)}/follow_light/enabled`) === true;
+  const timer = setInterval(() => { if (state.value && (isFollowed() || state.value.light.state !== 'off')) void load(); }, LIGHT_MS);
   onUnmounted(() => { alive = false; clearInterval(timer); });
 
   /** One after the other, so that each is made on what the one before left. */
