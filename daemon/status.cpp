@@ -41,7 +41,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
            {"error", health.error},
            {"width", health.width},
            {"height", health.height},
-           {"pixel_format", name_of(health.format)},
+           {"pixel_format", health.width > 0 ? Json(name_of(health.format)) : Json(nullptr)},
            {"fps", health.fps},
            {"frames", counters.frames},
            {"frames_dropped", health.dropped},

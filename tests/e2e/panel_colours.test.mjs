@@ -492,6 +492,23 @@ describe('colours page', () => {
     await page.waitForSelector('[role="switch"][aria-label="Follows the light"][aria-checked="false"]');
   }));
 
+  it('stays as it is while the camera is away', withPage(DESKTOP, '#/colours/0', {}, async (page) => {
+    await ready(page);
+    await page.click(byId('show-light'));
+    await page.waitForSelector(byId('light'));
+    const { source } = (await get('api/settings')).settings.cameras[0];
+    try {
+      await patch({ op: 'replace', path: '/cameras/0/source', value: { backend: 'files', path: '/no/such/recording' } });
+      await statusBecomes(({ cameras }) => cameras[0].state === 'lost' && cameras[0].pixel_format === null);
+      await page.waitForSelector(`${byId('picture')}:has-text("/no/such/recording")`);
+      assert.ok(await page.isVisible(byId('light')), 'what was open is still open');
+    } finally {
+      await patch({ op: 'replace', path: '/cameras/0/source', value: source });
+    }
+    await statusBecomes(({ cameras }) => cameras[0].state === 'running' && cameras[0].pixel_format === 'uyvy');
+    assert.ok(await page.isVisible(byId('light')));
+  }));
+
   it('has nothing to set up for a camera without colours', withPage(DESKTOP, '#/colours/1', {}, async (page) => {
     await ready(page);
     await patch({ op: 'replace', path: '/cameras/1/source/pixel_format', value: 'mono8' });
