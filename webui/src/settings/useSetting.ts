@@ -24,11 +24,14 @@ export function useSetting(pointer: () => string) {
 
   /** What the service used when typing began. */
   let base: Json | undefined;
+  /** What was typed last is no value. */
+  let isRefused = false;
 
   watch(pointer, () => { draft.value = null; error.value = ''; stale.value = null; base = undefined; });
 
   async function set(next: Json): Promise<void> {
     const sent: Draft = { value: next };
+    isRefused = false;
     draft.value = sent;
     const path = pointer();
     const somebodyElse = base !== undefined && !isEqual(base, saved.value) && !isEqual(next, saved.value);
@@ -40,7 +43,7 @@ export function useSetting(pointer: () => string) {
     const outcome = await saveValue(path, next);
     const isNewest = draft.value === sent && path === pointer();
     if (!isNewest) return; // another value is on its way
-    error.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text : '';
+    if (!isRefused) error.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text : '';
     stale.value = outcome.kind === 'stale' ? outcome.step : null;
     if (outcome.kind === 'saved') draft.value = null;
   }
@@ -55,7 +58,10 @@ export function useSetting(pointer: () => string) {
     keepTheirs() { draft.value = null; stale.value = null; },
     useMine: () => (draft.value ? set(draft.value.value) : Promise.resolve()),
     /** What is typed and is no value at all: the field keeps it, the service keeps its own. */
-    refuse(text: string) { error.value = text; },
+    refuse(text: string) {
+      isRefused = true;
+      error.value = text;
+    },
     discard() { draft.value = null; error.value = ''; stale.value = null; },
   };
 }

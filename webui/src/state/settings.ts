@@ -42,14 +42,15 @@ let loading: Promise<void> | null = null;
 /** Loads settings and schema; those who come while that lasts wait for the same. */
 export function loadSettings(): Promise<void> {
   loading ??= (async () => {
+    const before = revision.value;
     try {
       const [answer, newSchema] = await Promise.all([
         api.get<SettingsRevision>('settings'),
         schema.value ?? api.get<SchemaNode>('schema'),
       ]);
       schema.value = newSchema;
-      // A restarted service may count from an older revision.
-      revision.value = 0;
+      // A restarted service may count from an older revision; but an answer that a newer one has overtaken is old.
+      if (revision.value === before) revision.value = 0;
       take(answer);
       loadError.value = '';
     } catch (error) {
@@ -66,8 +67,12 @@ export function useSettings() {
   if (!settings.value) void loadSettings();
   return { settings, schema, revision, loadError };
 }
-watch(() => knownStatus.value?.settings_revision, (newest) => {
-  if (settings.value && newest !== undefined && newest !== revision.value && saveState.value.kind !== 'saving') void loadSettings();
+watch(knownStatus, (status, before) => {
+  const newest = status?.settings_revision;
+  if (!settings.value || newest === undefined || newest === revision.value || saveState.value.kind === 'saving') return;
+  // With every status: what was loaded or saved last may have been answered before the newest step. A status that is
+  // behind is late; one that goes back is of a restarted service.
+  if (newest > revision.value || newest !== before?.settings_revision) void loadSettings();
 });
 
 /** Steps that this browser made and that can be taken back, newest last. */

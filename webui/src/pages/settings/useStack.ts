@@ -58,11 +58,13 @@ export function useStack(camera: () => number) {
     discard: () => { drafts.delete(id.value); },
     async apply(): Promise<void> {
       const list = items.value;
+      const of = id.value;
       const outcome = await save([{ op: 'replace', path: pointer.value, value: namesOf(list) }]);
       const text = refusal(outcome);
       if (text) check.value = { kind: 'refused', text, item: itemAt(list, text) };
-      else drafts.set(id.value, { items: list, base: namesOf(list) });
-      if (!text) saySaved(outcome, `Camera ${id.value} runs: ${namesOf(list).join(', ') || 'no stage'}`);
+      // What was rearranged meanwhile stays.
+      else drafts.set(of, { items: drafts.get(of)?.items ?? list, base: namesOf(list) });
+      if (!text) saySaved(outcome, `Camera ${of} runs: ${namesOf(list).join(', ') || 'no stage'}`);
     },
   };
 }
