@@ -20,6 +20,19 @@ export const PHONE = { width: 360, height: 740 };
 export const byId = (name) => `[data-testid="${name}"]`;
 export const live = (page) => page.waitForSelector(`${byId('connection')}[data-state="live"]`);
 export const text = (page, name) => page.textContent(byId(name));
+/**
+ * The page has the answer to its last change. To be asked for once the service has the change, or for the first change
+ * of a page: else it may be true of the one before.
+ */
+export const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-state="saved"]`, { state: 'attached' });
+/** Waits until a name's text, without spaces around it, is like that. */
+export const textBecomes = (page, name, pattern) => page.waitForFunction(
+  ([selector, source]) => new RegExp(source, 's').test(document.querySelector(selector)?.textContent.trim() ?? ''), [byId(name), pattern.source]);
+/** Freezes the picture; none that was on its way comes after that. */
+export async function freezePicture(page) {
+  await page.click(byId('freeze'));
+  await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
+}
 
 export async function frameNumber(page, camera) {
   const picture = await page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-frame]`);
@@ -29,9 +42,14 @@ export async function frameNumber(page, camera) {
 /** Waits until the camera's picture has gone on by so many frames. */
 export async function picturesGoOn(page, camera, frames = 5) {
   const first = await frameNumber(page, camera);
-  await page.waitForFunction(
-    ([selector, last]) => Number(document.querySelector(selector)?.dataset.frame) > last,
-    [byId(`camera-picture-${camera}`), first + frames]);
+  const way = await page.waitForFunction(
+    ([selector, from, last]) => {
+      const now = Number(document.querySelector(selector)?.dataset.frame);
+      return now > last ? 'on' : now < from ? 'anew' : null;
+    },
+    [byId(`camera-picture-${camera}`), first, first + frames]);
+  // A camera that was opened again counts anew.
+  if (await way.jsonValue() === 'anew') await picturesGoOn(page, camera, frames);
 }
 
 export async function accessible(page, what) {

@@ -3,9 +3,9 @@
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
-import { describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, picturesGoOn, text, views } from './browser.mjs';
-import { createService, PATIENCE_MS } from './service.mjs';
+import { beforeEach, describe, it } from 'node:test';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, picturesGoOn, saved, text, views } from './browser.mjs';
+import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const service = await createService('239.255.77.80');
 const { settings, address, patch, statusBecomes } = service;
@@ -71,19 +71,20 @@ async function drag(page, from, to, finger) {
 }
 
 /** Robots that camera 0 reported in so many pictures that were taken after that status. */
-async function robotsSince({ time }, page, panel, pictures = 20) {
-  const fresh = () => panel.detections.filter(({ camera, t_capture }) => camera === 0 && t_capture > time);
-  while (fresh().length < pictures) await page.evaluate(() => new Promise(requestAnimationFrame));
-  return fresh().flatMap(({ robots }) => robots);
+async function robotsSince({ time }, panel, pictures = 20) {
+  const fresh = await becomes(() => panel.detections.filter(({ camera, t_capture }) => camera === 0 && t_capture > time), ({ length }) => length >= pictures,
+    ({ length }) => `${length} pictures`);
+  return fresh.flatMap(({ robots }) => robots);
 }
 
 const verdict = (page) => page.waitForSelector(byId('verdict'));
 
 // The game controller is played further down.
-settings.network.referee = { enabled: true, group: '239.255.77.81', port: await freePort(), interface: 'lo' };
+settings.network.referee = { enabled: true, group: '239.255.77.81', port: await freeUdpPort(), interface: 'lo' };
 
 describe('calibration page', () => {
   aroundTests();
+  beforeEach(service.restore);
 
   for (const { name: view, viewport, options } of views) {
     it(`finds a camera that is not calibrated by itself, on a ${view}`, withPage(viewport, '#/calibration/0', options, async (page, panel) => {
@@ -121,7 +122,7 @@ describe('calibration page', () => {
       }
       const status = await statusBecomes(({ cameras }) => cameras[0].robots > 0);
       // Robots are reported where the picture shows them, by the calibration that is in use now.
-      const robots = await robotsSince(status, page, panel);
+      const robots = await robotsSince(status, panel);
       assert.ok(robots.length > 0);
       for (const robot of robots) {
         assert.ok(distance(project(found, robot.x, robot.y, robot.height), { x: robot.pixel_x, y: robot.pixel_y }) < 1, JSON.stringify(robot));
@@ -193,7 +194,7 @@ describe('calibration page', () => {
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
       await click(byId('mode-masks'));
       await click(byId('add-exclude'));
-      await page.waitForSelector(`${byId('save-state')}[data-state="saved"]`, { state: 'attached' });
+      await saved(page);
       const [first] = (await mask()).exclude;
       assert.equal(first.points.length, 4);
 
@@ -201,7 +202,7 @@ describe('calibration page', () => {
       const corners = [[1, 1], [778, 1], [778, 578], [1, 578]];
       for (const [i, [x, y]] of corners.entries()) {
         // The page knows of the last save, too, and shows a picture: one that stands still has no magnifier.
-        await page.waitForSelector(`${byId('save-state')}[data-state="saved"]`, { state: 'attached' });
+        await saved(page);
         await picturesGoOn(page, 0, 1);
         const now = (await mask()).exclude[0].points[i];
         const drop = await drag(page, await onScreen(page, { x: now[0], y: now[1] }), await onScreen(page, { x, y }), finger);
@@ -210,7 +211,7 @@ describe('calibration page', () => {
         await untilSaved(async () => distance(pair((await mask()).exclude[0].points[i]), { x, y }) < 4);
       }
       const status = await statusBecomes(({ cameras }) => cameras[0].robots === 0 && cameras[0].balls === 0);
-      assert.deepEqual(await robotsSince(status, page, panel), []);
+      assert.deepEqual(await robotsSince(status, panel), []);
       // What is hidden is dark in the labelled picture.
       await click(byId('mask-labels'));
       await page.waitForSelector(`${byId('camera-picture-0')}[data-picture="labels"]`);
@@ -259,7 +260,9 @@ describe('calibration page', () => {
             await accessible(page, `${mode}, ${state} on a ${view}, ${theme}`);
           }
         }
-        if (mode === 'masks') await page[press(view)](byId('delete-polygon'));
+        if (mode !== 'masks') return;
+        await page[press(view)](byId('delete-polygon'));
+        await untilSaved(async () => (await get('api/settings')).settings.cameras[0].mask.exclude.length === 0);
       }));
     }
   }
@@ -351,18 +354,7 @@ async function found(page) {
 }
 
 /** Asks the service until it is as wanted. */
-async function untilSaved(wanted) {
-  const deadline = Date.now() + PATIENCE_MS;
-  while (!(await wanted())) assert.ok(Date.now() < deadline, `not saved: ${wanted}`);
-}
-
-async function freePort() {
-  const socket = createSocket('udp4');
-  await new Promise((resolve) => { socket.bind(0, resolve); });
-  const { port } = socket.address();
-  socket.close();
-  return port;
-}
+const untilSaved = (wanted) => becomes(wanted, Boolean, () => `not saved: ${wanted}`);
 
 /** A game controller that says NORMAL_START, several times a second. Returns how to halt and end it. */
 async function playGame(group, port) {

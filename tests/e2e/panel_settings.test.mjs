@@ -4,9 +4,8 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { beforeEach, describe, it } from 'node:test';
-import { setTimeout as pause } from 'node:timers/promises';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, text, views } from './browser.mjs';
-import { createService, PATIENCE_MS } from './service.mjs';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, saved, textBecomes, views } from './browser.mjs';
+import { becomes, createService } from './service.mjs';
 
 const service = await createService('239.255.77.79');
 const { settings, address, patch, statusBecomes } = service;
@@ -19,18 +18,7 @@ const ask = async (path, method = 'GET', body = undefined) => {
 };
 const tree = async () => (await ask('settings')).settings;
 const row = (pointer) => byId(`setting-${pointer}`);
-const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-state="saved"]`);
 
-/** Looks again until it is as wanted. */
-async function becomes(look, wanted) {
-  const deadline = Date.now() + PATIENCE_MS;
-  for (;;) {
-    const now = await look();
-    if (wanted(now)) return now;
-    assert.ok(Date.now() < deadline, `it does not become ${wanted}: ${JSON.stringify(now)}`);
-    await pause(50);
-  }
-}
 const treeBecomes = (wanted) => becomes(tree, wanted);
 
 /** The mean brightness of the camera's picture, 0 to 255. */
@@ -56,13 +44,9 @@ const typeInto = async (page, pointer, value) => {
 describe('settings page', { timeout: 540_000 }, () => {
   let first;
   aroundTests(async () => {
-    await statusBecomes(({ cameras }) => cameras.every(({ state }) => state === 'running'));
     first = await tree();
   });
-  // Each test begins with the demo's settings.
-  beforeEach(async () => {
-    if (JSON.stringify(await tree()) !== JSON.stringify(first)) await patch({ op: 'replace', path: '', value: first });
-  });
+  beforeEach(service.restore);
 
   for (const { name, viewport, options } of views) {
     it(`moves a slider and the picture follows, on a ${name}`, withPage(viewport, '#/settings', options, async (page) => {
@@ -85,7 +69,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       await page.click(`${row('/cameras/0/source/light')} button.reset`);
       await brightnessBecomes(page, 0, (now) => now > before * 0.8);
       await page.waitForSelector(`${row('/cameras/0/source/light')}:not([data-changed])`);
-      assert.equal((await tree()).cameras[0].source.light, 1);
+      await treeBecomes(({ cameras }) => cameras[0].source.light === 1);
     }));
 
     it(`keeps what is not allowed and says why, on a ${name}`, withPage(viewport, '#/settings/cameras/0/stages/detect_balls', options, async (page) => {
@@ -140,7 +124,9 @@ describe('settings page', { timeout: 540_000 }, () => {
 
   it('checks a stack before it is applied', withPage(DESKTOP, '#/settings/cameras/0/stack', {}, async (page, panel) => {
     const stack = async () => (await tree()).cameras[0].stack;
-    const order = () => page.$$eval(`${byId('stack')} > li b`, (names) => names.map((name) => name.textContent));
+    const orderBecomes = (wanted) => page.waitForFunction(([selector, names]) => [...document.querySelectorAll(selector)].map((name) => name.textContent).join() === names,
+      [`${byId('stack')} > li b`, wanted.join()]);
+    const applied = () => page.waitForSelector(byId('stack-check'), { state: 'detached' });
     await page.waitForFunction((selector) => /\d\sµs|\d\sms/.test(document.querySelector(selector).textContent), byId('stage-segment'));
 
     panel.errorsExpected = true; // the browser calls a refusal one
@@ -151,14 +137,15 @@ describe('settings page', { timeout: 540_000 }, () => {
     assert.deepEqual(await stack(), first.cameras[0].stack, 'nothing is applied');
     await page.click(byId('stack-discard'));
     await page.waitForSelector(byId('stage-error'), { state: 'detached' });
-    assert.deepEqual(await order(), first.cameras[0].stack);
+    await orderBecomes(first.cameras[0].stack);
 
     // Off and on again, and moved by the keyboard.
     await page.click(`${byId('stage-publish')} [role="switch"]`);
     await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
     assert.equal((await stack()).length, 4);
     await page.click(byId('stack-apply'));
-    await treeBecomes(({ cameras }) => cameras[0].stack.join() === 'segment,detect_robots,detect_balls');
+    await applied();
+    assert.deepEqual(await stack(), ['segment', 'detect_robots', 'detect_balls']);
     await statusBecomes(({ cameras }) => cameras[0].stages.length === 3);
     await page.waitForSelector(`${byId('stage-publish')}.off`);
     await page.click(`${byId('stage-publish')} [role="switch"]`);
@@ -171,7 +158,8 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.keyboard.press('ArrowDown');
     await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
     await page.click(byId('stack-apply'));
-    await treeBecomes(({ cameras }) => cameras[0].stack.join() === first.cameras[0].stack.join());
+    await applied();
+    assert.deepEqual(await stack(), first.cameras[0].stack);
 
     // Dragged with the mouse, and other stages instead.
     const from = await page.locator(`${byId('stage-publish')} .grip`).boundingBox();
@@ -180,12 +168,37 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.mouse.down();
     await page.mouse.move(to.x + to.width / 2, to.y + to.height / 2, { steps: 5 });
     await page.mouse.up();
-    assert.deepEqual(await order(), ['segment', 'detect_robots', 'publish', 'detect_balls']);
+    await orderBecomes(['segment', 'detect_robots', 'publish', 'detect_balls']);
     await page.click(byId('stack-discard'));
+    await orderBecomes(first.cameras[0].stack);
     await page.click(byId('add-stage'));
     await page.click(byId('add-find_runs'));
-    assert.deepEqual(await order(), ['segment', 'detect_robots', 'detect_balls', 'find_runs', 'publish']);
+    await orderBecomes(['segment', 'detect_robots', 'detect_balls', 'find_runs', 'publish']);
     await page.click(byId('stack-discard'));
+  }));
+
+  it('keeps what is rearranged while a stack is being saved', withPage(DESKTOP, '#/settings/cameras/0/stack', {}, async (page) => {
+    let answer;
+    const mayAnswer = new Promise((resolve) => { answer = resolve; });
+    await page.route('**/api/settings', async (route) => {
+      if (route.request().method() !== 'PATCH') return route.continue();
+      const response = await route.fetch();
+      await mayAnswer;
+      await route.fulfill({ response });
+    });
+    await page.click(`${byId('stage-publish')} [role="switch"]`);
+    await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
+    await page.click(byId('stack-apply'));
+    await treeBecomes(({ cameras }) => cameras[0].stack.length === 3);
+    await page.click(`${byId('stage-detect_balls')} [role="switch"]`);
+    answer();
+    await saved(page);
+    await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
+    for (const [name, isOn] of [['segment', true], ['detect_robots', true], ['detect_balls', false], ['publish', false]])
+      await page.waitForSelector(`${byId(`stage-${name}`)}${isOn ? ':not(.off)' : '.off'}`);
+    await page.click(byId('stack-apply'));
+    await treeBecomes(({ cameras }) => cameras[0].stack.join() === 'segment,detect_robots');
+    await page.unrouteAll({ behavior: 'wait' });
   }));
 
   it('takes steps back from the history', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
@@ -225,6 +238,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     for (const part of ['stages/detect_robots', 'stages/detect_balls', 'follow_light']) await page.waitForSelector(row(`/cameras/1/${part}/min_confidence`));
     await typeInto(page, '/cameras/1/stages/detect_balls/min_confidence', '0.45'); // a result is the setting itself
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_balls.min_confidence === 0.45);
+    await saved(page);
     await page.fill(byId('settings-search'), 'no such thing');
     await page.waitForSelector('text=No setting has all these words');
     await page.fill(byId('settings-search'), '');
@@ -232,7 +246,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     const count = Number(await page.textContent(`${byId('changed-only')} .count`));
     await page.click(byId('changed-only'));
     await page.waitForSelector(`${row('/cameras/1/stages/detect_balls/min_confidence')}[data-changed]`);
-    assert.match(await text(page, 'results'), new RegExp(`^${count} `));
+    await textBecomes(page, 'results', new RegExp(`^${count} `));
     assert.equal(await page.locator(row('/cameras/1/stages/detect_robots/min_confidence')).count(), 0);
     await page.click(`${row('/cameras/1/stages/detect_balls/min_confidence')} button.reset`);
     await page.waitForSelector(row('/cameras/1/stages/detect_balls/min_confidence'), { state: 'detached' });
@@ -244,6 +258,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await treeBecomes(({ cameras }) => cameras.length === 3 && cameras[2].id === 2 && cameras[2].source.backend === 'simulator');
     await page.click('button[aria-label="Remove camera 2"]');
     await treeBecomes(({ cameras }) => cameras.length === 2);
+    await page.waitForSelector(`${byId('notice')}:has-text("Camera 2 removed")`); // not the one of adding it
     await page.click(byId('notice-undo'));
     await treeBecomes(({ cameras }) => cameras.length === 3);
     await page.waitForSelector(`${byId('camera-entry')}:has-text("Camera 2")`);
@@ -265,6 +280,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.goto(address('#/settings/ball_models'));
     await page.click(`${byId('switch-/ball_models')} [role="switch"]`);
     await treeBecomes(({ ball_models }) => ball_models === null);
+    await saved(page);
     await page.click(`${byId('switch-/ball_models')} [role="switch"]`);
     await treeBecomes(({ ball_models }) => ball_models?.acc_roll === -0.45);
 
@@ -295,10 +311,12 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.check(`${byId('section-/cameras/1/calibration')} input`);
     await page.click(byId('apply-changes'));
     await treeBecomes(({ cameras }) => cameras[1].calibration.tx === first.cameras[1].calibration.tx);
+    await page.waitForSelector(byId('changes'), { state: 'detached' });
 
     await page.click('button[aria-label="Delete profile Evening"]');
     await page.waitForSelector(byId('profile-Evening'), { state: 'detached' });
     assert.deepEqual((await ask('profiles')).profiles, []);
+    await page.waitForSelector(`${byId('notice')}:has-text("Deleted profile Evening")`);
     await page.click(byId('notice-undo'));
     await page.waitForSelector(byId('profile-Evening'));
     assert.deepEqual((await ask('profiles/Evening')).settings, first);
@@ -327,6 +345,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       await page.waitForSelector(byId('changes'));
       await page.click(byId('apply-changes'));
       assert.deepEqual(await treeBecomes(({ site }) => site === 'Demo field'), first);
+      await page.waitForSelector(byId('changes'), { state: 'detached' });
 
       panel.errorsExpected = true; // the browser calls a refusal one
       for (const [broken, what] of [['{"site":', /all\.json is no JSON/], ['[]', /expected an object/], [JSON.stringify({ ...first, sight: 1 }), /all\.json: .*\/sight: no such parameter/]]) {
@@ -355,7 +374,7 @@ describe('settings page', { timeout: 540_000 }, () => {
   const looks = [
     { name: 'General', path: '#/settings/~general', ready: row('/site') },
     { name: 'a stage', path: '#/settings/cameras/0/stages/detect_balls', ready: byId('stack') },
-    { name: 'the stack', path: '#/settings/cameras/0/stack', ready: byId('stack') },
+    { name: 'the stack', path: '#/settings/cameras/0/stack', ready: byId('add-stage') },
     { name: 'cameras', path: '#/settings/cameras', ready: byId('camera-entry') },
     { name: 'a source', path: '#/settings/cameras/0/source', ready: byId('backend') },
     { name: 'colours', path: '#/settings/cameras/0/colors/classes', ready: byId('entry') },

@@ -9,12 +9,43 @@ import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'nod
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
+import { isDeepStrictEqual } from 'node:util';
 import { setTimeout as pause } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
 export const PATIENCE_MS = 60_000; // for a busy machine; nothing waits this long when all is well
 const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
+
+/** Looks again until it is as wanted; what it was last is told by `tell`. */
+export async function becomes(look, wanted, tell = JSON.stringify) {
+  const deadline = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const now = await look();
+    if (wanted(now)) return now;
+    if (Date.now() >= deadline) assert.fail(`it does not become ${wanted}: ${String(tell(now)).slice(0, 1500)}`);
+    await pause(50);
+  }
+}
+
+/** Does it again until none of its assertions fails: for what two sources say at different times. */
+export async function eventually(check) {
+  const deadline = Date.now() + PATIENCE_MS;
+  for (;;) {
+    try {
+      return await check();
+    } catch (error) {
+      if (!(error instanceof assert.AssertionError) || Date.now() >= deadline) throw error;
+    }
+    await pause(50);
+  }
+}
+
+/** What waits are for, of a status. */
+const tellStatus = ({ cameras, alerts, ...others }) => JSON.stringify({
+  cameras: cameras.map(({ id, backend, state, error, frames, fps, robots, balls }) => ({ id, backend, state, error, frames, fps, robots, balls })),
+  alerts: alerts.map(({ id }) => id), ...others,
+});
 
 export async function freeUdpPort() {
   const socket = createSocket('udp4').bind(0);
@@ -34,6 +65,8 @@ export async function createService(group) {
   settings.network.referee = { enabled: false };
   settings.panel = { port: 0 };
   let daemon = null;
+  let first = null;
+  const isRunning = () => daemon !== null && daemon.exitCode === null && daemon.signalCode === null;
 
   const service = {
     folder,
@@ -64,7 +97,7 @@ export async function createService(group) {
     },
 
     async stop() {
-      if (!daemon || daemon.exitCode !== null || daemon.signalCode !== null) return;
+      if (!isRunning()) return;
       const exit = once(daemon, 'exit');
       daemon.kill('SIGTERM');
       const [code] = await exit;
@@ -82,14 +115,18 @@ export async function createService(group) {
     },
 
     /** Asks for the service's status until it is as wanted. */
-    async statusBecomes(wanted) {
-      const deadline = Date.now() + PATIENCE_MS;
-      for (;;) {
-        const status = await (await fetch(service.address('api/status'))).json();
-        if (wanted(status)) return status;
-        assert.ok(Date.now() < deadline, `the status does not become as wanted: ${JSON.stringify(status)}`);
-        await pause(50);
-      }
+    statusBecomes: (wanted) => becomes(async () => (await fetch(service.address('api/status'))).json(), wanted, tellStatus),
+
+    /**
+     * Before each test: the first time it remembers the settings, later it puts them back, whatever a test that failed
+     * left. The service and all cameras run when this returns.
+     */
+    async restore() {
+      if (!isRunning()) await service.start();
+      const { settings: now } = await (await fetch(service.address('api/settings'))).json();
+      first ??= now;
+      if (!isDeepStrictEqual(now, first)) await service.patch({ op: 'replace', path: '', value: first });
+      await service.statusBecomes(({ cameras }) => cameras.length === first.cameras.length && cameras.every(({ state }) => state === 'running'));
     },
   };
   return service;
