@@ -56,17 +56,28 @@ function measure(camera) {
     }
   }
   return {
-    frame: Number(canvas.dataset.frame), width, height, green: green / (width * height), darkGrey: darkGrey / (width * height), robots,
+    frame: Number(canvas.dataset.frame), width, height, isSharp: width > 0.95 * Math.min(box.width, canvas.clientWidth * devicePixelRatio), green: green / (width * height), darkGrey: darkGrey / (width * height), robots,
     lines: bright.on - bright.beside,
   };
 }
 
 const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 40 };
 
-function assertTeamColours({ robots, frame }) {
+function assertTeamColours({ robots, frame, width }) {
   for (const { team, id, x, y, colour } of robots) {
     assert.ok(colour === null || hasColourOf[team](colour),
-      `frame ${frame}: under ${team} ${id} at ${x.toFixed(1)}, ${y.toFixed(1)} the picture is rgb(${colour})`);
+      `frame ${frame}: under ${team} ${id} at ${x.toFixed(1)}, ${y.toFixed(1)} the picture of ${width} px is rgb(${colour})`);
+  }
+}
+
+/** Measures a picture as wide as the screen shows it. Where pictures come late, as on a busy machine, the panel soon asks for smaller ones. */
+async function measureSharp(page, camera) {
+  for (;;) {
+    await picturesGoOn(page, camera, 1);
+    const seen = await page.evaluate(measure, camera);
+    if (seen.isSharp) return seen;
+    await page.reload(); // then it tries anew
+    await live(page);
   }
 }
 
@@ -137,11 +148,10 @@ describe('panel', () => {
     for (const { id } of settings.cameras) {
       await picturesGoOn(page, id);
       for (let i = 0; i < 5; i++) {
-        const seen = await page.evaluate(measure, id);
+        const seen = await measureSharp(page, id);
         assertTeamColours(seen);
         for (const robot of named(seen.robots.filter(({ colour }) => colour))) looked.add(robot);
         assert.deepEqual(seen.robots.filter(({ camera }) => camera !== id), []);
-        await picturesGoOn(page, id, 1);
       }
     }
     assert.deepEqual([...looked].filter((robot) => !everyRobot.includes(robot)), [], 'robots that are not there');
@@ -243,6 +253,7 @@ describe('panel', () => {
   }));
 
   it('shows how every pixel is labelled', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
+    await page.getByLabel('Size').selectOption({ label: 'Full' });
     await pictureIs(page, 0, 'camera');
     const camera = await page.evaluate(measure, 0);
     assert.ok(camera.green > 0.3 && camera.darkGrey < 0.1, `carpet ${camera.green}, dark grey ${camera.darkGrey}`);
