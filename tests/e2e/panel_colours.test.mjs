@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, live, PHONE, phone, text, views } from './browser.mjs';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, live, PHONE, phone, saved, text, views } from './browser.mjs';
 import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.83');
@@ -57,7 +57,6 @@ function cellsOfFile(file) {
 }
 
 const press = (view) => (view === 'phone' ? 'tap' : 'click');
-const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-state="saved"]`, { state: 'attached' });
 /** The page shows the table of the settings, whatever a test before it did. */
 async function ready(page) {
   while ((await state()).undo) await post('api/cameras/0/colors/undo');
@@ -511,9 +510,12 @@ describe('colours page', () => {
 
   it('has nothing to set up for a camera without colours', withPage(DESKTOP, '#/colours/1', {}, async (page) => {
     await ready(page);
-    await patch({ op: 'replace', path: '/cameras/1/source/pixel_format', value: 'mono8' });
-    await page.waitForSelector(`${byId('no-colours')}:has-text("mono8")`);
-    await patch({ op: 'replace', path: '/cameras/1/source/pixel_format', value: 'uyvy' });
+    try {
+      await patch({ op: 'replace', path: '/cameras/1/source/pixel_format', value: 'mono8' });
+      await page.waitForSelector(`${byId('no-colours')}:has-text("mono8")`);
+    } finally {
+      await patch({ op: 'replace', path: '/cameras/1/source/pixel_format', value: 'uyvy' });
+    }
     await page.waitForSelector(byId('picture'));
   }));
 

@@ -70,10 +70,12 @@ export function useColours(camera: number) {
   }
 
   async function load(): Promise<void> {
+    const before = state.value;
     try {
       const next = await api.get<ColorState>(path);
       if (!alive) return;
-      state.value = next;
+      // What an edit was answered with meanwhile may be newer.
+      if (!state.value || state.value === before || next.revision >= state.value.revision) state.value = next;
       trouble.value = '';
       await fetchTable();
     } catch (error) {
