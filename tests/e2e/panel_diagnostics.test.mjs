@@ -81,7 +81,7 @@ const CURVES = [[0x8a, 0xb4, 0xff], [0xf2, 0x9b, 0xd4]];
 
 /**
  * Measures a graph's pixels and its cursor; runs in the browser, in one task, so that they belong together.
- * `columns` are those of the last seconds before the cursor, with the rows of the curves over the zero line.
+ * `columns` are those of the last seconds before the cursor, with their distance from the right edge and the rows of the curves over the zero line.
  */
 function measureGraph([name, curves]) {
   const graph = document.querySelector(`[data-testid="graph-${name}"]`);
@@ -98,7 +98,7 @@ function measureGraph([name, curves]) {
     const data = column(x);
     const rows = [];
     for (let y = 0; y < height; y++) if (isCurve(...data.subarray(4 * y, 4 * y + 4))) rows.push(height - y - 0.5);
-    columns.push({ before_s: (cursorX - x - 0.5) / perSecond, rows });
+    columns.push({ fromRight_s: (width - x - 0.5) / perSecond, rows });
   }
   const time = Date.parse(document.querySelector('[data-testid="tip"] time').dateTime) / 1000;
   // How much of the half second before the cursor has the shade of the second camera.
@@ -108,7 +108,7 @@ function measureGraph([name, curves]) {
     const [r, g, b, a] = second.subarray(4 * y, 4 * y + 4);
     if (a > 20 && a < 100 && r > b && b > g) shaded++;
   }
-  return { columns, time, scale, shade: shaded / height };
+  return { columns, time, scale, perSecond, cursorFromRight_s: (width - cursorX) / perSecond, shade: shaded / height };
 }
 
 /** Around a step the lines' own width is in the way: on a phone a second has ten pixels. */
@@ -118,20 +118,25 @@ const MARGIN_S = 0.38;
 async function assertSeenDrawnToScale(page) {
   await page.click('button:has-text("1 min")');
   // Seconds that a busy machine made longer or shorter leave nothing to look at between their steps.
-  const { measured: { columns, time, scale }, timeline, at, curves } = await becomes(async () => {
+  const { measured: { columns, scale }, timeline, at, curves } = await becomes(async () => {
     await toNewest(page);
     await page.keyboard.press('ArrowLeft');
     const measured = await page.evaluate(measureGraph, ['seen', CURVES]);
     const timeline = await ask('timeline?seconds=600');
     const at = sampleAt(timeline, measured.time);
     return { measured, timeline, at, curves: ids.flatMap((id) => [camera(timeline, id).robots, camera(timeline, id).balls]) };
-  }, ({ timeline: { time_s }, at, curves }) => at > 4 && [at - 3, at - 2, at - 1, at].every((i) =>
-    Math.abs(time_s[i] - time_s[i - 1] - 1) < 0.1 && curves.every((curve) => curve[i] !== null) && curves.some((curve) => curve[i] > 0)),
-  ({ timeline: { time_s }, at, curves }) => JSON.stringify({ at, newest: time_s.slice(-6), curves: curves.map((curve) => curve.slice(-6)) }));
+  }, ({ measured: { time, scale, perSecond, cursorFromRight_s }, timeline: { time_s }, at, curves }) => at > 4 && at + 1 < time_s.length
+    && [at - 3, at - 2, at - 1, at, at + 1].every((i) => Math.abs(time_s[i] - time_s[i - 1] - 1) < 0.1)
+    && [at - 3, at - 2, at - 1, at].every((i) => curves.every((curve) => curve[i] !== null) && curves.some((curve) => curve[i] > 0))
+    // The right edge is the newest second, one after the cursor's; the cursor stands on whole CSS pixels.
+    && Math.abs(time_s[at + 1] - time - cursorFromRight_s) * perSecond < 2 * scale,
+  ({ measured: { time, cursorFromRight_s }, timeline: { time_s }, at, curves }) =>
+    JSON.stringify({ time, cursorFromRight_s, at, newest: time_s.slice(-6), curves: curves.map((curve) => curve.slice(-6)) }));
+  const right = timeline.time_s[at + 1];
   // A sample stands for the time since the one before; at its ends steps go up and down.
   const seconds = [at - 3, at - 2, at - 1, at].map((i) => ({
     counts: curves.map((curve) => curve[i]),
-    columns: columns.filter(({ before_s }) => time - before_s > timeline.time_s[i - 1] + MARGIN_S && time - before_s < timeline.time_s[i] - MARGIN_S),
+    columns: columns.filter(({ fromRight_s }) => right - fromRight_s > timeline.time_s[i - 1] + MARGIN_S && right - fromRight_s < timeline.time_s[i] - MARGIN_S),
   }));
   const rows = seconds.flatMap((second) => second.columns.flatMap((column) => column.rows));
   assert.ok(rows.length > 0, 'nothing is drawn');
