@@ -25,6 +25,7 @@ export const text = (page, name) => page.textContent(byId(name));
  * of a page: else it may be true of the one before.
  */
 export const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-state="saved"]`, { state: 'attached' });
+// What page.waitForFunction() runs must not throw while the page is still without the element: that ends the wait.
 /** Waits until a name's text, without spaces around it, is like that. */
 export const textBecomes = (page, name, pattern) => page.waitForFunction(
   ([selector, source]) => new RegExp(source, 's').test(document.querySelector(selector)?.textContent.trim() ?? ''), [byId(name), pattern.source]);

@@ -190,7 +190,7 @@ describe('panel', () => {
     for (const check of ['latency', 'pictures', 'clock', 'computer']) await page.waitForSelector(`${byId(`check-${check}`)}:not([data-state="unknown"])`);
     await textBecomes(page, 'check-cameras', /2\s*of 2/);
     await page.waitForSelector(`${byId('verdict')}[data-go="true"]`);
-    await page.waitForFunction((selector) => /^12 robots, 1 ball$/.test(document.querySelector(selector).textContent), byId('seen'));
+    await textBecomes(page, 'seen', /^12 robots, 1 ball$/);
     assert.equal(await page.locator(`${byId('alert')}[data-severity="bad"]`).count(), 0);
   }));
 
@@ -322,9 +322,9 @@ describe('panel', () => {
     const percent = async () => Number.parseInt(await text(page, 'zoom'), 10);
     const whole = await percent();
     await page.click('button[aria-label="Zoom in"]');
-    await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector).textContent, 10) > last, [byId('zoom'), whole]);
+    await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector)?.textContent, 10) > last, [byId('zoom'), whole]);
     await page.click('button[aria-label="Show the whole picture"]');
-    await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector).textContent, 10) === last, [byId('zoom'), whole]);
+    await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector)?.textContent, 10) === last, [byId('zoom'), whole]);
 
     await page.click(byId('freeze'));
     await picturesGoOn(page, 0);
@@ -377,7 +377,7 @@ describe('panel', () => {
     const routes = Object.entries(paths).flatMap(([path, methods]) => Object.keys(methods).map((method) => `${method.toUpperCase()}${path}`));
     const shown = await page.$$eval(`${byId('api-route')} h3`, (titles) => titles.map((title) => [...title.children].slice(0, 2).map((part) => part.textContent).join('')));
     assert.deepEqual(shown.sort(), routes.sort());
-    await page.waitForFunction(() => document.getElementById('schema-Robot').getBoundingClientRect().top < innerHeight);
+    await page.waitForFunction(() => document.getElementById('schema-Robot')?.getBoundingClientRect().top < innerHeight);
   }));
 
   it('says which camera is lost and why, until it is back', withPage(DESKTOP, '', {}, async (page) => {
@@ -427,7 +427,7 @@ describe('panel', () => {
     panel.errorsExpected = false;
     for (const { id } of settings.cameras) {
       // The new service counts its frames from the beginning, so higher numbers would prove nothing.
-      await page.waitForFunction(([selector, old]) => Number(document.querySelector(selector).dataset.frame) !== old,
+      await page.waitForFunction(([selector, old]) => ![undefined, String(old)].includes(document.querySelector(selector)?.dataset.frame),
         [byId(`camera-picture-${id}`), lastFrames[id]]);
       await picturesGoOn(page, id);
     }

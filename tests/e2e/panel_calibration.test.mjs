@@ -350,7 +350,7 @@ const pair = ([x, y]) => ({ x, y });
 async function found(page) {
   if (await page.locator(byId('find')).count()) await page.click(byId('find'));
   await verdict(page);
-  await page.waitForFunction((selector) => /\d/.test(document.querySelector(selector).textContent), byId('figure-overlap'));
+  await page.waitForFunction((selector) => /\d/.test(document.querySelector(selector)?.textContent ?? ''), byId('figure-overlap'));
 }
 
 /** Asks the service until it is as wanted. */

@@ -26,6 +26,7 @@ const source = async () => {
 /** Mean grey of the shown picture, once it is above (or below) a limit; runs in the browser. */
 const brightness = ([selector, least, most]) => {
   const canvas = document.querySelector(selector);
+  if (!canvas?.width) return null;
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   let sum = 0;
   for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];

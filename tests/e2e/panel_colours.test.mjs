@@ -79,6 +79,7 @@ async function pixelBecomes(page, name, x, y, color) {
 /** Waits until more pixels of a canvas than that have the colour. */
 const countBecomes = (page, name, color, more) => page.waitForFunction(([selector, [r, g, b], least]) => {
   const canvas = document.querySelector(selector);
+  if (!canvas?.width) return false;
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   let count = 0;
   for (let i = 0; i < data.length; i += 4) if (data[i] === r && data[i + 1] === g && data[i + 2] === b) count++;
@@ -94,6 +95,7 @@ async function sliceIsThatOf(page, y) {
   const wanted = Array.from({ length: side * side }, (_, i) => colors[of(y, (i % side) * step, (side - 1 - Math.floor(i / side)) * step)].join()).join(' ');
   await page.waitForFunction(([selector, expected]) => {
     const canvas = document.querySelector(selector);
+    if (!canvas?.width) return false;
     const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
     const seen = [];
     for (let i = 0; i < data.length; i += 4) seen.push(`${data[i]},${data[i + 1]},${data[i + 2]}`);
@@ -333,8 +335,8 @@ describe('colours page', () => {
       const pink = colorOf(await state(), 'pink');
       const pinkIn = (when) => page.waitForFunction(([selector, [r, g, b]]) => {
         const pane = document.querySelector(selector);
-        const canvas = pane.querySelector('canvas');
-        if (!/true$/.test(pane.dataset.drawn)) return null;
+        const canvas = pane?.querySelector('canvas');
+        if (!/true$/.test(pane?.dataset.drawn ?? '')) return null;
         const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
         let count = 0;
         for (let i = 0; i < data.length; i += 4) if (data[i] === r && data[i + 1] === g && data[i + 2] === b) count++;

@@ -266,8 +266,8 @@ describe('panel: Diagnostics', () => {
       const { time_s } = await timelineBecomes((timeline) => camera(timeline, 1).fps.slice(-4).every((value) => value === null));
       // Both at once: a page that hears nothing for a while has no value of any camera.
       await page.waitForFunction((selectors) => {
-        const [other, lost] = selectors.map((selector) => document.querySelector(selector).lastChild.textContent.trim());
-        return lost === '–' && /\d$/.test(other);
+        const [other, lost] = selectors.map((selector) => document.querySelector(selector)?.lastChild.textContent.trim());
+        return lost === '–' && /\d$/.test(other ?? '');
       }, ids.map((id) => byId(`value-fps-${id}`)));
       await page.waitForSelector(byId('shaded'));
       await lineIs(page, missing);

@@ -171,12 +171,12 @@ describe('panel: field and network', () => {
     it(`sends on another port, and refuses a wrong group, on a ${name}`, withPage(viewport, '#/field/network', options, async (page, panel) => {
       await page.waitForSelector(`${byId('vision-state')}[data-state="sending"]`);
       const { packets_sent } = await vision();
-      await page.waitForFunction(([selector, before]) => Number(document.querySelector(selector).textContent.replace(/\D/g, '')) > before, [byId('packets-sent'), packets_sent]);
+      await page.waitForFunction(([selector, before]) => Number(document.querySelector(selector)?.textContent.replace(/\D/g, '')) > before, [byId('packets-sent'), packets_sent]);
       const port = await freeUdpPort();
       await type(page, '/network/vision/port', String(port));
       await statusBecomes(({ network }) => network.port === port);
       await received(GROUP, port, (packet) => cameraIn(packet) !== undefined);
-      await page.waitForFunction(([selector, wanted]) => document.querySelector(selector).value === wanted, [byId('team-address'), `${GROUP}:${port}`]);
+      await page.waitForFunction(([selector, wanted]) => document.querySelector(selector)?.value === wanted, [byId('team-address'), `${GROUP}:${port}`]);
 
       panel.errorsExpected = true; // the browser logs the refusal
       await type(page, '/network/vision/group', '10.0.0.1');

@@ -104,7 +104,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       await field.fill(String(mine));
       await patch({ op: 'replace', path: pointer, value: theirs });
       // The page knows about it before we press Enter.
-      await page.waitForFunction((one) => document.querySelector('[aria-label="History"]').textContent.includes(one), `${theirs}`);
+      await page.waitForFunction((one) => document.querySelector('[aria-label="History"]')?.textContent.includes(one), `${theirs}`);
       await field.press('Enter');
       const conflict = await page.waitForSelector(`${row(pointer)} .conflict`);
       assert.match(await conflict.textContent(), new RegExp(`changed this.*Saved is ${theirs}, yours is ${mine}`, 's'));
@@ -127,7 +127,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     const orderBecomes = (wanted) => page.waitForFunction(([selector, names]) => [...document.querySelectorAll(selector)].map((name) => name.textContent).join() === names,
       [`${byId('stack')} > li b`, wanted.join()]);
     const applied = () => page.waitForSelector(byId('stack-check'), { state: 'detached' });
-    await page.waitForFunction((selector) => /\d\sµs|\d\sms/.test(document.querySelector(selector).textContent), byId('stage-segment'));
+    await textBecomes(page, 'stage-segment', /\d\sµs|\d\sms/);
 
     panel.errorsExpected = true; // the browser calls a refusal one
     await page.click(`${byId('stage-segment')} button[aria-label="Remove segment"]`);
@@ -151,7 +151,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.click(`${byId('stage-publish')} [role="switch"]`);
     await page.focus(`${byId('stage-publish')} .grip`);
     await page.keyboard.press('ArrowUp');
-    await page.waitForFunction((selector) => document.querySelector(selector).dataset.index === '2', byId('stage-publish'));
+    await page.waitForFunction((selector) => document.querySelector(selector)?.dataset.index === '2', byId('stage-publish'));
     assert.equal(await page.evaluate(() => document.activeElement.closest('li').dataset.testid), 'stage-publish', 'the handle keeps the focus');
     const needs = await page.waitForSelector(`${byId('stage-publish')} ${byId('stage-error')}`);
     assert.match(await needs.textContent(), /stage 'publish' needs 'balls'/);
@@ -210,7 +210,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     assert.match(await step.textContent(), /camera 1 \/ detect_robots \/ max_rms_mm.*6.*5 mm/s);
     await page.click(`${byId(`step-${revision}`)} button[aria-label^="Take back"]`);
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 6);
-    await page.waitForFunction((selector) => document.querySelector(selector).value === '6', `${row(pointer)} input[type="text"]`);
+    await page.waitForFunction((selector) => document.querySelector(selector)?.value === '6', `${row(pointer)} input[type="text"]`);
   }));
 
   it('takes the own last change back by Ctrl Z', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
@@ -332,7 +332,7 @@ describe('settings page', { timeout: 540_000 }, () => {
 
       await patch({ op: 'replace', path: '/site', value: 'Elsewhere' }, { op: 'replace', path: '/cameras/0/stack', value: ['segment'] });
       const give = (text) => page.setInputFiles(byId('import'), { name: 'all.json', mimeType: 'application/json', buffer: Buffer.from(text) });
-      await page.waitForFunction(() => document.querySelector('.top').textContent.includes('Elsewhere'));
+      await page.waitForFunction(() => document.querySelector('.top')?.textContent.includes('Elsewhere'));
       await give(file);
       await page.waitForSelector(byId('changes'));
       assert.match(await page.textContent(byId('changes')), /Elsewhere.*Demo field.*stack/s);
