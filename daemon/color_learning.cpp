@@ -71,6 +71,12 @@ class Detector {
   std::unique_ptr<CameraPipeline> pipeline_;
 };
 
+LearningReport::Cells cells_of(const ColorTable& table) {
+  LearningReport::Cells cells{};
+  for (const Label label : table.labels) ++cells[label];
+  return cells;
+}
+
 LearningReport learn(const LearningOrder& order, const Pictures& pictures, const std::stop_token& stop) {
   const auto begun = std::chrono::steady_clock::now();
   LearningReport report;
@@ -89,6 +95,8 @@ LearningReport learn(const LearningOrder& order, const Pictures& pictures, const
     for (LearningPicture& one : report.pictures)
       after.detect(*one.picture, one.robots_after, one.balls_after);
     const ColorTable old = report.before->color_table(), now = report.learnt.lut->color_table();
+    report.cells_before = cells_of(old);
+    report.cells_after = cells_of(now);
     if (old.bits == now.bits) {
       for (const CellRun& run : difference(old, now)) report.changed_cells += run.length;
     } else {

@@ -8,8 +8,11 @@
 #include "pipeline/frame.h"
 #include "stills.h"
 #include "vision/detections.h"
+#include "vision/label.h"
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <set>
 #include <string>
@@ -37,6 +40,8 @@ struct LearningReport {
   LearntColors learnt;
   bool calibrated = false;
   std::shared_ptr<const Lut> before;
+  using Cells = std::array<std::size_t, label::kMost>;  // of each label, in a table
+  Cells cells_before{}, cells_after{};
   std::vector<LearningPicture> pictures;
   std::size_t changed_cells = 0;
   double seconds = 0;

@@ -38,17 +38,12 @@ Json array_json(const Numbers& numbers) {
 }
 
 Json learnt_color_json(const LearntLabel& learnt, const LearningReport& report, const LabelSet& labels) {
-  const auto cells = [&](const std::shared_ptr<const Lut>& lut) -> std::size_t {
-    if (!lut) return 0;
-    const ColorTable table = lut->color_table();
-    return static_cast<std::size_t>(std::count(table.labels.begin(), table.labels.end(), learnt.label));
-  };
   return {{"label", labels.name(learnt.label)},
           {"samples", learnt.seen + learnt.guided},
           {"mean", {learnt.mean.r, learnt.mean.g, learnt.mean.b}},
           {"spread", learnt.spread},
-          {"before_cells", cells(report.before)},
-          {"after_cells", cells(report.learnt.lut)}};
+          {"before_cells", report.cells_before[learnt.label]},
+          {"after_cells", report.cells_after[learnt.label]}};
 }
 
 Json taught_json(const LearntColors& learnt, std::size_t picture) {

@@ -7,6 +7,8 @@ import { createService } from '../e2e/service.mjs';
 import { largerCamera, missing, percentile, receivePackets } from './packets.mjs';
 
 const BLOCK_S = Number(process.argv[2] ?? 10);
+/** As the panel does. */
+const POLL_MS = 500;
 const ROUNDS = 6; // of a block without, one with, and one without again, so that the machine's moods hit all
 
 const service = await createService('239.255.77.91');
@@ -26,7 +28,7 @@ function learner() {
     let count = 0;
     while (!ending) {
       await learning('POST');
-      while ((await learning('GET')).state !== 'done') await pause(100);
+      while ((await learning('GET')).state !== 'done') await pause(POLL_MS);
       await learning('POST', '/reject');
       ++count;
     }

@@ -5,7 +5,7 @@ import { computed, onUnmounted, ref, shallowRef } from 'vue';
 import { api, messageOf } from '../api/client';
 import { showSaving } from './settings';
 
-const RUNNING_MS = 200;
+const RUNNING_MS = 500;
 const IDLE_MS = 2000;
 
 /** `path` is what follows "api/". */
