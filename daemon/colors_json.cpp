@@ -9,17 +9,11 @@
 #include <cstddef>
 #include <memory>
 
-#include <fmt/format.h>
-
 namespace sslv {
 namespace {
 
 constexpr std::size_t kMostSteps = 20;
 constexpr std::size_t kMostCells = 16'384;  // of which a client gets the colours one by one
-
-std::string hex(Rgb color) {
-  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
-}
 
 Json step_json(const TableStep& step) {
   std::size_t cells = 0;

@@ -232,10 +232,9 @@ std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
   Json list = Json::array();
   for (std::size_t value = 0; value < occurs.size(); ++value) {
     if (!occurs[value]) continue;
-    const Rgb color = labels.color(static_cast<Label>(value));
     list.push_back({{"value", value},
                     {"name", labels.name(static_cast<Label>(value))},
-                    {"color", fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b)}});
+                    {"color", hex(labels.color(static_cast<Label>(value)))}});
   }
   const Json json = {{"format", kFormat},
                      {"version", kVersion},

@@ -1,17 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/learnt_colors_json.h"
 
-#include <fmt/format.h>
-
 namespace sslv {
-namespace {
-
-std::string hex(const Rgb& color) {
-  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
-}
-
-}  // namespace
-
 Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known) {
   Json robots = Json::array(), balls = Json::array(), labels = Json::array();
   for (const LearntRobot& robot : learnt.robots) {

@@ -55,6 +55,10 @@ std::optional<Rgb> color_of(std::string_view text) {
 
 }  // namespace
 
+std::string hex(Rgb color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
 LabelSet::LabelSet() {
   colors_.fill(kNamelessColor);
   for (std::size_t i = 0; i < label::kCount; ++i) {

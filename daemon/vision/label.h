@@ -65,6 +65,9 @@ struct LabelInfo {
   Rgb color;  // for people
 };
 
+/// "#rrggbb".
+std::string hex(Rgb color);
+
 /// The labels that have a name: the built-in ones and the admin's own.
 class LabelSet {
  public:
