@@ -363,6 +363,37 @@ describe('colours page', () => {
       await statusBecomes(({ cameras }) => cameras[0].robots === robots);
     }));
 
+    it(`learns with hints, on a ${view}`, withPage(viewport, '#/colours/0', options, async (page) => {
+      await ready(page);
+      const { cameras: [{ robots }] } = await statusBecomes(({ cameras }) => cameras[0].robots > 0);
+      await freeze(page, view);
+      const hints = { pink: await dotOf(page, 'pink'), green: await dotOf(page, 'green') };
+      await post('api/cameras/0/colors/edits', { commands: Object.keys(hints).map((label) => ({ op: 'remove', label })) });
+      await statusBecomes(({ cameras }) => cameras[0].robots === 0);
+      const without = await tableFile();
+      await click(page, 'more-tools');
+      await click(page, 'guide');
+      await page.waitForSelector(byId('guide-bar'));
+      for (const [label, dot] of Object.entries(hints)) {
+        await click(page, `label-${label}`);
+        const at = await onScreen(page, dot);
+        if (view === 'phone') {
+          await page.touchscreen.tap(at.x, at.y);
+          await page.tap(`${byId('act-add')}:has-text("Add hint for ${label}")`);
+        } else await page.mouse.click(at.x, at.y);
+        await page.waitForSelector(`${byId('guide-bar')}:has-text("next: ${label[0].toUpperCase()}${label.slice(1)}")`);
+      }
+      await page.waitForFunction((selector) => document.querySelectorAll(selector).length === 2, byId('hint-pin'));
+      assert.deepEqual(await tableFile(), without, 'a hint edits nothing');
+      await click(page, 'guide-learn');
+      await page.waitForSelector(`${byId('learning')}[data-learnt="true"]`);
+      assert.equal(Number(await page.getAttribute(byId('learn-after'), 'data-robots')), robots);
+      await click(page, 'learn-accept');
+      await page.waitForSelector(byId('picture'));
+      await statusBecomes(({ cameras }) => cameras[0].robots === robots);
+      await post('api/cameras/0/colors/reset');
+    }));
+
     for (const theme of ['dark', 'light']) {
       it(`is accessible on a ${view}, ${theme}`, withPage(viewport, '#/colours/0', options, async (page) => {
         await chooseTheme(page, theme);
