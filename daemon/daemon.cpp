@@ -158,7 +158,10 @@ std::function<void()> Daemon::prepare(const Json& settings) {
           changed.erase(camera.id);
         cameras[camera.id] = running->second;
       } else {
-        cameras[camera.id] = std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_);
+        auto& totals = camera_totals_[camera.id];
+        if (!totals) totals = std::make_shared<CameraTotals>();
+        cameras[camera.id] =
+            std::make_shared<RunningCamera>(camera, std::move((*setups)[i]), multicast_, totals);
       }
     }
     // Before a camera that goes is missed by its job.
@@ -166,6 +169,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
     invalidate(joint_calibration_jobs_, changed);
     invalidate(color_learning_, changed);
     cameras_.store(std::move(cameras));
+    settings_since_s_ = unix_time_s();
   };
 }
 

@@ -49,6 +49,8 @@ class Daemon {
   int panel_port() const;
   /// One line for the service manager and the log: cameras, rate, latency, where packets go.
   std::string summary() const;
+  /// Why the watchdog must not be fed; empty while all is well.
+  std::string hanging() const;
 
  private:
   using Cameras = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
@@ -101,6 +103,7 @@ class Daemon {
   HealthInput health_input(const Config& config,
                            const std::vector<std::shared_ptr<RunningCamera>>& cameras) const;
   Json status();
+  std::string metrics() const;
   Json diagnostics() const;
   /// After each of the monitor's looks, in its thread.
   void look_after();
@@ -194,6 +197,8 @@ class Daemon {
   GeometrySender geometry_sender_;
   Snapshot<Cameras> cameras_;
   std::mutex cameras_mutex_;  // held while cameras get new setups, so that no height is lost
+  std::map<int, std::shared_ptr<CameraTotals>> camera_totals_;  // by id; guarded by it
+  std::atomic<double> settings_since_s_{0};
   RefereeListener referee_;
   OtherVisions other_visions_;
   mutable std::mutex calibration_mutex_;  // guards the history; held during a whole change of a calibration

@@ -5,6 +5,7 @@
 #include "calibration_age.h"
 #include "daemon.h"
 #include "health/histogram.h"
+#include "metrics.h"
 #include "net/network_cards.h"
 #include "status.h"
 
@@ -92,6 +93,12 @@ Json clock_json(const std::optional<ClockFigures>& clock) {
           {"estimated_error_ms", clock->estimated_error_ms}};
 }
 
+std::vector<CameraNow> healths(const std::vector<std::shared_ptr<RunningCamera>>& cameras) {
+  std::vector<CameraNow> out;
+  for (const auto& camera : cameras) out.push_back({camera->settings()->id, camera->health()});
+  return out;
+}
+
 }  // namespace
 
 void Daemon::add_health_to(WebHost& host) {
@@ -100,6 +107,9 @@ void Daemon::add_health_to(WebHost& host) {
     return monitor_.timeline().to_json(static_cast<std::size_t>(seconds));
   };
   host.diagnostics = [this] { return diagnostics(); };
+  host.metrics = [this] { return metrics(); };
+  host.hanging = [this] { return hanging(); };
+  host.missing = [this] { return find_missing(healths(cameras_now()), multicast_.status()); };
 }
 
 std::vector<std::shared_ptr<RunningCamera>> Daemon::cameras_now() const {
@@ -112,6 +122,19 @@ std::vector<std::shared_ptr<RunningCamera>> Daemon::cameras_now() const {
 std::string Daemon::summary() const {
   const auto config = config_.load();
   return status_line(health_input(*config, cameras_now()));
+}
+
+std::string Daemon::hanging() const {
+  return find_hanging(healths(cameras_now()), steady_ns());
+}
+
+std::string Daemon::metrics() const {
+  const WebServer* web = listening_;
+  return metrics_text({.cameras = cameras_now(),
+                       .network = multicast_.status(),
+                       .clock = monitor_.clock(),
+                       .viewers = web ? web->stats().viewers : 0,
+                       .settings_since_s = settings_since_s_});
 }
 
 Json Daemon::status() {

@@ -79,7 +79,9 @@ int run(const Daemon::Options& options) {
     const timespec second{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGINT || signal == SIGTERM) break;
-    sd_notifyf(0, "WATCHDOG=1\nSTATUS=%s", daemon->summary().c_str());
+    const std::string hanging = daemon->hanging();
+    if (hanging.empty()) sd_notify(0, "WATCHDOG=1");
+    sd_notifyf(0, "STATUS=%s", (hanging.empty() ? daemon->summary() : hanging).c_str());
   }
   sd_notify(0, "STOPPING=1");
   log::info("stopping: {}", daemon->summary());

@@ -65,6 +65,9 @@ std::span<const Route> routes() {
       {"GET", "/api/schema", get_schema},
       {"GET", "/api/field/presets", get_field_presets},
       {"GET", "/api/network/interfaces", get_network_interfaces},
+      {"GET", "/metrics", get_metrics},  // this and the next two: where monitoring looks for them
+      {"GET", "/healthz", get_health},
+      {"GET", "/readyz", get_readiness},
       {"GET", "/api/ws", get_websocket},  // the upgraded connection is web/websocket.cpp's
   };
   return kRoutes;

@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// Every route under /api/; what is not listed is looked for among the panel's files.
+/// Every route; what is not listed is looked for among the panel's files.
 std::span<const Route> routes();
 
 }  // namespace sslv

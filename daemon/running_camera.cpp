@@ -29,9 +29,11 @@ Json without_controls(Json source) {
 
 }  // namespace
 
-RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast)
+RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
+                             std::shared_ptr<CameraTotals> totals)
     : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
-      sink_(multicast),
+      totals_(std::move(totals)),
+      sink_(multicast, *totals_),
       pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)) {
   start_thread();
 }
@@ -50,9 +52,11 @@ void RunningCamera::start_thread() {
   };
   auto on_image = [this](CapturedImage&& captured) {
     pipeline_.process(std::move(captured.image), captured.times, captured.whole);
+    totals_->frames.fetch_add(1, std::memory_order_relaxed);
   };
   auto thread = std::make_unique<CameraThread>("camera " + std::to_string(settings->id), settings->thread,
-                                               std::move(open), std::move(on_image));
+                                               std::move(open), std::move(on_image), RetryDelays{},
+                                               std::shared_ptr<CaptureTotals>(totals_, &totals_->capture));
   const std::lock_guard lock(thread_mutex_);
   thread_ = std::move(thread);
 }
@@ -97,8 +101,15 @@ bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
 }
 
 CameraHealth RunningCamera::health() const {
-  const std::lock_guard lock(thread_mutex_);
-  return thread_ ? thread_->health() : CameraHealth{};
+  CameraHealth health;
+  {
+    const std::lock_guard lock(thread_mutex_);
+    if (thread_) health = thread_->health();
+  }
+  health.incomplete = totals_->capture.incomplete.load(std::memory_order_relaxed);
+  health.dropped = totals_->capture.dropped.load(std::memory_order_relaxed);
+  health.reconnects = totals_->capture.reconnects.load(std::memory_order_relaxed);
+  return health;
 }
 
 std::shared_ptr<Controls> RunningCamera::controls() const {
@@ -110,7 +121,14 @@ void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots
                                   const BallList& balls) noexcept {
   const double t_sent_s = sender.send(info, robots, balls);
   latency.add_ns(steady_ns() - info.times.arrived_ns);
-  age.add_ns(static_cast<std::int64_t>((t_sent_s - info.times.t_capture_s) * 1e9));
+  const auto age_ns = static_cast<std::int64_t>((t_sent_s - info.times.t_capture_s) * 1e9);
+  age.add_ns(age_ns);
+  totals.capture_to_send.add_ns(age_ns);
+  const auto yellow = static_cast<std::uint64_t>(
+      std::ranges::count(robots.robots, Team::kYellow, [](const Robot& robot) { return robot.team; }));
+  totals.robots_yellow.fetch_add(yellow, std::memory_order_relaxed);
+  totals.robots_blue.fetch_add(robots.robots.size() - yellow, std::memory_order_relaxed);
+  totals.balls.fetch_add(balls.balls.size(), std::memory_order_relaxed);
 }
 
 namespace {

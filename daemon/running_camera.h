@@ -3,6 +3,7 @@
 
 #include "base/recent.h"
 #include "base/snapshot.h"
+#include "camera_totals.h"
 #include "capture/camera_thread.h"
 #include "config.h"
 #include "control_change.h"
@@ -21,8 +22,9 @@ namespace sslv {
 class RunningCamera {
  public:
   /// Starts capturing at once; a camera that is not there is tried until it comes. `multicast` must outlive
-  /// this.
-  RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast);
+  /// this. `totals`: of this camera's id.
+  RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
+                std::shared_ptr<CameraTotals> totals);
   ~RunningCamera();
 
   /// Sets what changed among the camera's own controls, before the settings that say so are in force. Throws
@@ -42,6 +44,7 @@ class RunningCamera {
   bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> in_todays_light);
 
   std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
+  /// Its counts are those of the totals.
   CameraHealth health() const;
   /// Those of the open camera; none while it is not open, or has none.
   std::shared_ptr<Controls> controls() const;
@@ -50,18 +53,26 @@ class RunningCamera {
   const RecentDurations& latency() const { return sink_.latency; }
   /// From the exposure's middle to there.
   const RecentDurations& age() const { return sink_.age; }
+  /// Lives as long as this.
+  const CameraTotals& totals() const { return *totals_; }
 
  private:
   struct Sink : DetectionSink {
-    explicit Sink(MulticastSender& multicast) : sender(multicast) {}
+    Sink(MulticastSender& multicast, CameraTotals& camera_totals)
+        : sender(multicast), totals(camera_totals) {}
     void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept override;
+    void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
+      totals.stages[stage].add_ns(duration_ns);
+    }
     DetectionSender sender;
+    CameraTotals& totals;
     RecentDurations latency, age;
   };
   void start_thread();
 
   /// Shared with the thread, which opens the camera by what is in force then and may be left behind.
   const std::shared_ptr<Snapshot<CameraSettings>> settings_;
+  const std::shared_ptr<CameraTotals> totals_;
   Sink sink_;
   CameraPipeline pipeline_;
   mutable std::mutex thread_mutex_;  // guards the pointer

@@ -122,12 +122,13 @@ std::string_view name_of(CameraState state) {
 /// What the threads work on; a thread that stop() left behind keeps it alive.
 struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   Shared(std::string thread_name, const ThreadSettings& thread_settings, Open open_source, OnImage take_image,
-         RetryDelays retry_delays)
+         RetryDelays retry_delays, std::shared_ptr<CaptureTotals> capture_totals)
       : name(std::move(thread_name)),
         settings(thread_settings),
         open(std::move(open_source)),
         on_image(std::move(take_image)),
-        delays(retry_delays) {}
+        delays(retry_delays),
+        totals(std::move(capture_totals)) {}
 
   void run();
   std::unique_ptr<Source> try_open();
@@ -151,6 +152,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   const Open open;
   const OnImage on_image;
   const RetryDelays delays;
+  const std::shared_ptr<CaptureTotals> totals;
 
   // Used by the camera's thread alone.
   DamageLog damages{name};
@@ -210,7 +212,11 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
     const std::lock_guard lock(mutex);
     controls = source->controls();
     health.warnings = std::move(warnings);
-    if (std::exchange(was_open, true)) ++health.reconnects;
+    if (std::exchange(was_open, true)) {
+      ++health.reconnects;
+      totals->reconnects.fetch_add(1, std::memory_order_relaxed);
+    }
+    health.progress_ns = steady_ns();  // opening may have taken long
     health.state = CameraState::kRunning;
     health.error.clear();
     return source;
@@ -257,8 +263,12 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       health.format = view.format;
       health.times = times;
     }
-    health.incomplete += status == CaptureStatus::kIncomplete || is_damaged;
-    health.dropped = before.dropped + source.dropped();
+    const bool is_incomplete = status == CaptureStatus::kIncomplete || is_damaged;
+    health.incomplete += is_incomplete;
+    totals->incomplete.fetch_add(is_incomplete, std::memory_order_relaxed);
+    const std::uint64_t dropped = before.dropped + source.dropped();
+    totals->dropped.fetch_add(dropped - health.dropped, std::memory_order_relaxed);
+    health.dropped = dropped;
     if (const auto packets = source.packets()) {
       const PacketCounts earlier = before.packets.value_or(PacketCounts{});
       health.packets = {earlier.missing + packets->missing, earlier.resent + packets->resent};
@@ -327,9 +337,9 @@ void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
 }
 
 CameraThread::CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
-                           RetryDelays delays)
-    : shared_(
-          std::make_shared<Shared>(std::move(name), settings, std::move(open), std::move(on_image), delays)),
+                           RetryDelays delays, std::shared_ptr<CaptureTotals> totals)
+    : shared_(std::make_shared<Shared>(std::move(name), settings, std::move(open), std::move(on_image),
+                                       delays, std::move(totals))),
       thread_([shared = shared_] { shared->run(); }) {}
 
 CameraThread::~CameraThread() {

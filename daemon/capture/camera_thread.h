@@ -4,6 +4,7 @@
 #include "base/params.h"
 #include "capture/source.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -54,6 +55,11 @@ struct CameraHealth {
   std::vector<std::string> warnings{};  // of the last opening, see Source
 };
 
+/// Counts that outlive the thread, which adds to them; they never go back.
+struct CaptureTotals {
+  std::atomic<std::uint64_t> incomplete{0}, dropped{0}, reconnects{0};  // as in CameraHealth
+};
+
 /// Times between attempts to open a camera, doubling from the first to the longest; the pause between two is
 /// shorter by what the first of them took, and never below the first.
 struct RetryDelays {
@@ -72,7 +78,8 @@ class CameraThread {
   /// it must own all it uses, because a call that blocks is left behind by stop(). `on_image` must not throw;
   /// it is not called after stop().
   CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
-               RetryDelays delays = {});
+               RetryDelays delays = {},
+               std::shared_ptr<CaptureTotals> totals = std::make_shared<CaptureTotals>());
   /// Stops.
   ~CameraThread();
   CameraThread(const CameraThread&) = delete;

@@ -78,6 +78,7 @@ void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
     const std::int64_t after = steady_ns();
     frame.stage_ns[i] = after - before;
     steps_[i]->durations.add_ns(after - before);
+    sink.stage_took(static_cast<std::size_t>(steps_[i]->type - table_.data()), after - before);
     before = after;
   }
 }

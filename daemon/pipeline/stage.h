@@ -16,6 +16,7 @@
 
 #include <bitset>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -30,6 +31,8 @@ class DetectionSink {
   virtual ~DetectionSink() = default;
   /// Called from the camera's thread, once a frame, also when nothing was found. Must not block.
   virtual void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept = 0;
+  /// Likewise, after each stage: its place in the table of stages, and its time.
+  virtual void stage_took(std::size_t, std::int64_t) noexcept {}
 };
 
 inline constexpr std::size_t kPartCount = std::tuple_size_v<decltype(kParts)>;

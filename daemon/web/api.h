@@ -24,6 +24,9 @@ void get_alerts(const WebHost& host, const httplib::Request& request, httplib::R
 void get_checks(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_timeline(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_diagnostics(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_metrics(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_health(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void get_readiness(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_log(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_network_interfaces(const WebHost& host, const httplib::Request& request,
                             httplib::Response& response);

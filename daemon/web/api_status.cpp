@@ -8,6 +8,17 @@
 #include <httplib.h>
 
 namespace sslv {
+namespace {
+
+/// For monitoring: 200 unless there is a problem.
+void set_verdict(httplib::Response& response, std::string problem) {
+  response.status = problem.empty() ? 200 : 503;
+  if (problem.empty()) problem = "ok";
+  if (!problem.ends_with('\n')) problem += '\n';
+  response.set_content(problem, "text/plain; charset=utf-8");
+}
+
+}  // namespace
 
 void get_status(const WebHost& host, const httplib::Request&, httplib::Response& response) {
   set_json(response, host.status());
@@ -32,6 +43,18 @@ void get_timeline(const WebHost& host, const httplib::Request& request, httplib:
 
 void get_diagnostics(const WebHost& host, const httplib::Request&, httplib::Response& response) {
   set_json(response, host.diagnostics());
+}
+
+void get_metrics(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  response.set_content(host.metrics(), "text/plain; version=0.0.4; charset=utf-8");
+}
+
+void get_health(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_verdict(response, host.hanging());
+}
+
+void get_readiness(const WebHost& host, const httplib::Request&, httplib::Response& response) {
+  set_verdict(response, host.missing());
 }
 
 void get_log(const WebHost&, const httplib::Request& request, httplib::Response& response) {

@@ -88,6 +88,10 @@ struct WebHost {
   std::function<Json()> status;
   std::function<Json(int seconds)> timeline;
   std::function<Json()> diagnostics;
+  std::function<std::string()> metrics;  // in the text format of Prometheus
+  /// Why the service must be started anew, and what is missing for all packets to leave, a line for each;
+  /// both empty when all is well.
+  std::function<std::string()> hanging, missing;
   std::function<Json()> settings;  // with its revision
   std::function<Json()> schema;
   std::function<Json()> field_presets;

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "web/http.h"
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 #include <map>
@@ -130,10 +131,14 @@ const std::regex& stream_path() {
   return path;
 }
 
-void set_caching(const httplib::Request& request, httplib::Response& response) {
+/// Of what is no file, nothing is to be kept.
+void set_caching(std::span<const Route> routes, const httplib::Request& request,
+                 httplib::Response& response) {
+  const bool is_route = std::any_of(routes.begin(), routes.end(),
+                                    [&](const Route& route) { return request.path == route.pattern; });
   // The build puts a hash of the content into the names under assets/; everything else keeps its name.
   const bool has_hashed_name = response.status == 200 && request.path.starts_with("/assets/");
-  const bool is_file = response.status == 200 && !request.path.starts_with("/api/");
+  const bool is_file = response.status == 200 && !is_route && !request.path.starts_with("/api/");
   response.set_header("Cache-Control", has_hashed_name ? "public, max-age=31536000, immutable"
                                        : is_file       ? "no-cache"
                                                        : "no-store");
@@ -157,7 +162,9 @@ Router::Router(const WebHost& host, std::span<const Route> routes,
   server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
     explain_refusal(routes, request, response);
   });
-  server_->set_post_routing_handler(set_caching);
+  server_->set_post_routing_handler([routes](const httplib::Request& request, httplib::Response& response) {
+    set_caching(routes, request, response);
+  });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
   server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit
   httplib::Headers headers{{"Accept-Ranges", "none"}};

@@ -109,6 +109,13 @@ describe('the interface as docs/openapi.json says', () => {
     await becomes('/api/checks', (value) => value.go);
   });
 
+  it('is watched', async () => {
+    assert.match((await ask('get', '/metrics')).toString(), /^# HELP sslv_build_info /);
+    assert.equal((await ask('get', '/healthz')).toString(), 'ok\n');
+    await looksUntil(async () => (await fetch(service.address('readyz'))).status, (status) => status === 200);
+    assert.equal((await ask('get', '/readyz')).toString(), 'ok\n');
+  });
+
   it('remembers the last seconds', async () => {
     const path = '/api/timeline';
     const all = await becomes(path, (value) => value.cameras.every(({ fps }) => fps.filter((one) => one > 0).length > 2));

@@ -179,9 +179,10 @@ class CameraThreadTest : public testing::Test {
           ++taken_;
           if (hook_) hook_(image);
         },
-        delays);
+        delays, totals_);
   }
 
+  std::shared_ptr<CaptureTotals> totals_ = std::make_shared<CaptureTotals>();
   std::shared_ptr<FakeCamera> camera_ = std::make_shared<FakeCamera>();
   std::atomic<int> taken_{0};
   std::function<void(const CapturedImage&)> hook_;
@@ -214,6 +215,20 @@ TEST_F(CameraThreadTest, CountsDroppedPicturesAcrossAReconnection) {
   const auto thread = start();
   camera_->play({kImage, kImage, lost("no heartbeat"), kImage});
   EXPECT_EQ(wait_for(*thread, frames(3)).dropped, 3U);
+}
+
+TEST_F(CameraThreadTest, ItsTotalsGoOnWithTheNextThread) {
+  for (std::uint64_t i = 1; i <= 2; ++i) {
+    const auto thread = start();
+    camera_->play({damaged("3 packets are missing"), kImage, lost("no heartbeat"), kImage});
+    const CameraHealth health = wait_for(*thread, frames(2));
+    EXPECT_EQ(health.incomplete, 1U);
+    EXPECT_EQ(health.reconnects, 1U);
+    EXPECT_GT(health.dropped, 0U);
+    EXPECT_EQ(totals_->incomplete, i * health.incomplete);
+    EXPECT_EQ(totals_->reconnects, i * health.reconnects);
+    EXPECT_EQ(totals_->dropped, i * health.dropped);
+  }
 }
 
 TEST_F(CameraThreadTest, OpensALostCameraAnew) {

@@ -85,6 +85,9 @@ class FakeHost {
     };
     host.timeline = [](int seconds) { return Json{{"seconds", seconds}}; };
     host.diagnostics = [] { return Json{{"clock", nullptr}}; };
+    host.metrics = [] { return std::string("up 1\n"); };
+    host.hanging = [] { return std::string(); };
+    host.missing = [] { return std::string("camera 0 is lost\n"); };
     host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
     host.schema = [] { return Json{{"type", "object"}}; };
     host.field_presets = [] { return Json{{{"name", "division-b"}}}; };

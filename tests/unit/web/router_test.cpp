@@ -97,9 +97,26 @@ TEST_F(RouterTest, AnswersFromTheHost) {
                                                       HasSubstr("Cache-Control: no-store\r\n")));
 }
 
+TEST_F(RouterTest, MonitoringGetsPlainTextThatNobodyKeeps) {
+  for (const auto& [path, status, text, type] :
+       {std::tuple("/metrics", 200, "up 1\n", "text/plain; version=0.0.4; charset=utf-8"),
+        {"/healthz", 200, "ok\n", "text/plain; charset=utf-8"},
+        {"/readyz", 503, "camera 0 is lost\n", "text/plain; charset=utf-8"}}) {
+    const Answer answer = ask("GET", path);
+    EXPECT_EQ(answer.status, status) << path;
+    EXPECT_EQ(answer.body, text);
+    EXPECT_THAT(answer.header, AllOf(HasSubstr(std::string("Content-Type: ") + type + "\r\n"),
+                                     HasSubstr("Cache-Control: no-store\r\n")));
+    EXPECT_EQ(ask("HEAD", path).status, status) << path;
+    EXPECT_EQ(ask("HEAD", path).body, "");
+    EXPECT_EQ(ask("POST", path).status, 405) << path;
+  }
+}
+
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
-  for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
-                             "/api/cameras/0/colors/table/x", "/api/cameras/x/colors", "/api/../secret.txt"}) {
+  for (const char* target :
+       {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0", "/api/cameras/0/colors/table/x",
+        "/api/cameras/x/colors", "/api/../secret.txt"}) {
     const Answer response = ask("GET", target);
     EXPECT_EQ(response.status, 404) << target;
     EXPECT_THAT(response.header, HasSubstr("Content-Type: application/json\r\n"));

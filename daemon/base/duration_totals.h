@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace sslv {
+
+/// How often something took how long, since the start. Any thread adds without a lock; nothing is ever taken
+/// back. Fixed buckets, so that the figures of years and of computers can be added up.
+class DurationTotals {
+ public:
+  /// A duration counts in the first bucket whose end it does not exceed; what exceeds all, in the last.
+  static constexpr std::array<std::int64_t, 18> kEnds_ns{
+      50'000,     100'000,    250'000,    500'000,     1'000'000,   2'000'000,
+      3'000'000,  4'000'000,  5'000'000,  7'500'000,   10'000'000,  15'000'000,
+      20'000'000, 30'000'000, 50'000'000, 100'000'000, 250'000'000, 1'000'000'000};
+
+  struct Reading {
+    std::array<std::uint64_t, kEnds_ns.size() + 1> counts{};
+    std::uint64_t sum_ns = 0;
+  };
+
+  /// A negative one, as of a camera whose clock is only estimated, counts as none.
+  void add_ns(std::int64_t duration_ns) noexcept {
+    duration_ns = std::max<std::int64_t>(duration_ns, 0);
+    const auto bucket = std::lower_bound(kEnds_ns.begin(), kEnds_ns.end(), duration_ns) - kEnds_ns.begin();
+    counts_[static_cast<std::size_t>(bucket)].fetch_add(1, std::memory_order_relaxed);
+    sum_ns_.fetch_add(static_cast<std::uint64_t>(duration_ns), std::memory_order_relaxed);
+  }
+
+  Reading read() const {
+    Reading out;
+    for (std::size_t i = 0; i < counts_.size(); ++i)
+      out.counts[i] = counts_[i].load(std::memory_order_relaxed);
+    out.sum_ns = sum_ns_.load(std::memory_order_relaxed);
+    return out;
+  }
+
+ private:
+  std::array<std::atomic<std::uint64_t>, kEnds_ns.size() + 1> counts_{};
+  std::atomic<std::uint64_t> sum_ns_{0};
+};
+
+}  // namespace sslv
