@@ -114,9 +114,8 @@ TEST_F(RouterTest, MonitoringGetsPlainTextThatNobodyKeeps) {
 }
 
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
-  for (const char* target :
-       {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0", "/api/cameras/0/colors/table/x",
-        "/api/cameras/x/colors", "/api/../secret.txt"}) {
+  for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
+                             "/api/cameras/0/colors/table/x", "/api/cameras/x/colors", "/api/../secret.txt"}) {
     const Answer response = ask("GET", target);
     EXPECT_EQ(response.status, 404) << target;
     EXPECT_THAT(response.header, HasSubstr("Content-Type: application/json\r\n"));
