@@ -14,9 +14,9 @@ namespace sslv {
 class DurationTotals {
  public:
   /// A duration counts in the first bucket whose end it does not exceed; what exceeds all, in the last.
-  static constexpr std::array<std::int64_t, 18> kEnds_ns{
-      50'000,     100'000,    250'000,    500'000,     1'000'000,   2'000'000,
-      3'000'000,  4'000'000,  5'000'000,  7'500'000,   10'000'000,  15'000'000,
+  static constexpr std::array<std::int64_t, 20> kEnds_ns{
+      10'000,     25'000,     50'000,     100'000,     250'000,     500'000,      1'000'000,
+      2'000'000,  3'000'000,  4'000'000,  5'000'000,   7'500'000,   10'000'000,   15'000'000,
       20'000'000, 30'000'000, 50'000'000, 100'000'000, 250'000'000, 1'000'000'000};
 
   struct Reading {

@@ -12,8 +12,8 @@ namespace {
 TEST(DurationTotals, ADurationCountsInTheFirstBucketThatHoldsIt) {
   DurationTotals totals;
   totals.add_ns(-7);
-  totals.add_ns(50'000);
-  totals.add_ns(50'001);
+  totals.add_ns(10'000);
+  totals.add_ns(10'001);
   totals.add_ns(1'000'000'000);
   totals.add_ns(1'000'000'001);
   const auto reading = totals.read();
@@ -21,7 +21,7 @@ TEST(DurationTotals, ADurationCountsInTheFirstBucketThatHoldsIt) {
   EXPECT_EQ(reading.counts[1], 1u);
   EXPECT_EQ(reading.counts[reading.counts.size() - 2], 1u);
   EXPECT_EQ(reading.counts.back(), 1u);
-  EXPECT_EQ(reading.sum_ns, 2'000'100'002u);
+  EXPECT_EQ(reading.sum_ns, 2'000'020'002u);
 }
 
 TEST(DurationTotals, ManyThreadsMayAdd) {
