@@ -63,7 +63,7 @@ class FollowLightTest : public ::testing::Test {
   }
   template <class Condition>
   void wait_until(const char* what, Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
     while (!condition()) {
       ASSERT_LT(std::chrono::steady_clock::now(), deadline) << what;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -155,7 +155,7 @@ FakeCamera::Step throwing(const std::string& why) {
 
 /// Until the camera thread's health is as wanted; the last one seen after 30 s.
 CameraHealth wait_for(const CameraThread& thread, const std::function<bool(const CameraHealth&)>& wanted) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   CameraHealth health = thread.health();
   while (!wanted(health) && std::chrono::steady_clock::now() < deadline) {
     std::this_thread::yield();

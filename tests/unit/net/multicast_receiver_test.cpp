@@ -105,7 +105,7 @@ TEST(MulticastReceiver, JoinsASilentGroupAnew) {
   MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(20));
   receiver.listen(at(group));
   lose_membership(group);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   std::string text = "nothing";
   while (text == "nothing" && std::chrono::steady_clock::now() < deadline) {
     send(group, "again");

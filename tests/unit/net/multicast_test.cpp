@@ -174,7 +174,7 @@ TEST(Multicast, ComesBackByItselfWhenTheInterfaceAppears) {
     if (send(sender, "x") || sender.status().error.empty()) return 1;
     if (!bring_loopback_up()) return kNoNamespaces;
     GroupListener listener(static_cast<std::uint16_t>(settings.port));
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
     while (std::chrono::steady_clock::now() < deadline) {
       send(sender, "back");
       if (listener.receive(20) == "back") return sender.status().error.empty() ? kPassed : 2;
@@ -188,7 +188,7 @@ TEST(Multicast, ComesBackByItselfWhenTheInterfaceAppears) {
 TEST(Multicast, TellsTheRateOfPackets) {
   GroupListener listener;
   MulticastSender sender(settings_for(listener));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   while (sender.status().packets_per_s == 0 && std::chrono::steady_clock::now() < deadline) {
     send(sender, "x");
     listener.receive();
