@@ -45,6 +45,7 @@ struct TextField {
   std::string_view key;
   std::string P::*member;
   std::string_view help;
+  bool names_file = false;
 };
 
 template <class E>
@@ -136,6 +137,11 @@ constexpr auto flag(std::string_view key, bool P::*member, std::string_view help
 template <class P>
 constexpr auto text(std::string_view key, std::string P::*member, std::string_view help) {
   return TextField<P>{key, member, help};
+}
+/// The name of a file or folder on the daemon's computer: which ones the panel may set is limited.
+template <class P>
+constexpr auto file(std::string_view key, std::string P::*member, std::string_view help) {
+  return TextField<P>{key, member, help, true};
 }
 template <class P, class V, class E, std::size_t N>
 constexpr auto choice(std::string_view key, V P::*member, const std::array<Choice<E>, N>& choices,

@@ -333,8 +333,10 @@ Json field_schema(const FlagField<P>&) {
   return {{"type", "boolean"}};
 }
 template <class P>
-Json field_schema(const TextField<P>&) {
-  return {{"type", "string"}};
+Json field_schema(const TextField<P>& field) {
+  Json out{{"type", "string"}};
+  if (field.names_file) out["format"] = "file";
+  return out;
 }
 template <class P, class V, class E, std::size_t N>
 Json field_schema(const ChoiceField<P, V, E, N>& field) {

@@ -188,7 +188,7 @@ struct ColorSettings {
         text("table", &ColorSettings::table,
              "the table that was edited, learnt or imported on the Colours page; empty: that of lut_file or "
              "classes"),
-        text("lut_file", &ColorSettings::lut_file, "a .lut file; empty: the table is made from the classes"),
+        file("lut_file", &ColorSettings::lut_file, "a .lut file; empty: the table is made from the classes"),
         list("classes", &ColorSettings::classes, "colour classes; a later one wins"),
         number("bits", &ColorSettings::bits, ColorTable::kLeastBits, ColorTable::kMostBits, "",
                "of each channel of the table: 5 to 7 cost the same time, 8 more"),

@@ -36,7 +36,7 @@ struct Options {
   static constexpr auto fields() {
     using O = Options;
     return std::tuple{
-        text("path", &O::path,
+        file("path", &O::path,
              "a folder of pictures (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
              "their "
              "names; or one such file; or a video"),
