@@ -22,6 +22,19 @@ std::string camera_path(std::size_t i) {
 
 }  // namespace
 
+std::string listening_address(const PanelSettings& panel, bool has_password) {
+  if (panel.address.empty()) return has_password ? "0.0.0.0" : "127.0.0.1";
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(panel.address, error);
+  if (!has_password && (error || !address.is_loopback())) {
+    throw SettingsError(
+        fmt::format("/panel/address: \"{}\" can be reached from other computers and no password is set; set "
+                    "one first (sudo ssl-visionctl passwd), or use 127.0.0.1",
+                    panel.address));
+  }
+  return panel.address;
+}
+
 Config read_config(const Json& settings) {
   auto config = params_from_json<Config>(settings, "");
   check_field(config.field, "/field");

@@ -63,14 +63,22 @@ struct NetworkSettings {
 };
 
 struct PanelSettings {
-  std::string address = "127.0.0.1";
+  std::string address;
   int port = 8090;
+  std::vector<std::string> names;
+  bool match_lock = true;
   static constexpr auto fields() {
     return std::tuple{
         text("address", &PanelSettings::address,
-             "address the panel listens on; 0.0.0.0: all. Takes force at the next start"),
-        number("port", &PanelSettings::port, 0, 65535, "",
-               "port of the panel; 0: any free one. Takes force at the next start"),
+             "address the panel listens on; 0.0.0.0: all; empty: all once an admin's password is set, this "
+             "computer's own (127.0.0.1) before"),
+        number("port", &PanelSettings::port, 0, 65535, "", "port of the panel; 0: any free one"),
+        sslv::names(
+            "names", &PanelSettings::names,
+            "names by which browsers reach the panel, besides this computer's own name and addresses"),
+        flag(
+            "match_lock", &PanelSettings::match_lock,
+            "while a match runs, as the game controller says, nothing is changed before an admin unlocks it"),
     };
   }
 };
@@ -120,7 +128,7 @@ struct Config {
         group("field", &Config::field, "the playing field: sizes and lines"),
         group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
         group("teams", &Config::teams, "names and heights of the teams"),
-        text("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
+        file("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
         list("own_labels", &Config::own_labels,
              "labels of colour tables besides the built-in ones, for patterns of your own"),
         group("network", &Config::network, "what is sent where"),
@@ -129,6 +137,10 @@ struct Config {
     };
   }
 };
+
+/// Where the panel is to listen: "" has found its meaning. Throws SettingsError when that can be reached from
+/// other computers while there is no password.
+std::string listening_address(const PanelSettings& panel, bool has_password);
 
 /// Reads a tree that may be incomplete. Throws SettingsError for whatever is not allowed: unknown keys,
 /// values out of range, two cameras with one id, an impossible stack, a calibration that is no camera.

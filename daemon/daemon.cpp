@@ -9,6 +9,7 @@
 #include "net/network_cards.h"
 #include "routes.h"
 #include "teams.h"
+#include "version.h"
 #include "vision/label_picture.h"
 #include "web/http.h"
 
@@ -48,6 +49,14 @@ std::optional<GroupAddress> referee_address(const Config& config) {
                       referee.interface.empty() ? config.network.vision.interface : referee.interface};
 }
 
+/// Where settings that come over the network may name files.
+std::vector<std::filesystem::path> folders_of(const Daemon::Options& options) {
+  std::vector<std::filesystem::path> folders = options.file_folders;
+  folders.insert(folders.end(), {std::filesystem::absolute(options.settings_file).parent_path(),
+                                 options.state_folder, kInstalledFiles});
+  return folders;
+}
+
 std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListener& referee) {
   const auto teams = teams_now(config.teams, referee.team_names());
   return {teams[0].robot_height_mm, teams[1].robot_height_mm};
@@ -57,10 +66,16 @@ std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListen
 
 Daemon::Daemon(const Options& options)
     : started_s_(unix_time_s()),
+      file_folders_(folders_of(options)),
       store_(options.settings_file, options.state_folder, complete_settings),
+      passwords_(options.state_folder / Passwords::kFileName),
+      access_(passwords_,
+              fmt::format("ssl_visiond_{}", store_.current().settings.at("panel").at("port").dump()),
+              steady_s),
       profiles_(options.state_folder / "profiles.json"),
       saved_tables_(options.state_folder / "tables"),
       config_(read_config(store_.current().settings)),
+      settings_(store_.current().settings),
       multicast_(config_.load()->network.vision, "/network/vision"),
       geometry_(make_geometry(*config_.load())),
       geometry_sender_(multicast_, geometry_, geometry_interval(*config_.load())),
@@ -76,12 +91,19 @@ Daemon::Daemon(const Options& options)
           options.state_folder, [this] { return cameras_now(); }, [this] { look_after(); }) {
   prepare(store_.current().settings)();
   const auto config = config_.load();
+  panel_place_ = {listening_address(config->panel, passwords_.has(Role::kAdmin)), config->panel.port};
   web_ = std::make_unique<WebServer>(
-      make_web_host(), routes(), WebOptions{config->panel.address, config->panel.port, options.panel_folder});
+      make_web_host(), routes(), WebOptions{panel_place_.first, panel_place_.second, options.panel_folder});
   listening_ = web_.get();
+  const std::lock_guard lock(panel_mutex_);
+  panel_may_move_ = true;
 }
 
 Daemon::~Daemon() {
+  {
+    const std::lock_guard lock(panel_mutex_);
+    panel_may_move_ = false;
+  }
   web_->stop();
   listening_ = nullptr;
 }
@@ -91,6 +113,7 @@ int Daemon::panel_port() const {
 }
 
 Daemon::MadeReady Daemon::make_ready(const Json& settings) const {
+  if (listening_ != nullptr) check_files(settings);
   MadeReady ready{std::make_shared<const Config>(read_config(settings)), cameras_.load(), {}};
   const auto& config = ready.config;
   const auto& old_cameras = ready.old_cameras;
@@ -127,6 +150,7 @@ std::function<void()> Daemon::prepare(const Json& settings) {
   MadeReady ready = make_ready(settings);
   const auto config = ready.config;
   const auto old_cameras = ready.old_cameras;
+  const auto move_panel = prepare_panel(config->panel);
   auto setups = std::make_shared<std::vector<CameraSetup>>(std::move(ready.setups));
   auto controls = std::make_shared<std::vector<ControlChange>>();  // set back unless all this gets into force
   // Last, when all the rest is known to be allowed.
@@ -137,8 +161,10 @@ std::function<void()> Daemon::prepare(const Json& settings) {
                             ? ControlChange()
                             : running->second->change_controls(config->cameras[i], path));
   }
-  return [this, config, setups, controls, old_cameras] {
+  return [this, config, settings, setups, controls, old_cameras, move_panel] {
+    move_panel();
     config_.store(*config);
+    settings_.store(settings);
     multicast_.configure(config->network.vision, "/network/vision");
     geometry_.store(make_geometry(*config));
     geometry_sender_.restart(geometry_interval(*config));
@@ -321,6 +347,7 @@ WebHost Daemon::make_web_host() {
   host.wait_view = [this](std::uint32_t id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
     return wait_view(id, newer_than, timeout);
   };
+  add_access_to(host);
   add_profiles_to(host);
   add_health_to(host);
   add_calibration_to(host);

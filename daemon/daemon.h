@@ -16,10 +16,12 @@
 #include "net/vision_sender.h"
 #include "running_camera.h"
 #include "saved_tables.h"
+#include "settings/passwords.h"
 #include "settings/profiles.h"
 #include "settings/store.h"
 #include "status.h"
 #include "stills.h"
+#include "web/access.h"
 #include "web/server.h"
 
 #include <atomic>
@@ -31,6 +33,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sslv {
@@ -40,6 +43,7 @@ class Daemon {
  public:
   struct Options {
     std::filesystem::path settings_file, state_folder, panel_folder;
+    std::vector<std::filesystem::path> file_folders{};  // besides its own, where the panel may name files
   };
 
   /// Running when it returns: sockets bound, panel answering, cameras opening. Throws SettingsError.
@@ -56,6 +60,14 @@ class Daemon {
   using Cameras = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
 
   WebHost make_web_host();
+  void add_access_to(WebHost& host);
+  /// Throws SettingsError when settings from the network name files that they must not.
+  void check_files(const Json& settings) const;
+  /// What lets the panel listen where these settings say; throws SettingsError.
+  std::function<void()> prepare_panel(const PanelSettings& panel);
+  /// For the monitor's thread: a password may have been set by ssl-visionctl.
+  void move_panel_if_needed();
+  MatchLock match_lock() const;
   /// What new settings need, made without any effect on what runs.
   struct MadeReady {
     std::shared_ptr<const Config> config;
@@ -188,10 +200,14 @@ class Daemon {
   Json reject_joint_calibration();
 
   const double started_s_;
+  const std::vector<std::filesystem::path> file_folders_;
   SettingsStore store_;
+  Passwords passwords_;
+  Access access_;
   Profiles profiles_;
   SavedTables saved_tables_;
   Snapshot<Config> config_;
+  Snapshot<Json> settings_;  // the tree that config_ was read from
   MulticastSender multicast_;
   Snapshot<Geometry> geometry_;
   GeometrySender geometry_sender_;
@@ -216,6 +232,11 @@ class Daemon {
   Snapshot<std::set<int>> stale_calibrations_{{}};        // ids of the cameras whose field was changed since
   std::shared_ptr<const Config> calibrations_looked_at_;  // of the monitor's thread: with these settings
   Monitor monitor_;
+  mutable std::atomic<bool> match_lock_opened_ = false;
+  std::mutex panel_mutex_;                            // guards the next two
+  std::pair<std::string, int> panel_place_;           // address and port that it listens on, as settings say
+  bool panel_may_move_ = false;                       // while web_ runs
+  std::string panel_problem_;                         // of the monitor\'s thread: why it could not move
   std::unique_ptr<WebServer> web_;                    // last: it asks all the others
   std::atomic<const WebServer*> listening_{nullptr};  // set once web_ is made: it may ask before
 };

@@ -99,8 +99,7 @@ Json Daemon::calibration(int camera_id) const {
 }
 
 void Daemon::refuse_while_game_runs() const {
-  if (!referee_.game_is_running()) return;
-  throw HttpError(423, "the game is running, as the game controller says: wait for HALT, or use force");
+  if (match_lock().is_locked()) throw HttpError(423, std::string(kMatchRuns) + ", or use force");
 }
 
 void Daemon::refuse_acceptance(bool is_good, const std::vector<std::string>& problems,

@@ -16,10 +16,6 @@
 namespace sslv {
 namespace {
 
-double steady_s() {
-  return static_cast<double>(steady_ns()) * 1e-9;
-}
-
 /// What is asked of a camera. A player's speed is for its viewer to choose.
 std::optional<double> wanted_fps(const Json& source) {
   const auto rate = source.find("frame_rate_hz");
@@ -213,6 +209,7 @@ Json Daemon::diagnostics() const {
 }
 
 void Daemon::look_after() {
+  move_panel_if_needed();
   find_stale_calibrations();
   // So that a break of an alert is seen while nobody asks.
   const auto config = config_.load();

@@ -95,11 +95,15 @@ int main(int argc, char** argv) {
       "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);
   std::filesystem::path settings_file, check_file, panel = panel_folder();
+  std::vector<std::filesystem::path> file_folders;
   bool print = false, list = false;
   app.add_option("--config", settings_file, "the settings file to run with");
   app.add_option("--check-config", check_file,
                  "check a settings file and say what is wrong with it: exit 0 or 78");
   app.add_option("--panel", panel, "folder of the built panel")->capture_default_str();
+  app.add_option("--files", file_folders,
+                 "a folder in which the panel may name files, besides those of the settings file and of the "
+                 "service's own state");
   app.add_flag("--print-config", print,
                "print the whole settings tree, defaults filled in (with --config: of that file)");
   app.add_flag("--list-cameras", list,
@@ -130,7 +134,7 @@ int main(int argc, char** argv) {
       std::cerr << "ssl-visiond: --config FILE is needed; see --help\n";
       return EX_USAGE;
     }
-    return run({settings_file, state_folder(), panel});
+    return run({settings_file, state_folder(), panel, file_folders});
   } catch (const SettingsError& error) {
     std::cerr << "ssl-visiond: " << error.what() << "\n";
     return EX_CONFIG;

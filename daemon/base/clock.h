@@ -18,4 +18,8 @@ inline std::int64_t steady_ns() {
       .count();
 }
 
+inline double steady_s() {
+  return static_cast<double>(steady_ns()) * 1e-9;
+}
+
 }  // namespace sslv

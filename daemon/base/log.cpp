@@ -3,8 +3,21 @@
 
 #include "base/clock.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <syslog.h>
+#define SD_JOURNAL_SUPPRESS_LOCATION  // of this file, which says nothing
+#include <systemd/sd-journal.h>
+#include <unistd.h>
 
 namespace sslv::log {
 namespace {
@@ -29,6 +42,34 @@ spdlog::level::level_enum to_spdlog(Level level) {
   return spdlog::level::info;
 }
 
+/// Whether standard error is a stream to the journal: systemd.exec(5), $JOURNAL_STREAM.
+bool is_journal() {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  struct stat about {};
+  return stream != nullptr && ::fstat(STDERR_FILENO, &about) == 0 &&
+         fmt::format("{}:{}", about.st_dev, about.st_ino) == stream;
+}
+
+/// The number in "camera 3: lost".
+std::string_view camera_in(std::string_view message) {
+  constexpr std::string_view kPrefix = "camera ";
+  if (!message.starts_with(kPrefix)) return {};
+  message.remove_prefix(kPrefix.size());
+  return message.substr(0, std::min(message.find_first_not_of("0123456789"), message.size()));
+}
+
+void write_to_journal(Level level, std::string_view message) {
+  constexpr std::array kPriorities{LOG_DEBUG, LOG_INFO, LOG_WARNING, LOG_ERR};
+  std::vector<std::string> fields{fmt::format("MESSAGE={}", message),
+                                  fmt::format("PRIORITY={}", kPriorities[static_cast<std::size_t>(level)])};
+  if (const auto camera = camera_in(message); !camera.empty())
+    fields.push_back(fmt::format("CAMERA={}", camera));
+  if (message.starts_with("audit: ")) fields.push_back(fmt::format("MESSAGE_ID={}", kAuditId));
+  std::vector<iovec> parts;
+  for (std::string& field : fields) parts.push_back({field.data(), field.size()});
+  sd_journal_sendv(parts.data(), static_cast<int>(parts.size()));
+}
+
 LogRing& ring() {
   static LogRing lines;
   return lines;
@@ -43,6 +84,8 @@ void set_level(Level level) {
 void write(Level level, std::string_view message) {
   if (!logger().should_log(to_spdlog(level))) return;
   ring().add(unix_time_s(), level, message);
+  static const bool kJournal = is_journal();
+  if (kJournal) return write_to_journal(level, message);
   logger().log(to_spdlog(level), spdlog::string_view_t(message.data(), message.size()));
 }
 

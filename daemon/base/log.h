@@ -8,8 +8,13 @@
 
 #include <fmt/core.h>
 
-/// One line a message, to standard error with time and level; the newest are kept for the panel.
+/// One line a message, to standard error with time and level, or to the journal where that is what standard
+/// error leads to: there with PRIORITY, with CAMERA for lines that begin with "camera 3", and with
+/// MESSAGE_ID=kAuditId for those that begin with "audit". The newest are kept for the panel.
 namespace sslv::log {
+
+/// Of the lines that say who wanted to change something.
+inline constexpr const char* kAuditId = "5f2f9a6ec1b74d1c9b0e8f4b6f0f6a1d";
 
 /// Messages below this level are not written. Default: info.
 void set_level(Level level);

@@ -33,12 +33,6 @@ httplib::Client client_of(const std::string& address) {
   return http;
 }
 
-httplib::Headers if_match(std::optional<std::uint64_t> revision) {
-  httplib::Headers headers;
-  if (revision) headers.emplace("If-Match", std::to_string(*revision));
-  return headers;
-}
-
 /// Who changed what, the newest first: SettingsStep[] of docs/openapi.json.
 std::string steps_text(const Json& steps) {
   constexpr std::size_t kMost = 3;
@@ -75,34 +69,62 @@ std::string refusal_text(const std::string& path, int http_status, const std::st
   return answer.contains("changed_since") ? error + steps_text(answer["changed_since"]) : error;
 }
 
+struct Client::Request {
+  const char* method;
+  const std::string& path;
+  std::string body{};
+  const char* type = "application/json";
+  std::optional<std::uint64_t> if_revision{};
+};
+
+std::string Client::answer(Request request) const {
+  httplib::Client http = client_of(address_);
+  const auto send = [&] {
+    httplib::Request one;
+    one.method = request.method;
+    one.path = request.path;
+    one.body = request.body;
+    if (!one.body.empty()) one.set_header("Content-Type", request.type);
+    if (request.if_revision) one.set_header("If-Match", std::to_string(*request.if_revision));
+    if (!sign_in_->cookie.empty()) one.set_header("Cookie", sign_in_->cookie);
+    return http.send(one);
+  };
+  httplib::Result result = send();
+  if (result && result->status == 401 && sign_in_->cookie.empty()) {
+    const Json password{{"password", sign_in_->password()}};
+    const std::string session = "/api/session";
+    const httplib::Result signed_in = http.Post(session, password.dump(), "application/json");
+    body_of(signed_in, address_, session);
+    const std::string cookie = signed_in->get_header_value("Set-Cookie");
+    sign_in_->cookie = cookie.substr(0, cookie.find(';'));
+    result = send();
+  }
+  return body_of(result, address_, request.path);
+}
+
 std::string Client::get(const std::string& path) const {
-  return body_of(client_of(address_).Get(path), address_, path);
+  return answer({"GET", path});
 }
 
 Json Client::post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision) const {
-  return Json::parse(
-      body_of(client_of(address_).Post(path, if_match(if_revision), body.dump(), "application/json"),
-              address_, path));
+  return Json::parse(answer({"POST", path, body.dump(), "application/json", if_revision}));
 }
 
 Json Client::post_bytes(const std::string& path, const std::string& bytes) const {
-  return Json::parse(
-      body_of(client_of(address_).Post(path, bytes, "application/octet-stream"), address_, path));
+  return Json::parse(answer({"POST", path, bytes, "application/octet-stream"}));
 }
 
 Json Client::patch(const std::string& path, const Json& body,
                    std::optional<std::uint64_t> if_revision) const {
-  return Json::parse(body_of(
-      client_of(address_).Patch(path, if_match(if_revision), body.dump(), "application/json-patch+json"),
-      address_, path));
+  return Json::parse(answer({"PATCH", path, body.dump(), "application/json-patch+json", if_revision}));
 }
 
 Json Client::put(const std::string& path, const Json& body) const {
-  return Json::parse(body_of(client_of(address_).Put(path, body.dump(), "application/json"), address_, path));
+  return Json::parse(answer({"PUT", path, body.dump()}));
 }
 
 Json Client::remove(const std::string& path) const {
-  return Json::parse(body_of(client_of(address_).Delete(path), address_, path));
+  return Json::parse(answer({"DELETE", path}));
 }
 
 }  // namespace sslv

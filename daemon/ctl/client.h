@@ -4,6 +4,8 @@
 #include "base/json.h"
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,10 +18,18 @@ struct ClientError : std::runtime_error {
   using runtime_error::runtime_error;
 };
 
+/// How a daemon that wants a password gets it.
+struct SignIn {
+  std::function<std::string()> password;  // asked for once, when it is needed; throws ClientError without one
+  std::string cookie{};                   // that the daemon gave for it
+};
+
 /// Asks a running daemon by its panel's address, such as "http://127.0.0.1:8090".
 class Client {
  public:
-  explicit Client(std::string address) : address_(std::move(address)) {}
+  /// `sign_in` may be shared by several.
+  Client(std::string address, std::shared_ptr<SignIn> sign_in)
+      : address_(std::move(address)), sign_in_(std::move(sign_in)) {}
 
   /// Body of GET `path`. Throws ClientError with the daemon's own words when it refuses.
   std::string get(const std::string& path) const;
@@ -33,7 +43,11 @@ class Client {
   Json remove(const std::string& path) const;
 
  private:
+  struct Request;
+  std::string answer(Request request) const;
+
   std::string address_;
+  std::shared_ptr<SignIn> sign_in_;
 };
 
 /// A name as a part of an address' path.

@@ -17,6 +17,9 @@ void add_commands(CommandLine& line) {
   line.app.set_version_flag("--version", std::string("ssl-visionctl ") + kVersion);
   line.app.require_subcommand(1);
   line.app.add_option("--daemon", line.daemon, "address of the daemon's panel")->capture_default_str();
+  line.app.add_option(
+      "--password-file", line.password_file,
+      "file with the daemon's password in its first line; else SSL_VISIOND_PASSWORD, else it is asked for");
 
   add_status(line);
   add_watch(line);
@@ -41,6 +44,8 @@ void add_commands(CommandLine& line) {
   add_score(line);
   add_calibrate(line);
   add_learn_colours(line);
+  add_passwd(line);
+  add_match_lock(line);
   add_completion(line);
 }
 

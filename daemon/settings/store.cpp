@@ -12,6 +12,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace sslv {
@@ -33,6 +34,13 @@ class FileDescriptor {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
   throw StorageError(fmt::format("cannot {} {}: {}", what, file.string(), std::strerror(errno)));
+}
+
+/// What root makes in the service's folder must be the service's.
+void give_to_owner_of(const std::filesystem::path& folder, int fd) {
+  struct stat about {};
+  if (::geteuid() != 0 || ::stat(folder.c_str(), &about) != 0) return;
+  if (::fchown(fd, about.st_uid, about.st_gid) != 0) fail(folder, "hand a file to the owner of");
 }
 
 Json patched(const Json& settings, const Json& patch) {
@@ -65,11 +73,13 @@ Json read_json_file(const std::filesystem::path& file) {
   }
 }
 
-void write_file_durably(const std::filesystem::path& file, const std::string& content) {
+void write_file_durably(const std::filesystem::path& file, const std::string& content, unsigned permissions) {
   const std::filesystem::path temporary = file.string() + ".new";
   {
-    const FileDescriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+    const FileDescriptor out(
+        ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, permissions));
     if (out.get() < 0) fail(temporary, "write");
+    give_to_owner_of(file.parent_path(), out.get());
     std::size_t written = 0;
     while (written < content.size()) {
       const ssize_t n = ::write(out.get(), content.data() + written, content.size() - written);

@@ -43,8 +43,10 @@ struct StorageError : std::runtime_error {
 Json read_json_file(const std::filesystem::path& file);
 
 /// Replaces a file's content so that after a power cut it holds either all of the old or all of the new
-/// bytes: temporary file, fsync, rename, fsync of the folder. Throws StorageError.
-void write_file_durably(const std::filesystem::path& file, const std::string& content);
+/// bytes: temporary file, fsync, rename, fsync of the folder. Written by root, it belongs to whom the folder
+/// belongs to. Throws StorageError.
+void write_file_durably(const std::filesystem::path& file, const std::string& content,
+                        unsigned permissions = 0640);
 
 /// The one owner of the settings tree. The admin's file is never written; what the panel changes is kept
 /// beside it, in the state folder, as a JSON Patch (RFC 6902) on that file's tree, so that a later edit of

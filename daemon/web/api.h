@@ -110,6 +110,13 @@ void save_profile(const WebHost& host, const httplib::Request& request, httplib:
 void apply_profile(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void delete_profile(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
+// api_session.cpp: who may do what, and whether a match forbids it
+void get_session(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void sign_in(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void sign_out(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void set_password(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+void open_match_lock(const WebHost& host, const httplib::Request& request, httplib::Response& response);
+
 // api_support.cpp
 void get_support(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 

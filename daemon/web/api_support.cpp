@@ -51,8 +51,7 @@ std::string log_text() {
   return out;
 }
 
-/// All that a bundle holds. The settings hold no secret; one that comes to be is to be taken out of
-/// settings.json and settings_history.json here, and out of nothing else.
+/// All that a bundle holds. There is no secret in it: the settings hold none (see Passwords).
 std::vector<BundleFile> bundle_files(const WebHost& host) {
   std::vector<BundleFile> files{
       {"version.txt", "the program's version",

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 namespace sslv {
 
@@ -14,16 +15,20 @@ struct WebCounters {
   std::atomic<std::uint64_t> jpegs_encoded = 0;
 };
 
-/// Counts one for as long as it lives. The counter must outlive it.
+/// Counts one for as long as it lives. The counter must outlive it. `seat`: held as long.
 class ScopedCount {
  public:
-  explicit ScopedCount(std::atomic<int>& counter) : counter_(&counter) { ++counter; }
+  explicit ScopedCount(std::atomic<int>& counter, std::shared_ptr<const void> seat = {})
+      : counter_(&counter), seat_(std::move(seat)) {
+    ++counter;
+  }
 
  private:
   struct CountDown {
     void operator()(std::atomic<int>* counter) const { --*counter; }
   };
   std::unique_ptr<std::atomic<int>, CountDown> counter_;
+  std::shared_ptr<const void> seat_;
 };
 
 }  // namespace sslv

@@ -82,9 +82,27 @@ struct ColorHost {
   std::function<std::vector<std::uint8_t>(std::uint32_t camera_id, int still)> still_labels;
 };
 
+/// Settings are locked while a match runs, as the game controller says, unless an admin opened them for this
+/// match.
+struct MatchLock {
+  bool game_is_running = false, opened = false;
+  bool is_locked() const { return game_is_running && !opened; }
+};
+inline constexpr const char* kMatchRuns =
+    "the game is running, as the game controller says, and nothing is changed meanwhile: wait for HALT, or "
+    "unlock the settings for this match";
+
+class Access;
+
 /// All that the web server needs of the daemon. Every member must be set, and is called from several threads
 /// at once. JSON values are those of docs/openapi.json.
 struct WebHost {
+  Access* access = nullptr;                               // who may do what
+  std::function<std::vector<std::string>()> panel_names;  // besides this computer's own
+  std::function<MatchLock()> match_lock;
+  /// Until the match ends. `who`: the client's address.
+  std::function<MatchLock(bool opened, const std::string& who)> open_match_lock;
+
   std::function<Json()> status;
   std::function<Json(int seconds)> timeline;
   std::function<Json()> diagnostics;

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace httplib {
 struct Request;
@@ -38,6 +39,13 @@ inline constexpr std::array<std::pair<const char*, const char*>, 3> kSecurityHea
 /// Other clients send no Origin; it is empty then.
 bool is_same_origin(std::string_view origin, std::string_view host);
 inline constexpr std::string_view kOtherSite = "this request comes from a page of another site";
+
+/// Whether a Host header names this computer: by an address, as localhost, by its host name (also with
+/// .local) or by one of `names`. A page of another site that has its own name lead here (DNS rebinding) does
+/// not. Empty is allowed: browsers always send one.
+bool is_own_name(std::string_view host, const std::vector<std::string>& names);
+/// What is said then.
+std::string not_own_name(std::string_view host);
 
 /// A whole number in min .. max from a path part or the query. Throws HttpError 400 naming `name`.
 int read_whole_number(std::string_view name, std::string_view text, int min, int max);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/http_session.h"
 
+#include "web/access.h"
 #include "web/http.h"
 #include "web/picture_stream.h"
 
@@ -105,10 +106,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void upgrade(const WebSocketHub::UpgradeRequest& header) {
-    if (!is_same_origin(view(header[http::field::origin]), view(header[http::field::host])))
-      return refuse(403, std::string(kOtherSite));
+    const std::string_view host = view(header[http::field::host]);
+    if (!is_own_name(host, context_.host.panel_names())) return refuse(403, not_own_name(host));
+    if (!is_same_origin(view(header[http::field::origin]), host)) return refuse(403, std::string(kOtherSite));
+    MayLook may = may_look(*context_.host.access, std::string(view(header[http::field::cookie])));
+    if (!may()) return refuse(401, "sign in first");
     stream_.expires_never();
-    context_.websockets.accept(stream_.release_socket(), std::move(connection_), header);
+    context_.websockets.accept(stream_.release_socket(), std::move(connection_), header, std::move(may));
   }
 
   /// A worker answers the complete request that stands first in what was received.
@@ -140,7 +144,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void stream() {
     stream_.expires_never();
-    stream_pictures(stream_.release_socket(), std::move(connection_), context_.feeds, *answer_.stream);
+    stream_pictures(stream_.release_socket(), std::move(connection_), context_.feeds, *answer_.stream,
+                    std::move(answer_.may_look));
   }
 
   /// Closing while bytes are still coming would reset the connection, and the client might lose the answer.

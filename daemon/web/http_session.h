@@ -3,6 +3,7 @@
 
 #include "web/camera_feeds.h"
 #include "web/counters.h"
+#include "web/host.h"
 #include "web/router.h"
 #include "web/websocket.h"
 
@@ -15,6 +16,7 @@ namespace sslv {
 
 /// What every connection needs of its server, which outlives it.
 struct HttpContext {
+  const WebHost& host;
   const Router& router;
   WebSocketHub& websockets;
   CameraFeeds& feeds;

@@ -32,8 +32,10 @@ constexpr std::string_view kPartEnd = "\r\n";
 /// Kept alive by its pending read.
 class PictureStream : public std::enable_shared_from_this<PictureStream> {
  public:
-  PictureStream(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds, CameraFeed& feed)
-      : feeds_(feeds),
+  PictureStream(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds, CameraFeed& feed,
+                MayLook may_look)
+      : may_look_(std::move(may_look)),
+        feeds_(feeds),
         feed_(feed),
         id_(feeds.new_viewer()),
         connection_(std::move(connection)),
@@ -68,6 +70,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
 
   void send(const CameraFeed::Message& message) {
     if (left_) return;
+    if (!may_look_()) return leave();
     message_ = message;
     const std::span<const char> jpeg = jpeg_in(*message_);
     part_head_ = fmt::format(
@@ -96,6 +99,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
     stream_.close();
   }
 
+  const MayLook may_look_;
   CameraFeeds& feeds_;
   CameraFeed& feed_;
   const CameraFeed::ViewerId id_;
@@ -111,8 +115,9 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
 }  // namespace
 
 void stream_pictures(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds,
-                     const StreamWish& wish) try {
-  std::make_shared<PictureStream>(std::move(socket), std::move(connection), feeds, feeds.of(wish.camera_id))
+                     const StreamWish& wish, MayLook may_look) try {
+  std::make_shared<PictureStream>(std::move(socket), std::move(connection), feeds, feeds.of(wish.camera_id),
+                                  std::move(may_look))
       ->start(wish.preview);
 } catch (const HttpError&) {  // the camera went just now: the stream ends before its first picture
 }

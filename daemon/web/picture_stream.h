@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/access.h"
 #include "web/camera_feeds.h"
 #include "web/counters.h"
 
@@ -12,10 +13,10 @@ namespace sslv {
 
 inline constexpr const char* kStreamType = "multipart/x-mixed-replace; boundary=ssl-visiond-picture";
 
-/// Sends pictures until the client goes or takes nothing for 30 s: the body of an answer of kStreamType,
-/// whose head is on its way. The next picture is asked for when the one before has left, so that none waits
-/// for a slow link. Runs on the socket's thread alone; `feeds` must outlive it.
+/// Sends pictures until the client goes, may not look any more or takes nothing for 30 s: the body of an
+/// answer of kStreamType, whose head is on its way. The next picture is asked for when the one before has
+/// left, so that none waits for a slow link. Runs on the socket's thread alone; `feeds` must outlive it.
 void stream_pictures(boost::asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds,
-                     const StreamWish& wish);
+                     const StreamWish& wish, MayLook may_look);
 
 }  // namespace sslv

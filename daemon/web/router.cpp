@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "web/access.h"
 #include "web/http.h"
 
 #include <algorithm>
@@ -47,6 +48,17 @@ class MemoryStream : public httplib::Stream {
   std::string answer_;
 };
 
+/// Throws HttpError unless who asks may do this now.
+void admit(const WebHost& host, const Route& route, const httplib::Request& request) {
+  if (route.needs == Needs::kNothing) return;
+  const bool only_looks = route.needs == Needs::kByMethod && route.method == std::string_view("GET");
+  const May may = host.access->may(request.get_header_value("Cookie"));
+  if (may == May::kNothing) throw HttpError(401, "sign in first");
+  if (only_looks) return;
+  if (may != May::kChange) throw HttpError(401, "sign in with the admin's password first");
+  if (route.needs == Needs::kByMethod && host.match_lock().is_locked()) throw HttpError(423, kMatchRuns);
+}
+
 void add_route(Server& server, const WebHost& host, const Route& route) {
   using Add = Server& (Server::*)(const std::string&, Server::Handler);
   static const std::map<std::string_view, Add> kMethods{{"GET", &Server::Get},
@@ -55,8 +67,9 @@ void add_route(Server& server, const WebHost& host, const Route& route) {
                                                         {"PATCH", &Server::Patch},
                                                         {"DELETE", &Server::Delete}};
   const Add add = kMethods.at(route.method);
-  (server.*add)(route.pattern, [&host, handler = route.handler](const auto& request, auto& response) {
-    handler(host, request, response);
+  (server.*add)(route.pattern, [&host, route](const auto& request, auto& response) {
+    admit(host, route, request);
+    route.handler(host, request, response);
   });
 }
 
@@ -64,7 +77,12 @@ bool is_read(const httplib::Request& request) {
   return request.method == "GET" || request.method == "HEAD";
 }
 
-Server::HandlerResponse refuse_early(const httplib::Request& request, httplib::Response& response) {
+Server::HandlerResponse refuse_early(const WebHost& host, const httplib::Request& request,
+                                     httplib::Response& response) {
+  if (const std::string name = request.get_header_value("Host"); !is_own_name(name, host.panel_names())) {
+    set_error(response, 403, not_own_name(name));
+    return Server::HandlerResponse::Handled;
+  }
   if (request.path.find('\0') != std::string::npos) {  // files would be looked for by what stands before it
     set_error(response, 400, "the address has a zero byte in it");
     return Server::HandlerResponse::Handled;
@@ -79,7 +97,12 @@ Server::HandlerResponse refuse_early(const httplib::Request& request, httplib::R
 void answer_exception(const httplib::Request& request, httplib::Response& response,
                       const std::exception_ptr& exception) try {
   std::rethrow_exception(exception);
+} catch (const TooManyTries& error) {
+  response.set_header("Retry-After", std::to_string(error.wait_s));
+  set_error(response, error.status, error.what());
 } catch (const HttpError& error) {
+  // The standard wants one; browsers ask for nothing by themselves with a scheme they do not know.
+  if (error.status == 401) response.set_header("WWW-Authenticate", "Session");
   set_error(response, error.status, error.what());
 } catch (const StaleRevision& error) {
   response.status = 409;
@@ -131,6 +154,13 @@ const std::regex& stream_path() {
   return path;
 }
 
+/// An audit line for whatever was to change something, also when it was refused.
+void write_down(const httplib::Request& request, const httplib::Response& response) {
+  if (is_read(request)) return;
+  log::info("audit: {} {} {} {}", request.remote_addr, request.method, to_text(request.target.substr(0, 200)),
+            response.status);
+}
+
 /// Of what is no file, nothing is to be kept.
 void set_caching(std::span<const Route> routes, const httplib::Request& request,
                  httplib::Response& response) {
@@ -153,17 +183,20 @@ class Router::HttpServer : public Server {
 
 Router::Router(const WebHost& host, std::span<const Route> routes,
                const std::filesystem::path& panel_directory)
-    : server_(std::make_unique<HttpServer>()) {
+    : host_(host), server_(std::make_unique<HttpServer>()) {
   for (const Route& route : routes) add_route(*server_, host, route);
   server_->set_mount_point("/", panel_directory);
   server_->Get("/", explain_missing_panel(panel_directory));
-  server_->set_pre_routing_handler(refuse_early);
+  server_->set_pre_routing_handler([&host](const httplib::Request& request, httplib::Response& response) {
+    return refuse_early(host, request, response);
+  });
   server_->set_exception_handler(answer_exception);
   server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
     explain_refusal(routes, request, response);
   });
   server_->set_post_routing_handler([routes](const httplib::Request& request, httplib::Response& response) {
     set_caching(routes, request, response);
+    write_down(request, response);
   });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
   server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit
@@ -199,6 +232,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   if (stream_request && answer.bytes.starts_with("HTTP/1.1 200 ")) {
     std::regex_match(stream_request->path, stream_request->matches, stream_path());
     answer.stream = stream_wish(*stream_request);
+    answer.may_look = may_look(*host_.access, stream_request->get_header_value("Cookie"));
   }
   return answer;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/access.h"
 #include "web/api.h"
 #include "web/camera_feed.h"
 #include "web/host.h"
@@ -19,10 +20,18 @@ namespace sslv {
 /// StaleRevision (409); anything else is answered with 500.
 using Handler = void (*)(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
+/// What a route asks of who calls it.
+enum class Needs {
+  kByMethod,  // GET: May::kLook; others: May::kChange, and no match that is running
+  kNothing,
+  kChange,  // May::kChange, also while a match runs
+};
+
 struct Route {
   const char* method;   // GET, POST, PUT, PATCH or DELETE
   const char* pattern;  // regular expression of the whole path; its groups are request.matches[1], [2]...
   Handler handler;
+  Needs needs = Needs::kByMethod;
 };
 
 /// How long a connection is kept open for its next request.
@@ -32,6 +41,7 @@ struct HttpAnswer {
   std::string bytes;  // as they go onto the socket
   bool keep_alive = false;
   std::optional<StreamWish> stream{};  // what follows these bytes until the client goes
+  MayLook may_look{};                  // or until it may not look any more
 };
 
 /// From a request's bytes to its answer's: cpp-httplib without its sockets. Routes come first to last, and
@@ -44,12 +54,13 @@ class Router {
   ~Router();
 
   /// `request`: one complete request, header and body, without chunks; its address and Range short. HEAD is
-  /// answered as GET. Writes from pages of another site are refused with 403. May be called from several
-  /// threads at once.
+  /// answered as GET. Writes from pages of another site, and requests by a name that is not this computer's,
+  /// are refused with 403. Every write leaves a line in the log. May be called from several threads at once.
   HttpAnswer answer(std::string_view request, const std::string& remote_address) const;
 
  private:
   class HttpServer;
+  const WebHost& host_;
   const std::unique_ptr<HttpServer> server_;
 };
 

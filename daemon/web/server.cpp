@@ -12,6 +12,8 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <future>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -33,8 +35,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
-[[noreturn]] void refuse_endpoint(const WebOptions& options, const error_code& error) {
-  const std::string port = "/panel/port: " + std::to_string(options.port);
+[[noreturn]] void refuse_endpoint(const std::string& address, int number, const error_code& error) {
+  const std::string port = "/panel/port: " + std::to_string(number);
   if (error == asio::error::address_in_use) {
     throw SettingsError(port + " is taken by another program; stop that one or choose another port");
   }
@@ -42,29 +44,33 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
     throw SettingsError(port +
                         " is not allowed without privileges; expected 1024 .. 65535, or 0 for any free one");
   }
-  throw SettingsError("/panel/address: \"" + options.address + "\" cannot be listened on (" +
-                      error.message() + "); expected an address of this computer, or 0.0.0.0 for all");
+  throw SettingsError("/panel/address: \"" + address + "\" cannot be listened on (" + error.message() +
+                      "); expected an address of this computer, or 0.0.0.0 for all");
 }
 
-tcp::acceptor listen(asio::io_context& io, const WebOptions& options) {
+using ReusePort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_REUSEPORT>;
+
+/// `shares_port`: with another of our sockets, until that is closed.
+tcp::acceptor listen(asio::io_context& io, const std::string& text, int port, bool shares_port = false) {
   error_code error;
-  const auto address = asio::ip::make_address(options.address, error);
+  const auto address = asio::ip::make_address(text, error);
   if (error) {
-    throw SettingsError("/panel/address: \"" + options.address +
+    throw SettingsError("/panel/address: \"" + text +
                         "\" is not allowed; expected an IP address such as 127.0.0.1, or 0.0.0.0 for all");
   }
-  if (options.port < 0 || options.port > 65535) {
-    throw SettingsError("/panel/port: " + std::to_string(options.port) +
-                        " is not allowed; expected 0 .. 65535");
+  if (port < 0 || port > 65535) {
+    throw SettingsError("/panel/port: " + std::to_string(port) + " is not allowed; expected 0 .. 65535");
   }
-  const tcp::endpoint endpoint(address, static_cast<std::uint16_t>(options.port));
+  const tcp::endpoint endpoint(address, static_cast<std::uint16_t>(port));
   tcp::acceptor acceptor(io);
   acceptor.open(endpoint.protocol(), error);
   // A restart need not wait for the connections of the run before to time out.
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error && shares_port) acceptor.set_option(ReusePort(true), error);
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) refuse_endpoint(options, error);
+  if (error) refuse_endpoint(text, port, error);
+  if (shares_port) acceptor.set_option(ReusePort(false), error);
   return acceptor;
 }
 
@@ -85,12 +91,14 @@ class RunningServer {
  public:
   RunningServer(const WebHost& host, std::span<const Route> routes, const WebOptions& options,
                 WebCounters& counters)
-      : max_connections_(options.max_connections),
+      : host_(host),
+        max_connections_(options.max_connections),
         router_(host, routes, options.panel_directory),
         counters_(counters),
         feeds_(host, counters.jpegs_encoded),
         websockets_(io_, workers_, host, feeds_, counters),
-        acceptor_(listen(io_, options)),
+        acceptor_(listen(io_, options.address, options.port)),
+        port_(acceptor_.local_endpoint().port()),
         pause_(io_) {
     accept();
     io_thread_ = std::thread([this] { run_background(io_, "web"); });
@@ -106,11 +114,46 @@ class RunningServer {
     io_thread_.join();
   }
 
-  std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
+  std::uint16_t port() const { return port_; }
+
+  std::function<void()> move_to(const std::string& address, int port) {
+    // The same port on all addresses can be had beside the one on 127.0.0.1 only while both allow it.
+    share_port(true);
+    std::shared_ptr<tcp::acceptor> next;
+    try {
+      next = std::make_shared<tcp::acceptor>(listen(io_, address, port, true));
+    } catch (...) {
+      share_port(false);
+      throw;
+    }
+    share_port(false);
+    return [this, next] {
+      std::promise<void> moved;
+      asio::post(io_, [&] {
+        pause_.cancel();
+        acceptor_ = std::move(*next);
+        port_ = acceptor_.local_endpoint().port();
+        accept();
+        moved.set_value();
+      });
+      moved.get_future().wait();
+    };
+  }
 
  private:
+  void share_port(bool on) {
+    std::promise<void> done;
+    asio::post(io_, [&] {
+      error_code ignored;
+      acceptor_.set_option(ReusePort(on), ignored);
+      done.set_value();
+    });
+    done.get_future().wait();
+  }
+
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;  // it listens elsewhere
       if (!error) {
         serve(std::move(socket));
         return accept();
@@ -118,7 +161,9 @@ class RunningServer {
       // Out of file descriptors, most likely: some will be free again.
       log::warning("web: a connection could not be accepted: {}", error.message());
       pause_.expires_after(kAcceptPause);
-      pause_.async_wait([this](error_code) { accept(); });
+      pause_.async_wait([this](error_code stopped) {
+        if (!stopped) accept();
+      });
     });
   }
 
@@ -129,10 +174,28 @@ class RunningServer {
       asio::write(socket, asio::buffer(refusal_text(503, "too many connections; try again later")), ignored);
       return;
     }
+    const auto address = socket.remote_endpoint(ignored).address();
+    auto seat = take_seat(address);
+    if (!seat) {
+      asio::write(socket, asio::buffer(refusal_text(503, "too many connections from your address")), ignored);
+      return;
+    }
     socket.set_option(tcp::no_delay(true), ignored);
-    serve_http(std::move(socket), ScopedCount(counters_.connections), http_);
+    serve_http(std::move(socket), ScopedCount(counters_.connections, std::move(seat)), http_);
   }
 
+  /// Nobody but this computer itself, where a proxy may run, gets more than half of the connections. Null: no
+  /// more for this address; who holds a seat keeps it alive.
+  std::shared_ptr<const void> take_seat(const asio::ip::address& address) {
+    std::erase_if(seats_, [](const auto& entry) { return entry.second.expired(); });
+    auto& seats = seats_[network_of(address.to_string())];
+    auto seat = seats.lock();
+    if (!seat) seats = seat = std::make_shared<const int>(0);
+    const long taken = seat.use_count() - 1;
+    return taken >= max_connections_ / 2 && !address.is_loopback() ? nullptr : seat;
+  }
+
+  const WebHost& host_;
   const int max_connections_;
   const Router router_;
   WebCounters& counters_;
@@ -144,8 +207,10 @@ class RunningServer {
   asio::executor_work_guard<asio::io_context::executor_type> keep_workers_{workers_.get_executor()};
   CameraFeeds feeds_;
   WebSocketHub websockets_;
-  const HttpContext http_{router_, websockets_, feeds_, workers_};
-  tcp::acceptor acceptor_;
+  const HttpContext http_{host_, router_, websockets_, feeds_, workers_};
+  tcp::acceptor acceptor_;  // of the socket's thread
+  std::atomic<std::uint16_t> port_;
+  std::map<std::string, std::weak_ptr<const int>> seats_;  // by address; a connection holds one
   asio::steady_timer pause_;
   std::thread io_thread_;
   std::array<std::thread, 4> worker_threads_;
@@ -155,14 +220,11 @@ class RunningServer {
 
 struct WebServer::Impl {
   Impl(WebHost web_host, std::span<const Route> routes, const WebOptions& options)
-      : host(std::move(web_host)),
-        running(std::in_place, host, routes, options, counters),
-        port(running->port()) {}
+      : host(std::move(web_host)), running(std::in_place, host, routes, options, counters) {}
 
   const WebHost host;
   WebCounters counters;
   std::optional<RunningServer> running;
-  const std::uint16_t port;
 };
 
 WebServer::WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options)
@@ -175,7 +237,11 @@ void WebServer::stop() {
 }
 
 std::uint16_t WebServer::port() const {
-  return impl_->port;
+  return impl_->running->port();
+}
+
+std::function<void()> WebServer::move_to(const std::string& address, int port) {
+  return impl_->running->move_to(address, port);
 }
 
 WebStats WebServer::stats() const {

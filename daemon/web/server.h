@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,6 +37,11 @@ class WebServer {
   /// Finishes the requests that are being handled, then closes all connections. Must not be called by a
   /// function of the host.
   void stop();
+
+  /// Makes ready to listen elsewhere; what it returns, which cannot fail, ends listening where it did until
+  /// then. Connections stay. One at a time, and not once it is stopped. Throws SettingsError as the
+  /// constructor does.
+  std::function<void()> move_to(const std::string& address, int port);
 
   /// The port it listens on.
   std::uint16_t port() const;

@@ -74,12 +74,25 @@ P read_message(const Json& json, const std::string& path) {
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
   WebSocketSession(WebSocketHub& hub, CameraFeed::ViewerId id, asio::ip::tcp::socket socket,
-                   ScopedCount connection)
-      : hub_(hub), id_(id), connection_(std::move(connection)), stream_(std::move(socket)) {}
+                   ScopedCount connection, MayLook may_look)
+      : hub_(hub),
+        id_(id),
+        connection_(std::move(connection)),
+        may_look_(std::move(may_look)),
+        stream_(std::move(socket)) {}
 
   CameraFeed::ViewerId id() const { return id_; }
+  bool may_look() const { return may_look_(); }
   bool wants_status() const { return wants_status_; }
   bool wants_detections() const { return wants_detections_; }
+
+  void leave() {
+    if (left_) return;
+    left_ = true;
+    hub_.left(*this);
+    viewer_.reset();
+    beast::get_lowest_layer(stream_).close();
+  }
 
   void start(const WebSocketHub::UpgradeRequest& request) {
     namespace websocket = beast::websocket;
@@ -155,14 +168,6 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
                         });
   }
 
-  void leave() {
-    if (left_) return;
-    left_ = true;
-    hub_.left(*this);
-    viewer_.reset();
-    beast::get_lowest_layer(stream_).close();
-  }
-
   void handle(std::string_view text) try {
     const Json message = parse_json(text);
     if (!message.is_object()) throw HttpError(400, "expected an object");
@@ -210,6 +215,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   WebSocketHub& hub_;
   const CameraFeed::ViewerId id_;
   const ScopedCount connection_;
+  const MayLook may_look_;
   std::optional<ScopedCount> viewer_;  // once the handshake is done
   beast::websocket::stream<beast::tcp_stream> stream_;
   beast::flat_buffer incoming_;
@@ -224,10 +230,11 @@ WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, cons
                            CameraFeeds& feeds, WebCounters& counters)
     : io_(io), workers_(workers), host_(host), feeds_(feeds), counters_(counters), timer_(io) {}
 
-void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection,
-                          const UpgradeRequest& request) {
+void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
+                          MayLook may_look) {
   limit_unsent_bytes(socket);
-  std::make_shared<WebSocketSession>(*this, feeds_.new_viewer(), std::move(socket), std::move(connection))
+  std::make_shared<WebSocketSession>(*this, feeds_.new_viewer(), std::move(socket), std::move(connection),
+                                     std::move(may_look))
       ->start(request);
 }
 
@@ -258,6 +265,11 @@ void WebSocketHub::send_status_soon(WebSocketSession& session) {
 }
 
 void WebSocketHub::tick() {
+  std::vector<std::shared_ptr<WebSocketSession>> uninvited;
+  for (const auto& [id, session] : sessions_) {
+    if (!session->may_look()) uninvited.push_back(session->shared_from_this());
+  }
+  for (const auto& session : uninvited) session->leave();
   ticking_ = !sessions_.empty();
   bool wanted = false;
   for (const auto& [id, session] : sessions_) {

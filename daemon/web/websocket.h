@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/access.h"
 #include "web/camera_feeds.h"
 #include "web/counters.h"
 #include "web/host.h"
@@ -31,8 +32,9 @@ class WebSocketHub {
   WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, const WebHost& host,
                CameraFeeds& feeds, WebCounters& counters);
 
-  /// Answers the request to upgrade and serves the viewer until it goes.
-  void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request);
+  /// Answers the request to upgrade and serves the viewer until it goes or may not look any more.
+  void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
+              MayLook may_look);
 
  private:
   friend class WebSocketSession;

@@ -4,11 +4,14 @@
 #include "settings/store.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <utility>
 
 #include <fmt/format.h>
+#include <termios.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -18,6 +21,34 @@ namespace {
 }
 
 }  // namespace
+
+std::string CommandLine::password() const {
+  if (!password_file.empty()) {
+    std::ifstream in(password_file);
+    std::string line;
+    if (!std::getline(in, line))
+      throw ClientError(fmt::format("--password-file: cannot read a line of {}", password_file.string()));
+    return line;
+  }
+  if (const char* value = std::getenv("SSL_VISIOND_PASSWORD")) return value;
+  if (isatty(STDIN_FILENO) != 0) return typed_secret(fmt::format("Password for {}: ", daemon));
+  throw ClientError(
+      fmt::format("{} wants a password: use --password-file, or set SSL_VISIOND_PASSWORD", daemon));
+}
+
+std::string typed_secret(const std::string& prompt) {
+  termios before{};
+  if (tcgetattr(STDIN_FILENO, &before) != 0) throw StorageError("a password can only be typed at a terminal");
+  termios hidden = before;
+  hidden.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+  std::cerr << prompt << std::flush;
+  tcsetattr(STDIN_FILENO, TCSAFLUSH, &hidden);
+  std::string line;
+  std::getline(std::cin, line);
+  tcsetattr(STDIN_FILENO, TCSAFLUSH, &before);
+  std::cerr << "\n";
+  return line;
+}
 
 void CommandLine::on(CLI::App* command, std::function<int()> action) {
   command->callback([this, action = std::move(action)] { act = action; });

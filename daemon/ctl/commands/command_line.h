@@ -4,9 +4,11 @@
 #include "base/json.h"
 #include "ctl/client.h"
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -20,12 +22,20 @@ struct CommandLine {
   std::string daemon = "http://127.0.0.1:8090";
   std::function<int()> act;  // what the command that was given does; its exit code
 
-  Client client() const { return Client(daemon); }
+  std::filesystem::path password_file;
+  std::shared_ptr<SignIn> sign_in = std::make_shared<SignIn>(SignIn{[this] { return password(); }});
+
+  Client client() const { return Client(daemon, sign_in); }
+  /// The password for the daemon: from the file, the environment or the terminal. Throws ClientError.
+  std::string password() const;
   /// Has a command do this once the whole command line is read.
   void on(CLI::App* command, std::function<int()> action);
 };
 
 void add_json_flag(CLI::App* command, bool& as_json);
+
+/// A line typed at the terminal, which does not show it. Throws StorageError without a terminal.
+std::string typed_secret(const std::string& prompt);
 
 /// Prints an answer as the API gives it, or as a text for people.
 void print_answer(const Json& answer, bool as_json, std::string (*text)(const Json&));

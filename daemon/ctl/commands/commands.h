@@ -39,6 +39,8 @@ void add_score(CommandLine& line);
 
 void add_calibrate(CommandLine& line);  // with a daemon or without
 void add_learn_colours(CommandLine& line);
+void add_passwd(CommandLine& line);
+void add_match_lock(CommandLine& line);
 void add_completion(CommandLine& line);
 
 }  // namespace sslv

@@ -3,6 +3,8 @@
 
 #include "base/error.h"
 #include "base/latest.h"
+#include "support/temporary_folder.h"
+#include "web/access.h"
 #include "web/host.h"
 #include "web/http.h"
 
@@ -68,6 +70,9 @@ class FakeHost {
   int region_lists() const { return region_lists_; }
   /// How often a view was waited for.
   int looks() const { return looks_; }
+  Passwords& passwords() { return passwords_; }
+  void let_match_run(bool runs) { game_is_running_ = runs; }
+
   /// Who made the last patch.
   std::string last_author() const {
     const std::lock_guard lock(mutex_);
@@ -76,6 +81,13 @@ class FakeHost {
 
   WebHost host() {
     WebHost host;
+    host.access = &access_;
+    host.panel_names = [] { return std::vector<std::string>{"field-pc", "test"}; };
+    host.match_lock = [this] { return MatchLock{game_is_running_, lock_opened_}; };
+    host.open_match_lock = [this](bool opened, const std::string&) {
+      lock_opened_ = opened;
+      return MatchLock{game_is_running_, lock_opened_};
+    };
     host.status = [] {
       return Json{{"site", "test"},
                   {"alerts", {{{"id", "camera_lost"}}}},
@@ -177,6 +189,10 @@ class FakeHost {
   std::atomic<int> looks_ = 0;
   mutable std::mutex mutex_;
   std::string last_author_;
+  const test::TemporaryFolder folder_;
+  Passwords passwords_{folder_.path() / Passwords::kFileName};
+  Access access_{passwords_, "session", [] { return 0.0; }};
+  std::atomic<bool> game_is_running_ = false, lock_opened_ = false;
 };
 
 }  // namespace sslv

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/router.h"
 
+#include "base/log.h"
 #include "routes.h"
 #include "unit/web/fake_host.h"
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
+#include <set>
 
 #include <archive.h>
 #include <archive_entry.h>
@@ -113,9 +116,107 @@ TEST_F(RouterTest, MonitoringGetsPlainTextThatNobodyKeeps) {
   }
 }
 
+TEST_F(RouterTest, AnswersByItsOwnNamesOnly) {
+  const auto asked_by = [&](const std::string& host) {
+    return router_.answer("GET /api/schema HTTP/1.1\r\nHost: " + host + "\r\n\r\n", "192.0.2.7").bytes;
+  };
+  for (const char* host :
+       {"field-pc", "FIELD-PC:8090", "localhost:8090", "127.0.0.1:8090", "[::1]:8090", "192.0.2.1"})
+    EXPECT_THAT(asked_by(host), StartsWith("HTTP/1.1 200")) << host;
+  for (const char* host : {"evil.example", "evil.example:8090", "127.0.0.1.evil.example",
+                           "localhost.evil.example:80", "evil.example:field-pc"}) {
+    EXPECT_THAT(asked_by(host), AllOf(StartsWith("HTTP/1.1 403"), HasSubstr("/panel/names"))) << host;
+  }
+  EXPECT_EQ(ask("GET", "/").status, 200);
+  EXPECT_THAT(router_.answer("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n", "192.0.2.7").bytes,
+              StartsWith("HTTP/1.1 403"))
+      << "files too";
+}
+
+/// Routes by what they ask for, so that a new one cannot be open by mistake.
+TEST_F(RouterTest, EveryRouteAsksForWhatItNeeds) {
+  daemon_.passwords().set(Role::kAdmin, "correct horse");
+  daemon_.passwords().set(Role::kViewer, "battery staple");
+  const auto signed_in = [&](const std::string& password) {
+    const Answer answer = ask("POST", "/api/session", R"({"password": ")" + password + R"("})");
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    const std::size_t at = answer.header.find("Set-Cookie: ") + std::string_view("Set-Cookie: ").size();
+    return "Cookie: " + answer.header.substr(at, answer.header.find(';', at) - at) + "\r\n";
+  };
+  const std::string admin = signed_in("correct horse"), viewer = signed_in("battery staple");
+  const std::set<std::string> open{"GET /api/session", "POST /api/session", "DELETE /api/session",
+                                   "GET /metrics",     "GET /healthz",      "GET /readyz"};
+  const std::set<std::string> for_admins{"GET /api/support"};
+  for (const Route& route : routes()) {
+    std::string path =
+        std::regex_replace(route.pattern, std::regex(R"(\(\\d\+\)|\(\[\^/\]\+\)|\(\.\+\))"), "9");
+    path = std::regex_replace(path, std::regex(R"(\\)"), "");
+    const std::string name = std::string(route.method) + " " + path;
+    const auto status = [&](const std::string& cookie) {
+      return ask(route.method, path, "{", cookie).status;
+    };
+    if (open.contains(name)) {
+      EXPECT_NE(status(""), 401) << name;
+      continue;
+    }
+    EXPECT_EQ(status(""), 401) << name;
+    EXPECT_EQ(status("Cookie: session=0123\r\n"), 401) << name;
+    const bool looks = route.method == std::string("GET") && !for_admins.contains(name);
+    EXPECT_EQ(status(viewer) == 401, !looks) << name;
+    EXPECT_NE(status(admin), 401) << name;
+  }
+  EXPECT_EQ(ask("GET", "/").status, 200) << "the page that asks for the password";
+}
+
+TEST_F(RouterTest, AWrongPasswordSaysSo) {
+  EXPECT_EQ(ask("POST", "/api/session", R"({"password": "correct horse"})").status, 409) << "none is set";
+  daemon_.passwords().set(Role::kAdmin, "correct horse");
+  const Answer wrong = ask("POST", "/api/session", R"({"password": "wrong horse"})");
+  EXPECT_EQ(wrong.status, 401);
+  EXPECT_EQ(wrong.body, R"({"error":"this is not a password of this service"})");
+  EXPECT_THAT(wrong.header, AllOf(Not(HasSubstr("Set-Cookie")), HasSubstr("WWW-Authenticate: Session")));
+  for (int i = 0; i < 4; ++i) ask("POST", "/api/session", R"({"password": "wrong horse"})");
+  const Answer late = ask("POST", "/api/session", R"({"password": "correct horse"})");
+  EXPECT_EQ(late.status, 429);
+  EXPECT_THAT(late.header, HasSubstr("Retry-After: 10\r\n"));
+}
+
+TEST_F(RouterTest, AMatchLocksTheSettings) {
+  const std::string patch = R"([{"op": "replace", "path": "/site", "value": "x"}])";
+  daemon_.let_match_run(true);
+  const Answer locked = ask("PATCH", "/api/settings", patch);
+  EXPECT_EQ(locked.status, 423);
+  EXPECT_THAT(locked.body, HasSubstr("the game is running"));
+  EXPECT_EQ(ask("POST", "/api/settings/check", patch).status, 200) << "looking is allowed";
+  EXPECT_EQ(ask("GET", "/api/settings").status, 200);
+  EXPECT_THAT(ask("GET", "/api/session").body, HasSubstr(R"("locked":true)"));
+  EXPECT_EQ(ask("POST", "/api/match_lock", R"({"opened": true})").body,
+            R"({"game_is_running":true,"opened":true,"locked":false})");
+  EXPECT_EQ(ask("PATCH", "/api/settings", patch).status, 200);
+}
+
+TEST_F(RouterTest, WritesLeaveALineInTheLogAndReadsNone) {
+  const auto lines = [&](const auto& act) {
+    const std::uint64_t before = log::recent().newer_than(0, log::Level::kInfo).newest;
+    act();
+    std::vector<std::string> out;
+    for (const auto& line : log::recent().newer_than(before, log::Level::kInfo).lines)
+      out.push_back(line.text);
+    return out;
+  };
+  EXPECT_THAT(lines([&] { ask("GET", "/api/settings"); }), testing::IsEmpty());
+  EXPECT_THAT(lines([&] { ask("PATCH", "/api/settings", "[1]"); }),
+              testing::Contains(R"(audit: 192.0.2.7 PATCH "/api/settings" 200)"));
+  EXPECT_THAT(lines([&] { ask("PUT", "/api/x%0Aaudit:", "[1]"); }),
+              testing::Contains(R"(audit: 192.0.2.7 PUT "/api/x%0Aaudit:" 404)"));
+  EXPECT_THAT(lines([&] { ask("PUT", "/api/passwords/admin", R"({"password": "correct horse"})"); }),
+              testing::Each(Not(HasSubstr("horse"))));
+}
+
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
-  for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
-                             "/api/cameras/0/colors/table/x", "/api/cameras/x/colors", "/api/../secret.txt"}) {
+  for (const char* target :
+       {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0", "/api/cameras/0/colors/table/x",
+        "/api/cameras/x/colors", "/api/../secret.txt"}) {
     const Answer response = ask("GET", target);
     EXPECT_EQ(response.status, 404) << target;
     EXPECT_THAT(response.header, HasSubstr("Content-Type: application/json\r\n"));
