@@ -14,13 +14,25 @@ const PATIENCE_MS = 15_000;
 export const errorText = (body: unknown, status: number): string =>
   typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
 
-async function ask(path: string, init: RequestInit): Promise<Response> {
-  let answer: Response;
+/**
+ * Asked when a change is refused because somebody must sign in first (401) or a match runs (423). Says whether it is
+ * worth trying again.
+ */
+let openDoor: (status: number) => Promise<boolean> = async () => false;
+export function onClosedDoor(ask: typeof openDoor): void { openDoor = ask; }
+
+async function send(path: string, init: RequestInit): Promise<Response> {
   try {
-    answer = await fetch(`api/${path}`, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS), ...init });
+    return await fetch(`api/${path}`, { cache: 'no-store', signal: AbortSignal.timeout(PATIENCE_MS), ...init });
   } catch {
     throw new ApiError(0, 'No answer from the service');
   }
+}
+
+async function ask(path: string, init: RequestInit): Promise<Response> {
+  let answer = await send(path, init);
+  const isChange = init.method !== undefined && init.method !== 'GET' && path !== 'session';
+  if (isChange && [401, 423].includes(answer.status) && await openDoor(answer.status)) answer = await send(path, init);
   if (answer.ok) return answer;
   const parsed: unknown = await answer.json().catch(() => null);
   throw new ApiError(answer.status, errorText(parsed, answer.status), parsed);
