@@ -50,7 +50,7 @@ async function ask(method, path, { parameters = {}, query = '', headers = {}, bo
   const documented = operation.responses[String(answer.status)];
   const reference = documented?.$ref ? `openapi${documented.$ref}` : place(path, method, answer.status);
   const response = documented ? resolve(documented) : resolve({ $ref: '#/components/responses/BadRequest' });
-  if (!documented) assert.ok([403, 404, 405, 411, 413, 414, 431, 400].includes(answer.status), `${what}: ${answer.status} is not documented`);
+  if (!documented) assert.ok([401, 403, 404, 405, 411, 413, 414, 431, 400].includes(answer.status), `${what}: ${answer.status} is not documented`);
   const type = answer.headers.get('content-type').split(';')[0];
   assert.ok(response.content[type], `${what}: ${type} is not documented`);
   if (type !== 'application/json') return bytes;
@@ -93,7 +93,7 @@ describe('the interface as docs/openapi.json says', () => {
   it('tells what is wrong and whether a match may begin', async () => {
     const path = '/cameras/1/source';
     await becomes('/api/checks', (value) => value.go);
-    await service.patch({ op: 'replace', path, value: { backend: 'files', path: '/not/there' } });
+    await service.patch({ op: 'replace', path, value: { backend: 'files', path: join(service.folder, 'not-there') } });
     const { go, checks } = await becomes('/api/checks', (value) => !value.go);
     assert.equal(go, false);
     assert.deepEqual(checks.filter(({ state }) => state === 'fail').map(({ id }) => id), ['cameras']);
@@ -406,6 +406,27 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal(wrong.status, 405);
     assert.equal(wrong.headers.get('allow'), 'GET');
     checkJson('openapi#/components/schemas/Error', await wrong.json(), 'a wrong method');
+  });
+
+  it('tells who may do what', async () => {
+    const path = '/api/session', password = 'correct horse';
+    assert.equal((await ask('get', path)).may, 'change');
+    await ask('post', path, { body: { password }, expect: 409 });
+    await ask('post', path, { body: { word: password }, expect: 422 });
+    await ask('post', '/api/match_lock', { body: { opened: true }, expect: 409 });
+    const passwords = '/api/passwords/{role}';
+    await ask('put', passwords, { parameters: { role: 'king' }, body: { password }, expect: 404 });
+    await ask('put', passwords, { parameters: { role: 'admin' }, body: { password: 'short' }, expect: 422 });
+    await ask('put', passwords, { parameters: { role: 'admin' }, body: { password } });
+    assert.equal((await ask('get', path)).may, 'look');
+    assert.equal((await ask('post', path, { body: { password } })).may, 'change');
+    assert.equal((await ask('delete', path)).may, 'look');
+    const statuses = [];
+    for (let i = 0; i < 6; i++) statuses.push((await fetch(service.address('api/session'), { method: 'POST', body: '{"password":"wrong horse"}' })).status);
+    assert.deepEqual(statuses, [401, 401, 401, 401, 401, 429]);
+    await ask('post', path, { body: { password }, expect: 429 });
+    await ask('put', passwords, { parameters: { role: 'admin' }, body: { password }, expect: 401 });
+    await ask('patch', '/api/settings', { body: [], expect: 401 });
   });
 
   it('was asked for everything', () => {

@@ -53,7 +53,7 @@ const TEXT = 1, BINARY = 2;
 
 async function viewer() {
   const socket = await open();
-  socket.write('GET /api/ws HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n' +
+  socket.write('GET /api/ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n' +
     'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n');
   await becomes(() => socket.received.includes('\r\n\r\n'), 'no WebSocket');
   assert.match(socket.received, /^HTTP\/1\.1 101 /);
@@ -68,7 +68,7 @@ describe('bad input from the network', () => {
   after(() => service.end());
 
   it('is refused when a request makes no sense', async () => {
-    const patch = (headers, body = '') => `PATCH /api/settings HTTP/1.1\r\nHost: x\r\nConnection: close\r\n${headers}\r\n${body}`;
+    const patch = (headers, body = '') => `PATCH /api/settings HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n${headers}\r\n${body}`;
     const sized = (body) => patch(`Content-Length: ${body.length}\r\n`, body);
     for (const [request, status] of [
       [sized(' '.repeat(1024 * 1024 + 1)), 413],
@@ -92,7 +92,7 @@ describe('bad input from the network', () => {
   it('finds no file outside the panel', async () => {
     for (const target of ['/../../../../../../etc/passwd', '/%2e%2e/%2e%2e/%2e%2e/%2e%2e/%2e%2e/etc/passwd', '/..%2f..%2f..%2f..%2fetc%2fpasswd',
       '//etc/passwd', '/assets/../../package.json', '/assets/%2e%2e/%2e%2e/package.json', '/index.html%00.png', '/..%5c..%5cpackage.json', 'file:///etc/passwd']) {
-      const answer = await answerTo(`GET ${target} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n`);
+      const answer = await answerTo(`GET ${target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n`);
       assert.match(answer, /^HTTP\/1\.1 40[04] /, target);
       assert.doesNotMatch(answer, /root:|ssl-visiond-webui/, target);
     }
@@ -128,7 +128,7 @@ describe('bad input from the network', () => {
 
   it('delays nobody: half-open and idle connections, slow readers', async () => {
     const slow = await open();
-    slow.write('GET /api/cameras/0/stream.mjpg?width=16384&quality=100 HTTP/1.1\r\nHost: x\r\n\r\n');
+    slow.write('GET /api/cameras/0/stream.mjpg?width=16384&quality=100 HTTP/1.1\r\nHost: localhost\r\n\r\n');
     await becomes(() => slow.received.includes('\xff\xd8'), 'no stream');
     slow.pause();
     const stalled = Date.now();
@@ -138,7 +138,7 @@ describe('bad input from the network', () => {
       idle.push(await open());
       if (i % 4 === 1) idle[i].write('GET /api/sta');
       if (i % 4 === 2) idle[i].write('PATCH /api/settings HTTP/1.1\r\nContent-Length: 10\r\n\r\n[');
-      if (i % 4 === 3) idle[i].write('GET /api/status HTTP/1.1\r\nHost: x\r\n\r\n');
+      if (i % 4 === 3) idle[i].write('GET /api/status HTTP/1.1\r\nHost: localhost\r\n\r\n');
     }
     const times = [];
     for (let i = 0; i < 200; ++i) {

@@ -153,5 +153,5 @@ export function createBrowser(service, { webgl = false } = {}) {
     });
   }
 
-  return { aroundTests, withPage, screenshots };
+  return { aroundTests, openPage, withPage, screenshots };
 }

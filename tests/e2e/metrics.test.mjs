@@ -149,7 +149,7 @@ describe('monitoring', () => {
   it('counts viewers', async () => {
     assert.equal(value(await metrics(), 'sslv_preview_clients'), 0);
     const socket = connect(service.settings.panel.port, '127.0.0.1');
-    socket.write('GET /api/ws HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n' +
+    socket.write('GET /api/ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n' +
       'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n');
     await becomes(metrics, (families) => value(families, 'sslv_preview_clients') === 1);
     socket.destroy();
@@ -173,7 +173,7 @@ describe('monitoring', () => {
     const { settings } = await (await fetch(service.address('api/settings'))).json();
     const changes = [
       { op: 'replace', path: `${path}/source/seed`, value: 77 },
-      { op: 'replace', path: `${path}/source`, value: { backend: 'files', path: '/not/there' } },
+      { op: 'replace', path: `${path}/source`, value: { backend: 'files', path: join(service.folder, 'not-there') } },
       { op: 'replace', path: `${path}/source`, value: camera.source },
       { op: 'replace', path: `${path}/stack`, value: ['threshold', 'find_runs', 'find_regions', 'detect_robots', 'detect_balls', 'publish'] },
       { op: 'replace', path: `${path}/stack`, value: settings.cameras[1].stack },
@@ -201,7 +201,7 @@ describe('monitoring', () => {
   it('is ready while every camera runs', async () => {
     await becomes(() => ask('readyz'), ({ status: code, text }) => code === 200 && text === 'ok\n');
     const path = '/cameras/1/source';
-    await service.patch({ op: 'replace', path, value: { backend: 'files', path: '/not/there' } });
+    await service.patch({ op: 'replace', path, value: { backend: 'files', path: join(service.folder, 'not-there') } });
     const lost = await becomes(() => ask('readyz'), ({ status: code, text }) => code === 503 && text.includes('lost'));
     assert.match(lost.text, /^camera 1 is lost: .*\/not\/there.*\n$/);
     assert.match(lost.headers.get('content-type'), /^text\/plain/);

@@ -32,7 +32,8 @@ Json demo_settings(int multicast_port) {
 }
 
 RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesystem::path& state)
-    : process_({SSLV_DAEMON, "--config", settings_file}, {"STATE_DIRECTORY=" + state.string()}) {
+    : process_({SSLV_DAEMON, "--config", settings_file, "--files", SSLV_SOURCE_DIR "/tests"},
+               {"STATE_DIRECTORY=" + state.string()}) {
   const std::string line = process_.wait_for_line("panel on port ");
   port_ = line.substr(line.rfind(' ') + 1);
 }

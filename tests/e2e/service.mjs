@@ -15,7 +15,7 @@ import { fileURLToPath } from 'node:url';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
 export const PATIENCE_MS = 60_000; // for a busy machine; nothing waits this long when all is well
-const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
+export const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
 
 /** Looks again until it is as wanted; what it was last is told by `tell`. */
 export async function becomes(look, wanted, tell = JSON.stringify) {
@@ -66,23 +66,27 @@ export async function createService(group) {
   settings.panel = { port: 0 };
   let daemon = null;
   let first = null;
+  let log = [];
   const isRunning = () => daemon !== null && daemon.exitCode === null && daemon.signalCode === null;
 
   const service = {
     folder,
+    stateFolder,
     settings,
+    /** What it said since it was started. */
+    log: () => log.join('\n'),
     address: (path) => `http://127.0.0.1:${settings.panel.port}/${path}`,
 
     /** It answers on `settings.panel.port` when this returns. */
     async start() {
       mkdirSync(stateFolder, { recursive: true });
       writeFileSync(settingsFile, JSON.stringify(settings));
-      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', join(root, 'webui/dist')], {
+      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', join(root, 'webui/dist'), '--files', join(root, 'tests')], {
         env: { ...process.env, STATE_DIRECTORY: stateFolder },
         stdio: ['ignore', 'ignore', 'pipe'],
       });
       const ended = Promise.race([once(daemon, 'exit'), once(daemon, 'error').then(([error]) => { throw error; })]);
-      const log = [];
+      log = [];
       const ready = new Promise((resolve) => {
         createInterface(daemon.stderr).on('line', (line) => {
           log.push(line);
@@ -102,6 +106,12 @@ export async function createService(group) {
       daemon.kill('SIGTERM');
       const [code] = await exit;
       assert.equal(code, 0, 'the service ends cleanly');
+    },
+
+    /** Takes away what it remembers; it does not run. */
+    async forget() {
+      assert.ok(!isRunning());
+      rmSync(stateFolder, { recursive: true, force: true });
     },
 
     async end() {

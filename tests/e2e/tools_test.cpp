@@ -271,7 +271,7 @@ TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
                              HasSubstr("\n 1  +x half  running ")));
   EXPECT_EQ(Json::parse(answer({"cameras", "--json"})).size(), 2u);
 
-  daemon_.set("/cameras/1/source", {{"backend", "files"}, {"path", "/no/such"}});
+  daemon_.set("/cameras/1/source", {{"backend", "files"}, {"path", SSLV_SOURCE_DIR "/tests/no/such"}});
   daemon_.wait_for_status([](const Json& status) { return status["cameras"][1]["state"] == "lost"; });
   const Finished alerts = ask({"alerts"});
   EXPECT_EQ(alerts.exit_code, 1);
