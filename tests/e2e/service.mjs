@@ -75,6 +75,7 @@ export async function createService(group) {
     settings,
     /** What it said since it was started. */
     log: () => log.join('\n'),
+    pid: () => daemon.pid,
     address: (path) => `http://127.0.0.1:${settings.panel.port}/${path}`,
 
     /** It answers on `settings.panel.port` when this returns. */

@@ -44,7 +44,7 @@ export const percentile = (values, share) => [...values].sort((a, b) => a - b)[M
 /** Frames whose packets are missing in a block of one camera. */
 export const missing = (block) => block.slice(1).reduce((sum, frame, i) => sum + Math.max(0, frame.number - block[i].number - 1), 0);
 
-/** Listens to a service's packets; `block` collects those of so many seconds: {number, latencyMs}. */
+/** Listens to a service's packets; `block` collects those of so many seconds: {camera, number, latencyMs}. */
 export async function receivePackets(service) {
   let frames = [];
   const { group, port } = service.settings.network.vision;
@@ -53,7 +53,7 @@ export async function receivePackets(service) {
     const detection = fieldsOf(packet).get(1);
     if (!detection) return;
     const fields = fieldsOf(detection);
-    frames.push({ number: fields.get(1), latencyMs: (fields.get(3) - fields.get(2)) * 1e3 });
+    frames.push({ camera: fields.get(4) ?? 0, number: fields.get(1), latencyMs: (fields.get(3) - fields.get(2)) * 1e3 });
   });
   receiver.bind(port, () => receiver.addMembership(group, '127.0.0.1'));
   await once(receiver, 'listening');

@@ -5,11 +5,10 @@
 #include "base/base64.h"
 #include "base/error.h"
 #include "colors/lut_file.h"
+#include "fuzz/expect.h"
 #include "vision/lut_codec.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 namespace sslv {
@@ -25,12 +24,6 @@ std::string expanded(const std::string& input) {
   const std::size_t at = input.find("@@");
   if (at == std::string::npos || input.size() % 8 != 0) return input;
   return input.substr(0, at) + lut + input.substr(at + 2);
-}
-
-void expect(bool holds, const char* what) {
-  if (holds) return;
-  std::fprintf(stderr, "%s\n", what);
-  std::abort();
 }
 
 void check(const std::string& file) {

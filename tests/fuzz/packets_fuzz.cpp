@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// libFuzzer: whatever comes by multicast costs nothing but itself. An input is datagrams one after the other,
+// each behind a byte that tells who sends it and two that tell how long it is. ./run test-long
+#include "fuzz/expect.h"
+#include "net/other_visions.h"
+#include "net/referee_listener.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace sslv {
+namespace {
+
+// What is kept for a sender and a camera is small, but there may be many: these are the tables' bounds as
+// seen from outside.
+constexpr std::size_t kMostCameras = 4096;
+
+struct Listeners {
+  OtherVisions visions{[](const auto&) { return false; }};
+  RefereeListener referee{[] {}};
+};
+
+void check(const Listeners& listeners, double now_s) {
+  for (const OtherVision& other : listeners.visions.seen(now_s)) {
+    expect(other.cameras.size() <= kMostCameras, "a table of cameras without bounds");
+    expect(!other.address.empty() && other.silent_s >= 0, "a vision without an address");
+    if (!other.field) continue;
+    for (const SizeConflict& conflict : size_conflicts(*other.field, *other.field))
+      expect(std::isfinite(conflict.ours), "a size that is no number");
+  }
+  const RefereeStatus status = listeners.referee.status(now_s);
+  for (const std::string& name : status.team_names) expect(name.size() <= 65'535, "a name that is too long");
+}
+
+}  // namespace
+}  // namespace sslv
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace sslv;
+  Listeners listeners;
+  std::span<const std::uint8_t> rest(bytes, size);
+  double now_s = 100;
+  while (rest.size() >= 3) {
+    const auto host = boost::asio::ip::address_v4(0xc0000200u + rest[0]);
+    const std::size_t length = std::min<std::size_t>(rest[1] + 256u * rest[2], rest.size() - 3);
+    const auto datagram = std::as_bytes(rest.subspan(3, length));
+    listeners.visions.receive(datagram, {host, 10006}, now_s);
+    listeners.referee.receive(datagram, {host, 10003}, now_s);
+    check(listeners, now_s);
+    now_s += 0.1;
+    rest = rest.subspan(3 + length);
+  }
+  return 0;
+}
