@@ -13,7 +13,11 @@ void Daemon::check_files(const Json& settings) const {
 }
 
 MatchLock Daemon::match_lock() const {
-  const bool running = config_.load()->panel.match_lock && referee_.game_is_running();
+  // A controller that was switched off locks nobody out.
+  constexpr double kLongestSilence_s = 30;
+  const RefereeStatus referee = referee_.status(steady_s());
+  const bool running = config_.load()->panel.match_lock && referee.game_is_running &&
+                       referee.silent_s.value_or(0) < kLongestSilence_s;
   if (!running) match_lock_opened_ = false;
   return {running, match_lock_opened_};
 }

@@ -209,12 +209,14 @@ describe('panel: field and network', () => {
       await page.waitForSelector(byId('no-other-vision'));
     }));
 
-    it(`shows what the game controller says on a ${name}`, withPage(viewport, '#/field/network', options, async (page) => {
+    it(`shows what the game controller says on a ${name}`, withPage(viewport, '#/field/network', options, async (page, watched) => {
+      watched.errorsExpected = true; // the browser writes down that the match locks the settings
       let teams = ['TIGERs Mannheim', 'Dire Wolves'];
       const STAGE_FIRST_HALF = 1;
-      const COMMAND_NORMAL_START = 2;
+      const COMMAND_HALT = 0, COMMAND_NORMAL_START = 2;
+      let command = COMMAND_NORMAL_START;
       const referee = () => [Buffer.concat([
-        field(2, STAGE_FIRST_HALF), field(4, COMMAND_NORMAL_START), field(7, field(1, teams[0])), field(8, field(1, teams[1])), field(18, 'the test'),
+        field(2, STAGE_FIRST_HALF), field(4, command), field(7, field(1, teams[0])), field(8, field(1, teams[1])), field(18, 'the test'),
       ])];
       await whileSending(referee, REFEREE_GROUP, refereePort, async () => {
         const yellow = byId('team-yellow');
@@ -224,8 +226,9 @@ describe('panel: field and network', () => {
         await page.waitForSelector(`${byId('referee-source')}:has-text("the test at ${LOCAL}")`);
         await page.waitForSelector(`${byId('match-state')}:has-text("running")`);
 
-        // Measured by hand.
+        // Measured by hand, in the match.
         await type(page, '/teams/blue/robot_height', '147');
+        await page.click(byId('unlock'));
         await statusBecomes((status) => status.teams.blue.robot_height === 147);
         await page.click(`${setting('/teams/height_from_referee')} [role="switch"]`);
         await statusBecomes((status) => status.teams.yellow.height_from === 'settings');
@@ -236,6 +239,8 @@ describe('panel: field and network', () => {
         teams = ['KIKS', 'ER-Force'];
         await page.waitForSelector(`${yellow} ${byId('team-name')}:text-is("KIKS")`);
         await page.waitForSelector(byId('unknown-team'), { state: 'detached' });
+        command = COMMAND_HALT;
+        await statusBecomes(({ referee: { game_is_running } }) => !game_is_running);
       });
       await patch({ op: 'replace', path: '/teams/blue/robot_height', value: 140 });
     }));
