@@ -2,6 +2,7 @@
 #include "net/other_visions.h"
 
 #include "base/clock.h"
+#include "net/parse.h"
 #include "ssl_vision_wrapper.pb.h"
 
 #include <algorithm>
@@ -105,7 +106,7 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
   }
   SSL_WrapperPacket packet;
   const bool good =
-      packet.ParseFromArray(datagram.data(), static_cast<int>(datagram.size())) && makes_sense(packet);
+      parse(packet, datagram) && makes_sense(packet);
   std::optional<SSL_GeometryFieldSize> field;
   if (good && packet.has_geometry()) field = sizes_of(packet.geometry().field());
 

@@ -2,6 +2,7 @@
 #include "net/referee_listener.h"
 
 #include "base/clock.h"
+#include "net/parse.h"
 #include "ssl_gc_referee_message.pb.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
                               double now_s) {
   Referee referee;
   const bool good =
-      referee.ParseFromArray(datagram.data(), static_cast<int>(datagram.size())) && makes_sense(referee);
+      parse(referee, datagram) && makes_sense(referee);
   {
     const std::lock_guard lock(mutex_);
     if (!good) {

@@ -112,7 +112,9 @@ TEST(OtherVisions, WhatCannotBeReadOrMakesNoSenseIsOnlyCounted) {
   packet = geometry({});
   packet.mutable_geometry()->mutable_field()->set_goal_width(std::numeric_limits<int>::max());
   refused.push_back(packet.SerializeAsString());
+  testing::internal::CaptureStderr();
   for (const std::string& datagram : refused) group.receive(datagram, from("10.0.0.2"));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "strangers do not fill the log";
   EXPECT_THAT(group.others.seen(100), IsEmpty());
   EXPECT_EQ(group.others.refused(), refused.size());
   group.receive(good, from("10.0.0.2"));

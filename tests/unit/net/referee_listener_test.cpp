@@ -133,7 +133,9 @@ TEST(RefereeListener, WhatIsNoRefereeChangesNothingAndIsCounted) {
                                          message("\xFF\xFE", "ibis"),
                                          message(std::string(201, 'x'), "ibis"),
                                          vision.SerializePartialAsString()};
+  testing::internal::CaptureStderr();
   for (const std::string& datagram : refused) listener.receive(datagram, 200);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "strangers do not fill the log";
   EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
   EXPECT_EQ(listener.changes, 1);
   EXPECT_EQ(listener.referee.status(200).refused, refused.size());
