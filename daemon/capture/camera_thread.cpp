@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "capture/picture_check.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -29,10 +30,10 @@ constexpr milliseconds kStormPause{1};
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kRepeatedLossNs = 60 * kSecondNs;
 
-/// Pictures that came damaged: one line a second, with their number.
+/// Pictures that came damaged, or whose time cannot be: one line a second, with their number.
 class DamageLog {
  public:
-  explicit DamageLog(const std::string& name) : name_(name) {}
+  DamageLog(const std::string& name, const char* what) : name_(name), what_(what) {}
 
   void add(std::string& problem) {
     ++count_;
@@ -43,14 +44,15 @@ class DamageLog {
   }
   void write() {
     if (count_ == 0) return;
-    if (count_ == 1) log::warning("{}: damaged picture: {}", name_, last_);
-    if (count_ > 1) log::warning("{}: {} damaged pictures, the last: {}", name_, count_, last_);
+    if (count_ == 1) log::warning("{}: picture {}: {}", name_, what_, last_);
+    if (count_ > 1) log::warning("{}: {} pictures {}, the last: {}", name_, count_, what_, last_);
     count_ = 0;
     due_ns_ = steady_ns() + kSecondNs;
   }
 
  private:
   const std::string& name_;
+  const char* const what_;
   std::string last_;
   int count_ = 0;
   std::int64_t due_ns_ = 0;
@@ -134,6 +136,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   std::unique_ptr<Source> try_open();
   CaptureStatus serve(Source& source);
   CaptureStatus turn(Source& source, CapturedImage& image, std::string& problem);
+  void check_times(CaptureTimes& times);
   bool deliver(CapturedImage&& image);
   void forget_controls();
   void lose(const std::string& reason);
@@ -155,7 +158,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   const std::shared_ptr<CaptureTotals> totals;
 
   // Used by the camera's thread alone.
-  DamageLog damages{name};
+  DamageLog damages{name, "damaged"}, strange_times{name, "with a time that cannot be"};
   LossLog losses{name};
   milliseconds delay = delays.first;
   bool was_open = false;
@@ -168,6 +171,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   CameraHealth health;
   std::shared_ptr<Controls> controls;
   bool stop_asked = false;
+  std::chrono::steady_clock::time_point stop_asked_at{};
   bool finished = false;
   int closing = 0;  // sources being closed aside
 };
@@ -190,6 +194,7 @@ void CameraThread::Shared::run() {
     delay = std::min(2 * delay, delays.longest);
   }
   damages.write();
+  strange_times.write();
   {
     const std::lock_guard lock(mutex);
     finished = true;
@@ -204,6 +209,7 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
   }
   try {
     std::unique_ptr<Source> source = open();
+    if (!source) throw CaptureError("the driver has opened nothing");
     std::vector<std::string> warnings = source->warnings();
     if (!stopping()) {
       losses.opened();
@@ -222,6 +228,8 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
     return source;
   } catch (const std::exception& error) {
     lose(error.what());
+  } catch (...) {
+    lose("unknown error");
   }
   return nullptr;
 }
@@ -235,6 +243,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
     CapturedImage image;
     std::string problem;
     const CaptureStatus status = turn(source, image, problem);
+    if (status == CaptureStatus::kImage) check_times(image.times);
     const ImageView view = image.image.view();
     const bool is_damaged = image.is_damaged;
     const CaptureTimes times = image.times;
@@ -250,6 +259,7 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
       damages.add(problem);
     }
     damages.write_if_due();
+    strange_times.write_if_due();
     damaged_in_a_row = status == CaptureStatus::kIncomplete ? damaged_in_a_row + 1 : 0;
 
     std::unique_lock lock(mutex);
@@ -286,13 +296,23 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
 
 CaptureStatus CameraThread::Shared::turn(Source& source, CapturedImage& image, std::string& problem) {
   try {
-    return source.next(image, problem, kTurn);
+    const CaptureStatus status = source.next(image, problem, kTurn);
+    if (status != CaptureStatus::kImage) return status;
+    problem = find_fault(image.image.view());
+    return problem.empty() ? status : CaptureStatus::kIncomplete;
   } catch (const std::exception& error) {
     problem = error.what();
   } catch (...) {
     problem = "unknown error";
   }
   return CaptureStatus::kLost;
+}
+
+void CameraThread::Shared::check_times(CaptureTimes& times) {
+  const double given_s = times.t_capture_s, now_s = unix_time_s();
+  if (!mend_times(times, now_s)) return;
+  std::string problem = fmt::format("{:.3f} s, where the clock says {:.3f} s", given_s, now_s);
+  strange_times.add(problem);
 }
 
 bool CameraThread::Shared::deliver(CapturedImage&& image) {
@@ -346,20 +366,25 @@ CameraThread::~CameraThread() {
   stop();
 }
 
-void CameraThread::stop() {
-  if (!thread_.joinable()) return;
+void CameraThread::ask_to_stop() {
   {
     const std::lock_guard lock(shared_->mutex);
-    shared_->stop_asked = true;
+    if (std::exchange(shared_->stop_asked, true)) return;
+    shared_->stop_asked_at = std::chrono::steady_clock::now();
   }
   shared_->changed.notify_all();
+}
+
+void CameraThread::stop() {
+  if (!thread_.joinable()) return;
+  ask_to_stop();
   {
     const std::lock_guard lock(shared_->delivery);
     shared_->silenced = true;
   }
   std::unique_lock lock(shared_->mutex);
   const auto idle = [&] { return shared_->finished && shared_->closing == 0; };
-  if (!shared_->changed.wait_for(lock, kStopPatience, idle)) {
+  if (!shared_->changed.wait_until(lock, shared_->stop_asked_at + kStopPatience, idle)) {
     log::warning("{}: does not answer; it is left to close by itself", shared_->name);
   }
   const bool finished = shared_->finished;

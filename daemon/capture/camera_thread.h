@@ -85,6 +85,8 @@ class CameraThread {
   CameraThread(const CameraThread&) = delete;
   CameraThread& operator=(const CameraThread&) = delete;
 
+  /// Begins what stop() does and does not wait for it: several cameras that hang are waited for at once.
+  void ask_to_stop();
   /// Closes the camera and ends the thread: within a frame's time for a camera that answers. One that does
   /// not (opening or closing dead hardware takes seconds) is waited for 1.5 s and then left to finish by
   /// itself. Waits for a running on_image however long it takes.

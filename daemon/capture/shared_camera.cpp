@@ -66,6 +66,8 @@ void SharedCamera::run() {
       status = source_->next(image, problem, std::chrono::milliseconds(100));
     } catch (const std::exception& error) {
       problem = error.what();
+    } catch (...) {
+      problem = "unknown error";
     }
     if (status == CaptureStatus::kTimeout) continue;
     hand_out(status, image, problem);

@@ -29,6 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Cameras differ in how soon after the exposure they begin to send, by about this much.
 constexpr double kReadoutSpreadSeconds = 500e-6;
+constexpr double kLongestGapSeconds = 60;
 
 /// A bus reset makes all cameras on it disappear for a moment: once for each camera and program, so that
 /// cameras do not throw each other off for ever.
@@ -184,6 +185,8 @@ class Dc1394Source final : public Source {
     const double t_s = static_cast<double>(frame.timestamp) * 1e-6;
     const double last_s = std::exchange(last_timestamp_s_, t_s);
     if (last_s == 0 || queued_at_s < last_s + video_.interval_s) return;
+    // A camera that is silent for long is lost: the host's clock, which the stamps follow, was set forward.
+    if (t_s - last_s > kLongestGapSeconds) return;
     const double missed = std::round((t_s - last_s) / video_.interval_s) - 1;
     if (missed > 0) dropped_ += static_cast<std::uint64_t>(missed);
   }

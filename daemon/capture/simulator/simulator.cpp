@@ -60,7 +60,10 @@ class SimulatorSource final : public Source {
     if (frame_rate_hz_ > 0) {
       std::int64_t tick = static_cast<std::int64_t>(std::floor(now_s * frame_rate_hz_)) + 1;
       if (last_tick_ > 0 && tick > last_tick_ + 1) {
-        dropped_ += static_cast<std::uint64_t>(tick - last_tick_ - 1);
+        // Not those of an hour that the clock was set forward.
+        const double passed_s = std::chrono::duration<double>(steady_now() - due_).count();
+        const auto passed = static_cast<std::int64_t>(std::ceil(std::max(0.0, passed_s * frame_rate_hz_)));
+        dropped_ += static_cast<std::uint64_t>(std::min(tick - last_tick_ - 1, passed));
       }
       // The Unix clock may be slewed so that the last tick seems still to come.
       if (tick == last_tick_) ++tick;

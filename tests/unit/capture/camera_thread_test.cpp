@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/camera_thread.h"
 
+#include "base/clock.h"
 #include "support/allocation_count.h"
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <latch>
@@ -28,6 +30,7 @@ class FakeCamera {
     CaptureStatus status = CaptureStatus::kImage;
     std::string problem{};
     bool throws = false;
+    void (*spoil)(CapturedImage& image) = nullptr;
   };
 
   void play(const std::vector<Step>& steps) {
@@ -110,6 +113,8 @@ class FakeCamera {
       if (step.status == CaptureStatus::kImage) {
         ++images_;
         image.image = Image({kPixels, 4, 2, 8, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
+        image.times.t_capture_s = unix_time_s();
+        if (step.spoil != nullptr) step.spoil(image);
       }
       return step.status;
     }
@@ -355,6 +360,95 @@ TEST_F(CameraThreadTest, ASourceThatFailsAtOnceWithoutEndIsNotAskedWithoutPause)
   EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(kDamaged - 20));
 }
 
+/// What no driver should hand over, in a picture of 4x2 UYVY pixels.
+template <class T, T ImageView::*member, int value>
+void set_view(CapturedImage& image) {
+  ImageView view = image.image.view();
+  view.*member = static_cast<T>(value);
+  image.image.narrow_to(view);
+}
+
+TEST_F(CameraThreadTest, GarbageIsNeverHandedOver) {
+  const auto spoilt = [](void (*spoil)(CapturedImage&)) { return FakeCamera::Step{.spoil = spoil}; };
+  const std::vector<FakeCamera::Step> garbage{
+      spoilt([](CapturedImage& image) { image.image = Image(); }),
+      spoilt([](CapturedImage& image) {
+        image.image.narrow_to({nullptr, 4, 2, 8, PixelFormat::kUyvy});
+      }),
+      spoilt(&set_view<int, &ImageView::width, 0>),
+      spoilt(&set_view<int, &ImageView::width, -4>),
+      spoilt(&set_view<int, &ImageView::width, 3>),
+      spoilt(&set_view<int, &ImageView::height, 0>),
+      spoilt(&set_view<int, &ImageView::height, 1 << 20>),
+      spoilt(&set_view<std::ptrdiff_t, &ImageView::stride_bytes, 7>),
+      spoilt(&set_view<std::ptrdiff_t, &ImageView::stride_bytes, 0>),
+      spoilt(&set_view<std::ptrdiff_t, &ImageView::stride_bytes, -8>),
+      spoilt(&set_view<PixelFormat, &ImageView::format, 200>),
+  };
+  const auto thread = start();
+  camera_->play(garbage);
+  camera_->play({kImage});
+  const CameraHealth health = wait_for(*thread, frames(1));
+  EXPECT_EQ(health.frames, 1U);
+  EXPECT_EQ(health.incomplete, garbage.size());
+  EXPECT_EQ(health.state, CameraState::kRunning) << "it goes on with the next good one";
+  EXPECT_EQ(camera_->wait_for_opened(1), 1);
+}
+
+TEST_F(CameraThreadTest, ATimeThatCannotBeIsReplaced) {
+  std::vector<CaptureTimes> seen;
+  hook_ = [&](const CapturedImage& image) { seen.push_back(image.times); };
+  const auto spoilt = [](void (*spoil)(CapturedImage&)) { return FakeCamera::Step{.spoil = spoil}; };
+  const double begin_s = unix_time_s();
+  const auto thread = start();
+  camera_->play({
+      spoilt([](CapturedImage& image) { image.times.t_capture_s = std::nan(""); }),
+      spoilt([](CapturedImage& image) { image.times.t_capture_s = 1e300; }),
+      spoilt([](CapturedImage& image) { image.times.t_capture_s = -INFINITY; }),
+      spoilt([](CapturedImage& image) {
+        image.times = {0, 7.0, 1e-6, true, 0};
+      }),
+      spoilt([](CapturedImage& image) { image.times.t_capture_s += 3600; }),
+      spoilt([](CapturedImage& image) { image.times.t_capture_s -= 3600; }),
+      spoilt([](CapturedImage& image) {
+        image.times = {unix_time_s() - 0.5, std::nan(""), std::nan(""), false, 0};
+      }),
+      spoilt([](CapturedImage& image) {
+        image.times = {unix_time_s() - 0.5, 7.0, 1e-3, true, 0};
+      }),
+  });
+  wait_for(*thread, frames(8));
+  thread->stop();
+  ASSERT_EQ(seen.size(), 8u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_TRUE(seen[i].t_capture_s >= begin_s && seen[i].t_capture_s <= unix_time_s()) << i;
+    EXPECT_FALSE(seen[i].t_capture_sigma_s) << i;
+    EXPECT_FALSE(seen[i].is_by_ptp) << i;
+  }
+  EXPECT_EQ(seen[3].t_capture_camera_s, 7.0);
+  EXPECT_FALSE(seen[6].t_capture_camera_s);
+  EXPECT_FALSE(seen[6].t_capture_sigma_s);
+  EXPECT_EQ(seen[7].t_capture_sigma_s, 1e-3) << "a good one is left alone";
+  EXPECT_TRUE(seen[7].is_by_ptp);
+}
+
+TEST_F(CameraThreadTest, WhatOpensNothingOrThrowsAnythingIsTriedAgain) {
+  std::atomic<int> attempts{0};
+  const CameraThread thread(
+      "camera 0", {},
+      [&]() -> std::unique_ptr<Source> {
+        switch (attempts++) {
+          case 0: return nullptr;
+          case 1: throw 7;
+          default: return camera_->open();
+        }
+      },
+      [](CapturedImage&&) {}, kAtOnce);
+  camera_->play({kImage});
+  EXPECT_EQ(wait_for(thread, frames(1)).frames, 1U);
+  EXPECT_EQ(attempts, 3);
+}
+
 TEST_F(CameraThreadTest, StopsDuringAStorm) {
   for (const FakeCamera::Step& step :
        {damaged("packets are missing"), lost("no heartbeat"), throwing("a defect")}) {
@@ -404,6 +498,19 @@ TEST_F(CameraThreadTest, StopLeavesACameraBehindThatDoesNotOpen) {
   camera_->release();
   EXPECT_EQ(camera_->wait_for_closed(1), 1);
   EXPECT_EQ(taken_, 0) << "nothing is handed over after stop()";
+}
+
+TEST_F(CameraThreadTest, CamerasThatDoNotOpenAreWaitedForTogether) {
+  camera_->block_opening();
+  std::vector<std::unique_ptr<CameraThread>> threads;
+  for (int i = 0; i < 4; ++i) threads.push_back(start());
+  camera_->wait_for_attempts(4);
+  const auto begin = std::chrono::steady_clock::now();
+  for (const auto& thread : threads) thread->ask_to_stop();
+  for (const auto& thread : threads) thread->stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(4 * 1500)) << "as long as one after the other";
+  camera_->release();
+  camera_->wait_for_closed(4);
 }
 
 TEST_F(CameraThreadTest, StopWaitsForAPictureBeingProcessed) {
