@@ -297,8 +297,20 @@ void add_computer_alerts(std::vector<Alert>& alerts, const HealthInput& input) {
   }
   if (!input.save_problem.empty()) {
     warn("settings_not_saved", CheckId::kComputer,
-         fmt::format("The last change of the settings was not saved: {}", input.save_problem),
+         fmt::format("The last change was refused, as it could not be saved: {}", input.save_problem),
          "Make room or mend the folder's rights, then make the change again.", "#/settings");
+  }
+  if (!input.state_problem.empty()) {
+    warn("state_not_writable", CheckId::kComputer,
+         fmt::format("No change can be saved: {}", input.state_problem),
+         "Mend the folder's rights, or mount its disk for writing. All else goes on meanwhile.",
+         "#/diagnostics");
+  }
+  if (!input.reload_problem.empty()) {
+    warn("settings_not_reloaded", CheckId::kComputer,
+         fmt::format("The settings file was not taken over, the settings before are in force: {}",
+                     input.reload_problem),
+         "Mend the file, then reload: systemctl reload ssl-visiond", "#/settings");
   }
 }
 
@@ -344,14 +356,15 @@ Json to_json(const Alert& alert) {
           {"since", alert.since_s}};
 }
 
-void AlertTimes::stamp(std::vector<Alert>& alerts, double now_s) {
+void AlertTimes::stamp(std::vector<Alert>& alerts, double now_s, double steady_s) {
   std::map<Key, double> next;
   const std::lock_guard lock(mutex_);
   for (Alert& alert : alerts) {
     const Key key{alert.id, alert.camera, alert.about};
     const auto known = since_s_.find(key);
-    alert.since_s = known == since_s_.end() ? now_s : known->second;
-    next[key] = alert.since_s;
+    const double since_s = known == since_s_.end() ? steady_s : known->second;
+    alert.since_s = now_s - (steady_s - since_s);
+    next[key] = since_s;
   }
   since_s_ = std::move(next);
 }

@@ -49,7 +49,9 @@ struct HealthInput {
   std::string listening_error;      // why the vision group cannot be heard
   RefereeStatus referee;
   std::string settings_problem;          // at start
-  std::string save_problem;              // why the last change was not saved
+  std::string save_problem;              // why the last file was not saved
+  std::string state_problem;             // why none can be saved now
+  std::string reload_problem;            // why the settings file was not taken over
   std::vector<std::string> lost_tables;  // why saved colour tables could not be used at start
   ComputerFigures computer;
   std::optional<ClockFigures> clock;
@@ -95,13 +97,14 @@ Json to_json(const Alert& alert);
 /// Remembers since when alerts have been there. May be used from any thread.
 class AlertTimes {
  public:
-  /// Fills in `since_s`: of one that was not there the last time, now.
-  void stamp(std::vector<Alert>& alerts, double now_s);
+  /// Fills in `since_s`: of one that was not there the last time, now. How long one has been there is known
+  /// by a steady clock, whatever becomes of the other.
+  void stamp(std::vector<Alert>& alerts, double now_s, double steady_s);
 
  private:
   using Key = std::tuple<std::string, std::optional<int>, std::string>;
   std::mutex mutex_;
-  std::map<Key, double> since_s_;
+  std::map<Key, double> since_s_;  // on the steady clock
 };
 
 }  // namespace sslv

@@ -3,7 +3,7 @@
 
 #include "base/log.h"
 #include "base/params_json.h"
-#include "settings/store.h"
+#include "settings/state_folder.h"
 
 #include <algorithm>
 #include <system_error>
@@ -32,17 +32,17 @@ struct File {
 
 }  // namespace
 
-CalibrationHistory::CalibrationHistory(std::filesystem::path file) : file_(std::move(file)) {
+CalibrationHistory::CalibrationHistory(StateFolder& folder)
+    : folder_(folder), file_(folder.path() / "calibrations.json") {
+  remove_leftover(file_);
   std::error_code ignored;
   if (!std::filesystem::exists(file_, ignored)) return;
   try {
     for (CameraRecords& camera : params_from_json<File>(read_json_file(file_), "").cameras)
       records_[camera.camera] = std::move(camera.records);
   } catch (const SettingsError& error) {
-    const std::filesystem::path aside = file_.string() + ".rejected";
-    std::filesystem::rename(file_, aside, ignored);
-    log::error("the history of calibrations cannot be used and was set aside as {}: {}", aside.string(),
-               error.what());
+    log::error("the history of calibrations cannot be used and was set aside as {}: {}",
+               set_aside(file_).string(), error.what());
     records_.clear();
   }
 }
@@ -61,9 +61,7 @@ void CalibrationHistory::set(const ByCamera& records) {
   }
   File file;
   for (const auto& [id, of_camera] : next) file.cameras.push_back({id, of_camera});
-  std::error_code ignored;
-  std::filesystem::create_directories(file_.parent_path(), ignored);
-  write_file_durably(file_, params_to_json(file).dump(2) + "\n");
+  folder_.write(file_, params_to_json(file).dump(2) + "\n");
   records_ = std::move(next);
 }
 

@@ -15,6 +15,8 @@
 
 namespace sslv {
 
+class StateFolder;
+
 /// A calibration that was put into force.
 struct CalibrationRecord {
   double time_s = 0;
@@ -46,8 +48,8 @@ class CalibrationHistory {
   using Records = std::vector<CalibrationRecord>;
   using ByCamera = std::map<int, Records>;
 
-  /// A file that cannot be used is set aside (renamed *.rejected).
-  explicit CalibrationHistory(std::filesystem::path file);
+  /// Kept in calibrations.json. A file that cannot be used is set aside (renamed *.rejected).
+  explicit CalibrationHistory(StateFolder& folder);
 
   /// Of a camera; empty when there are none.
   const Records& of(int camera_id) const;
@@ -58,6 +60,7 @@ class CalibrationHistory {
   void set(int camera_id, Records records) { set({{camera_id, std::move(records)}}); }
 
  private:
+  StateFolder& folder_;
   const std::filesystem::path file_;
   ByCamera records_;
 };

@@ -9,6 +9,7 @@
 #include "stages.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stop_token>
 #include <utility>
 
@@ -26,8 +27,9 @@ Pictures collect(FreshFrames frames, int wanted, const JobProgress& progress, co
   Pictures pictures;
   while (static_cast<int>(pictures.size()) < wanted && !stop.stop_requested()) {
     const auto frame = frames.next(kLook);
-    if (!frame || (!pictures.empty() && frame->t_capture_s < pictures.back()->t_capture_s + kApart_s))
-      continue;
+    if (!frame) continue;
+    // Either way: the clock may have been set back.
+    if (!pictures.empty() && std::abs(frame->t_capture_s - pictures.back()->t_capture_s) < kApart_s) continue;
     if (frame->image.format == PixelFormat::kMono8)
       throw CaptureError("the camera's pictures have no colours: there is no table to learn");
     const auto& view = frame->image;

@@ -58,6 +58,11 @@ Config read_config(const Json& settings) {
   return config;
 }
 
+const Migrations& settings_migrations() {
+  static const Migrations kMigrations{};  // version 1 is the first
+  return kMigrations;
+}
+
 Json complete_settings(const Json& settings) {
   return params_to_json(read_config(settings));
 }

@@ -13,6 +13,7 @@
 #include "net/multicast.h"
 #include "net/referee_listener.h"
 #include "pipeline/frame.h"
+#include "settings/migrations.h"
 #include "stages.h"
 #include "vision/lut.h"
 
@@ -145,6 +146,10 @@ std::string listening_address(const PanelSettings& panel, bool has_password);
 /// Reads a tree that may be incomplete. Throws SettingsError for whatever is not allowed: unknown keys,
 /// values out of range, two cameras with one id, an impossible stack, a calibration that is no camera.
 Config read_config(const Json& settings);
+
+/// How settings of earlier versions become those of today. To change what settings mean: one more function at
+/// the end, and a test.
+const Migrations& settings_migrations();
 
 /// The whole tree with every default written out. Throws as read_config does.
 Json complete_settings(const Json& settings);

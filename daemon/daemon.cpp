@@ -65,15 +65,16 @@ std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListen
 }  // namespace
 
 Daemon::Daemon(const Options& options)
-    : started_s_(unix_time_s()),
+    : started_s_(steady_s()),
       file_folders_(folders_of(options)),
-      store_(options.settings_file, options.state_folder, complete_settings),
+      state_folder_(options.state_folder),
+      store_(options.settings_file, state_folder_, complete_settings, settings_migrations()),
       passwords_(options.state_folder / Passwords::kFileName),
       access_(passwords_,
               fmt::format("ssl_visiond_{}", store_.current().settings.at("panel").at("port").dump()),
               steady_s),
-      profiles_(options.state_folder / "profiles.json"),
-      saved_tables_(options.state_folder / "tables"),
+      profiles_(state_folder_),
+      saved_tables_(state_folder_),
       config_(read_config(store_.current().settings)),
       settings_(store_.current().settings),
       multicast_(config_.load()->network.vision, "/network/vision"),
@@ -82,7 +83,7 @@ Daemon::Daemon(const Options& options)
       cameras_(Cameras{}),
       referee_([this] { put_robot_heights_into_force(); }),
       other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }),
-      calibration_history_(options.state_folder / "calibrations.json"),
+      calibration_history_(state_folder_),
       calibration_jobs_(make_calibration_jobs(frame_waiter())),
       joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())),
       color_learning_(make_color_learning(frame_waiter())),
@@ -106,6 +107,23 @@ Daemon::~Daemon() {
   }
   web_->stop();
   listening_ = nullptr;
+  const auto cameras = cameras_.load();
+  for (const auto& [id, camera] : *cameras) camera->ask_to_stop();
+}
+
+void Daemon::reload() {
+  const std::uint64_t before = store_.revision();
+  try {
+    const auto version = store_.reload([this](const Json& next) { return prepare(next); });
+    settings_since_s_ = unix_time_s();
+    if (version.revision == before) {
+      log::info("settings file reloaded: nothing has changed");
+    } else {
+      log::info("settings revision {} saved: settings file reloaded", version.revision);
+    }
+  } catch (const std::exception& error) {
+    log::error("settings file not reloaded, the settings before stay in force: {}", error.what());
+  }
 }
 
 int Daemon::panel_port() const {

@@ -53,6 +53,8 @@ class Daemon {
   int panel_port() const;
   /// One line for the service manager and the log: cameras, rate, latency, where packets go.
   std::string summary() const;
+  /// Reads the settings file anew and puts it into force; logs what came of it.
+  void reload();
   /// Why the watchdog must not be fed; empty while all is well.
   std::string hanging() const;
 
@@ -199,8 +201,9 @@ class Daemon {
   Json accept_joint_calibration(bool force, const std::string& who);
   Json reject_joint_calibration();
 
-  const double started_s_;
+  const double started_s_;  // on the steady clock
   const std::vector<std::filesystem::path> file_folders_;
+  StateFolder state_folder_;
   SettingsStore store_;
   Passwords passwords_;
   Access access_;

@@ -224,7 +224,11 @@ void Daemon::put_calibrations_into_force(const std::vector<CalibrationChange>& c
     });
     log::info("settings revision {} saved, {} calibration {} by {}", version.revision, cameras, what, who);
   } catch (const std::exception&) {
-    if (is_recorded) calibration_history_.set(old_records);
+    try {
+      if (is_recorded) calibration_history_.set(old_records);
+    } catch (const StorageError& error) {
+      log::error("calibrations that were refused stay in the history: {}", error.what());
+    }
     throw;
   }
 }

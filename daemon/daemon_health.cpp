@@ -100,7 +100,7 @@ std::vector<CameraNow> healths(const std::vector<std::shared_ptr<RunningCamera>>
 void Daemon::add_health_to(WebHost& host) {
   host.status = [this] { return status(); };
   host.timeline = [this](int seconds) {
-    return monitor_.timeline().to_json(static_cast<std::size_t>(seconds));
+    return monitor_.timeline().to_json(static_cast<std::size_t>(seconds), unix_time_s() - steady_s());
   };
   host.diagnostics = [this] { return diagnostics(); };
   host.metrics = [this] { return metrics(); };
@@ -138,7 +138,7 @@ Json Daemon::status() {
   const auto config = config_.load();
   const auto cameras = cameras_now();
   StatusInput input{.time_s = unix_time_s(),
-                    .started_s = started_s_,
+                    .uptime_s = steady_s() - started_s_,
                     .health = health_input(*config, cameras),
                     .alerts = {},
                     .refused_packets = other_visions_.refused(),
@@ -146,7 +146,7 @@ Json Daemon::status() {
                     .viewers = web ? web->stats().viewers : 0,
                     .cameras = cameras};
   input.alerts = find_alerts(input.health);
-  alert_times_.stamp(input.alerts, input.time_s);
+  alert_times_.stamp(input.alerts, input.time_s, steady_s());
   return status_json(input);
 }
 
@@ -159,7 +159,9 @@ HealthInput Daemon::health_input(const Config& config,
                     .listening_error = other_visions_.error(),
                     .referee = referee_.status(steady_s()),
                     .settings_problem = store_.problem(),
-                    .save_problem = store_.save_problem(),
+                    .save_problem = state_folder_.write_problem(),
+                    .state_problem = state_folder_.find_problem(),
+                    .reload_problem = store_.reload_problem(),
                     .lost_tables = {},
                     .computer = monitor_.computer(),
                     .clock = monitor_.clock(),
@@ -214,7 +216,7 @@ void Daemon::look_after() {
   // So that a break of an alert is seen while nobody asks.
   const auto config = config_.load();
   auto alerts = find_alerts(health_input(*config, cameras_now()));
-  alert_times_.stamp(alerts, unix_time_s());
+  alert_times_.stamp(alerts, unix_time_s(), steady_s());
 }
 
 void Daemon::find_stale_calibrations() {

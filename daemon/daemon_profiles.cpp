@@ -27,10 +27,12 @@ Json list_json(const std::vector<Profile>& profiles) {
   throw HttpError(404, "no profile " + to_text(name));
 }
 
-/// It may be older than this program.
+/// It may be older than this program, and newer.
 Json complete_settings_of(const Profile& profile) {
   try {
-    return complete_settings(profile.settings);
+    Json tree = profile.settings;
+    tree[kVersionKey] = profile.version;
+    return complete_settings(up_to_date(std::move(tree), settings_migrations()));
   } catch (const SettingsError& error) {
     throw SettingsError(fmt::format("profile {}: {}", to_text(profile.name), error.what()));
   }
@@ -93,7 +95,8 @@ void Daemon::add_profiles_to(WebHost& host) {
   host.save_profile = [this](const std::string& name, const std::optional<Json>& settings,
                              const std::string& who) {
     const Profile profile{name, unix_time_s(), who,
-                          settings ? complete_settings(*settings) : store_.current().settings};
+                          settings ? complete_settings(*settings) : store_.current().settings,
+                          newest_version(settings_migrations())};
     profiles_.save(profile);
     log::info("profile {} saved by {}", to_text(name), who);
     return entry_json(profile);

@@ -7,6 +7,7 @@
 #include "version.h"
 
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
@@ -47,6 +48,8 @@ template <class Act>
 auto naming(const std::filesystem::path& file, Act act) {
   try {
     return act();
+  } catch (const BusyError& error) {
+    throw BusyError(file.string() + ": " + error.what());
   } catch (const SettingsError& error) {
     const std::string what = error.what();
     throw SettingsError(what.starts_with(file.string()) ? what : file.string() + ": " + what);
@@ -56,20 +59,46 @@ auto naming(const std::filesystem::path& file, Act act) {
 /// The whole tree of a settings file, after reading the files it names as well.
 Json checked_settings(const std::filesystem::path& file) {
   return naming(file, [&] {
-    Json complete = complete_settings(read_json_file(file));
+    Json complete = complete_settings(up_to_date(read_json_file(file), settings_migrations()));
     const Config config = read_config(complete);
     for (std::size_t i = 0; i < config.cameras.size(); ++i) make_world(config, i);
     return complete;
   });
 }
 
-int run(const Daemon::Options& options) {
-  // Blocked before any thread starts, so that all of them inherit it and this one takes the signals.
+sigset_t own_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  return signals;
+}
+
+/// The service takes its signals in one place. They wait from the program's first instruction on, before the
+/// libraries set themselves up and before any thread starts: none finds a moment in which it would kill.
+void block_own_signals() {
+  const sigset_t signals = own_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+[[gnu::section(".preinit_array"), gnu::used]] void (*const kBeforeAll)() = block_own_signals;
+
+/// What is no service ends as programs do.
+void unblock_own_signals() {
+  const sigset_t signals = own_signals();
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+}
+
+void reload(Daemon& daemon) {
+  constexpr std::int64_t kPerSecond = 1'000'000, kNsPerUs = 1000;
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld",
+             static_cast<long long>(now.tv_sec * kPerSecond + now.tv_nsec / kNsPerUs));
+  daemon.reload();
+  sd_notify(0, "READY=1");
+}
+
+int run(const Daemon::Options& options) {
+  const sigset_t signals = own_signals();
   std::signal(SIGPIPE, SIG_IGN);
 
   const auto daemon = naming(options.settings_file, [&] { return std::make_unique<Daemon>(options); });
@@ -79,6 +108,7 @@ int run(const Daemon::Options& options) {
     const timespec second{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGINT || signal == SIGTERM) break;
+    if (signal == SIGHUP) reload(*daemon);
     const std::string hanging = daemon->hanging();
     if (hanging.empty()) sd_notify(0, "WATCHDOG=1");
     sd_notifyf(0, "STATUS=%s", (hanging.empty() ? daemon->summary() : hanging).c_str());
@@ -113,6 +143,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
   }
+  const bool is_service = !list && !print && check_file.empty() && !settings_file.empty();
+  if (!is_service) unblock_own_signals();
   try {
     if (list) {
       std::cout << found_cameras_text(found_cameras_json());
@@ -124,10 +156,10 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     if (print) {
-      std::cout << (settings_file.empty() ? complete_settings(Json::object())
-                                          : checked_settings(settings_file))
-                       .dump(2)
-                << "\n";
+      Json file{{kVersionKey, newest_version(settings_migrations())}};
+      file.update(settings_file.empty() ? complete_settings(Json::object())
+                                        : checked_settings(settings_file));
+      std::cout << file.dump(2) << "\n";
       return EXIT_SUCCESS;
     }
     if (settings_file.empty()) {
@@ -135,6 +167,9 @@ int main(int argc, char** argv) {
       return EX_USAGE;
     }
     return run({settings_file, state_folder(), panel, file_folders});
+  } catch (const BusyError& error) {
+    std::cerr << "ssl-visiond: " << error.what() << "\n";
+    return EX_TEMPFAIL;
   } catch (const SettingsError& error) {
     std::cerr << "ssl-visiond: " << error.what() << "\n";
     return EX_CONFIG;

@@ -43,6 +43,11 @@ RunningCamera::~RunningCamera() {
   pipeline_.close();
 }
 
+void RunningCamera::ask_to_stop() {
+  const std::lock_guard lock(thread_mutex_);
+  if (thread_) thread_->ask_to_stop();
+}
+
 void RunningCamera::start_thread() {
   const auto settings = settings_->load();
   const Scene scene = *pipeline_.setup()->world.scene;

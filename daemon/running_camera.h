@@ -26,6 +26,8 @@ class RunningCamera {
   RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
                 std::shared_ptr<CameraTotals> totals);
   ~RunningCamera();
+  /// Begins what the destructor does and does not wait for it.
+  void ask_to_stop();
 
   /// Sets what changed among the camera's own controls, before the settings that say so are in force. Throws
   /// SettingsError, beginning with `path`, for what an open camera refuses; one that is not open is not

@@ -2,7 +2,7 @@
 #include "saved_tables.h"
 
 #include "base/error.h"
-#include "settings/store.h"
+#include "settings/state_folder.h"
 #include "vision/lut_codec.h"
 
 #include <algorithm>
@@ -54,12 +54,21 @@ std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file) {
 
 }  // namespace
 
+SavedTables::SavedTables(StateFolder& folder) : state_(folder), folder_(folder.path() / "tables") {
+  std::error_code error;
+  std::vector<std::filesystem::path> leftovers;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+    const std::filesystem::path file = entry.path().parent_path() / entry.path().stem();
+    if (file.extension() == ".lut") leftovers.push_back(file);
+  }
+  for (const auto& file : leftovers) remove_leftover(file);
+}
+
 std::string SavedTables::save(std::shared_ptr<const Lut> lut, const LabelSet& labels) {
   const std::vector<std::uint8_t> bytes = encode_lut(lut->color_table(), labels);
   std::uint64_t hash = hash_of(bytes);
   const std::lock_guard lock(mutex_);
   std::error_code error;
-  std::filesystem::create_directories(folder_, error);
   std::string name = fmt::format("{:016x}", hash);
   while (std::filesystem::exists(file_of(name), error)) {
     if (bytes_of(file_of(name)) == bytes) {
@@ -70,7 +79,7 @@ std::string SavedTables::save(std::shared_ptr<const Lut> lut, const LabelSet& la
     }
     name = fmt::format("{:016x}", ++hash);  // another table, or a damaged file
   }
-  write_file_durably(file_of(name), std::string(bytes.begin(), bytes.end()));
+  state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
   in_memory_[name] = lut;
   return name;
 }

@@ -13,15 +13,17 @@
 
 namespace sslv {
 
-/// Colour tables that were edited, learnt or imported: each a .lut file of the state folder, named after its
-/// content, so that a name always means the same table. The settings, their history and profiles keep names.
-/// May be used from any thread.
+class StateFolder;
+
+/// Colour tables that were edited, learnt or imported: each a file tables/*.lut of the state folder, named
+/// after its content, so that a name always means the same table. The settings, their history and profiles
+/// keep names. May be used from any thread.
 class SavedTables {
  public:
   /// Beyond that the oldest that nobody uses go.
   static constexpr std::size_t kMost = 200;
 
-  explicit SavedTables(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit SavedTables(StateFolder& folder);
 
   /// Its name; on disk when it returns. Throws StorageError.
   std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
@@ -36,6 +38,7 @@ class SavedTables {
  private:
   std::filesystem::path file_of(const std::string& name) const { return folder_ / (name + ".lut"); }
 
+  StateFolder& state_;
   const std::filesystem::path folder_;
   mutable std::mutex mutex_;  // guards what follows
   mutable std::map<std::string, std::weak_ptr<const Lut>> in_memory_;

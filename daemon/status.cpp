@@ -123,7 +123,7 @@ Json status_json(const StatusInput& input) {
   Json out{{"version", kVersion},
            {"site", health.config.site},
            {"time", input.time_s},
-           {"uptime_s", input.time_s - input.started_s},
+           {"uptime_s", input.uptime_s},
            {"field", params_to_json(health.config.field)},
            {"network",
             {{"group", vision.group},

@@ -14,7 +14,7 @@ namespace sslv {
 
 /// What the status is made of, at one moment.
 struct StatusInput {
-  double time_s = 0, started_s = 0;
+  double time_s = 0, uptime_s = 0;
   HealthInput health;
   std::vector<Alert> alerts;
   std::uint64_t refused_packets = 0;  // that came to the vision group

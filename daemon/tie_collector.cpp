@@ -23,7 +23,8 @@ void TieCollector::add(std::size_t camera, double t_capture_s, std::span<const R
     auto& tracks = tracks_[{robot.team, robot.id}];
     tracks.resize(cameras_);
     Track& track = tracks[camera];
-    if (track.newest && track.newest->t_s >= t_capture_s) continue;  // its second in this picture
+    if (track.newest && track.newest->t_s == t_capture_s) continue;   // its second in this picture
+    if (track.newest && track.newest->t_s > t_capture_s) track = {};  // the clock was set back
     track.before = track.newest;
     track.newest = {t_capture_s, {robot.pixel_x, robot.pixel_y}, {robot.x_mm, robot.y_mm}, robot.height_mm};
     for (std::size_t other = 0; other < cameras_; ++other) {

@@ -12,4 +12,11 @@ struct SettingsError : std::runtime_error {
   using runtime_error::runtime_error;
 };
 
+/// What a setting asks for is not to be had now, but may be in a moment: a port that another program holds.
+/// One line for the admin, as above. At start it ends the program with exit code 75 (EX_TEMPFAIL), and the
+/// service manager tries again.
+struct BusyError : SettingsError {
+  using SettingsError::SettingsError;
+};
+
 }  // namespace sslv

@@ -138,6 +138,10 @@ void LightFollower::switch_off() {
 }
 
 void LightFollower::observe(const FollowLightParams& params, const Look& look) {
+  if (look.time_s < time_s_) {  // the clock was set back
+    before_.reset();
+    if (trial_) trial_->began_s = look.time_s;
+  }
   time_s_ = look.time_s;
   if (!params.enabled) return switch_off();
   if (taken_back_) return;

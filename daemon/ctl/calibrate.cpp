@@ -110,7 +110,9 @@ FieldSize field_named(const std::string& name_or_file) {
   const bool is_file =
       name_or_file.ends_with(".json") || std::filesystem::is_regular_file(name_or_file, error);
   if (!is_file) return field_preset(name_or_file, "--field");
-  return naming(name_or_file, [&] { return read_config(read_json_file(name_or_file)).field; });
+  return naming(name_or_file, [&] {
+    return read_config(up_to_date(read_json_file(name_or_file), settings_migrations())).field;
+  });
 }
 
 CameraCalibration read_calibration(const std::string& file) {

@@ -38,13 +38,13 @@ class Timeline {
 
   /// Cameras by id; one that is not there any more is forgotten. A second counts as one in which a camera ran
   /// when it ran at both of its ends.
-  void add(double unix_time_s, const std::map<int, Reading>& cameras);
+  void add(double steady_s, const std::map<int, Reading>& cameras);
 
   /// Of the last seconds.
   Sum sum(int camera_id, std::size_t seconds) const;
 
-  /// The last seconds, as docs/openapi.json's Timeline.
-  Json to_json(std::size_t seconds = kSeconds) const;
+  /// The last seconds, as docs/openapi.json's Timeline. `ahead_s`: Unix time less the steady clock's, now.
+  Json to_json(std::size_t seconds = kSeconds, double ahead_s = 0) const;
 
  private:
   struct Camera {

@@ -2,6 +2,7 @@
 #include "settings/history.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace sslv {
@@ -101,8 +102,10 @@ void SettingsHistory::join(SettingsStep step) {
       return a["op"] == "replace" && b["op"] == "replace" && a["path"] == b["path"];
     });
   };
-  const bool joins = !steps_.empty() && same("who") && same("what") && replaces_same() &&
-                     step["time"].get<double>() - steps_.back()["time"].get<double>() < kLongest_s;
+  const auto is_soon = [&] {  // also where the clock was set back
+    return std::abs(step["time"].get<double>() - steps_.back()["time"].get<double>()) < kLongest_s;
+  };
+  const bool joins = !steps_.empty() && same("who") && same("what") && replaces_same() && is_soon();
   if (joins) {
     for (std::size_t i = 0; i < step["changes"].size(); ++i)
       step["changes"][i]["before"] = steps_.back()["changes"][i]["before"];

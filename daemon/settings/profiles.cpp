@@ -3,7 +3,7 @@
 
 #include "base/log.h"
 #include "base/params_json.h"
-#include "settings/store.h"
+#include "settings/state_folder.h"
 
 #include <algorithm>
 #include <system_error>
@@ -50,15 +50,15 @@ auto place_of(std::vector<Profile>& profiles, const std::string& name) {
 
 }  // namespace
 
-Profiles::Profiles(std::filesystem::path file) : file_(std::move(file)) {
+Profiles::Profiles(StateFolder& folder) : folder_(folder), file_(folder.path() / "profiles.json") {
+  remove_leftover(file_);
   std::error_code ignored;
   if (!std::filesystem::exists(file_, ignored)) return;
   try {
     profiles_ = params_from_json<File>(read_json_file(file_), "").profiles;
   } catch (const SettingsError& error) {
-    const std::filesystem::path aside = file_.string() + ".rejected";
-    std::filesystem::rename(file_, aside, ignored);
-    log::error("the profiles cannot be used and were set aside as {}: {}", aside.string(), error.what());
+    log::error("the profiles cannot be used and were set aside as {}: {}", set_aside(file_).string(),
+               error.what());
   }
 }
 
@@ -105,9 +105,7 @@ bool Profiles::remove(const std::string& name) {
 
 void Profiles::put(std::vector<Profile> profiles) {
   File file{std::move(profiles)};
-  std::error_code ignored;
-  std::filesystem::create_directories(file_.parent_path(), ignored);
-  write_file_durably(file_, params_to_json(file).dump(2) + "\n");
+  folder_.write(file_, params_to_json(file).dump(2) + "\n");
   profiles_ = std::move(file.profiles);
 }
 

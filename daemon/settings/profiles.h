@@ -14,18 +14,22 @@
 
 namespace sslv {
 
+class StateFolder;
+
 /// Settings that were put by under a name.
 struct Profile {
   std::string name;
   double time_s = 0;  // Unix time when it was saved
   std::string who;    // the client's address
   Json settings = Json::object();
+  int version = 1;  // of the settings: see Migrations
 
   static constexpr auto fields() {
     return std::tuple{text("name", &Profile::name, "what it is called"),
                       number("time", &Profile::time_s, 0.0, 1e12, "s", "Unix time"),
                       text("who", &Profile::who, "the client's address"),
-                      object("settings", &Profile::settings, "all of them")};
+                      object("settings", &Profile::settings, "all of them"),
+                      number("version", &Profile::version, 1, 1000000, "", "of the settings")};
   }
 };
 
@@ -35,8 +39,8 @@ class Profiles {
   static constexpr std::size_t kMost = 32;
   static constexpr long kLongestName = 60;  // characters
 
-  /// A file that cannot be used is set aside (renamed *.rejected).
-  explicit Profiles(std::filesystem::path file);
+  /// Kept in profiles.json. A file that cannot be used is set aside (renamed *.rejected).
+  explicit Profiles(StateFolder& folder);
 
   std::vector<Profile> all() const;
   std::optional<Profile> find(const std::string& name) const;
@@ -50,6 +54,7 @@ class Profiles {
  private:
   void put(std::vector<Profile> profiles);  // on disk first
 
+  StateFolder& folder_;
   const std::filesystem::path file_;
   mutable std::mutex mutex_;  // guards what follows
   std::vector<Profile> profiles_;

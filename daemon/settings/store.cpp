@@ -4,44 +4,13 @@
 #include "base/clock.h"
 #include "base/log.h"
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <functional>
+#include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace sslv {
 namespace {
-
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd) : fd_(fd) {}
-  ~FileDescriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
-[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
-  throw StorageError(fmt::format("cannot {} {}: {}", what, file.string(), std::strerror(errno)));
-}
-
-/// What root makes in the service's folder must be the service's.
-void give_to_owner_of(const std::filesystem::path& folder, int fd) {
-  struct stat about {};
-  if (::geteuid() != 0 || ::stat(folder.c_str(), &about) != 0) return;
-  if (::fchown(fd, about.st_uid, about.st_gid) != 0) fail(folder, "hand a file to the owner of");
-}
 
 Json patched(const Json& settings, const Json& patch) {
   try {
@@ -51,52 +20,28 @@ Json patched(const Json& settings, const Json& patch) {
   }
 }
 
+/// Changes name the things of a list by their places. Throws SettingsError when a change of something with an
+/// "id" would meet another id: the admin has put the list into another order.
+void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on) {
+  for (const Json& change : changes) {
+    const std::string path = change.at("path").get<std::string>();
+    for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
+      const Json::json_pointer id(path.substr(0, end) + "/id");
+      if (!made_on.contains(id) || !put_on.contains(id) || made_on.at(id) == put_on.at(id)) continue;
+      throw SettingsError(fmt::format("{}: was changed where {} was {}, which is {} there", path,
+                                      id.to_string(), made_on.at(id).dump(), put_on.at(id).dump()));
+    }
+  }
+}
+
 }  // namespace
 
-Json read_json_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file)) {
-    throw SettingsError(
-        fmt::format("{}: cannot be read: {}", file.string(), in ? "is a folder" : std::strerror(errno)));
-  }
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const auto upto = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
-    const auto line = 1 + std::count(upto.begin(), upto.end(), '\n');
-    const auto column = upto.size() - (upto.rfind('\n') == std::string::npos ? 0 : upto.rfind('\n') + 1) + 1;
-    std::string what = error.what();  // "[json.exception...] parse error at line 1, column 2: <the reason>"
-    const auto reason = what.find(": ");
-    throw SettingsError(fmt::format("{}: line {}, column {}: no JSON: {}", file.string(), line, column,
-                                    reason == std::string::npos ? what : what.substr(reason + 2)));
-  }
-}
-
-void write_file_durably(const std::filesystem::path& file, const std::string& content, unsigned permissions) {
-  const std::filesystem::path temporary = file.string() + ".new";
-  {
-    const FileDescriptor out(
-        ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, permissions));
-    if (out.get() < 0) fail(temporary, "write");
-    give_to_owner_of(file.parent_path(), out.get());
-    std::size_t written = 0;
-    while (written < content.size()) {
-      const ssize_t n = ::write(out.get(), content.data() + written, content.size() - written);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail(temporary, "write");
-      written += static_cast<std::size_t>(n);
-    }
-    if (::fsync(out.get()) != 0) fail(temporary, "write");
-  }
-  if (::rename(temporary.c_str(), file.c_str()) != 0) fail(file, "replace");
-  const FileDescriptor folder(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder.get() < 0 || ::fsync(folder.get()) != 0) fail(file.parent_path(), "sync");
-}
-
-SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder,
-                             Check check)
-    : admin_file_(std::move(admin_file)), state_folder_(std::move(state_folder)), check_(std::move(check)) {
+SettingsStore::SettingsStore(std::filesystem::path admin_file, StateFolder& folder, Check check,
+                             Migrations migrations)
+    : admin_file_(std::move(admin_file)),
+      folder_(folder),
+      check_(std::move(check)),
+      migrations_(std::move(migrations)) {
   for (const auto& own : {changes_file(), previous_file()}) {
     std::error_code error;
     if (std::filesystem::equivalent(admin_file_, own, error)) {
@@ -105,15 +50,12 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::
                       admin_file_.string()));
     }
   }
-  const Json from_file = read_json_file(admin_file_);
-  try {
-    admin_settings_ = check_(from_file);
-  } catch (const SettingsError& error) {
-    throw SettingsError(fmt::format("{}: {}", admin_file_.string(), error.what()));
-  }
+  Json as_written;
+  admin_settings_ = read_admin_file(&as_written);
   version_ = {1, admin_settings_};
+  for (const auto& file : {changes_file(), previous_file()}) remove_leftover(file);
   for (const auto& file : {changes_file(), previous_file()}) {
-    if (const auto loaded = load_changes(file)) {
+    if (const auto loaded = load_changes(file, as_written)) {
       version_ = *loaded;
       break;
     }
@@ -121,7 +63,23 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, std::filesystem::
   revision_ = version_.revision;
 }
 
-std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::filesystem::path& file) {
+Json SettingsStore::checked(Json tree) const {
+  const bool says_version = tree.is_object() && tree.contains(kVersionKey);
+  return check_(says_version ? up_to_date(std::move(tree), migrations_) : tree);
+}
+
+Json SettingsStore::read_admin_file(Json* as_written) const {
+  Json file = read_json_file(admin_file_);
+  if (as_written != nullptr) *as_written = file;
+  try {
+    return check_(up_to_date(std::move(file), migrations_));
+  } catch (const SettingsError& error) {
+    throw SettingsError(fmt::format("{}: {}", admin_file_.string(), error.what()));
+  }
+}
+
+std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::filesystem::path& file,
+                                                                  const Json& admin_as_written) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) return std::nullopt;
   try {
@@ -130,15 +88,28 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
         !saved.contains("changes")) {
       throw SettingsError("it holds no saved changes");
     }
-    Version version{saved.at("revision").get<std::uint64_t>(),
-                    check_(admin_settings_.patch(saved.at("changes")))};
+    const int version = version_of(saved, migrations_);
+    Json changes = saved.at("changes");
+    // Before versions were counted the tree was not saved; then it is the admin's.
+    Json made_on = saved.value("made_on", Json());
+    if (version < newest_version(migrations_)) {
+      // A patch fits only the version that it was made for.
+      if (made_on.is_null()) {
+        made_on = admin_as_written;
+        made_on.erase(kVersionKey);
+      }
+      const Json changed = check_(migrated(patched(made_on, changes), version, migrations_));
+      made_on = check_(migrated(made_on, version, migrations_));
+      changes = Json::diff(made_on, changed);
+    }
+    if (!made_on.is_null()) check_same_ids(changes, made_on, admin_settings_);
+    Version loaded{saved.at("revision").get<std::uint64_t>(), check_(patched(admin_settings_, changes))};
     history_ = SettingsHistory(saved.value("history", Json::array()));
-    return version;
+    return loaded;
   } catch (const std::exception& error) {
-    const std::filesystem::path aside = file.string() + ".rejected";
-    std::filesystem::rename(file, aside, ignored);
-    const std::string text = fmt::format("saved changes in {} do not fit {} and were set aside as {}: {}",
-                                         file.string(), admin_file_.string(), aside.string(), error.what());
+    const std::string text =
+        fmt::format("saved changes in {} do not fit {} and were set aside as {}: {}", file.string(),
+                    admin_file_.string(), set_aside(file).string(), error.what());
     log::error("{}", text);
     problem_ += (problem_.empty() ? "" : "; ") + text;
     return std::nullopt;
@@ -163,7 +134,7 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdi
 
 Json SettingsStore::check(const Json& patch, const std::function<void(const Json&)>& try_out) const {
   const Json before = current().settings;
-  const Json after = check_(patched(before, patch));
+  const Json after = checked(patched(before, patch));
   try_out(after);
   return changes_between(before, after);
 }
@@ -199,7 +170,7 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
-  Version next{version_.revision + 1, check_(patched(version_.settings, patch))};
+  Version next{version_.revision + 1, checked(patched(version_.settings, patch))};
   const auto put_into_force = prepare(next.settings);
 
   SettingsHistory history = history_;
@@ -209,27 +180,66 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
                     {"what", edit.what},
                     {"changes", changes_between(version_.settings, next.settings)}};
   edit.joins ? history.join(std::move(step)) : history.add(std::move(step));
-  const Json saved{{"revision", next.revision},
-                   {"changes", Json::diff(admin_settings_, next.settings)},
-                   {"history", history.to_json()}};
-  std::error_code error;
-  std::filesystem::create_directories(state_folder_, error);
-  if (std::filesystem::exists(changes_file(), error)) {
-    std::filesystem::copy_file(changes_file(), previous_file(),
-                               std::filesystem::copy_options::overwrite_existing, error);
-  }
-  try {
-    write_file_durably(changes_file(), saved.dump(2) + "\n");
-  } catch (const StorageError& problem) {
-    save_problem_.store(problem.what());
-    throw;
-  }
-  save_problem_.store("");
+  save(next, admin_settings_, history);
   put_into_force();
   version_ = next;
   revision_ = next.revision;
   history_ = std::move(history);
   return next;
+}
+
+SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
+  const std::lock_guard lock(mutex_);
+  try {
+    Version version = reload_now(prepare);
+    reload_problem_.store("");
+    return version;
+  } catch (const std::exception& error) {
+    reload_problem_.store(error.what());
+    throw;
+  }
+}
+
+SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
+  Json admin = read_admin_file();
+  if (Json::diff(admin, admin_settings_).empty()) return version_;
+  const Json changes = Json::diff(admin_settings_, version_.settings);
+  Version next = version_;
+  SettingsHistory history = history_;
+  std::function<void()> put_into_force = [] {};
+  try {
+    check_same_ids(changes, admin_settings_, admin);
+    next.settings = check_(patched(admin, changes));
+    if (!Json::diff(next.settings, version_.settings).empty()) {
+      ++next.revision;
+      put_into_force = prepare(next.settings);
+      history.add({{"revision", next.revision},
+                   {"time", unix_time_s()},
+                   {"who", ""},
+                   {"what", "reload of " + admin_file_.string()},
+                   {"changes", changes_between(version_.settings, next.settings)}});
+    }
+  } catch (const SettingsError& error) {
+    throw SettingsError(
+        fmt::format("{}: {}{}", admin_file_.string(),
+                    changes.empty() ? "" : "together with what was changed in the panel: ", error.what()));
+  }
+  save(next, admin, history);
+  put_into_force();
+  admin_settings_ = std::move(admin);
+  version_ = next;
+  revision_ = next.revision;
+  history_ = std::move(history);
+  return next;
+}
+
+void SettingsStore::save(const Version& version, const Json& admin_settings, const SettingsHistory& history) {
+  const Json saved{{kVersionKey, newest_version(migrations_)},
+                   {"revision", version.revision},
+                   {"changes", Json::diff(admin_settings, version.settings)},
+                   {"made_on", admin_settings},
+                   {"history", history.to_json()}};
+  folder_.write(changes_file(), saved.dump(2) + "\n", previous_file());
 }
 
 }  // namespace sslv

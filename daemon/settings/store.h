@@ -5,6 +5,8 @@
 #include "base/json.h"
 #include "base/snapshot.h"
 #include "settings/history.h"
+#include "settings/migrations.h"
+#include "settings/state_folder.h"
 
 #include <atomic>
 #include <cstdint>
@@ -34,23 +36,10 @@ struct SettingsEdit {
   bool joins = false;  // one of many small ones that are one step of the history: see SettingsHistory::join
 };
 
-/// A file that cannot be written or read; one line.
-struct StorageError : std::runtime_error {
-  using runtime_error::runtime_error;
-};
-
-/// Reads a JSON file. Throws SettingsError naming the file and, for a syntax error, line and column.
-Json read_json_file(const std::filesystem::path& file);
-
-/// Replaces a file's content so that after a power cut it holds either all of the old or all of the new
-/// bytes: temporary file, fsync, rename, fsync of the folder. Written by root, it belongs to whom the folder
-/// belongs to. Throws StorageError.
-void write_file_durably(const std::filesystem::path& file, const std::string& content,
-                        unsigned permissions = 0640);
-
 /// The one owner of the settings tree. The admin's file is never written; what the panel changes is kept
 /// beside it, in the state folder, as a JSON Patch (RFC 6902) on that file's tree, so that a later edit of
-/// either is kept.
+/// either is kept; with the tree it was made on, so that it can be brought to a newer version of the settings
+/// and is not put onto a file whose cameras are others.
 class SettingsStore {
  public:
   struct Version {
@@ -66,7 +55,8 @@ class SettingsStore {
   /// Throws SettingsError, beginning with the file's name, when the admin's file is not usable. Saved changes
   /// that cannot be used are set aside (renamed *.rejected) and the last good ones, then none, are taken:
   /// `problem()` says so.
-  SettingsStore(std::filesystem::path admin_file, std::filesystem::path state_folder, Check check);
+  SettingsStore(std::filesystem::path admin_file, StateFolder& folder, Check check,
+                Migrations migrations = {});
 
   Version current() const;
   /// Without waiting for a change that is being saved.
@@ -85,28 +75,43 @@ class SettingsStore {
   /// patch() throws.
   Version undo(std::uint64_t revision, const SettingsEdit& edit, const Prepare& prepare);
 
+  /// Reads the admin's file anew; what the panel changed stays on top. A step of the history, unless the
+  /// result is what is in force already. Throws SettingsError, beginning with the file's name, when it cannot
+  /// be used or those changes do not fit it any more, StorageError when it cannot be saved; in each case
+  /// nothing has changed but `reload_problem()`.
+  Version reload(const Prepare& prepare);
+
   /// Steps, newest first: see SettingsStep.
   Json history() const;
 
   /// What went wrong with the saved changes at start; empty when nothing did.
   const std::string& problem() const { return problem_; }
-  /// Why the last change could not be saved; empty when it was. Does not wait for a change under way.
-  std::string save_problem() const { return *save_problem_.load(); }
+  /// Why the last reload() changed nothing; empty when it was good, or there was none. Does not wait for one
+  /// under way.
+  std::string reload_problem() const { return *reload_problem_.load(); }
 
  private:
-  std::optional<Version> load_changes(const std::filesystem::path& file);
+  /// A changed tree; one that says its version (a whole file that was imported) is brought up to date.
+  Json checked(Json tree) const;
+  Json read_admin_file(Json* as_written = nullptr) const;  // complete
+  std::optional<Version> load_changes(const std::filesystem::path& file, const Json& admin_as_written);
+  Version reload_now(const Prepare& prepare);
   Version apply(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
-  std::filesystem::path changes_file() const { return state_folder_ / "settings.json"; }
-  std::filesystem::path previous_file() const { return state_folder_ / "settings.previous.json"; }
+  /// As changes of this admin's tree.
+  void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);
+  std::filesystem::path changes_file() const { return folder_.path() / "settings.json"; }
+  std::filesystem::path previous_file() const { return folder_.path() / "settings.previous.json"; }
 
-  const std::filesystem::path admin_file_, state_folder_;
+  const std::filesystem::path admin_file_;
+  StateFolder& folder_;
   const Check check_;
-  Json admin_settings_;  // complete
+  const Migrations migrations_;
   std::string problem_;
-  Snapshot<std::string> save_problem_{""};
+  Snapshot<std::string> reload_problem_{""};
 
   std::atomic<std::uint64_t> revision_{0};  // version_'s
   mutable std::mutex mutex_;                // guards what follows; held during a whole patch
+  Json admin_settings_;                     // complete
   Version version_;
   SettingsHistory history_;
 };

@@ -38,14 +38,17 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 [[noreturn]] void refuse_endpoint(const std::string& address, int number, const error_code& error) {
   const std::string port = "/panel/port: " + std::to_string(number);
   if (error == asio::error::address_in_use) {
-    throw SettingsError(port + " is taken by another program; stop that one or choose another port");
+    throw BusyError(port + " is taken by another program; stop that one or choose another port");
   }
   if (error == asio::error::access_denied) {
     throw SettingsError(port +
                         " is not allowed without privileges; expected 1024 .. 65535, or 0 for any free one");
   }
-  throw SettingsError("/panel/address: \"" + address + "\" cannot be listened on (" + error.message() +
-                      "); expected an address of this computer, or 0.0.0.0 for all");
+  const std::string problem = "/panel/address: \"" + address + "\" cannot be listened on (" + error.message() +
+                              "); expected an address of this computer, or 0.0.0.0 for all";
+  // The card may get its address in a moment.
+  if (error == boost::system::errc::address_not_available) throw BusyError(problem);
+  throw SettingsError(problem);
 }
 
 using ReusePort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_REUSEPORT>;

@@ -72,6 +72,8 @@ class Alerts : public ::testing::Test {
                      .referee = {},
                      .settings_problem = {},
                      .save_problem = {},
+                     .state_problem = {},
+                     .reload_problem = {},
                      .lost_tables = {},
                      .computer = {},
                      .clock = {},
@@ -107,6 +109,8 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.computer.memory_available_bytes = 1;
   input_.settings_problem = "saved changes were set aside";
   input_.save_problem = "cannot write";
+  input_.state_problem = "/state: Read-only file system";
+  input_.reload_problem = "/etc/x.json: line 1";
   input_.lost_tables = {"no such table"};
   std::set<std::string> found;
   for (const std::string& kind : kinds()) found.insert(kind);
@@ -192,18 +196,20 @@ TEST_F(Alerts, KeepTheTimeSinceWhenTheyHaveBeenThere) {
   AlertTimes times;
   input_.cameras[0].last_minute.dropped = 100;
   auto alerts = find_alerts(input_);
-  times.stamp(alerts, 50);
-  EXPECT_EQ(alerts[0].since_s, 50);
+  times.stamp(alerts, 1050, 50);
+  EXPECT_EQ(alerts[0].since_s, 1050);
   input_.cameras[0].last_minute.dropped = 101;  // another title
   input_.cameras[1].last_minute.dropped = 100;
   alerts = find_alerts(input_);
-  times.stamp(alerts, 60);
-  EXPECT_EQ(alerts[0].since_s, 50);
-  EXPECT_EQ(alerts[1].since_s, 60);
+  times.stamp(alerts, 1060, 60);
+  EXPECT_EQ(alerts[0].since_s, 1050);
+  EXPECT_EQ(alerts[1].since_s, 1060);
+  times.stamp(alerts, 4670, 70);  // the clock was set forward by an hour meanwhile
+  EXPECT_EQ(alerts[0].since_s, 4650) << "20 s ago, as it is";
   std::vector<Alert> none;
-  times.stamp(none, 70);
-  times.stamp(alerts, 80);
-  EXPECT_EQ(alerts[0].since_s, 80);
+  times.stamp(none, 4675, 75);
+  times.stamp(alerts, 4680, 80);
+  EXPECT_EQ(alerts[0].since_s, 4680);
 }
 
 using Checks = Alerts;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration_history.h"
 
-#include "settings/store.h"
+#include "settings/state_folder.h"
 
 #include <filesystem>
 #include <fstream>
@@ -30,11 +30,12 @@ class CalibrationHistoryTest : public testing::Test {
   const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("calibration_history_test." + std::to_string(::getpid()));
   const std::filesystem::path file_ = folder_ / "state" / "calibrations.json";
+  StateFolder state_{folder_ / "state"};
 };
 
 TEST_F(CalibrationHistoryTest, IsThereAfterARestart) {
   {
-    CalibrationHistory history(file_);
+    CalibrationHistory history(state_);
     EXPECT_TRUE(history.of(0).empty());
     CalibrationRecord second = record(602);
     second.replaced = record(601).calibration;
@@ -43,7 +44,7 @@ TEST_F(CalibrationHistoryTest, IsThereAfterARestart) {
     history.set(0, {record(601), second});
     history.set(3, {record(700)});
   }
-  const CalibrationHistory history(file_);
+  const CalibrationHistory history(state_);
   ASSERT_EQ(history.of(0).size(), 2u);
   EXPECT_EQ(history.of(0)[0].calibration.focal_length, 601);
   EXPECT_FALSE(history.of(0)[0].replaced);
@@ -57,7 +58,7 @@ TEST_F(CalibrationHistoryTest, IsThereAfterARestart) {
 }
 
 TEST_F(CalibrationHistoryTest, KeepsTheLastTwenty) {
-  CalibrationHistory history(file_);
+  CalibrationHistory history(state_);
   CalibrationHistory::Records records;
   for (int i = 0; i < 25; ++i) records.push_back(record(600 + i));
   history.set(0, records);
@@ -79,7 +80,7 @@ TEST_F(CalibrationHistoryTest, AFileThatCannotBeUsedIsSetAside) {
   std::filesystem::create_directories(file_.parent_path());
   for (const char* text : {"no JSON", "[]", R"({"cameras": [{"records": 1}]})", R"({"others": []})"}) {
     std::ofstream(file_) << text;
-    CalibrationHistory history(file_);
+    CalibrationHistory history(state_);
     EXPECT_TRUE(history.of(0).empty());
     EXPECT_FALSE(std::filesystem::exists(file_));
     EXPECT_TRUE(std::filesystem::exists(file_.string() + ".rejected"));
@@ -87,9 +88,9 @@ TEST_F(CalibrationHistoryTest, AFileThatCannotBeUsedIsSetAside) {
 }
 
 TEST_F(CalibrationHistoryTest, WhatCannotBeSavedChangesNothing) {
-  std::filesystem::create_directories(folder_);
+  std::filesystem::remove(folder_ / "state");
   std::ofstream(folder_ / "state") << "no folder";
-  CalibrationHistory history(file_);
+  CalibrationHistory history(state_);
   EXPECT_THROW(history.set(0, {record(601)}), StorageError);
   EXPECT_TRUE(history.of(0).empty());
 }

@@ -2,6 +2,7 @@
 #include "saved_tables.h"
 
 #include "base/error.h"
+#include "settings/state_folder.h"
 #include "support/temporary_folder.h"
 
 #include <chrono>
@@ -34,12 +35,13 @@ std::string refusal(const SavedTables& tables, const std::string& name) {
 
 TEST(SavedTables, OutliveTheDaemon) {
   const TemporaryFolder folder;
+  StateFolder state(folder.path());
   std::string name;
   {
-    SavedTables tables(folder.path() / "tables");
+    SavedTables tables(state);
     name = tables.save(table_with(label::kPink), LabelSet::built_in());
   }
-  const SavedTables tables(folder.path() / "tables");
+  const SavedTables tables(state);
   const auto loaded = tables.load(name, "", LabelSet::built_in());
   EXPECT_EQ(loaded->color_table(), table_with(label::kPink)->color_table());
   EXPECT_EQ(tables.load(name, "", LabelSet::built_in()), loaded) << "one in memory is enough";
@@ -47,7 +49,8 @@ TEST(SavedTables, OutliveTheDaemon) {
 
 TEST(SavedTables, TheSameTableHasTheSameName) {
   const TemporaryFolder folder;
-  SavedTables tables(folder.path());
+  StateFolder state(folder.path());
+  SavedTables tables(state);
   const std::string name = tables.save(table_with(label::kPink), LabelSet::built_in());
   EXPECT_NE(tables.save(table_with(label::kBlue), LabelSet::built_in()), name);
   EXPECT_EQ(tables.save(table_with(label::kPink), LabelSet::built_in()), name);
@@ -55,34 +58,36 @@ TEST(SavedTables, TheSameTableHasTheSameName) {
 
 TEST(SavedTables, RefuseWhatIsNoneOfThem) {
   const TemporaryFolder folder;
+  StateFolder state(folder.path());
   std::ofstream(folder.path() / "secret.lut") << "secret";
-  SavedTables tables(folder.path() / "tables");
+  SavedTables tables(state);
   const std::string name = tables.save(table_with(label::kPink), LabelSet::built_in());
   for (const std::string wrong : {"0123456789abcdef", "../secret", "", "x", "/etc/passwd"})
     EXPECT_THAT(refusal(tables, wrong), testing::StartsWith("/cameras/0/colors/table: ")) << wrong;
 
   const std::filesystem::path file = folder.path() / "tables" / (name + ".lut");
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
-  const SavedTables later(folder.path() / "tables");
+  const SavedTables later(state);
   EXPECT_THAT(refusal(later, name), HasSubstr(file.string())) << "damaged";
   // What is saved anew does not trust the damaged file.
-  SavedTables again(folder.path() / "tables");
+  SavedTables again(state);
   const std::string anew = again.save(table_with(label::kPink), LabelSet::built_in());
   EXPECT_NE(anew, name);
-  EXPECT_EQ(SavedTables(folder.path() / "tables").load(anew, "", LabelSet::built_in())->color_table(),
+  EXPECT_EQ(SavedTables(state).load(anew, "", LabelSet::built_in())->color_table(),
             table_with(label::kPink)->color_table());
 }
 
 TEST(SavedTables, TheOldestThatNobodyUsesGo) {
   const TemporaryFolder folder;
-  SavedTables tables(folder.path());
+  StateFolder state(folder.path());
+  SavedTables tables(state);
   const std::string used = tables.save(table_with(label::kPink), LabelSet::built_in());
   const std::string unused = tables.save(table_with(label::kBlue), LabelSet::built_in());
   const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
   for (const std::string& name : {used, unused})
-    std::filesystem::last_write_time(folder.path() / (name + ".lut"), long_ago);
+    std::filesystem::last_write_time(folder.path() / "tables" / (name + ".lut"), long_ago);
   for (std::size_t i = 0; i < SavedTables::kMost; ++i)
-    std::ofstream(folder.path() / (std::to_string(i) + ".lut")) << "newer";
+    std::ofstream(folder.path() / "tables" / (std::to_string(i) + ".lut")) << "newer";
   tables.tidy({used});
   EXPECT_EQ(refusal(tables, used), "");
   EXPECT_THAT(refusal(tables, unused), HasSubstr("expected a table that this service has saved"));

@@ -16,7 +16,7 @@ void CameraChoice::add_to(CLI::App* command) {
 
 Config CameraChoice::config() const {
   try {
-    return read_config(read_json_file(settings_file));
+    return read_config(up_to_date(read_json_file(settings_file), settings_migrations()));
   } catch (const SettingsError& error) {
     const std::string what = error.what();
     throw SettingsError(what.starts_with(settings_file) ? what : settings_file + ": " + what);

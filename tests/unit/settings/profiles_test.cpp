@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/profiles.h"
 
-#include "settings/store.h"
+#include "base/error.h"
+#include "settings/state_folder.h"
 
 #include <fstream>
 
@@ -37,17 +38,18 @@ class ProfilesTest : public testing::Test {
   const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("profiles_test." + std::to_string(::getpid()));
   const std::filesystem::path file_ = folder_ / "state/profiles.json";
+  StateFolder state_{folder_ / "state"};
 };
 
 TEST_F(ProfilesTest, OutliveTheDaemonInTheOrderOfTheirNames) {
   {
-    Profiles profiles(file_);
+    Profiles profiles(state_);
     EXPECT_TRUE(profiles.all().empty());
     profiles.save({"night", 1.5, "Mia", {{"site", "hall"}}});
     profiles.save({"Äther 日本", 2, "Tom", Json::object()});
     profiles.save({"day", 3, "Tom", Json::object()});
   }
-  const Profiles profiles(file_);
+  const Profiles profiles(state_);
   EXPECT_THAT(names(profiles), ElementsAre("day", "night", "Äther 日本"));
   const auto night = profiles.find("night");
   ASSERT_TRUE(night);
@@ -58,7 +60,7 @@ TEST_F(ProfilesTest, OutliveTheDaemonInTheOrderOfTheirNames) {
 }
 
 TEST_F(ProfilesTest, ANewOneTakesThePlaceOfItsName) {
-  Profiles profiles(file_);
+  Profiles profiles(state_);
   profiles.save({"night", 1, "Mia", {{"site", "hall"}}});
   profiles.save({"night", 2, "Tom", {{"site", "field"}}});
   EXPECT_THAT(names(profiles), ElementsAre("night"));
@@ -66,16 +68,16 @@ TEST_F(ProfilesTest, ANewOneTakesThePlaceOfItsName) {
 }
 
 TEST_F(ProfilesTest, OneMayBeRemoved) {
-  Profiles profiles(file_);
+  Profiles profiles(state_);
   profiles.save({"night", 1, "Mia", Json::object()});
   EXPECT_FALSE(profiles.remove("day"));
   EXPECT_TRUE(profiles.remove("night"));
   EXPECT_TRUE(profiles.all().empty());
-  EXPECT_TRUE(Profiles(file_).all().empty());
+  EXPECT_TRUE(Profiles(state_).all().empty());
 }
 
 TEST_F(ProfilesTest, NamesAreShortPrintableText) {
-  Profiles profiles(file_);
+  Profiles profiles(state_);
   const auto repeated = [](const std::string& text, int times) {
     std::string out;
     for (int i = 0; i < times; ++i) out += text;
@@ -95,16 +97,16 @@ TEST_F(ProfilesTest, NamesAreShortPrintableText) {
 }
 
 TEST_F(ProfilesTest, NoMoreThanSoMany) {
-  Profiles profiles(file_);
+  Profiles profiles(state_);
   for (std::size_t i = 0; i < Profiles::kMost; ++i)
     profiles.save({std::to_string(i), 1, "Mia", Json::object()});
   EXPECT_THAT(refusal(profiles, "one more"), HasSubstr("there are 32 profiles already"));
   EXPECT_EQ(refusal(profiles, "7"), "not refused");  // replaced
-  EXPECT_EQ(Profiles(file_).all().size(), Profiles::kMost);
+  EXPECT_EQ(Profiles(state_).all().size(), Profiles::kMost);
 }
 
 TEST_F(ProfilesTest, WhatCannotBeSavedChangesNothing) {
-  Profiles profiles(file_);
+  Profiles profiles(state_);
   profiles.save({"night", 1, "Mia", Json::object()});
   std::filesystem::create_directories(file_.string() + ".new");  // where the new file would be written
   EXPECT_THROW(profiles.save({"day", 1, "Mia", Json::object()}), StorageError);
@@ -115,7 +117,7 @@ TEST_F(ProfilesTest, WhatCannotBeSavedChangesNothing) {
 TEST_F(ProfilesTest, AFileThatCannotBeUsedIsSetAside) {
   std::filesystem::create_directories(file_.parent_path());
   std::ofstream(file_) << R"({"profiles": [{"name": 7}]})";
-  EXPECT_TRUE(Profiles(file_).all().empty());
+  EXPECT_TRUE(Profiles(state_).all().empty());
   EXPECT_FALSE(std::filesystem::exists(file_));
   EXPECT_TRUE(std::filesystem::exists(file_.string() + ".rejected"));
 }

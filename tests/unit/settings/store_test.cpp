@@ -2,6 +2,7 @@
 #include "settings/store.h"
 
 #include <fstream>
+#include <iterator>
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -34,7 +35,9 @@ class Store : public ::testing::Test {
   static void write(const std::filesystem::path& file, const std::string& text) {
     std::ofstream(file) << text;
   }
-  SettingsStore open() const { return SettingsStore(admin_file_, state_, check); }
+  SettingsStore open(const Migrations& migrations = {}) {
+    return SettingsStore(admin_file_, folder_of_state_, check, migrations);
+  }
 
   static SettingsStore::Version set(SettingsStore& store, const char* key, const Json& value,
                                     std::optional<std::uint64_t> if_revision = {}) {
@@ -59,6 +62,7 @@ class Store : public ::testing::Test {
       std::filesystem::temp_directory_path() / ("store_test." + std::to_string(::getpid()));
   const std::filesystem::path admin_file_ = folder_ / "settings.json", state_ = folder_ / "state";
   const std::filesystem::path saved_ = state_ / "settings.json";
+  StateFolder folder_of_state_{state_};
 };
 
 TEST_F(Store, FillsInDefaultsAndStartsAtRevisionOne) {
@@ -129,6 +133,7 @@ TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
                           [](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
             }),
             "no such file");
+  std::filesystem::remove(state_);
   write(state_, "a file where the folder should be");
   bool in_force = false;
   EXPECT_THAT(error_of<StorageError>(
@@ -176,7 +181,7 @@ TEST_F(Store, NamesTheAdminsFileInErrors) {
 TEST_F(Store, TheAdminsFileIsNeverTakenForSavedChanges) {
   std::filesystem::create_directories(state_);
   write(saved_, R"({"a": 4})");
-  EXPECT_THAT(error_of<SettingsError>([&] { SettingsStore(saved_, state_, check); }),
+  EXPECT_THAT(error_of<SettingsError>([&] { SettingsStore(saved_, folder_of_state_, check); }),
               AllOf(HasSubstr(saved_.string()), HasSubstr("another folder")));
   EXPECT_EQ(read_json_file(saved_), (Json{{"a", 4}})) << "and it is left alone";
 }
@@ -328,6 +333,226 @@ TEST_F(Store, AChangeMayBeCheckedWithoutMakingIt) {
   EXPECT_EQ(store.current().revision, 1u);
   EXPECT_EQ(store.current().settings["a"], 1);
   EXPECT_FALSE(std::filesystem::exists(saved_));
+}
+
+TEST_F(Store, TheFileBeforeIsKeptWholeWithoutARoomOfItsOwn) {
+  auto store = open();
+  set(store, "a", 5);
+  set(store, "a", 6);
+  const std::filesystem::path previous = state_ / "settings.previous.json";
+  EXPECT_EQ(read_json_file(saved_)["revision"], 3);
+  EXPECT_EQ(read_json_file(previous)["revision"], 2);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state_), {}), 2) << "and nothing else is left";
+}
+
+TEST_F(Store, WhatAKillLeftIsCleanedUp) {
+  write(state_ / "settings.json.new", "{\"revi");
+  write(state_ / "settings.json.old", "{}");
+  write(state_ / "settings.previous.json.new", "{}");
+  write(state_ / "notes.new", "the admin's own");
+  EXPECT_EQ(open().current().revision, 1u);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state_), {}), 1);
+}
+
+TEST_F(Store, NothingThatWasSetAsideIsOverwritten) {
+  for (const char* text : {"one", "two", "three"}) {
+    write(saved_, text);
+    open();
+  }
+  for (const char* ending : {".rejected", ".rejected.2", ".rejected.3"})
+    EXPECT_TRUE(std::filesystem::exists(saved_.string() + ending)) << ending;
+}
+
+TEST_F(Store, WritesAgainOnceItCan) {
+  auto store = open();
+  set(store, "a", 5);
+  std::filesystem::create_directories(saved_.string() + ".new");  // where the new file would be written
+  EXPECT_THAT(error_of<StorageError>([&] { set(store, "a", 6); }), HasSubstr(saved_.string()));
+  EXPECT_THAT(folder_of_state_.write_problem(), HasSubstr(saved_.string()));
+  EXPECT_EQ(store.current().settings["a"], 5);
+  EXPECT_EQ(open().current().settings["a"], 5);
+  std::filesystem::remove(saved_.string() + ".new");
+  EXPECT_EQ(set(store, "a", 7).revision, 3u);
+  EXPECT_THAT(folder_of_state_.write_problem(), IsEmpty());
+}
+
+TEST_F(Store, AStateFolderThatCannotBeIsNamedAndMadeOnceItCan) {
+  std::filesystem::remove(state_);
+  write(state_, "a file where the folder should be");
+  EXPECT_THAT(folder_of_state_.find_problem(), HasSubstr(state_.string()));
+  std::filesystem::remove(state_);
+  EXPECT_THAT(folder_of_state_.find_problem(), IsEmpty());
+}
+
+TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
+  auto store = open();
+  set(store, "a", 5);
+  write(admin_file_, R"({"a": 1, "b": 7})");
+  Json prepared;
+  const auto version = store.reload([&](const Json& next) {
+    prepared = next;
+    return [] {};
+  });
+  EXPECT_EQ(version.revision, 3u);
+  EXPECT_EQ(version.settings, (Json{{"a", 5}, {"b", 7}}));
+  EXPECT_EQ(prepared, version.settings);
+  EXPECT_EQ(store.history()[0]["what"], "reload of " + admin_file_.string());
+  EXPECT_EQ(store.history()[0]["changes"][0]["path"], "/b");
+  EXPECT_EQ(open().current().revision, 3u);
+  EXPECT_EQ(open().current().settings, version.settings);
+  // A reload is a step like any other.
+  EXPECT_EQ(undo(store, 3).settings, (Json{{"a", 5}, {"b", 2}}));
+  EXPECT_EQ(open().current().settings, (Json{{"a", 5}, {"b", 2}}));
+}
+
+TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
+  auto store = open();
+  const auto must_not = [](const Json&) -> std::function<void()> { throw SettingsError("prepared"); };
+  EXPECT_EQ(store.reload(must_not).revision, 1u);
+  EXPECT_FALSE(std::filesystem::exists(saved_));
+  set(store, "a", 5);
+  write(admin_file_, R"({"a": 5})");  // the admin has written down what the panel changed
+  EXPECT_EQ(store.reload(must_not).revision, 2u);
+  EXPECT_EQ(store.history().size(), 1u);
+  write(admin_file_, R"({"a": 6})");
+  EXPECT_EQ(store.reload(kNothingToPrepare).settings["a"], 6) << "it is the panel's change no more";
+}
+
+TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
+  auto store = open();
+  set(store, "b", 7);
+  const auto reload = [&] { return error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }); };
+  for (const auto& [text, why] : {std::pair{"{\"a\": ", "line 1"}, {R"({"a": 50})", "/a: 50"}}) {
+    write(admin_file_, text);
+    EXPECT_THAT(reload(), AllOf(HasSubstr(admin_file_.string()), HasSubstr(why)));
+    EXPECT_THAT(store.reload_problem(), HasSubstr(why));
+    EXPECT_EQ(store.current().settings, (Json{{"a", 1}, {"b", 7}}));
+    EXPECT_EQ(store.current().revision, 2u);
+  }
+  write(admin_file_, R"({"a": 2})");
+  EXPECT_THAT(
+      error_of<SettingsError>([&] {
+        store.reload([](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
+      }),
+      HasSubstr("no such file"));
+  EXPECT_EQ(store.current().settings["a"], 1);
+  EXPECT_EQ(store.reload(kNothingToPrepare).settings, (Json{{"a", 2}, {"b", 7}}));
+  EXPECT_THAT(store.reload_problem(), IsEmpty());
+}
+
+/// Any tree will do.
+Json anything(const Json& settings) {
+  return settings;
+}
+
+TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
+  write(admin_file_, R"({"cameras": [{"id": 0, "x": 1}, {"id": 1, "x": 1}]})");
+  const auto with_cameras = [&] { return SettingsStore(admin_file_, folder_of_state_, anything); };
+  {
+    auto store = with_cameras();
+    set(store, "cameras/1/x", 5);
+    write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
+    EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }),
+                AllOf(HasSubstr("/cameras/1/x"), HasSubstr("/cameras/1/id was 1, which is 0 there")));
+    write(admin_file_, R"({"cameras": [{"id": 0, "x": 1}]})");
+    EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }),
+                HasSubstr("together with what was changed in the panel"));
+  }
+  write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
+  EXPECT_THAT(with_cameras().problem(), HasSubstr("which is 0 there"));
+  write(admin_file_, R"({"cameras": [{"id": 0, "x": 2}, {"id": 1, "x": 1}, {"id": 2, "x": 1}]})");
+  std::filesystem::rename(saved_.string() + ".rejected", saved_);
+  EXPECT_EQ(with_cameras().current().settings["cameras"],
+            Json::parse(R"([{"id": 0, "x": 2}, {"id": 1, "x": 5}, {"id": 2, "x": 1}])"));
+}
+
+/// "a" was called "old_a" in version 1, and counted from 1 on in version 2.
+const Migrations kTwoMigrations{[](Json& tree) {
+                                  if (!tree.is_object() || !tree.contains("old_a")) return;
+                                  tree["a"] = tree["old_a"];
+                                  tree.erase("old_a");
+                                },
+                                [](Json& tree) {
+                                  if (tree.contains("a")) tree["a"] = tree["a"].get<int>() - 1;
+                                }};
+
+TEST_F(Store, AnOlderFileIsBroughtUpToDate) {
+  write(admin_file_, R"({"old_a": 4})");  // from before versions were counted
+  EXPECT_EQ(open(kTwoMigrations).current().settings["a"], 3);
+  write(admin_file_, R"({"version": 2, "a": 4})");
+  EXPECT_EQ(open(kTwoMigrations).current().settings["a"], 3);
+  write(admin_file_, R"({"version": 3, "a": 4})");
+  EXPECT_EQ(open(kTwoMigrations).current().settings["a"], 4);
+  EXPECT_EQ(read_json_file(admin_file_)["version"], 3) << "it is never written";
+}
+
+TEST_F(Store, ANewerFileIsRefused) {
+  write(admin_file_, R"({"version": 4, "a": 4})");
+  EXPECT_THAT(
+      error_of<SettingsError>([&] { open(kTwoMigrations); }),
+      AllOf(HasSubstr(admin_file_.string() + ": /version: 4 is newer"), HasSubstr("up to version 3")));
+  for (const char* wrong : {"0", "-1", "1.5", "\"2\"", "null"}) {
+    write(admin_file_, std::string(R"({"a": 4, "version": )") + wrong + "}");
+    EXPECT_THAT(error_of<SettingsError>([&] { open(kTwoMigrations); }), HasSubstr("/version: ")) << wrong;
+  }
+}
+
+/// As a program of version 1 checks and completes.
+Json check_version_1(const Json& settings) {
+  return Json{{"old_a", settings.value("old_a", 1)}, {"b", settings.value("b", 2)}};
+}
+
+TEST_F(Store, OlderSavedChangesAreBroughtUpToDate) {
+  write(admin_file_, "{}");  // so that what is changed is in no file but theirs
+  {
+    SettingsStore store(admin_file_, folder_of_state_, check_version_1);
+    set(store, "old_a", 8);
+    set(store, "b", 3);
+  }
+  EXPECT_EQ(read_json_file(saved_)["version"], 1);
+  for (const char* admin : {R"({"old_a": 4})", R"({"version": 3, "a": 3})"}) {
+    write(admin_file_, admin);
+    auto store = open(kTwoMigrations);
+    EXPECT_THAT(store.problem(), IsEmpty());
+    EXPECT_EQ(store.current().settings, (Json{{"a", 7}, {"b", 3}})) << admin;
+    EXPECT_EQ(store.current().revision, 3u);
+  }
+  auto store = open(kTwoMigrations);
+  EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, 2); }), HasSubstr("changed again"))
+      << "a step of a key that is no more";
+  set(store, "a", 9);
+  EXPECT_EQ(read_json_file(saved_)["version"], 3);
+  EXPECT_EQ(open(kTwoMigrations).current().settings, (Json{{"a", 9}, {"b", 3}}));
+}
+
+TEST_F(Store, SavedChangesFromBeforeVersionsGoOnWorking) {
+  const char* saved = R"({"revision": 7, "history": [],
+                          "changes": [{"op": "replace", "path": "/a", "value": 8}]})";
+  write(saved_, saved);
+  EXPECT_EQ(open().current().settings["a"], 8);
+  EXPECT_EQ(open().current().revision, 7u);
+  write(admin_file_, R"({"old_a": 4})");
+  write(saved_, R"({"revision": 7, "changes": [{"op": "replace", "path": "/old_a", "value": 8}]})");
+  EXPECT_EQ(open(kTwoMigrations).current().settings["a"], 7);
+}
+
+TEST_F(Store, NewerSavedChangesAreKeptForTheProgramThatKnowsThem) {
+  write(saved_, R"({"version": 2, "revision": 7, "changes": [], "made_on": {}})");
+  auto store = open();
+  EXPECT_EQ(store.current().revision, 1u);
+  EXPECT_THAT(store.problem(), AllOf(HasSubstr("/version: 2 is newer"), HasSubstr(".rejected")));
+  EXPECT_EQ(read_json_file(saved_.string() + ".rejected")["revision"], 7);
+}
+
+TEST_F(Store, AWholeFileMayBeImported) {
+  auto store = open(kTwoMigrations);  // the admin's file is of version 1: "a" is 0
+  const auto import = [&](const char* text) {
+    return store.patch(Json::array({{{"op", "replace"}, {"path", ""}, {"value", Json::parse(text)}}}), {},
+                       kNothingToPrepare);
+  };
+  EXPECT_EQ(import(R"({"a": 5})").settings["a"], 5) << "of today";
+  EXPECT_EQ(import(R"({"version": 2, "a": 5})").settings["a"], 4);
+  EXPECT_THAT(error_of<SettingsError>([&] { import(R"({"version": 9, "a": 5})"); }), HasSubstr("newer"));
 }
 
 TEST(ChangesBelow, AreThoseAtOrBelowAPath) {

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "settings/state_folder.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  ~FileDescriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  int get() const { return fd_; }
+  /// False when what was written did not get through after all (network file systems tell only now).
+  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+[[noreturn]] void fail(const char* what, const fs::path& file) {
+  throw StorageError(fmt::format("cannot {} {}: {}", what, file.string(), std::strerror(errno)));
+}
+
+/// Removes a file at the end of its life, unless it is gone.
+class Temporary {
+ public:
+  explicit Temporary(fs::path file) : file_(std::move(file)) {}
+  ~Temporary() { ::unlink(file_.c_str()); }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  const fs::path& file() const { return file_; }
+
+ private:
+  const fs::path file_;
+};
+
+fs::path temporary_of(const fs::path& file) {
+  return file.string() + ".new";
+}
+
+/// What root makes in the service's folder must be the service's.
+void give_to_owner_of(const fs::path& folder, int fd) {
+  struct stat about {};
+  if (::geteuid() != 0 || ::stat(folder.c_str(), &about) != 0) return;
+  if (::fchown(fd, about.st_uid, about.st_gid) != 0) fail("hand a file to the owner of", folder);
+}
+
+void write_all(const fs::path& file, const std::string& content, unsigned permissions) {
+  FileDescriptor out(
+      ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, permissions));
+  if (out.get() < 0) fail("write", file);
+  give_to_owner_of(file.parent_path(), out.get());
+  for (std::size_t written = 0; written < content.size();) {
+    const ssize_t n = ::write(out.get(), content.data() + written, content.size() - written);
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0) errno = ENOSPC;
+    if (n <= 0) fail("write", file);
+    written += static_cast<std::size_t>(n);
+  }
+  if (::fsync(out.get()) != 0 || !out.close()) fail("write", file);
+}
+
+/// A second name for what a file holds now: takes no room, and is there as a whole or not at all. False where
+/// there is no such file, or the file system has no such names.
+bool keep_as(const fs::path& file, const fs::path& kept) {
+  const Temporary link(temporary_of(kept));
+  ::unlink(link.file().c_str());
+  return ::link(file.c_str(), link.file().c_str()) == 0 && ::rename(link.file().c_str(), kept.c_str()) == 0;
+}
+
+/// With an entry in its parent that a power cut leaves there.
+void make_folder(const fs::path& path) {
+  std::error_code error;
+  if (!fs::create_directories(path, error)) return;
+  const FileDescriptor parent(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (parent.get() >= 0) ::fsync(parent.get());
+}
+
+}  // namespace
+
+Json read_json_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || fs::is_directory(file)) {
+    throw SettingsError(
+        fmt::format("{}: cannot be read: {}", file.string(), in ? "is a folder" : std::strerror(errno)));
+  }
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const auto upto = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = 1 + std::count(upto.begin(), upto.end(), '\n');
+    const auto column = upto.size() - (upto.rfind('\n') == std::string::npos ? 0 : upto.rfind('\n') + 1) + 1;
+    std::string what = error.what();  // "[json.exception...] parse error at line 1, column 2: <the reason>"
+    const auto reason = what.find(": ");
+    throw SettingsError(fmt::format("{}: line {}, column {}: no JSON: {}", file.string(), line, column,
+                                    reason == std::string::npos ? what : what.substr(reason + 2)));
+  }
+}
+
+void write_file_durably(const fs::path& file, const std::string& content, unsigned permissions,
+                        const fs::path& previous) {
+  // Before all else: without it nothing could be promised.
+  const FileDescriptor folder(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.get() < 0) fail("write", temporary_of(file));
+  const Temporary temporary(temporary_of(file));
+  write_all(temporary.file(), content, permissions);
+
+  const Temporary old(file.string() + ".old");
+  const bool has_old = keep_as(file, old.file());
+  if (!previous.empty()) keep_as(file, previous);
+  if (::rename(temporary.file().c_str(), file.c_str()) != 0) fail("replace", file);
+  if (::fsync(folder.get()) == 0) return;
+  // Which of the two a power cut would leave nobody knows; without one it is the old.
+  const int error = errno;
+  has_old ? ::rename(old.file().c_str(), file.c_str()) : ::unlink(file.c_str());
+  errno = error;
+  fail("sync the folder of", file);
+}
+
+void remove_leftover(const fs::path& file) {
+  const Temporary temporary(temporary_of(file)), old(file.string() + ".old");
+}
+
+fs::path set_aside(const fs::path& file) {
+  constexpr int kMost = 100;
+  std::error_code error;
+  fs::path aside = file.string() + ".rejected";
+  for (int i = 2; i <= kMost && fs::exists(aside, error); ++i)
+    aside = fmt::format("{}.rejected.{}", file.string(), i);
+  fs::rename(file, aside, error);
+  return aside;
+}
+
+StateFolder::StateFolder(fs::path path) : path_(std::move(path)) {
+  make_folder(path_);
+}
+
+void StateFolder::write(const fs::path& file, const std::string& content, const fs::path& previous) {
+  make_folder(file.parent_path());
+  try {
+    write_file_durably(file, content, kPermissions, previous);
+  } catch (const StorageError& problem) {
+    write_problem_.store(problem.what());
+    throw;
+  }
+  write_problem_.store("");
+}
+
+std::string StateFolder::find_problem() const {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  if (!error && ::access(path_.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
+  return error ? fmt::format("{}: {}", path_.string(), error.message()) : "";
+}
+
+}  // namespace sslv
