@@ -80,17 +80,16 @@ void write_all(const fs::path& file, const std::string& content, unsigned permis
   if (::fsync(out.get()) != 0 || !out.close()) fail("write", file);
 }
 
-/// A second name for what a file holds now: takes no room, and is there as a whole or not at all. False where
-/// there is no such file, or the file system has no such names.
-bool keep_as(const fs::path& file, const fs::path& kept) {
+/// A second name for what a file holds now: takes no room, and is there as a whole or not at all. Nothing is
+/// kept where there is no such file, or the file system has no such names.
+void keep_as(const fs::path& file, const fs::path& kept) {
   const Temporary link(temporary_of(kept));
   ::unlink(link.file().c_str());
-  return ::link(file.c_str(), link.file().c_str()) == 0 && ::rename(link.file().c_str(), kept.c_str()) == 0;
+  if (::link(file.c_str(), link.file().c_str()) == 0) ::rename(link.file().c_str(), kept.c_str());
 }
 
 /// With an entry in its parent that a power cut leaves there.
-void make_folder(const fs::path& path) {
-  std::error_code error;
+void make_folder(const fs::path& path, std::error_code& error) {
   if (!fs::create_directories(path, error)) return;
   const FileDescriptor parent(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (parent.get() >= 0) ::fsync(parent.get());
@@ -127,7 +126,8 @@ void write_file_durably(const fs::path& file, const std::string& content, unsign
   write_all(temporary.file(), content, permissions);
 
   const Temporary old(file.string() + ".old");
-  const bool has_old = keep_as(file, old.file());
+  ::unlink(old.file().c_str());
+  const bool has_old = ::link(file.c_str(), old.file().c_str()) == 0;
   if (!previous.empty()) keep_as(file, previous);
   if (::rename(temporary.file().c_str(), file.c_str()) != 0) fail("replace", file);
   if (::fsync(folder.get()) == 0) return;
@@ -153,12 +153,19 @@ fs::path set_aside(const fs::path& file) {
 }
 
 StateFolder::StateFolder(fs::path path) : path_(std::move(path)) {
-  make_folder(path_);
+  std::error_code ignored;  // find_problem() tells
+  make_folder(path_, ignored);
 }
 
 void StateFolder::write(const fs::path& file, const std::string& content, const fs::path& previous) {
-  make_folder(file.parent_path());
   try {
+    constexpr unsigned kPermissions = 0640;
+    std::error_code error;
+    make_folder(file.parent_path(), error);
+    if (error) {
+      throw StorageError(
+          fmt::format("cannot write {}: its folder cannot be made: {}", file.string(), error.message()));
+    }
     write_file_durably(file, content, kPermissions, previous);
   } catch (const StorageError& problem) {
     write_problem_.store(problem.what());

@@ -19,7 +19,7 @@ export function largerCamera(camera) {
 }
 
 /** The fields of a protobuf message that are needed here: varints and doubles by number, messages as bytes. */
-function fieldsOf(bytes) {
+export function fieldsOf(bytes) {
   const fields = new Map();
   for (let at = 0; at < bytes.length;) {
     const varint = () => {

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Run by faults_run.test.mjs in a network of its own: its card is taken out and put back. Exit code 77: the kernel has
+// no cards to play with.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { FaultyService, report, tries } from './faults.mjs';
+import { becomes } from './service.mjs';
+
+const ip = (...words) => execFileSync('ip', words, { stdio: 'pipe' });
+const ADDRESS = '10.77.0.1';
+function putIn() {
+  ip('link', 'add', 'field0', 'type', 'veth', 'peer', 'name', 'switch0');
+  ip('address', 'add', `${ADDRESS}/24`, 'dev', 'field0');
+  for (const card of ['switch0', 'field0']) ip('link', 'set', card, 'up');
+}
+
+ip('link', 'set', 'lo', 'up');
+try {
+  putIn();
+} catch (error) {
+  console.error(String(error.stderr ?? error));
+  process.exit(77);
+}
+const service = new FaultyService('239.255.79.99');
+service.settings.network.vision.interface = 'field0';
+try {
+  await service.prepare();
+  await service.start();
+  const rounds = tries(4, 50);
+  const times = [];
+  let frames = 0, refused = 0;
+  for (let round = 0; round < rounds; round++) {
+    let packets = await service.listen(ADDRESS);
+    await packets.more(0, 3);
+    packets.close();
+    round % 2 ? ip('link', 'set', 'field0', 'down') : ip('link', 'delete', 'field0');
+    const { fix } = await service.alertComes('not_sending');
+    assert.match(fix, /field0|sending is tried again by itself/);
+    const { network, cameras: [before] } = await service.status();
+    const { cameras: [later] } = await becomes(service.status, ({ cameras: [now] }) => now.frames > before.frames + 5);
+    assert.equal(later.state, 'running', 'pictures are taken meanwhile');
+    if (round % 2) ip('link', 'set', 'field0', 'up');
+    else putIn();
+    const began = performance.now();
+    packets = await service.listen(ADDRESS);
+    await packets.more(0, 1);
+    times.push(packets.frames[0].at_ms - began);
+    await packets.more(0, 10);
+    assert.equal(packets.lost(0), 0, 'once they leave none is missing');
+    frames += packets.frames.length;
+    refused += (await service.status()).network.send_errors - network.send_errors;
+    packets.close();
+    await service.alertGoes('not_sending');
+  }
+  await service.stop();
+  assert.ok(refused >= 0 && frames >= 10 * rounds);
+  report('network card taken out, or its link down, and put back', rounds, 0, times);
+} finally {
+  await service.remove();
+}

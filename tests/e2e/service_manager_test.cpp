@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the service manager is told, and what makes it restart the service.
+#include "support/service_manager.h"
+
+#include "e2e/running_daemon.h"
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <stop_token>
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Notifies : public DaemonTest {
+ protected:
+  std::vector<std::string> words() const { return {SSLV_DAEMON, "--config", settings_file()}; }
+  std::vector<std::string> environment() const {
+    return {"STATE_DIRECTORY=" + state_.string(), manager_.variable()};
+  }
+
+  ServiceManager manager_{folder_.path() / "notify"};
+};
+
+TEST_F(Notifies, ReadyAliveReloadingAndStopping) {
+  ChildProcess daemon(words(), environment());
+  manager_.wait_for("READY=1");
+  manager_.wait_for("WATCHDOG=1");
+  EXPECT_THAT(manager_.wait_for("STATUS="), HasSubstr("cameras"));
+  daemon.send_signal(SIGHUP);
+  EXPECT_THAT(manager_.wait_for("RELOADING=1"), StartsWith("RELOADING=1\nMONOTONIC_USEC="));
+  manager_.wait_for("READY=1");
+  manager_.wait_for("WATCHDOG=1");
+  daemon.send_signal(SIGTERM);
+  manager_.wait_for("STOPPING=1");
+  EXPECT_EQ(daemon.wait_for_exit(), 0);
+}
+
+TEST_F(Notifies, AReloadThatIsRefusedEndsToo) {
+  ChildProcess daemon(words(), environment());
+  manager_.wait_for("READY=1");
+  std::ofstream(folder_.file("settings.json")) << "{";
+  daemon.send_signal(SIGHUP);
+  manager_.wait_for("RELOADING=1");
+  manager_.wait_for("READY=1");
+  manager_.wait_for("WATCHDOG=1");
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait_for_exit(), 0);
+}
+
+/// A camera whose driver stops answering in the middle: a film through a pipe that nobody writes on with.
+class StuckFilm {
+ public:
+  explicit StuckFilm(const std::string& path) {
+    if (::mkfifo(path.c_str(), 0600) != 0) throw std::runtime_error("no pipe " + path);
+    std::ifstream in(SSLV_SOURCE_DIR "/tests/golden/division_b.jpg", std::ios::binary);
+    picture_ = {std::istreambuf_iterator<char>(in), {}};
+    pipe_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);  // not waiting for a reader
+    writer_ = std::jthread([this](const std::stop_token& stop) {
+      // Enough to know what film it is and to see some pictures, then nothing.
+      for (int i = 0; i < kPictures; ++i) {
+        for (std::size_t sent = 0; sent < picture_.size() && !stop.stop_requested();) {
+          pollfd ready{pipe_, POLLOUT, 0};
+          ::poll(&ready, 1, 100);
+          const ssize_t n = ::write(pipe_, picture_.data() + sent, picture_.size() - sent);
+          if (n > 0) sent += static_cast<std::size_t>(n);
+        }
+      }
+    });
+  }
+  ~StuckFilm() {
+    writer_.request_stop();
+    writer_.join();
+    ::close(pipe_);
+  }
+  StuckFilm(const StuckFilm&) = delete;
+  StuckFilm& operator=(const StuckFilm&) = delete;
+
+ private:
+  static constexpr int kPictures = 200;
+  std::string picture_;
+  int pipe_ = -1;
+  std::jthread writer_;
+};
+
+TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
+  const std::string film = folder_.file("film.mjpeg");
+  settings_["cameras"][1]["source"] = {{"backend", "files"}, {"path", film}, {"frame_rate_hz", 100}};
+  {
+    StuckFilm stuck(film);
+    ChildProcess daemon(words(), environment());
+    manager_.wait_for("READY=1");
+    manager_.wait_for("WATCHDOG=1");
+    EXPECT_THAT(manager_.wait_for("STATUS=camera 1 has hung for "), HasSubstr(" s"));
+    // From now on it is not fed, though all else goes on: what WatchdogSec is for.
+    for (int statuses = 0; statuses < 3;) {
+      const std::string message = manager_.wait_for("");
+      EXPECT_THAT(message, ::testing::Not(StartsWith("WATCHDOG")));
+      statuses += message.starts_with("STATUS=camera 1 has hung");
+    }
+    while (receive(listener_).detection().camera_id() != 0) {  // camera 0 still sends
+    }
+    // As the service manager does it, then starts it anew.
+    daemon.send_signal(SIGABRT);
+    EXPECT_EQ(daemon.wait_for_exit(), 128 + SIGABRT);
+  }
+  std::filesystem::remove(film);
+  ChildProcess again(words(), environment());
+  manager_.wait_for("READY=1");
+  manager_.wait_for("WATCHDOG=1");
+  again.send_signal(SIGTERM);
+  EXPECT_EQ(again.wait_for_exit(), 0);
+}
+
+TEST_F(Notifies, AStoppedProcessIsNotFed) {
+  ChildProcess daemon(words(), environment());
+  manager_.wait_for("WATCHDOG=1");
+  daemon.send_signal(SIGSTOP);
+  while (manager_.next(std::chrono::milliseconds(100))) {  // what was under way
+  }
+  EXPECT_FALSE(manager_.next(std::chrono::milliseconds(2500))) << "it is told every second otherwise";
+  daemon.send_signal(SIGCONT);
+  manager_.wait_for("WATCHDOG=1");
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait_for_exit(), 0);
+}
+
+}  // namespace
+}  // namespace sslv::test

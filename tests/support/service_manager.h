@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace sslv::test {
+
+/// The service manager's end of a service: hears what sd_notify(3) says.
+class ServiceManager {
+ public:
+  explicit ServiceManager(const std::filesystem::path& socket) : path_(socket) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    if (socket_ < 0 || ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("no socket for notifications: " + std::string(std::strerror(errno)));
+  }
+  ~ServiceManager() { ::close(socket_); }
+  ServiceManager(const ServiceManager&) = delete;
+  ServiceManager& operator=(const ServiceManager&) = delete;
+
+  /// To be in the service's environment.
+  std::string variable() const { return "NOTIFY_SOCKET=" + path_.string(); }
+
+  /// The next message; none when it does not come in that time.
+  std::optional<std::string> next(std::chrono::milliseconds timeout) {
+    pollfd waiting{socket_, POLLIN, 0};
+    if (::poll(&waiting, 1, static_cast<int>(timeout.count())) <= 0) return std::nullopt;
+    char text[4096];
+    const ssize_t size = ::recv(socket_, text, sizeof text, 0);
+    return std::string(text, static_cast<std::size_t>(size > 0 ? size : 0));
+  }
+
+  /// The next message that begins so; throws std::runtime_error with what came instead.
+  std::string wait_for(const std::string& beginning) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    std::string others;
+    while (std::chrono::steady_clock::now() < deadline) {
+      const auto message = next(std::chrono::seconds(1));
+      if (message && message->starts_with(beginning)) return *message;
+      if (message) others += *message + "\n";
+    }
+    throw std::runtime_error("the service manager was not told " + beginning + " but\n" + others);
+  }
+
+ private:
+  const std::filesystem::path path_;
+  const int socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
+
+}  // namespace sslv::test
