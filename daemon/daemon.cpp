@@ -114,7 +114,8 @@ Daemon::~Daemon() {
 void Daemon::reload() {
   const std::uint64_t before = store_.revision();
   try {
-    const auto version = store_.reload([this](const Json& next) { return prepare(next); });
+    const auto version =
+        store_.reload([this](const Json& next) { return prepare(next, Origin::kAdminFile); });
     settings_since_s_ = unix_time_s();
     if (version.revision == before) {
       log::info("settings file reloaded: nothing has changed");
@@ -130,8 +131,8 @@ int Daemon::panel_port() const {
   return web_->port();
 }
 
-Daemon::MadeReady Daemon::make_ready(const Json& settings) const {
-  if (listening_ != nullptr) check_files(settings);
+Daemon::MadeReady Daemon::make_ready(const Json& settings, Origin origin) const {
+  if (listening_ != nullptr && origin == Origin::kNetwork) check_files(settings);
   MadeReady ready{std::make_shared<const Config>(read_config(settings)), cameras_.load(), {}};
   const auto& config = ready.config;
   const auto& old_cameras = ready.old_cameras;
@@ -164,8 +165,8 @@ LoadTable Daemon::load_table() const {
   };
 }
 
-std::function<void()> Daemon::prepare(const Json& settings) {
-  MadeReady ready = make_ready(settings);
+std::function<void()> Daemon::prepare(const Json& settings, Origin origin) {
+  MadeReady ready = make_ready(settings, origin);
   const auto config = ready.config;
   const auto old_cameras = ready.old_cameras;
   const auto move_panel = prepare_panel(config->panel);

@@ -70,6 +70,8 @@ class Daemon {
   /// For the monitor's thread: a password may have been set by ssl-visionctl.
   void move_panel_if_needed();
   MatchLock match_lock() const;
+  /// The admin's file may name files anywhere.
+  enum class Origin { kNetwork, kAdminFile };
   /// What new settings need, made without any effect on what runs.
   struct MadeReady {
     std::shared_ptr<const Config> config;
@@ -77,11 +79,11 @@ class Daemon {
     std::vector<CameraSetup> setups;  // in the order of the config's cameras
   };
   /// Throws SettingsError.
-  MadeReady make_ready(const Json& settings) const;
+  MadeReady make_ready(const Json& settings, Origin origin = Origin::kNetwork) const;
   /// At start a camera whose table is lost has that of its settings instead, and says so.
   LoadTable load_table() const;
   /// Makes everything new settings need; the result puts it into force. Throws SettingsError.
-  std::function<void()> prepare(const Json& settings);
+  std::function<void()> prepare(const Json& settings, Origin origin = Origin::kNetwork);
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
   void put_robot_heights_into_force();
   /// A camera's finished frame on loan. The camera is held too, because the frame lies in its ring.

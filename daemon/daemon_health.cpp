@@ -100,7 +100,7 @@ std::vector<CameraNow> healths(const std::vector<std::shared_ptr<RunningCamera>>
 void Daemon::add_health_to(WebHost& host) {
   host.status = [this] { return status(); };
   host.timeline = [this](int seconds) {
-    return monitor_.timeline().to_json(static_cast<std::size_t>(seconds), unix_time_s() - steady_s());
+    return monitor_.timeline().to_json(static_cast<std::size_t>(seconds));
   };
   host.diagnostics = [this] { return diagnostics(); };
   host.metrics = [this] { return metrics(); };

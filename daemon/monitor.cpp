@@ -70,7 +70,7 @@ void Monitor::look() {
     seen[id] = std::move(before);
   }
   seen_ = std::move(seen);
-  timeline_.add(1e-9 * static_cast<double>(steady_ns()), readings);
+  timeline_.add(unix_time_s(), 1e-9 * static_cast<double>(steady_ns()), readings);
   ComputerFigures computer = computer_reader_.read();
   const auto clock = read_clock();
   const std::lock_guard lock(mutex_);

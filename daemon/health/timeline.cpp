@@ -2,9 +2,12 @@
 #include "health/timeline.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sslv {
 namespace {
+
+constexpr double kClockWasSet_s = 0.5;
 
 /// How far a counter went; it begins anew when the camera does.
 std::uint64_t passed(std::uint64_t before, std::uint64_t now) {
@@ -22,7 +25,7 @@ std::optional<Timeline::Reading> second_between(const Timeline::Reading& before,
 
 }  // namespace
 
-void Timeline::add(double steady_s, const std::map<int, Reading>& cameras) {
+void Timeline::add(double unix_time_s, double steady_s, const std::map<int, Reading>& cameras) {
   const std::lock_guard lock(mutex_);
   std::erase_if(cameras_, [&](const auto& one) { return !cameras.contains(one.first); });
   for (const auto& [id, reading] : cameras) {
@@ -33,6 +36,8 @@ void Timeline::add(double steady_s, const std::map<int, Reading>& cameras) {
     camera.last = reading;
     if (camera.seconds.size() > kSeconds) camera.seconds.pop_front();
   }
+  // A second keeps its time unless the clock was set: viewers know it again by that.
+  if (std::abs(unix_time_s - steady_s - ahead_s_) > kClockWasSet_s) ahead_s_ = unix_time_s - steady_s;
   times_s_.push_back(steady_s);
   if (times_s_.size() > kSeconds) times_s_.pop_front();
 }
@@ -54,11 +59,11 @@ Timeline::Sum Timeline::sum(int camera_id, std::size_t seconds) const {
   return sum;
 }
 
-Json Timeline::to_json(std::size_t seconds, double ahead_s) const {
+Json Timeline::to_json(std::size_t seconds) const {
   const std::lock_guard lock(mutex_);
   const std::size_t first = times_s_.size() - std::min(times_s_.size(), seconds);
   Json out{{"interval_s", 1}, {"time_s", Json::array()}, {"cameras", Json::array()}};
-  for (std::size_t i = first; i < times_s_.size(); ++i) out["time_s"].push_back(times_s_[i] + ahead_s);
+  for (std::size_t i = first; i < times_s_.size(); ++i) out["time_s"].push_back(times_s_[i] + ahead_s_);
   for (const auto& [id, camera] : cameras_) {
     Json one{{"id", id}};
     const auto add = [&, &seconds_of = camera.seconds](const char* name, auto value_of) {

@@ -38,13 +38,14 @@ class Timeline {
 
   /// Cameras by id; one that is not there any more is forgotten. A second counts as one in which a camera ran
   /// when it ran at both of its ends.
-  void add(double steady_s, const std::map<int, Reading>& cameras);
+  /// The times are those of the steady clock, told by the other as it is set when it is.
+  void add(double unix_time_s, double steady_s, const std::map<int, Reading>& cameras);
 
   /// Of the last seconds.
   Sum sum(int camera_id, std::size_t seconds) const;
 
-  /// The last seconds, as docs/openapi.json's Timeline. `ahead_s`: Unix time less the steady clock's, now.
-  Json to_json(std::size_t seconds = kSeconds, double ahead_s = 0) const;
+  /// The last seconds, as docs/openapi.json's Timeline.
+  Json to_json(std::size_t seconds = kSeconds) const;
 
  private:
   struct Camera {
@@ -52,7 +53,8 @@ class Timeline {
     std::deque<std::optional<Reading>> seconds;  // counts are of the second; none: it did not run
   };
   mutable std::mutex mutex_;
-  std::deque<double> times_s_;
+  std::deque<double> times_s_;     // on the steady clock
+  double ahead_s_ = 0;             // of it is the other
   std::map<int, Camera> cameras_;  // each with as many seconds as there are times
 };
 

@@ -18,9 +18,9 @@ Timeline::Reading running(std::uint64_t frames, std::uint64_t dropped = 0) {
 
 TEST(Timeline, CountsByTheSecondWhatCamerasCountFromTheirStart) {
   Timeline timeline;
-  timeline.add(100, {{0, running(1000, 7)}});
-  timeline.add(101, {{0, running(1060, 7)}});
-  timeline.add(102, {{0, running(1117, 10)}});
+  timeline.add(100, 100, {{0, running(1000, 7)}});
+  timeline.add(101, 101, {{0, running(1060, 7)}});
+  timeline.add(102, 102, {{0, running(1117, 10)}});
   const Json json = timeline.to_json();
   EXPECT_EQ(json["time_s"], Json({100, 101, 102}));
   EXPECT_EQ(json["cameras"][0]["id"], 0);
@@ -32,12 +32,23 @@ TEST(Timeline, CountsByTheSecondWhatCamerasCountFromTheirStart) {
   EXPECT_EQ(timeline.sum(9, 60).seconds, 0u);
 }
 
+TEST(Timeline, FollowsAClockThatIsSetAndNoOther) {
+  Timeline timeline;
+  timeline.add(5000, 100, {});
+  timeline.add(5001.001, 101, {});
+  EXPECT_EQ(timeline.to_json()["time_s"], Json({5000.0, 5001.0})) << "a second keeps its time";
+  timeline.add(8602, 102, {});
+  EXPECT_EQ(timeline.to_json()["time_s"], Json({8600.0, 8601.0, 8602.0}));
+  timeline.add(5003, 103, {});
+  EXPECT_EQ(timeline.to_json()["time_s"], Json({5000.0, 5001.0, 5002.0, 5003.0}));
+}
+
 TEST(Timeline, HasNothingOfSecondsInWhichACameraDidNotRun) {
   Timeline timeline;
-  timeline.add(100, {{0, running(0)}});
-  timeline.add(101, {{0, Timeline::Reading{}}});
-  timeline.add(102, {{0, running(40)}});
-  timeline.add(103, {{0, running(100)}});
+  timeline.add(100, 100, {{0, running(0)}});
+  timeline.add(101, 101, {{0, Timeline::Reading{}}});
+  timeline.add(102, 102, {{0, running(40)}});
+  timeline.add(103, 103, {{0, running(100)}});
   EXPECT_EQ(timeline.to_json()["cameras"][0]["fps"], Json({nullptr, nullptr, nullptr, 60.0}));
   EXPECT_EQ(timeline.sum(0, 60).seconds, 1u);
   EXPECT_EQ(timeline.sum(0, 60).frames, 60u);
@@ -45,10 +56,10 @@ TEST(Timeline, HasNothingOfSecondsInWhichACameraDidNotRun) {
 
 TEST(Timeline, HasNoTimesOfASecondWithoutAFrame) {
   Timeline timeline;
-  timeline.add(100, {{0, running(5)}});
+  timeline.add(100, 100, {{0, running(5)}});
   Timeline::Reading silent = running(5);
   silent.times = std::nullopt;
-  timeline.add(101, {{0, silent}});
+  timeline.add(101, 101, {{0, silent}});
   const Json json = timeline.to_json(1);
   EXPECT_EQ(json["cameras"][0]["age_p99_ms"], Json::array({nullptr}));
   EXPECT_EQ(json["cameras"][0]["robots"], Json::array({6}));
@@ -56,15 +67,15 @@ TEST(Timeline, HasNoTimesOfASecondWithoutAFrame) {
 
 TEST(Timeline, GoesOnWhenACamerasCountersBeginAnew) {
   Timeline timeline;
-  timeline.add(100, {{0, running(1000)}});
-  timeline.add(101, {{0, running(20)}});
+  timeline.add(100, 100, {{0, running(1000)}});
+  timeline.add(101, 101, {{0, running(20)}});
   EXPECT_EQ(timeline.sum(0, 60).frames, 20u);
 }
 
 TEST(Timeline, KeepsTenMinutesOfTheCamerasThatAreThere) {
   Timeline timeline;
-  for (unsigned i = 0; i < 700; ++i) timeline.add(i, {{0, running(i)}});
-  for (unsigned i = 700; i < 710; ++i) timeline.add(i, {{0, running(i)}, {3, running(i)}});
+  for (unsigned i = 0; i < 700; ++i) timeline.add(i, i, {{0, running(i)}});
+  for (unsigned i = 700; i < 710; ++i) timeline.add(i, i, {{0, running(i)}, {3, running(i)}});
   const Json json = timeline.to_json();
   EXPECT_EQ(json["time_s"].size(), 600u);
   EXPECT_EQ(json["time_s"].back(), 709);
@@ -77,7 +88,7 @@ TEST(Timeline, KeepsTenMinutesOfTheCamerasThatAreThere) {
     }
   }
   EXPECT_EQ(timeline.to_json(5)["cameras"][1]["fps"].size(), 5u);
-  timeline.add(710, {{3, running(710)}});
+  timeline.add(710, 710, {{3, running(710)}});
   EXPECT_EQ(timeline.to_json()["cameras"].size(), 1u);
 }
 

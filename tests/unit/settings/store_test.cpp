@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/store.h"
 
+#include "support/failing_disk.h"
+
 #include <fstream>
 #include <iterator>
 
@@ -374,6 +376,25 @@ TEST_F(Store, WritesAgainOnceItCan) {
   std::filesystem::remove(saved_.string() + ".new");
   EXPECT_EQ(set(store, "a", 7).revision, 3u);
   EXPECT_THAT(folder_of_state_.write_problem(), IsEmpty());
+}
+
+TEST_F(Store, WhatTheDiskMayNotKeepIsTakenBackThere) {
+  auto store = open();
+  {
+    const test::FailingDisk disk;
+    EXPECT_THAT(error_of<StorageError>([&] { set(store, "a", 5); }), HasSubstr("Input/output error"));
+    EXPECT_FALSE(std::filesystem::exists(saved_)) << "there was none";
+  }
+  set(store, "a", 6);
+  set(store, "a", 7);
+  {
+    const test::FailingDisk disk;
+    EXPECT_THAT(error_of<StorageError>([&] { set(store, "a", 8); }), HasSubstr(saved_.string()));
+  }
+  EXPECT_EQ(store.current().settings["a"], 7);
+  EXPECT_EQ(open().current().settings["a"], 7) << "disk and memory agree";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state_), {}), 2);
+  EXPECT_EQ(set(store, "a", 9).revision, 4u);
 }
 
 TEST_F(Store, AStateFolderThatCannotBeIsNamedAndMadeOnceItCan) {

@@ -13,6 +13,12 @@ function cameraTimeline(id: number, fps: (number | null)[]): CameraTimeline {
 const timeline = (time_s: number[], ...cameras: CameraTimeline[]): Timeline => ({ interval_s: 1, time_s, cameras });
 
 describe('a followed timeline', () => {
+  it('begins anew when the clock was set back', () => {
+    const first = follow(noSeries, timeline([5000, 5001], cameraTimeline(0, [70, 71])));
+    const next = follow(first, timeline([1401, 1402], cameraTimeline(0, [71, 72])));
+    expect(next.times).toEqual([1401, 1402]);
+    expect(next.cameras.get(0)!.fps).toEqual([71, 72]);
+  });
   it('adds only what is new', () => {
     const first = follow(noSeries, timeline([10, 11, 12], cameraTimeline(0, [70, 71, 72])));
     const next = follow(first, timeline([11, 12, 13], cameraTimeline(0, [1, 2, 73])));

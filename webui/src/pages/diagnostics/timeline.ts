@@ -5,6 +5,8 @@ import type { CameraTimeline, Timeline } from '../../api/types';
 export const LONGEST_S = 600;
 /** Asked for again, so that nothing is missed between two answers. */
 const OVERLAP_S = 5;
+/** No answer is so late. */
+const CLOCK_WAS_SET_S = 60;
 
 export const figures = ['fps', 'latency_p50_ms', 'latency_p99_ms', 'robots', 'balls', 'dropped', 'incomplete'] as const satisfies readonly (keyof CameraTimeline)[];
 export type Figure = (typeof figures)[number];
@@ -22,9 +24,10 @@ export const noSeries: Series = { times: [], cameras: new Map() };
 const emptyCamera = (length: number) =>
   Object.fromEntries(figures.map((figure) => [figure, new Array<number | null>(length).fill(null)])) as CameraSeries;
 
-/** The series with the answer's newer seconds, ten minutes at most. */
+/** The series with the answer's newer seconds, ten minutes at most; begun anew when the service's clock was set back. */
 export function follow(series: Series, { interval_s, time_s, cameras }: Timeline): Series {
   const last = series.times.at(-1) ?? -Infinity;
+  if (time_s.length && time_s.at(-1)! < last - CLOCK_WAS_SET_S) return follow(noSeries, { interval_s, time_s, cameras });
   const times = [...series.times];
   /** Places of the new samples in the answer; null is a hole. */
   const added: (number | null)[] = [];
