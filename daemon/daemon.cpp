@@ -116,8 +116,8 @@ void Daemon::reload() {
   try {
     const auto version =
         store_.reload([this](const Json& next) { return prepare(next, Origin::kAdminFile); });
-    settings_since_s_ = unix_time_s();
     if (version.revision == before) {
+      settings_since_s_ = unix_time_s();
       log::info("settings file reloaded: nothing has changed");
     } else {
       log::info("settings revision {} saved: settings file reloaded", version.revision);

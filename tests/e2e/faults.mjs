@@ -62,6 +62,7 @@ export class FaultyService {
     this.wrap = wrap;
     this.settings = { network: { vision: { group, interface: 'lo' }, referee: { enabled: false } }, panel: { port: 0 }, cameras };
     this.log = [];
+    this.receivers = [];
   }
 
   async prepare() {
@@ -113,6 +114,7 @@ export class FaultyService {
   }
 
   async remove() {
+    for (const receiver of this.receivers.splice(0)) receiver.close();
     if (this.process && this.process.exitCode === null && this.process.signalCode === null) await this.kill('SIGKILL');
     rmSync(this.folder, { recursive: true, force: true });
   }
@@ -165,6 +167,7 @@ export class FaultyService {
   async listen(address = '127.0.0.1') {
     const { group, port } = this.settings.network.vision;
     const receiver = createSocket({ type: 'udp4', reuseAddr: true });
+    this.receivers.push(receiver);
     const frames = [];
     receiver.on('message', (packet) => {
       const detection = fieldsOf(packet).get(1);
@@ -187,7 +190,10 @@ export class FaultyService {
       lost(camera) {
         return of(camera).slice(1).reduce((sum, { number }, i) => sum + Math.max(0, number - of(camera)[i].number - 1), 0);
       },
-      close: () => receiver.close(),
+      close: () => {
+        this.receivers = this.receivers.filter((other) => other !== receiver);
+        receiver.close();
+      },
     };
   }
 }
