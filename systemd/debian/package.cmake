@@ -1,0 +1,48 @@
+# The two packages: ssl-visiond and ssl-visiond-dev. Included by systemd/CMakeLists.txt.
+set(debian ${CMAKE_CURRENT_SOURCE_DIR}/debian)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL service dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/package)
+set(CPACK_STRIP_FILES ON)
+# /etc is outside of the prefix.
+set(CPACK_SET_DESTDIR ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+set(CPACK_PACKAGE_CONTACT "ssl-visiond maintainers <maintainers@ssl-visiond.invalid>")
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_SERVICE_PACKAGE_NAME ssl-visiond)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SHLIBDEPS ON)
+# For its user, where systemd is not what the system starts with.
+set(CPACK_DEBIAN_SERVICE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers")
+# Times in packets are compared with those of other computers; udev gives cameras to the service.
+set(CPACK_DEBIAN_SERVICE_PACKAGE_RECOMMENDS "systemd-timesyncd | time-daemon, udev, dbus")
+set(CPACK_COMPONENT_SERVICE_DESCRIPTION
+"vision service for RoboCup Small Size League fields
+Takes pictures from the cameras over a field, finds robots and balls, and
+sends where they are by multicast in the league's format.
+.
+It runs without a desktop, a GPU or a vendor's SDK. A web panel on the
+same computer shows cameras, calibrates them, learns colours and says
+whether a match may begin. Cameras: GigE Vision, USB3 Vision, IEEE 1394 and
+Video4Linux; recordings and a simulator too.")
+set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA
+  "${debian}/postinst;${debian}/prerm;${debian}/postrm;${debian}/conffiles")
+
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME ssl-visiond-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION devel)
+set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "protobuf-compiler, libprotobuf-dev")
+set(CPACK_COMPONENT_DEV_DESCRIPTION
+"messages of the RoboCup Small Size League's vision, for teams
+The .proto files of what ssl-visiond sends, for CMake's find_package and
+pkg-config, and a sample client that receives and prints it.")
+
+include(CPack)

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# check_unit.sh FOLDER PROGRAM: the units of FOLDER, with PROGRAM for the installed one.
+set -euo pipefail
+folder=$1 program=$(realpath "$2")
+most_exposed=20 # tenths
+
+if ! command -v systemd-analyze >/dev/null; then
+  echo "skipped: there is no systemd-analyze" >&2
+  exit 77
+fi
+
+copy=$(mktemp -d)
+trap 'rm -rf "$copy"' EXIT
+cp "$folder"/*.service "$folder"/*.slice "$copy"
+sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$program |" "$copy"/*.service
+mkdir "$copy/ssl-visiond.service.d"
+
+# check WHAT
+check() {
+  local said
+  said=$(SYSTEMD_UNIT_PATH=$copy: systemd-analyze verify --man=no "$copy/ssl-visiond.service" 2>&1) || true
+  # Of other units on this computer we say nothing.
+  said=$(grep -E "ssl-visiond|sslvision|$copy" <<<"$said") || true
+  if [[ -n $said ]]; then
+    printf '%s: systemd-analyze verify says:\n%s\n' "$1" "$said" >&2
+    exit 1
+  fi
+}
+
+check "the unit"
+cp "$folder/realtime.conf" "$copy/ssl-visiond.service.d/"
+check "the unit with realtime.conf"
+rm -r "$copy/ssl-visiond.service.d"
+
+systemd-analyze security --offline=true --no-pager --threshold="$most_exposed" "$copy/ssl-visiond.service" |
+  grep -v '✓'
