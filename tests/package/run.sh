@@ -1,0 +1,310 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# run.sh PACKAGES PROGRAMS FOLDER: installs the packages of the folder PACKAGES in a Debian 12 that boots in a
+# container, and tries all that an admin and bad luck do to it. PROGRAMS: folder with sample_client and
+# fake_gige_camera. The system is kept in FOLDER for the next time. Needs root. Exit code 77: cannot be done here.
+# TRIES: how often the service is killed (5); half as often it is made to hang.
+set -euo pipefail
+here=$(dirname "$(realpath "$0")")
+packages=$(realpath "$1") programs=$(realpath "$2")
+mkdir -p "$3" && cd "$3"
+tries=${TRIES:-5}
+mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+
+cannot() { printf 'package test: %s\n' "$*" >&2; exit 77; }
+((EUID == 0)) || cannot "needs root"
+for tool in debootstrap systemd-nspawn nsenter curl jq; do
+  command -v "$tool" >/dev/null || cannot "there is no $tool"
+done
+service=$(echo "$packages"/ssl-visiond_*.deb) dev=$(echo "$packages"/ssl-visiond-dev_*.deb)
+[[ -e $service && -e $dev ]] || { echo "package test: no packages in $packages" >&2; exit 64; }
+
+# ---- telling
+
+begun=$EPOCHREALTIME
+seconds_since() { awk -v from="$1" -v to="$EPOCHREALTIME" 'BEGIN {printf "%.1f", to - from}'; }
+passed() {
+  printf 'ok    %5s s  %s\n' "$(seconds_since "$begun")" "$*"
+  begun=$EPOCHREALTIME
+}
+failed() {
+  printf 'FAIL  %5s s  %s\n' "$(seconds_since "$begun")" "$*"
+  if [[ -n ${leader:-} ]]; then
+    inside systemctl --no-pager -n 0 status ssl-visiond || true
+    inside journalctl --no-pager -n 40 -u ssl-visiond | cut -c 1-300 || true
+  fi
+  exit 1
+}
+# check WHAT COMMAND...
+check() { if "${@:2}" >last.log 2>&1; then passed "$1"; else tail -n 20 last.log; failed "$1"; fi; }
+# eventually SECONDS COMMAND...
+eventually() {
+  local until=$((SECONDS + $1))
+  until "${@:2}"; do
+    ((SECONDS < until)) || return 1
+    sleep 0.02
+  done
+}
+is() { [[ $1 == "$2" ]] || { printf 'expected "%s", found "%s"\n' "$2" "$1"; return 1; }; }
+
+# ---- a bare Debian 12, and what apt needs to install the package without a network
+
+# The machine that this runs on knows its way to a mirror.
+use_apt_of_this_machine() {
+  apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Check|Max)[A-Za-z:-]* "..*";' >"$1/etc/apt/apt.conf.d/90host" || true
+}
+
+if [[ ! -e debian-12/.complete ]]; then
+  rm -rf debian-12
+  debootstrap --variant=minbase --include=systemd-sysv,dbus,udev bookworm debian-12 "$mirror" >debootstrap.log 2>&1 ||
+    { tail -n 3 debootstrap.log; cannot "debootstrap could not make a Debian 12"; }
+  echo '127.0.0.1 localhost' >debian-12/etc/hosts
+  use_apt_of_this_machine debian-12
+  touch debian-12/.complete
+  passed "a bare Debian 12 is made, $(du -sm debian-12 | cut -f 1) MB"
+fi
+cp "$service" "$dev" debian-12/root/
+in_folder() { chroot "$1" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "${@:2}"; }
+fetch() {
+  in_folder debian-12 apt-get -q -y --download-only install "/root/${service##*/}" &&
+    in_folder debian-12 apt-get -q -y --download-only --no-install-recommends install "/root/${dev##*/}"
+}
+if ! fetch >fetch.log 2>&1; then
+  in_folder debian-12 apt-get -q update >fetch.log 2>&1 && fetch >>fetch.log 2>&1 ||
+    { tail -n 5 fetch.log; cannot "apt cannot fetch what the package needs"; }
+fi
+passed "what it needs is fetched: $(find debian-12/var/cache/apt/archives -name '*.deb' | wc -l) packages"
+
+# ---- boot
+
+machine=ssl-visiond-test-$$
+umount machine/* 2>/dev/null || true
+rm -rf machine
+cp -a debian-12 machine
+options=()
+# Where systemd does not run, nobody keeps a list of machines.
+[[ -d /run/systemd/system ]] || options=(--register=no --keep-unit)
+systemd-nspawn --quiet --directory machine --machine "$machine" --private-network --boot "${options[@]}" \
+  </dev/null >boot.log 2>&1 &
+nspawn=$!
+
+find_leader() {
+  local status
+  for status in /proc/[0-9]*/status; do
+    # Its first process: a child of nspawn, number 1 in there, and systemd by now.
+    if awk -v parent="$nspawn" '/^Name:/ {name = $2} /^PPid:/ {mine = $2 == parent} /^NSpid:/ {one = NF == 3 && $3 == 1}
+        END {exit !(mine && one && name == "systemd")}' "$status" 2>/dev/null; then
+      leader=${status#/proc/} leader=${leader%/status}
+      return 0
+    fi
+  done
+  kill -0 "$nspawn" 2>/dev/null || { tail -n 5 boot.log; cannot "systemd-nspawn does not boot here"; }
+  return 1
+}
+inside() {
+  nsenter --target "$leader" --mount --uts --ipc --net --pid --root --wd \
+    env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
+}
+# Programs of this machine in the container's network.
+beside() { nsenter --target "$leader" --net "$@"; }
+
+end() {
+  [[ -z ${camera:-} ]] || kill "$camera" 2>/dev/null || true
+  # SIGTERM: asks the container to power off.
+  kill "$nspawn" 2>/dev/null || true
+  wait "$nspawn" 2>/dev/null || true
+}
+trap end EXIT
+
+eventually 30 find_leader || cannot "systemd-nspawn does not boot here"
+has_booted() { [[ $(inside systemctl is-system-running 2>/dev/null) =~ ^(running|degraded)$ ]]; }
+eventually 60 has_booted || { tail -n 5 boot.log; cannot "systemd does not come up in the container"; }
+passed "it has booted: systemd $(inside systemctl --version | awk 'NR == 1 {print $2}')"
+
+# ---- the service, seen from outside
+
+unit=ssl-visiond.service
+property() { inside systemctl show --value -p "$1" "$unit"; }
+pid() { property MainPID; }
+state() { property ActiveState; }
+get() { beside curl -sS --fail --max-time 5 "http://127.0.0.1:8090$1"; }
+answers() { get /api/status >/dev/null 2>&1; }
+is_active() { is "$(state)" active && is "$(property SubState)" running && answers; }
+apt() { inside apt-get -q -y "$@"; }
+ctl() { inside ssl-visionctl "$@"; }
+
+check "apt-get install ./${service##*/}" apt install "/root/${service##*/}"
+check "it is active and answers" eventually 5 is_active
+check "it is enabled" inside systemctl --quiet is-enabled "$unit"
+has_user() {
+  is "$(inside ps -o user= -p "$(pid)" 2>/dev/null || inside stat -c %U "/proc/$(pid)")" ssl-visiond &&
+    inside id -nG ssl-visiond | grep -w video &&
+    is "$(inside stat -c '%U %a' /var/lib/ssl-visiond)" "ssl-visiond 750"
+}
+check "it runs as ssl-visiond, of group video, with its own state folder" has_user
+has_rights() { # CAP_NET_RAW is bit 13
+  is "$(inside sed -n 's/^CapEff:\s*0*//p' "/proc/$(pid)/status")" 2000 &&
+    is "$(inside sed -n 's/^CapBnd:\s*0*//p' "/proc/$(pid)/status")" 2000 &&
+    is "$(inside sed -n 's/^NoNewPrivs:\s*//p' "/proc/$(pid)/status")" 1 &&
+    is "$(inside sed -n 's/^Seccomp:\s*//p' "/proc/$(pid)/status")" 2
+}
+check "it has CAP_NET_RAW and no other right, and a system call filter" has_rights
+check "the panel" eval 'get / | grep -q "<title>" && get /theme.js >/dev/null'
+knows_its_computer() {
+  get /api/diagnostics | jq -e '.system | .memory.total_bytes > 0 and .memory.available_bytes > 0 and .uptime_s > 0 and
+    (.cpu_percent | length) > 0 and .disk.total_bytes > 0 and .process.rss_bytes > 0 and .process.descriptors > 0'
+}
+check "it sees memory, processors, disk and itself" eventually 5 knows_its_computer
+
+# ---- cameras and packets
+
+check "settings of the package's example are taken" ctl settings import /usr/share/doc/ssl-visiond/examples/demo.json
+listen() { beside timeout 20 "$programs/sample_client" --interface 127.0.0.1 --count "$1"; }
+sends_robots() { listen 200 | grep -E -c '^  (yellow|blue) [0-9]+  x' | awk '{exit !($1 > 100)}'; }
+check "teams receive robots by multicast" sends_robots
+
+# A GigE camera: UDP broadcasts, its control channel, and pictures through a packet socket.
+jq '.cameras[0] | {source: (.source + {pixel_format: "bayer_rg8", frame_rate_hz: 30}), calibration}' \
+  machine/usr/share/doc/ssl-visiond/examples/demo.json >gige.json
+beside "$programs/fake_gige_camera" 127.0.0.1 package-test gige.json >camera.log 2>&1 &
+camera=$!
+eventually 10 grep -q ready camera.log || failed "the fake GigE camera does not start: $(cat camera.log)"
+add_gige() {
+  ctl settings set /cameras/- '{"id": 7, "name": "GigE", "source": {"backend": "aravis", "camera": "127.0.0.1",
+    "pixel_format": "bayer_rg8", "frame_rate_hz": 30}}'
+}
+check "a GigE camera is added" add_gige
+gige_runs() { get /api/cameras | jq -e 'map(select(.id == 7)) | .[0] | .state == "running" and .frames > 30' >/dev/null; }
+check "it delivers pictures" eventually 20 gige_runs
+check "no packet socket was refused" eval '! inside journalctl -u ssl-visiond | grep -i -E "rmem_max|CAP_NET_RAW"'
+kill "$camera" && wait "$camera" 2>/dev/null || true
+camera=
+check "the GigE camera is taken out of the settings" ctl settings remove /cameras/2
+check "changed settings are saved: the field's name" ctl settings set /site "Field of the test"
+
+# ---- what happens to a service
+
+before=$(pid)
+check "systemctl reload" inside systemctl reload "$unit"
+is_same() { is_active && is "$(pid)" "$before"; }
+check "it is the same process, and answers" eventually 5 is_same
+
+# recovers SIGNAL: sends it to the process; the time until a new one answers goes into `took`.
+took=()
+is_new() { local now; now=$(pid) && [[ $now != 0 && $now != "$before" ]] && answers; }
+recovers() {
+  local from=$EPOCHREALTIME
+  before=$(pid)
+  inside kill -s "$1" "$before"
+  eventually 60 is_new || return 1
+  took+=("$(seconds_since "$from")")
+}
+report() { # WHAT: the middle and the worst of `took`
+  passed "$1, $(printf '%s\n' "${took[@]}" | sort -n |
+    awk '{t[NR] = $1} END {printf "%d times: p50 %.1f s, max %.1f s", NR, t[int((NR + 1) / 2)], t[NR]}')"
+  took=()
+}
+for ((i = 0; i < tries; i++)); do recovers KILL || failed "killed, it does not come back"; done
+report "kill -9: it answers again"
+for ((i = 0; i < (tries + 1) / 2; i++)); do recovers STOP || failed "hanging, it is not started anew"; done
+report "a hang (SIGSTOP): the watchdog ends it, it answers again"
+check "robots are sent again" sends_robots
+
+# ---- upgrade
+
+# The same package with a higher version.
+rm -rf higher && dpkg-deb -R "$service" higher
+sed -i 's/^Version: .*/Version: 99.0-1/' higher/DEBIAN/control
+dpkg-deb --root-owner-group -b higher machine/root/higher.deb >/dev/null
+sed -i 's/"geometry_interval_s": [^,]*,\?//; s/^{/{\n  "ball_models": null,/' machine/etc/ssl-visiond/settings.json
+edited=$(sha256sum <machine/etc/ssl-visiond/settings.json)
+before=$(pid)
+check "an upgrade" apt install /root/higher.deb
+is_upgraded() {
+  is "$(inside dpkg-query -W -f '${Version}' ssl-visiond)" 99.0-1 && is_new &&
+    is "$(sha256sum <machine/etc/ssl-visiond/settings.json)" "$edited" &&
+    is "$(get /api/settings | jq -r '.settings.site')" "Field of the test" &&
+    is "$(get /api/settings | jq -c '.settings.ball_models')" null &&
+    is "$(get /api/cameras | jq length)" 2
+}
+check "it keeps what the panel changed and what the admin edited" eventually 10 is_upgraded
+
+inside systemctl --quiet disable --now "$unit"
+check "what is disabled is installed again" apt --reinstall install /root/higher.deb
+stays_disabled() { is "$(inside systemctl is-enabled "$unit")" disabled && is "$(state)" inactive; }
+check "it stays disabled" stays_disabled
+inside systemctl --quiet enable --now "$unit"
+check "enabled, it is back" eventually 5 is_active
+
+# ---- bad settings
+
+cp -p machine/etc/ssl-visiond/settings.json settings.kept
+echo '{"cameras": 3}' >machine/etc/ssl-visiond/settings.json
+inside systemctl restart "$unit" 2>/dev/null || true
+gave_up() { is "$(state)" failed && is "$(property ExecMainStatus)" 78 && is "$(property NRestarts)" 0; }
+check "bad settings: exit code 78, and not tried again" eventually 5 gave_up
+# A conffile is written in place, as an editor would.
+cat settings.kept >machine/etc/ssl-visiond/settings.json
+inside systemctl restart "$unit"
+check "mended settings: it is back" eventually 5 is_active
+
+# ---- remove, purge
+
+check "apt-get remove" apt remove ssl-visiond
+is_removed() {
+  ! answers && [[ ! -e machine/usr/bin/ssl-visiond && ! -e machine/usr/share/ssl-visiond ]] &&
+    [[ -e machine/etc/ssl-visiond/settings.json && -e machine/var/lib/ssl-visiond/settings.json ]] &&
+    [[ $(inside systemctl list-units --no-legend 'ssl-visiond*') != *running* ]]
+}
+check "it is gone, its settings are not" is_removed
+check "installed again" apt install /root/higher.deb
+has_settings() { is_active && is "$(get /api/settings | jq -r '.settings.site')" "Field of the test"; }
+check "it has its settings again" eventually 5 has_settings
+check "apt-get purge" apt purge ssl-visiond
+leftovers() {
+  find machine -xdev \( -path machine/root -o -path machine/proc -o -path machine/sys -o -path machine/var/log \
+    -o -path machine/var/cache/apt \) -prune -o -name '*ssl*vision*' -print
+}
+is_purged() {
+  is "$(leftovers)" "" && ! answers && inside getent passwd ssl-visiond &&
+    is "$(inside dpkg-query -W -f '${db:Status-Status}' ssl-visiond 2>/dev/null || true)" ""
+}
+check "nothing is left of it but its user" is_purged
+
+# ---- where a service must not be started
+
+printf '#!/bin/sh\nexit 101\n' >machine/usr/sbin/policy-rc.d
+chmod +x machine/usr/sbin/policy-rc.d
+check "installed where policy-rc.d forbids to start services" apt install "/root/${service##*/}"
+check "it is not started" is "$(state)" inactive
+rm machine/usr/sbin/policy-rc.d
+inside systemctl start "$unit"
+check "by hand it is" eventually 5 is_active
+check "the teams' package is installed beside it" apt --no-install-recommends install "/root/${dev##*/}"
+
+begun=$EPOCHREALTIME
+end
+trap - EXIT
+leader=
+check "purged in a folder without an init" in_folder machine apt-get -q -y purge ssl-visiond
+check "installed in a folder without an init" \
+  in_folder machine apt-get -q -y install "/root/${service##*/}"
+check "it will start with the system" test -L machine/etc/systemd/system/multi-user.target.wants/ssl-visiond.service
+
+# ---- the teams' package, as CMake and pkg-config see it
+
+rm -rf client && dpkg-deb -x "$dev" client
+build_client() {
+  cmake -S client/usr/share/doc/ssl-visiond-dev/examples -B client/build -DCMAKE_PREFIX_PATH="$PWD/client/usr" &&
+    cmake --build client/build && { client/build/sample_client --help 2>&1 | grep -- --interface; }
+}
+check "find_package(SslVision) builds the sample client" build_client
+by_pkg_config() {
+  local folder
+  folder=$(PKG_CONFIG_PATH=client/usr/share/pkgconfig pkg-config --define-variable=prefix=client/usr \
+    --variable=protodir ssl-vision) &&
+    protoc --cpp_out=client -I "$folder" ssl_vision_wrapper.proto
+}
+check "pkg-config says where the messages are" by_pkg_config
+rm -rf machine higher client
+printf 'all passed\n'
