@@ -12,10 +12,9 @@ import { request } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
-import { becomes, freeUdpPort, root } from './service.mjs';
+import { becomes, DAEMON, freeUdpPort, root } from './service.mjs';
 import { fieldsOf } from '../figures/packets.mjs';
 
-export const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
 export const CLOCK = join(DAEMON, '../../lib/shifted_clock.so');
 const FACTOR = Number(process.env.SSLV_FAULT_TRIES ?? 1);
 export const tries = (few, many) => Math.max(1, Math.min(many, Math.round(few * FACTOR)));
