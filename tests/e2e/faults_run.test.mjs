@@ -28,7 +28,7 @@ const picture = join(root, 'tests/golden/division_b.jpg');
 describe('a camera that fails', () => {
   /** Each makes a source out of a folder of its own. */
   const faults = {
-    'is not there': () => ({ backend: 'files', path: '/not/there' }),
+    'is not there': (folder) => ({ backend: 'files', path: join(folder, 'not-there') }),
     'hangs when it is opened': (folder) => {
       execFileSync('mkfifo', [join(folder, 'silent.mp4')]);
       return { backend: 'files', path: join(folder, 'silent.mp4') };
