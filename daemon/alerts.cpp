@@ -4,6 +4,7 @@
 #include "teams.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -357,16 +358,20 @@ Json to_json(const Alert& alert) {
 }
 
 void AlertTimes::stamp(std::vector<Alert>& alerts, double now_s, double steady_s) {
-  std::map<Key, double> next;
+  constexpr double kClockWasSet_s = 0.1;
+  std::map<Key, Since> next;
   const std::lock_guard lock(mutex_);
   for (Alert& alert : alerts) {
     const Key key{alert.id, alert.camera, alert.about};
-    const auto known = since_s_.find(key);
-    const double since_s = known == since_s_.end() ? steady_s : known->second;
-    alert.since_s = now_s - (steady_s - since_s);
-    next[key] = since_s;
+    const auto known = since_.find(key);
+    Since since = known == since_.end() ? Since{now_s, steady_s} : known->second;
+    // The same at every look, unless the clock was set meanwhile.
+    const double by_steady_s = now_s - (steady_s - since.steady_s);
+    if (std::abs(by_steady_s - since.unix_s) > kClockWasSet_s) since.unix_s = by_steady_s;
+    alert.since_s = since.unix_s;
+    next[key] = since;
   }
-  since_s_ = std::move(next);
+  since_ = std::move(next);
 }
 
 }  // namespace sslv

@@ -104,7 +104,10 @@ class AlertTimes {
  private:
   using Key = std::tuple<std::string, std::optional<int>, std::string>;
   std::mutex mutex_;
-  std::map<Key, double> since_s_;  // on the steady clock
+  struct Since {
+    double unix_s, steady_s;
+  };
+  std::map<Key, Since> since_;
 };
 
 }  // namespace sslv

@@ -110,6 +110,8 @@ void answer_exception(const httplib::Request& request, httplib::Response& respon
            {{"error", error.what()}, {"revision", error.revision}, {"changed_since", error.changed_since}});
 } catch (const SettingsError& error) {
   set_error(response, 422, error.what());
+} catch (const StorageError& error) {
+  set_error(response, 507, error.what());
 } catch (const std::exception& error) {
   log::error("web: {} {} failed: {}", request.method, request.target, error.what());
   set_error(response, 500, error.what());

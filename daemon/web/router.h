@@ -16,8 +16,8 @@
 
 namespace sslv {
 
-/// Called from several threads at once. May throw HttpError, SettingsError (answered with 422) and
-/// StaleRevision (409); anything else is answered with 500.
+/// Called from several threads at once. May throw HttpError, SettingsError (answered with 422),
+/// StorageError (507) and StaleRevision (409); anything else is answered with 500.
 using Handler = void (*)(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 /// What a route asks of who calls it.

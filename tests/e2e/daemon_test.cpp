@@ -342,7 +342,7 @@ TEST_F(Daemon, RefusesToStartOnAPortThatIsTaken) {
   settings_["panel"]["port"] = std::stoi(port);
   const auto second = run_to_end({SSLV_DAEMON, "--config", folder_.write("second.json", settings_.dump())},
                                  {"STATE_DIRECTORY=" + folder_.file("second")});
-  EXPECT_EQ(second.exit_code, 78);
+  EXPECT_EQ(second.exit_code, 75);
   EXPECT_THAT(second.output, AllOf(HasSubstr("/panel/port"), HasSubstr(port), HasSubstr("taken")));
 }
 

@@ -136,7 +136,7 @@ describe('a disk that is full, or cannot be written', { skip: cannotUnshare() },
     ];
     for (const [method, path, body, file] of tried) {
       const { status, json } = await service.ask(method, path, body);
-      assert.equal(status, 500, `${method} ${path}: ${JSON.stringify(json).slice(0, 300)}`);
+      assert.equal(status, 507, `${method} ${path}: ${JSON.stringify(json).slice(0, 300)}`);
       assert.match(json.error, why);
       assert.ok(json.error.includes(join(service.state, file)), json.error);
     }
@@ -203,7 +203,7 @@ describe('a disk that is full, or cannot be written', { skip: cannotUnshare() },
     await packets.more(0, 3);
     packets.close();
     const { status, json } = await service.set('/site', 'Lost');
-    assert.equal(status, 500);
+    assert.equal(status, 507);
     assert.match(json.error, /Read-only file system/);
     onDisk(service, 'mount', '-o', 'remount,rw', parent);
     assert.equal((await service.set('/site', 'Kept')).status, 200);

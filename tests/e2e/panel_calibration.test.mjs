@@ -3,6 +3,7 @@
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
+import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, picturesGoOn, saved, text, views } from './browser.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
@@ -329,7 +330,7 @@ describe('calibration page', () => {
   }));
 
   it('says what to do with a camera that is lost, and with one that is not there', withPage(DESKTOP, '#/calibration/1', {}, async (page) => {
-    await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: '/no/such/recording' } });
+    await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: join(service.folder, 'no-such-recording') } });
     await page.waitForSelector(`${byId('hint')}:has-text("No pictures come")`);
     await page.waitForSelector(byId('picture-trouble'));
     await patch({ op: 'replace', path: '/cameras/1/source', value: settings.cameras[1].source });

@@ -3,6 +3,7 @@
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { describe, it } from 'node:test';
 import { accessible, byId, chooseTheme, createBrowser, DESKTOP, live, PHONE, phone, saved, text, views } from './browser.mjs';
 import { createService, PATIENCE_MS } from './service.mjs';
@@ -530,9 +531,9 @@ describe('colours page', () => {
     await page.waitForSelector(byId('light'));
     const { source } = (await get('api/settings')).settings.cameras[0];
     try {
-      await patch({ op: 'replace', path: '/cameras/0/source', value: { backend: 'files', path: '/no/such/recording' } });
+      await patch({ op: 'replace', path: '/cameras/0/source', value: { backend: 'files', path: join(service.folder, 'no-such-recording') } });
       await statusBecomes(({ cameras }) => cameras[0].state === 'lost' && cameras[0].pixel_format === null);
-      await page.waitForSelector(`${byId('picture')}:has-text("/no/such/recording")`);
+      await page.waitForSelector(`${byId('picture')}:has-text("no-such-recording")`);
       assert.ok(await page.isVisible(byId('light')), 'what was open is still open');
     } finally {
       await patch({ op: 'replace', path: '/cameras/0/source', value: source });
