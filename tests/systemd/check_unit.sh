@@ -29,8 +29,8 @@ check() {
 }
 
 check "the unit"
-cp "$folder/realtime.conf" "$copy/ssl-visiond.service.d/"
-check "the unit with realtime.conf"
+cp "$folder"/{clock,realtime}.conf "$copy/ssl-visiond.service.d/"
+check "the unit with clock.conf and realtime.conf"
 rm -r "$copy/ssl-visiond.service.d"
 
 systemd-analyze security --offline=true --no-pager --threshold="$most_exposed" "$copy/ssl-visiond.service" |
