@@ -29,21 +29,24 @@ async function send(path: string, init: RequestInit): Promise<Response> {
   }
 }
 
-async function ask(path: string, init: RequestInit): Promise<Response> {
+/** `doors`: refusals about which openDoor is asked. */
+async function ask(path: string, init: RequestInit, doors = [401, 423]): Promise<Response> {
   let answer = await send(path, init);
   const isChange = init.method !== undefined && init.method !== 'GET' && path !== 'session';
-  if (isChange && [401, 423].includes(answer.status) && await openDoor(answer.status)) answer = await send(path, init);
+  if (isChange && doors.includes(answer.status) && await openDoor(answer.status)) answer = await send(path, init);
   if (answer.ok) return answer;
   const parsed: unknown = await answer.json().catch(() => null);
   throw new ApiError(answer.status, errorText(parsed, answer.status), parsed);
 }
 
 async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {
+  // Where one may insist, the page itself asks whether to do so in a match.
+  const mayInsist = typeof body === 'object' && body !== null && 'force' in body;
   const answer = await ask(path, {
     method,
     headers: body === undefined ? headers : { 'Content-Type': 'application/json', ...headers },
     body: body === undefined ? undefined : JSON.stringify(body),
-  });
+  }, mayInsist ? [401] : undefined);
   return await answer.json().catch(() => null) as T;
 }
 
