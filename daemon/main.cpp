@@ -15,6 +15,7 @@
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 #include <sysexits.h>
 #include <systemd/sd-daemon.h>
 
@@ -97,7 +98,16 @@ void reload(Daemon& daemon) {
   sd_notify(0, "READY=1");
 }
 
+/// Pictures and tables go back to the system when they are done with. glibc would learn to keep them, and
+/// each of its arenas, one for every thread that comes and goes with a camera, would keep its own: a third
+/// more memory after some reopenings. Frames allocate nothing, so this costs them nothing.
+void keep_memory_small() {
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  mallopt(M_ARENA_MAX, 2);
+}
+
 int run(const Daemon::Options& options) {
+  keep_memory_small();
   const sigset_t signals = own_signals();
   std::signal(SIGPIPE, SIG_IGN);
 
