@@ -52,9 +52,10 @@ class SimulatorSource final : public Source {
 
  private:
   static constexpr std::size_t kBuffers = 12;  // more than viewers hold at once
+  static constexpr std::int64_t kQueued = 4;   // pictures that wait when they are taken late
   static constexpr double kRetryS = 0.001;     // for a free buffer, without a frame rate
 
-  /// Draws the picture of the next tick, if a buffer is free.
+  /// Draws the picture of the next tick, if a buffer is free: of one that passed, when we are late.
   void draw_ahead() {
     const double now_s = unix_time_s();
     if (frame_rate_hz_ > 0) {
@@ -63,7 +64,10 @@ class SimulatorSource final : public Source {
         // Not those of an hour that the clock was set forward.
         const double passed_s = std::chrono::duration<double>(steady_now() - due_).count();
         const auto passed = static_cast<std::int64_t>(std::ceil(std::max(0.0, passed_s * frame_rate_hz_)));
-        dropped_ += static_cast<std::uint64_t>(std::min(tick - last_tick_ - 1, passed));
+        const std::int64_t missed = std::min(tick - last_tick_ - 1, passed);
+        const std::int64_t queued = std::min(missed, kQueued);
+        dropped_ += static_cast<std::uint64_t>(missed - queued);
+        tick -= queued;
       }
       // The Unix clock may be slewed so that the last tick seems still to come.
       if (tick == last_tick_) ++tick;
@@ -89,7 +93,7 @@ class SimulatorSource final : public Source {
   SimulatedCamera camera_;
   BufferPool buffers_;
   std::int64_t last_tick_ = 0;
-  std::uint64_t dropped_ = 0;  // pictures whose moment passed without them
+  std::uint64_t dropped_ = 0;  // pictures that nobody took in time
   double t_capture_s_ = 0;     // of the picture that is ready
   SteadyTime due_{};           // when to hand it over
   Image ready_;

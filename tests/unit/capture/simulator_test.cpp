@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/simulator/simulator.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "capture/simulator/simulator_camera.h"
 #include "support/allocation_count.h"
@@ -8,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -70,6 +72,29 @@ TEST(Simulator, ExposesAtWholeMultiplesOfThePeriod) {
     EXPECT_NEAR(std::remainder(image.times.t_capture_s, 0.02), 0, 1e-5);
     EXPECT_GT(image.times.t_capture_s, last_s + 0.019);
     last_s = image.times.t_capture_s;
+  }
+}
+
+TEST(Simulator, KeepsAFewPicturesForWhoComesLateAndCountsTheOthers) {
+  constexpr double kRateHz = 50;
+  const auto source = small_source(kRateHz);
+  CapturedImage image;
+  std::string problem;
+  const auto next_tick = [&] {
+    while (source->next(image, problem, 100ms) != CaptureStatus::kImage) {
+    }
+    return std::llround(image.times.t_capture_s * kRateHz);
+  };
+  const auto first = next_tick();
+  const auto second = next_tick();
+  std::this_thread::sleep_for(200ms);  // ten periods late
+  for (int taken = 2; taken < 8; ++taken) {
+    const auto tick = next_tick();
+    EXPECT_EQ(source->dropped(), static_cast<std::uint64_t>(tick - first - taken));
+    if (taken == 2) {
+      EXPECT_GE(tick, second + 4);
+      EXPECT_LT(image.times.t_capture_s, unix_time_s() - 2 / kRateHz) << "none was kept";
+    }
   }
 }
 
