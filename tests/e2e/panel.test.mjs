@@ -61,7 +61,8 @@ function measure(camera) {
   };
 }
 
-const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 40 };
+// Yellow beside a pink dot is less so in a small JPEG; carpet, lines, covers and other dots are not like this at all.
+const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 20 };
 
 function assertTeamColours({ robots, frame, width }) {
   for (const { team, id, x, y, colour } of robots) {

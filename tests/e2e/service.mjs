@@ -136,7 +136,9 @@ export async function createService(group) {
       if (!isRunning()) await service.start();
       const { settings: now } = await (await fetch(service.address('api/settings'))).json();
       first ??= now;
-      if (!isDeepStrictEqual(now, first)) await service.patch({ op: 'replace', path: '', value: first });
+      // Not to port 0, which it had only until it had one: the panel would move.
+      const wanted = { ...first, panel: { ...first.panel, port: now.panel.port } };
+      if (!isDeepStrictEqual(now, wanted)) await service.patch({ op: 'replace', path: '', value: wanted });
       await service.statusBecomes(({ cameras }) => cameras.length === first.cameras.length && cameras.every(({ state }) => state === 'running'));
     },
   };
