@@ -22,6 +22,16 @@
 namespace sslv {
 namespace {
 
+/// A change for the log; all of a long one is in the settings' history.
+std::string in_short(const Json& patch) {
+  constexpr std::size_t kMostBytes = 300;
+  std::string text = patch.dump();
+  if (text.size() <= kMostBytes) return text;
+  std::size_t end = kMostBytes;
+  while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // whole characters of UTF-8
+  return text.substr(0, end) + " ...";
+}
+
 Geometry make_geometry(const Config& config) {
   Geometry geometry{config.field, {}, config.ball_models};
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
@@ -341,7 +351,7 @@ WebHost Daemon::make_web_host() {
                                       const std::string& who) {
     const auto version =
         store_.patch(patch, {who, if_revision}, [this](const Json& next) { return prepare(next); });
-    log::info("settings revision {} saved, changed by {}: {}", version.revision, who, patch.dump());
+    log::info("settings revision {} saved, changed by {}: {}", version.revision, who, in_short(patch));
     return saved(version);
   };
   host.check_settings = [this](const Json& patch) {

@@ -294,11 +294,13 @@ describe('a service with passwords', () => {
 
   it('writes down who changed what, also what was refused', async () => {
     const cookie = await signIn(ADMIN);
+    await ask('PATCH', 'api/settings', { body: rename('Ö'.repeat(200)), cookie });
     await ask('PATCH', 'api/settings', { body: rename('Written down'), cookie });
     await ask('PATCH', 'api/settings', { body: rename('Refused') });
     await ask('PUT', 'api/profiles/a%0Aaudit:%206.6.6.6', { cookie });
     const log = service.log();
     assert.match(log, /audit: 127\.0\.0\.1 PATCH "\/api\/settings" 200/);
+    assert.match(log, /changed by 127\.0\.0\.1: .*"Ö{100,190} \.\.\.$/m, 'a long change in short');
     assert.match(log, /audit: 127\.0\.0\.1 PATCH "\/api\/settings" 401/);
     assert.match(log, /changed by 127\.0\.0\.1: .*Written down/);
     assert.doesNotMatch(log, /^audit: 6\.6\.6\.6/m);
