@@ -61,7 +61,7 @@ function measure(camera) {
   };
 }
 
-// Yellow beside a pink dot is less so in a small JPEG; carpet, lines, covers and other dots are not like this at all.
+// Yellow beside other dots is paler in a small JPEG; carpet, lines, covers and pink dots stay below these bounds.
 const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 20 };
 
 function assertTeamColours({ robots, frame, width }) {
