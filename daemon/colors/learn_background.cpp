@@ -13,7 +13,7 @@ namespace sslv {
 namespace {
 
 constexpr double kCarpetAlike = 0.07;  // in shares
-constexpr std::size_t kCarpetSamples = 12, kLineSamples = 9, kThingSamples = 24;
+constexpr std::size_t kCarpetSamples = 12, kLineSamples = 9;
 
 ColorSample sample_of(Label label, const Color3& color) {
   const auto byte = [](double value) {
@@ -156,57 +156,6 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
     out.white_shares[c] = median(values);
   }
   out.white_shares /= out.white_shares.sum();
-  return out;
-}
-
-std::vector<ColorSample> large_things(const RobotSearch& search, const Lut& lut,
-                                      std::span<const ColorSample> samples, double largest_dot_px) {
-  // A square that no dot fills, evenly full of one colour of the table.
-  std::vector<Color3> things;
-  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
-    const int side_px = std::max(8, static_cast<int>(std::ceil(1.3 * largest_dot_px)));
-    const int cell = std::max(2, side_px / 4 / 2 * 2);
-    const SmallPicture& picture = search.pictures[frame].of(cell);
-    const int reach = std::max(1, (side_px / cell) / 2 + 1);
-    const auto label_at = [&](int x, int y) {
-      const Rgb color = sample_of(0, picture.at(x, y)).color;
-      return lut.of_rgb(color.r, color.g, color.b);
-    };
-    for (int y = reach; y + reach < picture.height(); y += reach) {
-      for (int x = reach; x + reach < picture.width(); x += reach) {
-        if (!picture.shows(x, y)) continue;
-        const Label label = label_at(x, y);
-        if (label == label::kClear) continue;
-        bool full = true;
-        for (int dy = -reach; full && dy <= reach; ++dy) {
-          for (int dx = -reach; full && dx <= reach; ++dx) full = label_at(x + dx, y + dy) == label;
-        }
-        if (!full) continue;
-        const Color3 color = picture.mean(x, y, 1);
-        const bool like_a_sample =
-            std::any_of(samples.begin(), samples.end(), [&](const ColorSample& sample) {
-              if (sample.label != label) return false;
-              const Color3 other(sample.color.r, sample.color.g, sample.color.b);
-              return (other - color).norm() < 12 + 0.15 * other.mean();
-            });
-        if (!like_a_sample) things.push_back(color);
-      }
-    }
-  }
-  std::vector<ColorSample> out;
-  // Each as far from those before as can be.
-  while (!things.empty() && out.size() < kThingSamples) {
-    const auto away = [&](const Color3& color) {
-      double least = 1e9;
-      for (const ColorSample& sample : out)
-        least = std::min(least, (Color3(sample.color.r, sample.color.g, sample.color.b) - color).norm());
-      return least;
-    };
-    const auto farthest = std::max_element(
-        things.begin(), things.end(), [&](const Color3& a, const Color3& b) { return away(a) < away(b); });
-    if (away(*farthest) < 12) break;
-    out.push_back(sample_of(label::kClear, *farthest));
-  }
   return out;
 }
 

@@ -23,9 +23,4 @@ struct CarpetAndLines {
 CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenRobot> robots,
                                 const Color3& carpet_shares, const Color3& gains);
 
-/// What a table takes for a colour though it is far larger than any dot or ball: samples of it, as something
-/// else. What looks just like the colours in `samples` is left alone.
-std::vector<ColorSample> large_things(const RobotSearch& search, const Lut& lut,
-                                      std::span<const ColorSample> samples, double largest_dot_px);
-
 }  // namespace sslv

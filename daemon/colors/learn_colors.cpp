@@ -6,6 +6,7 @@
 #include "colors/learn_robots.h"
 #include "colors/name_dots.h"
 #include "colors/small_picture.h"
+#include "colors/surfaces.h"
 #include "vision/color_name.h"
 
 #include <algorithm>
@@ -181,6 +182,7 @@ class Learner {
           fmt::format("no carpet was found: the robots do not stand on one even ground; {}", kNeeded);
       return;
     }
+    carpet_shares_ = *carpet;
     const CarpetAndLines ground = carpet_and_lines(search_, robots_, *carpet, dots_.gains);
     out_.samples.insert(out_.samples.end(), ground.samples.begin(), ground.samples.end());
     Color3 guided = Color3::Zero();
@@ -265,23 +267,16 @@ class Learner {
     constexpr int kWidths = 3;
     std::size_t best = 0;
     double noise_grey = std::max(out_.noise_grey, kLeastNoiseGrey);
-    const std::vector<ColorSample> samples = out_.samples;
+    const SurfaceColors surfaces = see_surfaces();
     for (int i = 0; i < kWidths && !task_.stop.stop_requested(); ++i, noise_grey *= kWider) {
-      std::vector<ColorSample> with_things = samples;
-      auto lut = table_of(with_things, noise_grey);
-      const auto things =
-          large_things(search_, *lut, samples,
-                       std::max(task_.patterns.center_diameter_mm, 2 * task_.scene.field.ball_radius) *
-                           largest_px_per_mm());
-      if (!things.empty()) {
-        with_things.insert(with_things.end(), things.begin(), things.end());
-        lut = table_of(with_things, noise_grey);
-      }
+      ColorTable table = table_from_samples(out_.samples, BackgroundLabels::kClear, noise_grey);
+      clear_surfaces(table, surfaces, {},
+                     [this](Label label, Yuv color) { return is_like_seen(label, color); });
+      auto lut = std::make_shared<const Lut>(std::move(table));
       const std::size_t named = count_named(*lut);
       if (named <= best) continue;
       best = named;
       out_.lut = std::move(lut);
-      out_.samples = std::move(with_things);
       out_.table_noise_grey = noise_grey;
       if (named == dot_count()) break;
     }
@@ -294,8 +289,34 @@ class Learner {
     }
   }
 
-  static std::shared_ptr<const Lut> table_of(std::span<const ColorSample> samples, double noise_grey) {
-    return std::make_shared<const Lut>(lut_from_samples(samples, BackgroundLabels::kClear, noise_grey));
+  SurfaceColors see_surfaces() {
+    constexpr double kRobotReachMm = 130, kBallReach = 1.6;
+    std::vector<PixelDisc> left_out;
+    for (const SeenRobot& robot : robots_)
+      left_out.push_back({robot.frame, robot.pixel_x, robot.pixel_y, kRobotReachMm * robot.px_per_mm});
+    for (const SeenBall& ball : balls_)
+      left_out.push_back({ball.frame, ball.pixel_x, ball.pixel_y, kBallReach * ball.radius_px});
+    const double largest_mm =
+        std::max(task_.patterns.center_diameter_mm, 2.0 * task_.scene.field.ball_radius);
+    return find_surfaces({task_.frames,
+                          pictures_,
+                          task_.mask,
+                          left_out,
+                          largest_mm * largest_px_per_mm(),
+                          carpet_shares_,
+                          {}});
+  }
+  /// Whether a colour is one of the label's samples in more or less light.
+  bool is_like_seen(Label label, Yuv color) const {
+    constexpr double kDarkest = 0.4, kBrightest = 1.7;
+    const Color3 here = color_of(to_rgb(color));
+    return std::any_of(out_.samples.begin(), out_.samples.end(), [&](const ColorSample& sample) {
+      if (sample.label != label) return false;
+      const Color3 seen = color_of(sample.color);
+      const double factor = here.dot(seen) / std::max(1.0, seen.squaredNorm());
+      return factor > kDarkest && factor < kBrightest &&
+             (here - factor * seen).norm() < 6 + out_.noise_grey + 0.08 * here.norm();
+    });
   }
   std::size_t dot_count() const { return robots_.size() * (task_.patterns.dots.size() + 1); }
   /// How many of the dots a table names for sure.
@@ -417,6 +438,7 @@ class Learner {
   std::map<Label, std::vector<std::pair<double, Color3>>> lit_;  // light and contrast of each label's dots
   std::map<Label, std::size_t> seen_;
   std::vector<SeenBall> balls_;
+  Color3 carpet_shares_ = Color3::Zero();
   std::vector<Label> unseen_;
   LearntColors out_;
 };

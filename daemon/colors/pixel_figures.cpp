@@ -11,7 +11,17 @@
 namespace sslv {
 namespace {
 
-/// Of the cell at (x, y), counted in cells.
+/// Cut to [0, size) and grown to multiples of `step`.
+std::pair<int, int> within(int begin, int length, int size, int step) {
+  const std::int64_t end = std::min<std::int64_t>(std::int64_t{begin} + length, size);
+  const int from = std::max(begin, 0) / step * step;
+  if (end <= from) return {0, 0};
+  const int to = static_cast<int>((end + step - 1) / step) * step;
+  return {from, std::min(to, size) - from};
+}
+
+}  // namespace
+
 Yuv cell_color(const ImageView& image, int x, int y) {
   /// Places within the four bytes of two pixels.
   const auto yuv422 = [&](int luma, int u) {
@@ -44,17 +54,6 @@ Yuv cell_color(const ImageView& image, int x, int y) {
   }
   return {0, 128, 128};
 }
-
-/// Cut to [0, size) and grown to multiples of `step`.
-std::pair<int, int> within(int begin, int length, int size, int step) {
-  const std::int64_t end = std::min<std::int64_t>(std::int64_t{begin} + length, size);
-  const int from = std::max(begin, 0) / step * step;
-  if (end <= from) return {0, 0};
-  const int to = static_cast<int>((end + step - 1) / step) * step;
-  return {from, std::min(to, size) - from};
-}
-
-}  // namespace
 
 PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut) {
   const int cell_px = is_bayer(image.format) ? 2 : 1;

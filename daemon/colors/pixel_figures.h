@@ -27,6 +27,9 @@ struct PixelBlock {
   std::vector<Label> labels;
 };
 
+/// The colour of the cell at (x, y), counted in cells: of a pixel, or of the 2x2 quad of a Bayer image.
+Yuv cell_color(const ImageView& image, int x, int y);
+
 /// Empty when the rectangle lies outside the picture. Grey pixels have U = V = 128.
 PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut);
 

@@ -23,6 +23,8 @@ constexpr float kNoisePerPixelNoise = 0.67F;
 constexpr float kLimit = 4;  // in tolerances
 // Most of a picture is background, so that wins when in doubt. Factors are on the distance in tolerances,
 // handicaps on its square.
+/// Light that surfaces and prints may be seen in, beside that of their samples.
+constexpr float kSurfaceDarkest = 0.5F, kSurfaceBrightest = 1.45F, kColorBrightest = 1.6F;
 constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kEdgeHandicap = 0.2F;
 
 float brightness(const Color& color) {
@@ -125,7 +127,8 @@ class Pieces {
     add(low, curve, high, {kBackgroundFactor, 0, label});
   }
   void add_background(const Curve& curve, Label label) {
-    add_background(0.7F * curve.knots.front(), curve, in_cube(1.08F * curve.knots.back()), label);
+    add_background(kSurfaceDarkest * curve.knots.front(), curve,
+                   in_cube(kSurfaceBrightest * curve.knots.back()), label);
   }
   void add_background(const Color& from, const Color& to, Label label) {
     add(from, to, {kBackgroundFactor, 0, label});
@@ -178,7 +181,7 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     if (label == label::kClear) {
       // These may be different things: no line leads from one to another.
       for (const Color& color : colors_of(samples, label)) {
-        out.add_background(0.7F * color, in_cube(1.08F * color), label);
+        out.add_background(kSurfaceDarkest * color, in_cube(kSurfaceBrightest * color), label);
       }
       continue;
     }
@@ -190,13 +193,13 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     const Color darkest = curve->knots.front() / unseen;
     const Color dark = black ? black->knots.front() : Color::Zero();
     out.add_color(dark + 0.55F * (darkest - dark), *curve,
-                  in_cube(std::max(1.3F, unseen) * curve->knots.back()), label);
+                  in_cube(std::max(kColorBrightest, unseen) * curve->knots.back()), label);
   }
 
   if (field) out.add_background(*field, named(label::kField));
   if (white) out.add_background(*white, named(label::kWhite));
   if (black) {
-    out.add_background(Color::Zero(), *black, 1.08F * black->knots.back(), named(label::kBlack));
+    out.add_background(Color::Zero(), *black, kSurfaceBrightest * black->knots.back(), named(label::kBlack));
   }
   if (field && white) {
     for (const float share : {0.25F, 0.5F, 0.75F}) {
@@ -296,7 +299,8 @@ void measure(const Piece& piece, const Color& center, const Block& offsets,
 
 }  // namespace
 
-Lut lut_from_samples(std::span<const ColorSample> samples, BackgroundLabels background, double noise_grey) {
+ColorTable table_from_samples(std::span<const ColorSample> samples, BackgroundLabels background,
+                              double noise_grey) {
   const Pieces pieces = pieces_of(samples, background, noise_grey);
   const Block offsets = offsets_in_block();
   float radius = 0;
@@ -351,7 +355,11 @@ Lut lut_from_samples(std::span<const ColorSample> samples, BackgroundLabels back
       }
     }
   }
-  return Lut(std::move(table));
+  return {Lut::kBits, std::move(table)};
+}
+
+Lut lut_from_samples(std::span<const ColorSample> samples, BackgroundLabels background, double noise_grey) {
+  return Lut(table_from_samples(samples, background, noise_grey));
 }
 
 }  // namespace sslv

@@ -28,17 +28,20 @@ enum class BackgroundLabels {
 ///
 /// Works in RGB; distances are in 8-bit grey levels. Under more or less light a colour moves on a ray from
 /// black, and so it does where it blends with the black around it. So each label is a line through its
-/// samples, sorted by brightness, from halfway to the robots' black up to 1.3 x the brightest, and further
+/// samples, sorted by brightness, from halfway to the robots' black up to 1.6 x the brightest, and further
 /// where the field's samples tell of light that the label's have not seen. Field and white, with their
-/// blends, are such lines from 0.7 x the darkest to 1.08 x the brightest. A cell gets the label of the line
-/// that is nearest, in units of a tolerance: 1.5 + 7 % of the line's brightness + noise, which is twice what
-/// samples are seen to lie off their lines, and 4 at least. Beyond four tolerances it is clear. In doubt it
-/// is background. Samples that are averages of many pixels do not show the noise: `noise_grey` is that of a
-/// pixel (sigma), when it is known.
+/// blends, are such lines from 0.5 x the darkest to 1.45 x the brightest: light differs from frame to frame.
+/// A cell gets the label of the line that is nearest, in units of a tolerance: 1.5 + 7 % of the line's
+/// brightness + noise, which is twice what samples are seen to lie off their lines, and 4 at least. Beyond
+/// four tolerances it is clear. In doubt it is background. Samples that are averages of many pixels do not
+/// show the noise: `noise_grey` is that of a pixel (sigma), when it is known.
 ///
 /// Limits: what nobody pointed at is left out only beyond those four. In light below a tenth the tolerance is
 /// larger than what separates the colours. A label without samples is not in the table; without samples of
 /// field, white or black, what looks like these may get a colour's label. Takes 40 to 80 ms.
+ColorTable table_from_samples(std::span<const ColorSample> samples,
+                              BackgroundLabels background = BackgroundLabels::kClear, double noise_grey = 0);
+/// The same, made ready.
 Lut lut_from_samples(std::span<const ColorSample> samples,
                      BackgroundLabels background = BackgroundLabels::kClear, double noise_grey = 0);
 

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/surfaces.h"
+
+#include "colors/name_dots.h"
+#include "colors/pixel_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+constexpr double kCarpetAlike = 0.07;      // in shares
+constexpr double kFloorAlike = 0.06;       // in shares
+constexpr double kLeastFloorShare = 0.02;  // of what was looked at
+constexpr std::size_t kPlacesPerFrame = 120'000;
+
+bool is_background(Label label) {
+  return label == label::kField || label == label::kWhite || label == label::kBlack;
+}
+
+/// Whether one colour is another in more or less light.
+bool goes_on(const Color3& here, const Color3& there) {
+  const double length2 = there.squaredNorm();
+  if (length2 < 1) return here.norm() < 12;
+  const double factor = here.dot(there) / length2;
+  constexpr double kLeast = 0.6, kMost = 1 / kLeast;
+  if (factor < kLeast || factor > kMost) return (here - there).norm() < 10;
+  return (here - factor * there).norm() < 5 + 0.08 * here.norm();
+}
+
+/// A place on a large surface.
+struct Place {
+  std::size_t frame;
+  int cell_x, cell_y;  // of the small picture
+  Color3 shares;
+};
+
+/// Where most shares lie, to a fiftieth.
+std::optional<Color3> commonest(std::span<const Place> places,
+                                const std::function<bool(const Place&)>& counts) {
+  constexpr int kBins = 50;
+  std::vector<std::size_t> bins(std::size_t{kBins} * kBins);
+  const auto bin_of = [](const Color3& shares) {
+    const auto bin = [](double share) { return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1); };
+    return static_cast<std::size_t>(bin(shares[0]) * kBins + bin(shares[1]));
+  };
+  for (const Place& place : places) {
+    if (counts(place)) ++bins[bin_of(place.shares)];
+  }
+  // Of three by three bins, so that no border splits what belongs together.
+  std::size_t most = 0;
+  int best = 0;
+  for (int i = 1; i + 1 < kBins; ++i) {
+    for (int j = 1; j + 1 < kBins; ++j) {
+      std::size_t sum = 0;
+      for (int k = 0; k < 9; ++k)
+        sum += bins[static_cast<std::size_t>((i + k / 3 - 1) * kBins + j + k % 3 - 1)];
+      if (sum <= most) continue;
+      most = sum;
+      best = i * kBins + j;
+    }
+  }
+  if (most == 0) return {};
+  Color3 sum = Color3::Zero();
+  double count = 0;
+  for (const Place& place : places) {
+    if (!counts(place)) continue;
+    const auto bin = static_cast<int>(bin_of(place.shares));
+    if (std::abs(bin / kBins - best / kBins) > 1 || std::abs(bin % kBins - best % kBins) > 1) continue;
+    sum += place.shares;
+    ++count;
+  }
+  return Color3(sum / count);
+}
+
+std::vector<Place> find_places(const SurfaceSearch& search) {
+  std::vector<Place> out;
+  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
+    const SmallPicture& picture = search.pictures[frame].finest();
+    const int reach = std::max(1, static_cast<int>(0.15 * search.largest_dot_px / picture.cell_px()));
+    const int away =
+        std::max(3, static_cast<int>(std::ceil(1.3 * search.largest_dot_px / picture.cell_px())));
+    const auto cells = static_cast<std::size_t>(picture.width()) * static_cast<std::size_t>(picture.height());
+    const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(cells) / kPlacesPerFrame)));
+    const auto is_left_out = [&](const Eigen::Vector2d& pixel) {
+      return std::any_of(search.left_out.begin(), search.left_out.end(), [&](const PixelDisc& disc) {
+        return disc.frame == frame &&
+               std::hypot(disc.x_px - pixel.x(), disc.y_px - pixel.y()) < disc.radius_px;
+      });
+    };
+    const auto mean_at = [&](int x, int y) -> std::optional<Color3> {
+      if (x < reach || y < reach || x + reach >= picture.width() || y + reach >= picture.height()) return {};
+      return picture.mean(x, y, reach);
+    };
+    for (int y = reach; y + reach < picture.height(); y += step) {
+      for (int x = reach; x + reach < picture.width(); x += step) {
+        if (!picture.shows(x, y)) continue;
+        const Color3 here = picture.mean(x, y, reach);
+        const auto alike = [&](int dx, int dy) {
+          // At the image's rim there is one side only.
+          const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
+          return (one || other) && (!one || goes_on(here, *one)) && (!other || goes_on(here, *other));
+        };
+        if (!alike(away, 0) && !alike(0, away)) continue;
+        if (is_left_out(picture.pixel_of(x, y))) continue;
+        out.push_back({frame, x, y, shares_of(here)});
+      }
+    }
+  }
+  return out;
+}
+
+Yuv in_light(Yuv color, double factor) {
+  const Rgb rgb = to_rgb(color);
+  const auto scaled = [factor](std::uint8_t value) {
+    return static_cast<std::uint8_t>(std::min(255.0, factor * value + 0.5));
+  };
+  return to_yuv({scaled(rgb.r), scaled(rgb.g), scaled(rgb.b)});
+}
+
+/// The brightness that a share of the colours' pixels exceeds.
+int brightness_above(std::span<const SurfaceColors::Color> colors, std::size_t total, double share) {
+  std::array<std::size_t, 256> counts{};
+  for (const auto& [color, count] : colors) counts[color.y] += count;
+  std::size_t above = 0;
+  int level = 255;
+  while (level > 0 && static_cast<double>(above + counts[static_cast<std::size_t>(level)]) <
+                          share * static_cast<double>(total))
+    above += counts[static_cast<std::size_t>(level--)];
+  return level;
+}
+
+/// Cells of a table that a surface takes, in bins of SurfaceColors.
+class Taken {
+ public:
+  static constexpr int kSide = SurfaceColors::kSide;
+  Taken() : bins_(std::size_t{kSide} * kSide * kSide) {}
+
+  void add(Yuv color) {
+    constexpr int kLevels = 256 / kSide;
+    const int y = color.y / kLevels, u = color.u / kLevels, v = color.v / kLevels;
+    bins_[index(u, v, y)] = 1;
+  }
+  bool has(Yuv color) const {
+    constexpr int kLevels = 256 / kSide;
+    return bins_[index(color.u / kLevels, color.v / kLevels, color.y / kLevels)] != 0;
+  }
+
+ private:
+  static std::size_t index(int u, int v, int y) {
+    return static_cast<std::size_t>((u * kSide + v) * kSide + y);
+  }
+  std::vector<std::uint8_t> bins_;
+};
+
+Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range) {
+  Taken out;
+  const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
+  const std::size_t total = surfaces.total(kind);
+  // What is rarer is an edge, or some small thing.
+  const auto least =
+      std::max<std::uint32_t>(3, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
+  // The few pixels that shine are not what the range is about.
+  constexpr double kShine = 0.01, kShineMore = 1.06;
+  const double bright = std::max(1, brightness_above(colors, total, kShine));
+  for (const auto& [color, count] : colors) {
+    if (count < least) continue;
+    const double most =
+        std::max(kShineMore, range.brightest * std::min(1.0, bright / std::max<double>(1, color.y)));
+    constexpr double kStep = 1.015;
+    for (double factor = range.darkest; factor < most; factor *= kStep) out.add(in_light(color, factor));
+    out.add(in_light(color, most));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string_view name_of(SurfaceKind kind) {
+  constexpr std::array<std::string_view, kSurfaceKinds> kNames{"carpet", "floor", "other surfaces"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::vector<SurfaceColors::Color> SurfaceColors::colors(SurfaceKind kind) const {
+  const std::vector<std::uint32_t>& counts = counts_[static_cast<std::size_t>(kind)];
+  std::vector<Color> out;
+  for (std::size_t bin = 0; bin < counts.size(); ++bin) {
+    if (counts[bin] == 0) continue;
+    const auto middle = [](std::size_t place) {
+      constexpr int kLevels = 256 / kSide;
+      return static_cast<std::uint8_t>(static_cast<int>(place) * kLevels + kLevels / 2);
+    };
+    constexpr std::size_t kMask = kSide - 1;
+    out.push_back(
+        {{middle(bin & kMask), middle(bin >> (2 * kBits)), middle(bin >> kBits & kMask)}, counts[bin]});
+  }
+  return out;
+}
+
+SurfaceColors find_surfaces(const SurfaceSearch& search) {
+  const std::vector<Place> places = find_places(search);
+  const auto carpet =
+      search.carpet_shares ? search.carpet_shares : commonest(places, [&](const Place& place) {
+        if (!search.on_carpet) return true;
+        return search.on_carpet(place.frame,
+                                search.pictures[place.frame].finest().pixel_of(place.cell_x, place.cell_y));
+      });
+  const auto is_carpet = [&](const Place& place) {
+    return carpet && (place.shares - *carpet).norm() < kCarpetAlike;
+  };
+  const auto floor = commonest(places, [&](const Place& place) { return !is_carpet(place); });
+  const auto is_floor = [&](const Place& place) {
+    return floor && (place.shares - *floor).norm() < kFloorAlike;
+  };
+  const auto floor_places = std::count_if(
+      places.begin(), places.end(), [&](const Place& place) { return !is_carpet(place) && is_floor(place); });
+  const bool has_floor =
+      static_cast<double>(floor_places) > kLeastFloorShare * static_cast<double>(places.size());
+
+  SurfaceColors out;
+  for (const Place& place : places) {
+    const ImageView& image = search.frames[place.frame];
+    const int cell_px = is_bayer(image.format) ? 2 : 1;
+    const int across = search.pictures[place.frame].finest().cell_px() / cell_px;
+    const SurfaceKind kind = is_carpet(place)               ? SurfaceKind::kCarpet
+                             : has_floor && is_floor(place) ? SurfaceKind::kFloor
+                                                            : SurfaceKind::kOther;
+    for (int i = 0; i < across * across; ++i)
+      out.add(kind,
+              cell_color(image, place.cell_x * across + i % across, place.cell_y * across + i / across));
+  }
+  return out;
+}
+
+std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, const ClearRange& range,
+                           const std::function<bool(Label, Yuv)>& keep) {
+  const Taken carpet = taken_by(surfaces, SurfaceKind::kCarpet, range),
+              floor = taken_by(surfaces, SurfaceKind::kFloor, range),
+              other = taken_by(surfaces, SurfaceKind::kOther, range);
+  std::size_t changed = 0;
+  for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
+    Label& label = table.labels[cell];
+    if (label == label::kClear || is_background(label)) continue;
+    const Yuv color = table.color_of(cell);
+    const bool taken = carpet.has(color) || ((floor.has(color) || other.has(color)) && !keep(label, color));
+    if (!taken) continue;
+    label = label::kClear;
+    ++changed;
+  }
+  return changed;
+}
+
+std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces) {
+  std::array<bool, label::kMost> in_table{};
+  for (const Label label : lut.yuv().labels) in_table[label] = true;
+  std::vector<LabelMargin> out;
+  for (const SurfaceKind kind : {SurfaceKind::kCarpet, SurfaceKind::kFloor}) {
+    const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
+    if (colors.empty()) continue;
+    const auto flood = kFloodShare * static_cast<double>(surfaces.total(kind));
+    std::array<std::optional<double>, label::kMost> brighter, darker;
+    const auto look = [&](double factor, auto& first) {
+      std::array<double, label::kMost> count{};
+      for (const auto& [color, pixels] : colors) {
+        const Yuv lit = in_light(color, factor);
+        count[lut.of_yuv(lit.y, lit.u, lit.v)] += pixels;
+      }
+      for (std::size_t label = 0; label < count.size(); ++label) {
+        if (count[label] > flood && !first[label]) first[label] = factor;
+      }
+    };
+    constexpr double kStep = 1.01;
+    for (double factor = 1; factor < LabelMargin::kMostFactor; factor *= kStep) look(factor, brighter);
+    for (double factor = 1; factor > 1 / LabelMargin::kMostFactor; factor /= kStep) look(factor, darker);
+    for (std::size_t i = 1; i < label::kMost; ++i) {
+      const auto label = static_cast<Label>(i);
+      if (in_table[i] && !is_background(label)) out.push_back({label, kind, brighter[i], darker[i]});
+    }
+  }
+  return out;
+}
+
+}  // namespace sslv
