@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numbers>
 #include <utility>
 
 namespace sslv {
@@ -34,7 +36,7 @@ bool goes_on(const Color3& here, const Color3& there) {
 struct Place {
   std::size_t frame;
   int cell_x, cell_y;  // of the small picture
-  Color3 shares;
+  Color3 color, shares;
 };
 
 /// Where most shares lie, to a fiftieth.
@@ -105,7 +107,7 @@ std::vector<Place> find_places(const SurfaceSearch& search) {
         };
         if (!alike(away, 0) && !alike(0, away)) continue;
         if (is_left_out(picture.pixel_of(x, y))) continue;
-        out.push_back({frame, x, y, shares_of(here)});
+        out.push_back({frame, x, y, here, shares_of(here)});
       }
     }
   }
@@ -132,37 +134,60 @@ int brightness_above(std::span<const SurfaceColors::Color> colors, std::size_t t
   return level;
 }
 
-/// Cells of a table that a surface takes, in bins of SurfaceColors.
+/// Colours that a surface takes, in bins of SurfaceColors.
 class Taken {
  public:
-  static constexpr int kSide = SurfaceColors::kSide;
-  Taken() : bins_(std::size_t{kSide} * kSide * kSide) {}
+  static constexpr int kSide = SurfaceColors::kSide, kLevels = 256 / kSide;
+
+  explicit Taken(const std::array<double, 3>& reach_levels) : bins_(std::size_t{kSide} * kSide * kSide) {
+    // Bins whose middle lies in the ellipsoid, half a bin larger.
+    std::array<double, 3> radius{};
+    for (std::size_t c = 0; c < 3; ++c) radius[c] = reach_levels[c] / kLevels + 0.5;
+    const int most = static_cast<int>(*std::max_element(radius.begin(), radius.end()));
+    for (int u = -most; u <= most; ++u) {
+      for (int v = -most; v <= most; ++v) {
+        for (int y = -most; y <= most; ++y) {
+          const double dy = y / radius[0], du = u / radius[1], dv = v / radius[2];
+          if (dy * dy + du * du + dv * dv <= 1) around_.push_back({u, v, y});
+        }
+      }
+    }
+  }
 
   void add(Yuv color) {
-    constexpr int kLevels = 256 / kSide;
-    const int y = color.y / kLevels, u = color.u / kLevels, v = color.v / kLevels;
-    bins_[index(u, v, y)] = 1;
+    const std::array<int, 3> middle{color.u / kLevels, color.v / kLevels, color.y / kLevels};
+    // Many colours of a surface share a bin.
+    if (std::exchange(bins_[index(middle)], std::uint8_t{kMiddle}) == kMiddle) return;
+    for (const auto& [du, dv, dy] : around_) {
+      const std::array<int, 3> at{middle[0] + du, middle[1] + dv, middle[2] + dy};
+      if (*std::min_element(at.begin(), at.end()) < 0 || *std::max_element(at.begin(), at.end()) >= kSide)
+        continue;
+      bins_[index(at)] |= kNear;
+    }
   }
   bool has(Yuv color) const {
-    constexpr int kLevels = 256 / kSide;
-    return bins_[index(color.u / kLevels, color.v / kLevels, color.y / kLevels)] != 0;
+    return bins_[index({color.u / kLevels, color.v / kLevels, color.y / kLevels})] != 0;
   }
 
  private:
-  static std::size_t index(int u, int v, int y) {
-    return static_cast<std::size_t>((u * kSide + v) * kSide + y);
+  static constexpr std::uint8_t kMiddle = 1, kNear = 2;
+  static std::size_t index(const std::array<int, 3>& uvy) {
+    return static_cast<std::size_t>((uvy[0] * kSide + uvy[1]) * kSide + uvy[2]);
   }
   std::vector<std::uint8_t> bins_;
+  std::vector<std::array<int, 3>> around_;
 };
 
 Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range) {
-  Taken out;
+  std::array<double, 3> reach_levels = surfaces.noise_sigma;
+  for (double& reach : reach_levels) reach *= range.noise_sigmas;
+  Taken out(reach_levels);
   const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
   const std::size_t total = surfaces.total(kind);
   // What is rarer is an edge, or some small thing.
   const auto least =
-      std::max<std::uint32_t>(3, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
-  // The few pixels that shine are not what the range is about.
+      std::max<std::uint32_t>(2, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
+  // The few places that shine are not what the range is about.
   constexpr double kShine = 0.01, kShineMore = 1.06;
   const double bright = std::max(1, brightness_above(colors, total, kShine));
   for (const auto& [color, count] : colors) {
@@ -172,6 +197,24 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
     constexpr double kStep = 1.015;
     for (double factor = range.darkest; factor < most; factor *= kStep) out.add(in_light(color, factor));
     out.add(in_light(color, most));
+  }
+  return out;
+}
+
+/// Normally distributed, with sigma 1 in each direction; always the same.
+std::vector<std::array<double, 3>> noise_samples() {
+  constexpr std::size_t kCount = 64;
+  std::vector<std::array<double, 3>> out;
+  std::uint32_t state = 1;
+  const auto uniform = [&] {
+    state = state * 1664525 + 1013904223;  // Numerical Recipes' generator: the upper bits are good
+    return (static_cast<double>(state >> 8) + 0.5) / (1 << 24);
+  };
+  for (std::size_t i = 0; i < kCount; ++i) {
+    std::array<double, 3> one{};
+    for (double& value : one)
+      value = std::sqrt(-2 * std::log(uniform())) * std::cos(2 * std::numbers::pi * uniform());
+    out.push_back(one);
   }
   return out;
 }
@@ -220,16 +263,32 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
       static_cast<double>(floor_places) > kLeastFloorShare * static_cast<double>(places.size());
 
   SurfaceColors out;
+  std::array<std::array<std::size_t, 256>, 3> differences{};  // of pixels from what lies around
   for (const Place& place : places) {
-    const ImageView& image = search.frames[place.frame];
-    const int cell_px = is_bayer(image.format) ? 2 : 1;
-    const int across = search.pictures[place.frame].finest().cell_px() / cell_px;
     const SurfaceKind kind = is_carpet(place)               ? SurfaceKind::kCarpet
                              : has_floor && is_floor(place) ? SurfaceKind::kFloor
                                                             : SurfaceKind::kOther;
-    for (int i = 0; i < across * across; ++i)
-      out.add(kind,
-              cell_color(image, place.cell_x * across + i % across, place.cell_y * across + i / across));
+    const auto level = [](double value) {
+      return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
+    };
+    const Yuv around = to_yuv({level(place.color[0]), level(place.color[1]), level(place.color[2])});
+    out.add(kind, around);
+    const ImageView& image = search.frames[place.frame];
+    const int cells = search.pictures[place.frame].finest().cell_px() / (is_bayer(image.format) ? 2 : 1);
+    const Yuv pixel = cell_color(image, place.cell_x * cells, place.cell_y * cells);
+    ++differences[0][static_cast<std::size_t>(std::abs(pixel.y - around.y))];
+    ++differences[1][static_cast<std::size_t>(std::abs(pixel.u - around.u))];
+    ++differences[2][static_cast<std::size_t>(std::abs(pixel.v - around.v))];
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    // Two thirds of a normal distribution lie within one sigma.
+    constexpr double kWithinSigma = 0.683;
+    double below = 0;
+    std::size_t difference = 0;
+    while (difference < 255 && below + static_cast<double>(differences[c][difference]) <
+                                   kWithinSigma * static_cast<double>(places.size()))
+      below += static_cast<double>(differences[c][difference++]);
+    out.noise_sigma[c] = static_cast<double>(difference) + 0.5;
   }
   return out;
 }
@@ -255,6 +314,7 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces) {
   std::array<bool, label::kMost> in_table{};
   for (const Label label : lut.yuv().labels) in_table[label] = true;
+  static const auto kNoise = noise_samples();
   std::vector<LabelMargin> out;
   for (const SurfaceKind kind : {SurfaceKind::kCarpet, SurfaceKind::kFloor}) {
     const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
@@ -265,7 +325,14 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
       std::array<double, label::kMost> count{};
       for (const auto& [color, pixels] : colors) {
         const Yuv lit = in_light(color, factor);
-        count[lut.of_yuv(lit.y, lit.u, lit.v)] += pixels;
+        for (const auto& noise : kNoise) {
+          const auto level = [&](std::size_t c, std::uint8_t value) {
+            return static_cast<std::uint8_t>(
+                std::clamp(value + surfaces.noise_sigma[c] * noise[c] + 0.5, 0.0, 255.0));
+          };
+          count[lut.of_yuv(level(0, lit.y), level(1, lit.u), level(2, lit.v))] +=
+              static_cast<double>(pixels) / static_cast<double>(kNoise.size());
+        }
       }
       for (std::size_t label = 0; label < count.size(); ++label) {
         if (count[label] > flood && !first[label]) first[label] = factor;

@@ -48,7 +48,7 @@ struct SurfaceSearch {
            // commonest counts
 };
 
-/// The colours that pixels of large surfaces have, noise and texture included.
+/// The colours of large surfaces, texture included, and how far their pixels scatter about them.
 class SurfaceColors {
  public:
   /// Levels of a channel that are counted together: 4.
@@ -66,6 +66,9 @@ class SurfaceColors {
   };
   /// Every bin that was seen.
   std::vector<Color> colors(SurfaceKind kind) const;
+
+  /// Of one pixel's Y, U and V about the colour around it, in grey levels.
+  std::array<double, 3> noise_sigma{};
 
  private:
   static std::size_t bin_of(Yuv c) {
@@ -86,7 +89,8 @@ SurfaceColors find_surfaces(const SurfaceSearch& search);
 
 /// How much brighter and darker than they were seen surfaces shall stay clear.
 struct ClearRange {
-  double darkest = 0.5, brightest = 1.45;
+  double darkest = 0.5, brightest = 1.6;
+  double noise_sigmas = 2.5;  // so far pixels may scatter
 };
 
 /// Makes cells clear that surfaces have, or would have in more or less light. The carpet takes cells from any
