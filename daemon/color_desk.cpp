@@ -40,14 +40,15 @@ TableChange ColorDesk::tried(std::span<const TableEdit> edits) const {
   for (const TableEdit& edit : edits) cells = apply_edit(after, edit);
   if (edits.size() != 1) cells = difference(before, after);
   if (cells.empty()) return {table_, {}};
-  return {std::make_shared<const Lut>(table_->with_changes(cells)), std::move(cells)};
+  return {std::make_shared<const Lut>(table_->with_changes(cells, after.prints)), std::move(cells)};
 }
 
 void ColorDesk::change(const TableChange& change, const std::string& what, const std::string& who,
                        const Save& save) {
   if (change.cells.empty()) return;
   save(change.lut, what);
-  history_.add({what, who, std::llround(unix_time_s() * 1e6), change.cells});
+  history_.add(
+      {what, who, std::llround(unix_time_s() * 1e6), change.cells, table_->prints(), change.lut->prints()});
   put(change.lut);
 }
 
@@ -68,7 +69,7 @@ bool ColorDesk::undo(const Save& save) {
   const std::string what = history_.done().back().what;
   ColorTable table = table_->color_table();
   const auto cells = history_.undo(table);
-  const auto lut = std::make_shared<const Lut>(table_->with_changes(*cells));
+  const auto lut = std::make_shared<const Lut>(table_->with_changes(*cells, table.prints));
   try {
     save(lut, "undone: " + what);
   } catch (...) {
@@ -84,7 +85,7 @@ bool ColorDesk::redo(const Save& save) {
   const std::string what = history_.undone().back().what;
   ColorTable table = table_->color_table();
   const auto cells = history_.redo(table);
-  const auto lut = std::make_shared<const Lut>(table_->with_changes(*cells));
+  const auto lut = std::make_shared<const Lut>(table_->with_changes(*cells, table.prints));
   try {
     save(lut, what);
   } catch (...) {

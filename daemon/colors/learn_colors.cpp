@@ -268,8 +268,10 @@ class Learner {
     std::size_t best = 0;
     double noise_grey = std::max(out_.noise_grey, kLeastNoiseGrey);
     const SurfaceColors surfaces = see_surfaces();
+    const Prints prints = prints_of_samples();
     for (int i = 0; i < kWidths && !task_.stop.stop_requested(); ++i, noise_grey *= kWider) {
       ColorTable table = table_from_samples(out_.samples, BackgroundLabels::kClear, noise_grey);
+      table.prints = prints;
       clear_surfaces(table, surfaces, {},
                      [this](Label label, Yuv color) { return is_like_seen(label, color); });
       auto lut = std::make_shared<const Lut>(std::move(table));
@@ -289,6 +291,32 @@ class Learner {
     }
   }
 
+  /// Of dots in their contrast to black, of balls as they are: so detectors compare them.
+  Prints prints_of_samples() const {
+    std::map<Label, std::vector<Color3>> shares;
+    for (const auto& [label, lit] : lit_) {
+      for (const auto& [light, contrast] : lit) shares[label].push_back(shares_of(contrast));
+    }
+    for (const SeenBall& ball : balls_) shares[label::kOrange].push_back(shares_of(ball.body));
+    for (const Label label : unseen_) shares[label].push_back(shares_of(print_contrast(label)));
+    Prints out;
+    for (const auto& [label, all] : shares) {
+      Color3 mean = Color3::Zero();
+      for (const Color3& one : all) mean += one / static_cast<double>(all.size());
+      double square = 0;
+      for (const Color3& one : all) square += (one - mean).squaredNorm() / static_cast<double>(all.size());
+      // Robots of other makers are not among those that taught.
+      constexpr double kOtherMakers = 0.09;
+      PrintColor print{};
+      for (int c = 0; c < 3; ++c)
+        print.shares[static_cast<std::size_t>(c)] =
+            static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * std::max(0.0, mean[c]) / mean.sum()));
+      print.spread = static_cast<std::uint16_t>(
+          std::lround(PrintColor::kUnit * std::sqrt(square + kOtherMakers * kOtherMakers)));
+      out[label] = print;
+    }
+    return out;
+  }
   SurfaceColors see_surfaces() {
     constexpr double kRobotReachMm = 130, kBallReach = 1.6;
     std::vector<PixelDisc> left_out;
@@ -321,6 +349,7 @@ class Learner {
   std::size_t dot_count() const { return robots_.size() * (task_.patterns.dots.size() + 1); }
   /// How many of the dots a table names for sure.
   std::size_t count_named(const Lut& lut) const {
+
     constexpr double kLeastMargin = 0.4, kMostOff = 1.3;
     std::size_t count = 0;
     for (std::size_t i = 0; i < robots_.size(); ++i) {

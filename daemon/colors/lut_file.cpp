@@ -55,6 +55,29 @@ std::string text_of(const Json& json, const char* key, const std::string& file_n
   return value.get<std::string>();
 }
 
+PrintColor print_of(const Json& label, const std::string& file_name) {
+  const Json& shares = label["print_shares"];
+  PrintColor out{};
+  const auto is_number = [](const Json& value) {
+    return value.is_number_unsigned() && value.get<double>() <= PrintColor::kUnit;
+  };
+  bool good = shares.is_array() && shares.size() == out.shares.size() &&
+              std::all_of(shares.begin(), shares.end(), is_number) &&
+              is_number(label.value("print_spread", Json()));
+  if (good) {
+    for (std::size_t c = 0; c < out.shares.size(); ++c) out.shares[c] = shares[c].get<std::uint16_t>();
+    out.spread = label["print_spread"].get<std::uint16_t>();
+    good = is_print(out);
+  }
+  if (!good) {
+    refuse_file(
+        file_name,
+        "\"print_shares\" are no three whole numbers with sum {:g}, or \"print_spread\" is none 0 .. {:g}",
+        PrintColor::kUnit, PrintColor::kUnit);
+  }
+  return out;
+}
+
 ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelSet& labels) {
   Json json;
   try {
@@ -70,6 +93,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
   const int bits = number_of(json, "bits", 255, file_name);
 
   std::array<std::optional<Label>, label::kMost> ours;
+  Prints prints;
   const Json& theirs = get(json, "labels", file_name);
   if (!theirs.is_array()) refuse_file(file_name, "\"labels\" is no list");
   for (const Json& each : theirs) {
@@ -84,6 +108,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
       refuse_file(file_name, "holds the label \"{}\", which is none of {}: add it to own_labels first", name,
                   labels.names());
     }
+    if (each.contains("print_shares")) prints[*ours[value]] = print_of(each, file_name);
   }
   const auto runs = from_base64(text_of(json, "runs", file_name));
   if (!runs) refuse_file(file_name, "\"runs\" is no whole base64");
@@ -92,6 +117,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
     if (!ours[label]) refuse_file(file_name, "holds label {} without its name", label);
     label = *ours[label];
   }
+  table.prints = prints;
   return table;
 }
 
@@ -232,9 +258,13 @@ std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
   Json list = Json::array();
   for (std::size_t value = 0; value < occurs.size(); ++value) {
     if (!occurs[value]) continue;
-    list.push_back({{"value", value},
-                    {"name", labels.name(static_cast<Label>(value))},
-                    {"color", hex(labels.color(static_cast<Label>(value)))}});
+    Json& one = list.emplace_back(Json{{"value", value},
+                                       {"name", labels.name(static_cast<Label>(value))},
+                                       {"color", hex(labels.color(static_cast<Label>(value)))}});
+    if (const auto& print = table.prints[value]) {
+      one["print_shares"] = print->shares;
+      one["print_spread"] = print->spread;
+    }
   }
   const Json json = {{"format", kFormat},
                      {"version", kVersion},

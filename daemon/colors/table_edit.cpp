@@ -464,7 +464,14 @@ std::string what_it_did(const TableEdit& edit, const LabelSet& labels) {
 std::vector<CellRun> apply_edit(ColorTable& table, const TableEdit& edit) {
   Brush brush(table);
   std::visit([&](const auto& each) { apply(each, table, brush); }, edit);
-  return brush.take();
+  std::vector<CellRun> changed = brush.take();
+  if (const auto* whole = std::get_if<SetTableEdit>(&edit)) {
+    table.prints = whole->table.prints;
+  } else {
+    // Cells that a label gets tell more of its colours than its prints do.
+    for (const CellRun& run : changed) table.prints[run.after].reset();
+  }
+  return changed;
 }
 
 std::vector<CellRun> difference(const ColorTable& from, const ColorTable& to) {

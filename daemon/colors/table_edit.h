@@ -104,8 +104,9 @@ TableEdit read_table_edit(const Json& json, const std::string& path,
 /// For people: "painted pink".
 std::string what_it_did(const TableEdit& edit, const LabelSet& labels = LabelSet::built_in());
 
-/// Edits the table and says what changed, ordered by cell; nothing for an edit without effect. Throws
-/// SettingsError when a set table has other bits.
+/// Edits the table and says what changed, ordered by cell; nothing for an edit without effect. A label that
+/// gets cells has no print any more: its cells tell what it looks like. Throws SettingsError when a set table
+/// has other bits.
 std::vector<CellRun> apply_edit(ColorTable& table, const TableEdit& edit);
 
 /// What it takes to turn one table into another of the same bits.

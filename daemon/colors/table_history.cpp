@@ -41,6 +41,7 @@ std::optional<std::vector<CellRun>> TableHistory::undo(ColorTable& table) {
   if (done_.empty()) return std::nullopt;
   std::vector<CellRun> changed;
   for (const CellRun& run : done_.back().changes) set_cells(table, run, run.after, run.before, changed);
+  table.prints = done_.back().prints_before;
   undone_.push_back(std::move(done_.back()));
   done_.pop_back();
   return changed;
@@ -50,6 +51,7 @@ std::optional<std::vector<CellRun>> TableHistory::redo(ColorTable& table) {
   if (undone_.empty()) return std::nullopt;
   std::vector<CellRun> changed;
   for (const CellRun& run : undone_.back().changes) set_cells(table, run, run.before, run.after, changed);
+  table.prints = undone_.back().prints_after;
   done_.push_back(std::move(undone_.back()));
   undone_.pop_back();
   return changed;

@@ -17,6 +17,7 @@ struct TableStep {
   std::string what, who;
   std::int64_t time_us = 0;  // since 1970
   std::vector<CellRun> changes;
+  Prints prints_before{}, prints_after{};
 };
 
 /// Steps that can be undone and done again. Bounded: beyond that the oldest are forgotten.
@@ -34,8 +35,8 @@ class TableHistory {
   /// The next to be redone last.
   const std::vector<TableStep>& undone() const { return undone_; }
 
-  /// Sets back the cells that still hold what the newest step wrote; says what changed. Nothing to undo: no
-  /// value.
+  /// Sets back the prints, and the cells that still hold what the newest step wrote; says what changed.
+  /// Nothing to undo: no value.
   std::optional<std::vector<CellRun>> undo(ColorTable& table);
   std::optional<std::vector<CellRun>> redo(ColorTable& table);
   void clear();

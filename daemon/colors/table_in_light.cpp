@@ -192,13 +192,28 @@ void grow(std::vector<Label>& labels) {
   }
 }
 
+PrintColor in_light(const PrintColor& print, const std::array<double, 3>& gain) {
+  std::array<double, 3> shares{};
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += shares[c] = print.shares[c] * gain[c];
+  PrintColor out = print;
+  if (!(sum > 0)) return out;
+  for (std::size_t c = 0; c < 3; ++c)
+    out.shares[c] = static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * shares[c] / sum));
+  return out;
+}
+
 }  // namespace
 
-std::vector<Label> table_in_light(const Lut& accepted, const LightChange& change) {
+ColorTable table_in_light(const Lut& accepted, const LightChange& change) {
   const std::vector<Past> lights = lights_of(accepted, change);
-  std::vector<Label> out(Lut::kEntries);
+  ColorTable out(Lut::kBits);
+  out.prints = accepted.prints();
+  for (auto& print : out.prints) {
+    if (print) print = in_light(*print, change.gain);
+  }
   Column column, other;
-  auto next = out.begin();
+  auto next = out.labels.begin();
   for (int u = 0; u < kSide; ++u) {
     for (int v = 0; v < kSide; ++v) {
       lights.front().look(middle(u), middle(v), column);
@@ -213,7 +228,7 @@ std::vector<Label> table_in_light(const Lut& accepted, const LightChange& change
   }
   const double scale = *std::min_element(change.gain.begin(), change.gain.end()) * change.darkest_area;
   const auto growth = static_cast<int>(std::clamp(kNoiseCells * (1 - scale), 0.0, kMostGrowth));
-  for (int k = 0; k < growth; ++k) grow(out);
+  for (int k = 0; k < growth; ++k) grow(out.labels);
   return out;
 }
 

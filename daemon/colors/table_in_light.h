@@ -20,13 +20,13 @@ struct LightChange {
 };
 
 /// The table as it would be had it been made in today's light: a colour gets the label that the same thing
-/// had then. Works with every table, since only its cells count. Labels as Lut takes them.
+/// had then. Works with every table, since only its cells count.
 ///
 /// Three things are more than a change of scale. A channel at its upper end may have been anything beyond, so
 /// what most of that were counts. Where areas differ, a colour of any of them counts, the middle light first,
 /// and what is named as field, white or black stays that. In weak light noise stays as strong while colours
 /// move together, so labels of colours grow into clear cells by what the scale took from them, up to two
-/// cells.
-std::vector<Label> table_in_light(const Lut& accepted, const LightChange& change);
+/// cells. Prints change with the light's colour.
+ColorTable table_in_light(const Lut& accepted, const LightChange& change);
 
 }  // namespace sslv

@@ -350,8 +350,13 @@ std::vector<Label> spread_out(const ColorTable& table, int bits) {
 }  // namespace
 
 ColorTable resampled(const ColorTable& table, int bits) {
-  if (bits >= table.bits) return {bits, bits == table.bits ? table.labels : spread_out(table, bits)};
+  if (bits == table.bits) return table;
   ColorTable out(bits);
+  out.prints = table.prints;
+  if (bits > table.bits) {
+    out.labels = spread_out(table, bits);
+    return out;
+  }
   std::vector<std::array<std::uint16_t, label::kMost>> votes(out.labels.size());
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
     const Yuv color = table.color_of(cell);
@@ -390,7 +395,13 @@ Lut::Shares Lut::ShareSums::shares() const {
 }
 
 void Lut::finish_shares() {
-  for (std::size_t label = 0; label < shares_.size(); ++label) shares_[label] = share_sums_[label].shares();
+  for (std::size_t label = 0; label < shares_.size(); ++label) {
+    shares_[label] = share_sums_[label].shares();
+    if (!prints_[label]) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      shares_[label].mean[c] = prints_[label]->shares[c] / PrintColor::kUnit;
+    shares_[label].spread = prints_[label]->spread / PrintColor::kUnit;
+  }
   shares_[label::kClear] = {};
 }
 
@@ -402,6 +413,7 @@ Lut::Lut(ColorTable table) : color_bits_(table.bits), id_(next_id()) {
   table = checked(std::move(table));
   const int bits = kernel_bits(table.bits), side = 1 << bits;
   yuv_.bits = rgb_.bits = bits;
+  prints_ = table.prints;
   yuv_.labels = bits == table.bits ? std::move(table.labels) : spread_out(table, bits);
   if (bits == 8) {
     fill_twin<8>(yuv_, rgb_);
@@ -429,7 +441,7 @@ Lut::Lut(ColorTable table) : color_bits_(table.bits), id_(next_id()) {
   finish_shares();
 }
 
-Lut Lut::with_changes(std::span<const CellRun> changed) const {
+Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) const {
   const int bits = yuv_.bits, side = 1 << bits, shift = bits - color_bits_, color_side = 1 << color_bits_;
   std::size_t cells = 0;
   const std::size_t all = std::size_t{1} << (3 * color_bits_);
@@ -443,12 +455,14 @@ Lut Lut::with_changes(std::span<const CellRun> changed) const {
   // Each costs as much as a hundred cells of a whole table.
   if (cells << (3 * shift) > yuv_.labels.size() / 64) {
     ColorTable table = color_table();
+    table.prints = prints;
     for (const CellRun& run : changed) std::fill_n(table.labels.begin() + run.begin, run.length, run.after);
     return Lut(std::move(table));
   }
 
   Lut out = *this;
   out.id_ = next_id();
+  out.prints_ = prints;
   Changes yuv(out.yuv_), rgb(out.rgb_);
   Places yuv_chromas(out.yuv_.chroma.size()), rgb_chromas(out.rgb_.chroma.size());
   const auto set_twin = [&](int r, int g, int b, Label before, Label after) {
@@ -501,8 +515,12 @@ Lut Lut::with_changes(std::span<const CellRun> changed) const {
 }
 
 ColorTable Lut::color_table() const {
-  if (color_bits_ == yuv_.bits) return {color_bits_, yuv_.labels};
   ColorTable out(color_bits_);
+  out.prints = prints_;
+  if (color_bits_ == yuv_.bits) {
+    out.labels = yuv_.labels;
+    return out;
+  }
   const int shift = yuv_.bits - color_bits_, side = out.side();
   for (int u = 0; u < side; ++u) {
     for (int v = 0; v < side; ++v) {

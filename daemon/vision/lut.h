@@ -9,12 +9,25 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace sslv {
+
+/// What things of one label look like, whatever the light: shares of red, green and blue in their contrast to
+/// black, and how far these scatter (root mean square distance). In units of 1 / kUnit, so that files keep
+/// them exactly.
+struct PrintColor {
+  static constexpr double kUnit = 10'000;
+  std::array<std::uint16_t, 3> shares;
+  std::uint16_t spread;
+  bool operator==(const PrintColor&) const = default;
+};
+/// Of each label that it is known of.
+using Prints = std::array<std::optional<PrintColor>, label::kMost>;
 
 /// A table as people make, save and edit it: one label for each cell of the YUV colour cube.
 struct ColorTable {
@@ -46,6 +59,9 @@ struct ColorTable {
 
   int bits;                   // a channel, kLeastBits .. kMostBits
   std::vector<Label> labels;  // ordered U, V, Y, with Y innermost
+  /// Where it is known, for instance because the table was learnt from them. A table's cells tell it less
+  /// well: what surfaces took from a label is missing there on one side.
+  Prints prints{};
 };
 
 /// The same table with other bits: finer cells have the label of the one they lie in, a coarser one that of
@@ -109,7 +125,8 @@ class Lut {
   /// What Lut(color_table() with these changes) would be, bit by bit, but for a few hundred cells in a
   /// hundredth of the time. `changed` speaks of cells of color_table(); of labels, only `after`
   /// counts. Throws SettingsError when there are no such cells or labels.
-  Lut with_changes(std::span<const CellRun> changed) const;
+  Lut with_changes(std::span<const CellRun> changed) const { return with_changes(changed, prints_); }
+  Lut with_changes(std::span<const CellRun> changed, const Prints& prints) const;
 
   static constexpr std::size_t index_yuv(std::uint8_t y, std::uint8_t u, std::uint8_t v) {
     return LutTable::index(u, v, y);
@@ -122,9 +139,11 @@ class Lut {
   ColorTable color_table() const;
   int color_bits() const { return color_bits_; }
 
-  /// Mean shares of red, green and blue (with sum 1) among the label's colours: what stays of a colour when
-  /// the light changes. Equal shares for a label without colours.
+  /// Mean shares of red, green and blue (with sum 1) of the label's prints, where the table tells them, else
+  /// among its cells: what stays of a colour when the light changes. Equal shares for a label without
+  /// colours.
   const std::array<double, 3>& shares(Label label) const { return shares_[label].mean; }
+  const Prints& prints() const { return prints_; }
   /// How far the label's colours lie from that: root mean square distance.
   double share_spread(Label label) const { return shares_[label].spread; }
 
@@ -149,6 +168,7 @@ class Lut {
 
   int color_bits_;
   LutTable yuv_, rgb_;
+  Prints prints_;
   std::array<ShareSums, label::kMost> share_sums_{};
   std::array<Shares, label::kMost> shares_;
   std::uint64_t id_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -14,7 +15,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::string_view kMagic1 = "SSLVLUT1", kMagic2 = "SSLVLUT2";
+constexpr std::string_view kMagic1 = "SSLVLUT1", kMagic2 = "SSLVLUT2", kMagic3 = "SSLVLUT3";
 constexpr int kBits1 = 7;
 /// Of a run's length: 8 bits a channel make up to 2^24 cells.
 constexpr int kHighestShift = 21;
@@ -68,11 +69,32 @@ ColorTable decode_version_1(std::span<const std::uint8_t> bytes, const std::stri
   return table;
 }
 
-ColorTable decode_version_2(std::span<const std::uint8_t> bytes, const std::string& path,
+using OurLabels = std::array<std::optional<Label>, label::kMost>;
+
+Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& path) {
+  Prints out;
+  for (int left = reader.byte("its prints"); left > 0; --left) {
+    const std::uint8_t value = reader.byte("its prints");
+    if (value >= ours.size() || !ours[value]) refuse(path, "has a print of label {} without its name", value);
+    const auto number = [&] {
+      const auto bytes = reader.take(2, "its prints");
+      return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
+    };
+    PrintColor print{};
+    for (std::uint16_t& share : print.shares) share = number();
+    print.spread = number();
+    if (!is_print(print)) refuse(path, "has a print of label {} whose shares do not add up to 1", value);
+    out[*ours[value]] = print;
+  }
+  return out;
+}
+
+/// Of version 2 or 3.
+ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::string& path,
                             const LabelSet& labels) {
   Reader reader(bytes.subspan(kMagic2.size()), path);
   const int bits = reader.byte("its head");
-  std::array<std::optional<Label>, label::kMost> ours;
+  OurLabels ours;
   for (int left = reader.byte("its head"); left > 0; --left) {
     const std::uint8_t value = reader.byte("its labels");
     const auto bytes_of_name = reader.take(reader.byte("its labels"), "its labels");
@@ -87,15 +109,25 @@ ColorTable decode_version_2(std::span<const std::uint8_t> bytes, const std::stri
     }
     ours[value] = found;
   }
+  Prints prints;
+  if (begins_with(bytes, kMagic3)) prints = read_prints(reader, ours, path);
   ColorTable table = decode_runs(reader.left(), bits, path);
   for (Label& label : table.labels) {
     if (!ours[label]) refuse(path, "holds label {} without its name", label);
     label = *ours[label];
   }
+  table.prints = prints;
   return table;
 }
 
 }  // namespace
+
+bool is_print(const PrintColor& print) {
+  constexpr int kRounding = 2;
+  const int sum = print.shares[0] + print.shares[1] + print.shares[2];
+  return std::abs(sum - static_cast<int>(PrintColor::kUnit)) <= kRounding &&
+         print.spread <= PrintColor::kUnit;
+}
 
 std::vector<std::uint8_t> encode_runs(const ColorTable& table) {
   std::vector<std::uint8_t> out;
@@ -143,7 +175,11 @@ ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::
 std::vector<std::uint8_t> encode_lut(const ColorTable& table, const LabelSet& labels) {
   std::array<bool, label::kMost> occurs{};
   for (const Label label : table.labels) occurs[label] = true;
-  std::vector<std::uint8_t> out(kMagic2.begin(), kMagic2.end());
+  const auto has_print = [&](std::size_t value) { return occurs[value] && table.prints[value]; };
+  std::size_t prints = 0;
+  for (std::size_t value = 0; value < occurs.size(); ++value) prints += has_print(value) ? 1 : 0;
+  const std::string_view magic = prints > 0 ? kMagic3 : kMagic2;
+  std::vector<std::uint8_t> out(magic.begin(), magic.end());
   out.push_back(static_cast<std::uint8_t>(table.bits));
   out.push_back(static_cast<std::uint8_t>(std::count(occurs.begin(), occurs.end(), true)));
   for (std::size_t value = 0; value < occurs.size(); ++value) {
@@ -154,19 +190,31 @@ std::vector<std::uint8_t> encode_lut(const ColorTable& table, const LabelSet& la
     out.push_back(static_cast<std::uint8_t>(name.size()));
     out.insert(out.end(), name.begin(), name.end());
   }
+  if (prints > 0) out.push_back(static_cast<std::uint8_t>(prints));
+  for (std::size_t value = 0; prints > 0 && value < occurs.size(); ++value) {
+    if (!has_print(value)) continue;
+    const PrintColor& print = *table.prints[value];
+    out.push_back(static_cast<std::uint8_t>(value));
+    for (const std::uint16_t number : {print.shares[0], print.shares[1], print.shares[2], print.spread}) {
+      out.push_back(static_cast<std::uint8_t>(number & 0xFF));
+      out.push_back(static_cast<std::uint8_t>(number >> 8));
+    }
+  }
   const std::vector<std::uint8_t> runs = encode_runs(table);
   out.insert(out.end(), runs.begin(), runs.end());
   return out;
 }
 
 bool is_lut(std::span<const std::uint8_t> bytes) {
-  return begins_with(bytes, kMagic1) || begins_with(bytes, kMagic2);
+  return begins_with(bytes, kMagic1) || begins_with(bytes, kMagic2) || begins_with(bytes, kMagic3);
 }
 
 ColorTable decode_lut(std::span<const std::uint8_t> bytes, const std::string& path, const LabelSet& labels) {
-  if (begins_with(bytes, kMagic2)) return decode_version_2(bytes, path, labels);
+  if (begins_with(bytes, kMagic2) || begins_with(bytes, kMagic3))
+    return decode_runs_file(bytes, path, labels);
   if (begins_with(bytes, kMagic1)) return decode_version_1(bytes, path, labels);
-  refuse(path, "does not begin with \"{}\" or \"{}\", so it is no .lut file", kMagic2, kMagic1);
+  refuse(path, "does not begin with \"{}\", \"{}\" or \"{}\", so it is no .lut file", kMagic3, kMagic2,
+         kMagic1);
 }
 
 }  // namespace sslv

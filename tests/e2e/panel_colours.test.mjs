@@ -38,10 +38,12 @@ async function becomes(wanted, camera = 0) {
 
 /** The labels of all cells, ordered U, V, Y, out of a .lut file. */
 function cellsOfFile(file) {
-  assert.equal(file.toString('latin1', 0, 8), 'SSLVLUT2');
+  const magic = file.toString('latin1', 0, 8);
+  assert.match(magic, /^SSLVLUT[23]$/);
   const bits = file[8];
   let at = 10;
   for (let i = 0; i < file[9]; i++) at += 2 + file[at + 1];
+  if (magic === 'SSLVLUT3') at += 1 + 9 * file[at];  // prints
   const cells = new Uint8Array(1 << (3 * bits));
   for (let to = 0; at < file.length;) {
     const label = file[at++];

@@ -55,6 +55,25 @@ TEST_F(ColorDeskTest, EditsAreSavedUndoneAndDoneAgain) {
   EXPECT_THAT(saved_, ElementsAre("painted pink", "painted blue", "undone: painted blue", "painted blue"));
 }
 
+TEST_F(ColorDeskTest, PrintsComeWithATableAndGoWhereALabelGrows) {
+  ColorTable learnt;
+  learnt.labels[7] = label::kPink;
+  learnt.prints[label::kPink] = PrintColor{{4500, 2000, 3500}, 900};
+  desk_.replace(std::make_shared<const Lut>(learnt), "learnt", "me", save_);
+  EXPECT_EQ(in_force_->prints(), learnt.prints);
+  do_edit(EraseEdit{{50, 100, 100}, {9, 9, 9}, Shape::kBall, {}}, "erased");
+  EXPECT_EQ(in_force_->prints(), learnt.prints);
+  do_edit(paint(label::kPink, 50), "painted pink");
+  EXPECT_EQ(in_force_->prints(), Prints{}) << "its cells tell more now";
+  EXPECT_TRUE(desk_.undo(save_));
+  EXPECT_EQ(in_force_->prints(), learnt.prints);
+  EXPECT_TRUE(desk_.redo(save_));
+  EXPECT_EQ(in_force_->prints(), Prints{});
+  EXPECT_TRUE(desk_.undo(save_));
+  EXPECT_TRUE(desk_.undo(save_));
+  EXPECT_EQ(in_force_->prints(), Prints{}) << "of before it was learnt";
+}
+
 TEST_F(ColorDeskTest, TryingChangesNothing) {
   const auto before = desk_.table();
   const auto revision = desk_.revision();

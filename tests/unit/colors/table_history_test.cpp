@@ -29,6 +29,7 @@ TableEdit random_edit(std::mt19937& random) {
 TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
   std::mt19937 random(1);
   ColorTable table(5);
+  for (auto& print : table.prints) print = PrintColor{{3000, 3000, 4000}, 500};
   TableHistory history;
   std::vector<ColorTable> states{table};  // after each step that is done, and what can be redone
   std::size_t at = 0;
@@ -51,7 +52,7 @@ TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
       default: {
         changed = apply_edit(table, random_edit(random));
         if (changed->empty()) break;
-        history.add({"edit", "me", i, *changed});
+        history.add({"edit", "me", i, *changed, before.prints, table.prints});
         states.resize(++at);
         states.push_back(table);
         break;

@@ -55,7 +55,7 @@ std::string name_of(Label label) {
 
 TEST(TableInLight, TheSameLightIsTheSameTable) {
   const auto accepted = painted_table();
-  EXPECT_EQ(table_in_light(*accepted, {}), accepted->yuv().labels);
+  EXPECT_EQ(table_in_light(*accepted, {}), accepted->color_table());
 }
 
 TEST(TableInLight, ThingsKeepTheirLabelsInEveryLight) {

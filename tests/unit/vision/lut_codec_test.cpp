@@ -43,6 +43,25 @@ TEST(LutCodec, GivesBackWhatItWasGiven) {
   }
 }
 
+TEST(LutCodec, KeepsWhatPrintsLookLike) {
+  ColorTable table = striped(6, label::kCount);
+  table.prints[label::kGreen] = PrintColor{{2390, 5080, 2530}, 930};
+  table.prints[label::kOrange] = PrintColor{{6040, 3100, 860}, 900};
+  const Bytes bytes = encode_lut(table);
+  EXPECT_TRUE(decode_lut(bytes, "") == table);
+  EXPECT_TRUE(is_lut(bytes));
+  for (std::size_t length = 0; length < bytes.size(); length += 1 + length / 20)
+    EXPECT_THAT(error_of(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length))),
+                HasSubstr("a.lut: "));
+  // Green's first share follows its label.
+  const Bytes green{label::kGreen, 2390 & 0xFF, 2390 >> 8};
+  Bytes wrong = bytes;
+  const auto at = std::search(wrong.begin(), wrong.end(), green.begin(), green.end());
+  ASSERT_NE(at, wrong.end());
+  *(at + 2) = 200;
+  EXPECT_THAT(error_of(wrong), HasSubstr("a.lut: has a print of label 7 whose shares do not add up to 1"));
+}
+
 TEST(LutCodec, IsCompact) {
   EXPECT_LT(encode_lut(ColorTable(8)).size(), 32u);
 }

@@ -98,6 +98,21 @@ TEST(Lut, SharesAreThoseOfALabelsColours) {
   EXPECT_EQ(lut->share_spread(label::kPink), 0);
 }
 
+TEST(Lut, PrintsTellMoreThanCells) {
+  ColorTable table;
+  for (Label& label : table.labels) label = label::kGreen;
+  table.prints[label::kGreen] = PrintColor{{2000, 6000, 2000}, 900};
+  const Lut lut(table);
+  EXPECT_NEAR(lut.shares(label::kGreen)[1], 0.6, 1e-9);
+  EXPECT_NEAR(lut.share_spread(label::kGreen), 0.09, 1e-9);
+  EXPECT_TRUE(lut.color_table() == table);
+  const CellRun erased{0, 100, label::kGreen, label::kClear};
+  EXPECT_EQ(lut.with_changes({&erased, 1}).prints(), table.prints);
+  const Lut forgotten = lut.with_changes({&erased, 1}, {});
+  EXPECT_LT(forgotten.shares(label::kGreen)[1], 0.5);
+  EXPECT_EQ(with_bits(std::make_shared<const Lut>(lut), 5)->prints(), table.prints);
+}
+
 TEST(Lut, SharesStayWhenTheLightChanges) {
   // One colour in all its shades, and a table of the upper half of them.
   const auto shades = [](double darkest) {
@@ -323,7 +338,8 @@ TEST(ColorTable, OtherBitsKeepWhatCellsMean) {
   // Most of the eight cells count, of as many the lowest label.
   ColorTable fine(7);
   for (const std::uint8_t y : std::array<std::uint8_t, 2>{0, 2})
-    for (const std::uint8_t v : std::array<std::uint8_t, 2>{0, 2}) fine.labels[fine.index(y, 0, v)] = label::kPink;
+    for (const std::uint8_t v : std::array<std::uint8_t, 2>{0, 2})
+      fine.labels[fine.index(y, 0, v)] = label::kPink;
   EXPECT_EQ(resampled(fine, 6).of({0, 0, 0}), label::kClear);
   fine.labels[fine.index(0, 2, 0)] = label::kPink;
   EXPECT_EQ(resampled(fine, 6).of({0, 0, 0}), label::kPink);

@@ -11,10 +11,11 @@ const set = (table: Table, label: number, ...cells: [number, number, number][]) 
 };
 
 /** A .lut file as daemon/vision/lut_codec.h describes it. */
-function lut(bits: number, names: [number, string][], runs: number[]): ArrayBuffer {
+function lut(bits: number, names: [number, string][], runs: number[], prints: number[][] | null = null): ArrayBuffer {
   const text = new TextEncoder();
   const entries = names.flatMap(([value, name]) => [value, text.encode(name).length, ...text.encode(name)]);
-  return Uint8Array.from([...text.encode('SSLVLUT2'), bits, names.length, ...entries, ...runs]).buffer;
+  const before = prints ? [prints.length, ...prints.flat()] : [];
+  return Uint8Array.from([...text.encode(prints ? 'SSLVLUT3' : 'SSLVLUT2'), bits, names.length, ...entries, ...before, ...runs]).buffer;
 }
 
 describe('a .lut file', () => {
@@ -26,6 +27,11 @@ describe('a .lut file', () => {
     expect([0, 1, 2, 3, 4].map((y) => table.labels[cellIndex(table, y, 0, 1)])).toEqual([0, 5, 5, 5, 0]);
     expect(labelAt(table, [2 * 8 + 7, 0, 8])).toBe(5);
     expect(labelAt(table, [2 * 8 + 7, 8, 8])).toBe(0);
+  });
+  it('may tell what prints look like, which the page passes over', () => {
+    const prints = [[5, 0xb8, 0x0b, 0xd0, 0x07, 0x88, 0x13, 0, 0], [7, 1, 2, 3, 4, 5, 6, 7, 8]];
+    const table = decodeTable(lut(5, [[0, 'clear'], [5, 'pink'], [7, 'green']], [5, 1, 0, 0xff, 0xff, 0x01], prints));
+    expect([...table.labels.subarray(0, 3)]).toEqual([5, 0, 0]);
   });
   it('is refused when it is damaged', () => {
     expect(() => decodeTable(new TextEncoder().encode('SSLVLUT1').buffer)).toThrow('no .lut file');

@@ -27,17 +27,22 @@ export const levelOf = (table: Table, cell: number) => cell * stepOf(table) + (s
 export const labelAt = (table: Table, [y, u, v]: Triple) =>
   table.labels[cellIndex(table, cellOf(table, y), cellOf(table, u), cellOf(table, v))]!;
 
-const MAGIC = 'SSLVLUT2';
+const MAGIC = 'SSLVLUT2', MAGIC_WITH_PRINTS = 'SSLVLUT3';
+/** A label, and four numbers of two bytes. */
+const PRINT_BYTES = 9;
 
-/** A .lut file of version 2, as daemon/vision/lut_codec.h has it. Throws what is wrong with it. */
+/** A .lut file of version 2 or 3, as daemon/vision/lut_codec.h has it. Throws what is wrong with it. */
 export function decodeTable(buffer: ArrayBuffer): Table {
   const bytes = new Uint8Array(buffer);
-  if (new TextDecoder('latin1').decode(bytes.subarray(0, MAGIC.length)) !== MAGIC) throw new Error('this is no .lut file of version 2');
+  const magic = new TextDecoder('latin1').decode(bytes.subarray(0, MAGIC.length));
+  if (magic !== MAGIC && magic !== MAGIC_WITH_PRINTS) throw new Error('this is no .lut file of version 2 or 3');
   const bits = bytes[8] ?? 0;
   if (bits < 5 || bits > 8) throw new Error(`a table of ${bits} bits`);
   let at = 10;
   // Values are the service's own here, so the names need not be looked at.
   for (let left = bytes[9] ?? 0; left > 0; left--) at += 2 + (bytes[at + 1] ?? 0);
+  // What prints look like is for the service's detectors.
+  if (magic === MAGIC_WITH_PRINTS) at += 1 + PRINT_BYTES * (bytes[at] ?? 0);
   return { bits, labels: decodeRuns(bytes, at, 1 << (3 * bits)) };
 }
 
