@@ -298,7 +298,11 @@ class Learner {
       for (const auto& [light, contrast] : lit) shares[label].push_back(shares_of(contrast));
     }
     for (const SeenBall& ball : balls_) shares[label::kOrange].push_back(shares_of(ball.body));
-    for (const Label label : unseen_) shares[label].push_back(shares_of(print_contrast(label)));
+    for (const Label label : unseen_) {
+      const Color3 seen = label == label::kOrange ? Color3(print_color(label).cwiseProduct(dots_.gains))
+                                                  : print_contrast(label);
+      shares[label].push_back(shares_of(seen));
+    }
     Prints out;
     for (const auto& [label, all] : shares) {
       Color3 mean = Color3::Zero();
@@ -343,13 +347,12 @@ class Learner {
       const Color3 seen = color_of(sample.color);
       const double factor = here.dot(seen) / std::max(1.0, seen.squaredNorm());
       return factor > kDarkest && factor < kBrightest &&
-             (here - factor * seen).norm() < 6 + out_.noise_grey + 0.08 * here.norm();
+             (here - factor * seen).norm() < 6 + out_.noise_grey + 0.13 * here.norm();
     });
   }
   std::size_t dot_count() const { return robots_.size() * (task_.patterns.dots.size() + 1); }
   /// How many of the dots a table names for sure.
   std::size_t count_named(const Lut& lut) const {
-
     constexpr double kLeastMargin = 0.4, kMostOff = 1.3;
     std::size_t count = 0;
     for (std::size_t i = 0; i < robots_.size(); ++i) {

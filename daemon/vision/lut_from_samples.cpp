@@ -120,8 +120,27 @@ class Pieces {
  public:
   explicit Pieces(float noise) : tolerance_grey_(kToleranceGrey + noise) {}
 
-  void add_color(const Color& low, const Curve& curve, const Color& high, Label label) {
-    add(low, curve, high, {1, kColorHandicap, label});
+  void add_color(const Curve& curve, Label label) {
+    for (std::size_t k = 1; k < Curve::kKnots; ++k)
+      add(curve.knots[k - 1], curve.knots[k], {1, kColorHandicap, label});
+  }
+  /// From `low` to a colour that was seen. Where a channel was at its end, it may have been more, and then
+  /// the hue was another one.
+  void add_in_less_light(const Color& dark, const Color& low, const Color& color, Label label) {
+    const Kind kind{1, kColorHandicap, label};
+    add(low, color, kind);
+    constexpr float kFull = 250, kMoreThanSeen[] = {1.15F, 1.3F};
+    if (color.maxCoeff() < kFull) return;
+    for (const float more : kMoreThanSeen) {
+      const Color beyond = (color.array() < kFull).select(color, more * color);
+      add(dark + 0.55F * (beyond / more - dark), beyond / more, kind);
+    }
+  }
+  /// Channels reach their upper end one after the other, and then the hue changes.
+  void add_in_more_light(const Color& color, float most, Label label) {
+    constexpr float kStep = 1.15F;
+    for (float light = 1; light < most; light *= kStep)
+      add(in_cube(light * color), in_cube(std::min(kStep * light, most) * color), {1, kColorHandicap, label});
   }
   void add_background(const Color& low, const Curve& curve, const Color& high, Label label) {
     add(low, curve, high, {kBackgroundFactor, 0, label});
@@ -129,6 +148,10 @@ class Pieces {
   void add_background(const Curve& curve, Label label) {
     add_background(kSurfaceDarkest * curve.knots.front(), curve,
                    in_cube(kSurfaceBrightest * curve.knots.back()), label);
+  }
+  void add_guess(const Curve& curve, Label label) {
+    add(kSurfaceDarkest * curve.knots.front(), curve, in_cube(kSurfaceBrightest * curve.knots.back()),
+        {1, 2 * kColorHandicap, label});
   }
   void add_background(const Color& from, const Color& to, Label label) {
     add(from, to, {kBackgroundFactor, 0, label});
@@ -161,6 +184,13 @@ class Pieces {
   std::vector<Piece> list_;
 };
 
+/// Whether the brightest third has another hue than the middle one.
+bool has_shine(const Curve& curve) {
+  constexpr float kSameHue = 0.06F;  // in shares
+  const auto shares = [](const Color& color) { return Color(color / std::max(color.sum(), 1.0F)); };
+  return (shares(curve.knots[1]) - shares(curve.knots.back())).norm() > kSameHue;
+}
+
 /// Brightest over darkest.
 float light_range(const Curve& curve) {
   return brightness(curve.knots.back()) / std::max(brightness(curve.knots.front()), 1.0F);
@@ -190,10 +220,15 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     // The carpet was seen in all lights, a print perhaps not: then its samples may be the brightest there
     // are, or the darkest.
     const float unseen = std::max(1.0F, field_range / light_range(*curve));
-    const Color darkest = curve->knots.front() / unseen;
     const Color dark = black ? black->knots.front() : Color::Zero();
-    out.add_color(dark + 0.55F * (darkest - dark), *curve,
-                  in_cube(std::max(kColorBrightest, unseen) * curve->knots.back()), label);
+    out.add_color(*curve, label);
+    const float brightest = std::max(kColorBrightest, unseen);
+    for (const Color& knot : curve->knots) {
+      // Prints of one label differ from maker to maker: each has its own colour in less light and in more. A
+      // ball's shine is not its colour in more light.
+      out.add_in_less_light(dark, dark + 0.55F * (knot / unseen - dark), knot, label);
+      if (&knot != &curve->knots.back() || !has_shine(*curve)) out.add_in_more_light(knot, brightest, label);
+    }
   }
 
   if (field) out.add_background(*field, named(label::kField));
@@ -205,8 +240,9 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     for (const float share : {0.25F, 0.5F, 0.75F}) {
       out.add_background(blend(*field, *white, share), label::kClear);
     }
-    // A sample from a line a pixel or two wide is itself a blend, so real white may lie beyond.
-    out.add_background(blend(*field, *white, 1.5F), named(label::kWhite));
+    // A sample from a line a pixel or two wide is itself a blend, so real white may lie beyond. It is a
+    // guess: colours that were seen go first.
+    out.add_guess(blend(*field, *white, 1.5F), named(label::kWhite));
   }
   const auto add_edges = [&](const std::optional<Curve>& beside_black) {
     if (!beside_black || !black) return;
