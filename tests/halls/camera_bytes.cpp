@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camera_bytes.h"
+
+#include "image/jpeg.h"
+#include "image/jpeg_decoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace sslv::halls {
+namespace {
+
+/// Normal deviates, drawn from a table of equally likely ones.
+class Noise {
+ public:
+  explicit Noise(Chance chance) : chance_(chance) {}
+  float next() {
+    if (left_ == 0) {
+      bits_ = chance_.bits();
+      left_ = 5;
+    }
+    --left_;
+    const float out = table()[bits_ & (kSize - 1)];
+    bits_ >>= 12;
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kSize = 4096;
+  static const std::array<float, kSize>& table() {
+    static const auto kTable = [] {
+      std::array<float, kSize> out{};
+      // The inverse of the normal distribution by bisection.
+      for (std::size_t i = 0; i < kSize; ++i) {
+        const double share = (static_cast<double>(i) + 0.5) / kSize;
+        double low = -6, high = 6;
+        for (int step = 0; step < 50; ++step) {
+          const double middle = (low + high) / 2;
+          (0.5 * std::erfc(-middle / std::sqrt(2.0)) < share ? low : high) = middle;
+        }
+        out[i] = static_cast<float>(low);
+      }
+      return out;
+    }();
+    return kTable;
+  }
+  Chance chance_;
+  std::uint64_t bits_ = 0;
+  int left_ = 0;
+};
+
+/// Light to 0..255, not rounded, by a table over 0..1.
+class Encoder {
+ public:
+  explicit Encoder(Transfer transfer) : is_linear_(transfer == Transfer::kLinear) {
+    for (std::size_t i = 0; i < kSize + 2; ++i) {
+      table_[i] = 255 * encoded(static_cast<float>(i) / kSize, transfer);
+    }
+  }
+  float operator()(float light) const {
+    const float held = std::clamp(light, 0.0F, 1.0F);
+    if (is_linear_) return 255 * held;
+    const float place = held * kSize;
+    const auto i = static_cast<std::size_t>(place);
+    return table_[i] + (table_[i + 1] - table_[i]) * (place - static_cast<float>(i));
+  }
+
+ private:
+  static constexpr std::size_t kSize = 8192;
+  bool is_linear_;
+  std::array<float, kSize + 2> table_{};
+};
+
+std::uint8_t rounded(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
+}
+
+/// Through a JPEG and back, as cameras and grabbers with a narrow link do.
+void compress(std::vector<std::uint8_t>& bytes, int width, int height, PixelFormat format, int quality) {
+  JpegEncoder encoder;
+  JpegDecoder decoder;
+  std::string problem;
+  const ImageView view{bytes.data(), width, height, width * bytes_per_pixel(format), format};
+  const auto jpeg = encoder.encode(view, width, quality, Chroma::kFull);
+  const ImageView layout = decoder.layout(jpeg, problem);
+  if (layout.format != format || layout.width != width || !decoder.decode(jpeg, bytes.data(), problem)) {
+    throw std::runtime_error("JPEG and back: " + problem);
+  }
+}
+
+}  // namespace
+
+void blur(Picture& picture, double sigma_px) {
+  if (sigma_px <= 0) return;
+  const int reach = std::max(1, static_cast<int>(std::ceil(3 * sigma_px)));
+  std::vector<float> weights(static_cast<std::size_t>(2 * reach + 1));
+  float sum = 0;
+  for (int i = -reach; i <= reach; ++i) {
+    const auto weight = static_cast<float>(std::exp(-0.5 * i * i / (sigma_px * sigma_px)));
+    weights[static_cast<std::size_t>(i + reach)] = weight;
+    sum += weight;
+  }
+  for (float& weight : weights) weight /= sum;
+  // Rows and columns as flat floats, which compilers turn into vector code.
+  const int width = picture.width, height = picture.height, flat = 3 * width;
+  std::vector<float> padded(static_cast<std::size_t>(3 * (width + 2 * reach)));
+  for (int y = 0; y < height; ++y) {
+    float* row = picture.row(y).front().data();
+    std::copy(row, row + flat, padded.begin() + 3 * reach);
+    for (int i = 0; i < reach; ++i) {
+      std::copy(row, row + 3, padded.begin() + 3 * i);
+      std::copy(row + flat - 3, row + flat, padded.begin() + 3 * (width + reach + i));
+    }
+    for (int x = 0; x < flat; ++x) {
+      float value = 0;
+      for (int i = 0; i <= 2 * reach; ++i)
+        value += weights[static_cast<std::size_t>(i)] * padded[static_cast<std::size_t>(x + 3 * i)];
+      row[x] = value;
+    }
+  }
+  // Down the columns: a ring of rows as they were.
+  const int kept = reach + 1;
+  std::vector<std::vector<float>> before(static_cast<std::size_t>(kept),
+                                         std::vector<float>(static_cast<std::size_t>(flat)));
+  const auto keep = [&](int y) {
+    const float* row = picture.row(y).front().data();
+    std::copy(row, row + flat, before[static_cast<std::size_t>(y % kept)].begin());
+  };
+  std::vector<float> out(static_cast<std::size_t>(flat));
+  for (int y = 0; y < height; ++y) {
+    keep(y);
+    std::fill(out.begin(), out.end(), 0.0F);
+    for (int i = -reach; i <= reach; ++i) {
+      const int from = std::clamp(y + i, 0, height - 1);
+      const float* row =
+          from <= y ? before[static_cast<std::size_t>(from % kept)].data() : picture.row(from).front().data();
+      const float weight = weights[static_cast<std::size_t>(i + reach)];
+      for (int x = 0; x < flat; ++x) out[static_cast<std::size_t>(x)] += weight * row[x];
+    }
+    std::copy(out.begin(), out.end(), picture.row(y).front().data());
+  }
+}
+
+std::vector<std::uint8_t> camera_bytes(const Picture& light, const Sensor& sensor, PixelFormat format,
+                                       Chance chance) {
+  const int width = light.width, height = light.height;
+  const Encoder encode(sensor.transfer);
+  // The noise is given in grey levels; the sensor has it in light.
+  const float grey = decoded(90 / 255.0F, sensor.transfer);
+  const float slope =
+      (encoded(grey * 1.01F, sensor.transfer) - encoded(grey * 0.99F, sensor.transfer)) / (grey * 0.02F);
+  const auto variance = static_cast<float>(std::pow(sensor.noise_grey / 255 / slope, 2));
+  const float fixed = variance * static_cast<float>(1 - sensor.shot_share);
+  const float growing = variance * static_cast<float>(sensor.shot_share) / grey;
+  Noise noise(chance);
+  std::vector<float> hot(sensor.hot_pixels.empty() ? 0 : light.pixels.size() * 3);
+  for (const HotPixel& pixel : sensor.hot_pixels) {
+    hot[static_cast<std::size_t>((pixel.y * width + pixel.x) * 3 + pixel.channel)] = pixel.light;
+  }
+  const auto code = [&](std::size_t pixel, int channel) {
+    float value = light.pixels[pixel][channel];
+    value += noise.next() * std::sqrt(fixed + growing * std::max(0.0F, value));
+    if (!hot.empty()) value += hot[pixel * 3 + static_cast<std::size_t>(channel)];
+    return encode(value);
+  };
+
+  std::vector<std::uint8_t> out(light.pixels.size() * static_cast<std::size_t>(bytes_per_pixel(format)));
+  if (format == PixelFormat::kBayerRg8) {
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const auto i =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+        out[i] = rounded(code(i, (y & 1) + (x & 1)));
+      }
+    }
+    return out;
+  }
+  if (format == PixelFormat::kRgb24) {
+    for (std::size_t i = 0; i < light.pixels.size(); ++i) {
+      for (int channel = 0; channel < 3; ++channel)
+        out[3 * i + static_cast<std::size_t>(channel)] = rounded(code(i, channel));
+    }
+  } else if (format == PixelFormat::kUyvy) {
+    for (std::size_t i = 0; i + 1 < light.pixels.size(); i += 2) {
+      float y[2], u = 0, v = 0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        const float r = code(i + k, 0), g = code(i + k, 1), b = code(i + k, 2);
+        y[k] = 0.299F * r + 0.587F * g + 0.114F * b;
+        u += 0.5F * (b - y[k]) / 1.772F;
+        v += 0.5F * (r - y[k]) / 1.402F;
+      }
+      out[2 * i] = rounded(u + 128);
+      out[2 * i + 1] = rounded(y[0]);
+      out[2 * i + 2] = rounded(v + 128);
+      out[2 * i + 3] = rounded(y[1]);
+    }
+  } else {
+    throw std::runtime_error("only uyvy, rgb24 and bayer_rg8 are drawn");
+  }
+  if (sensor.jpeg_quality > 0) compress(out, width, height, format, sensor.jpeg_quality);
+  return out;
+}
+
+}  // namespace sslv::halls
