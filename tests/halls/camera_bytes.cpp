@@ -91,6 +91,71 @@ void compress(std::vector<std::uint8_t>& bytes, int width, int height, PixelForm
   }
 }
 
+/// Which colour a pixel of a Bayer RG sensor sees.
+constexpr int bayer_channel(int x, int y) {
+  return (y & 1) + (x & 1);
+}
+
+/// Light with the sensor's noise.
+class Photosites {
+ public:
+  Photosites(const Picture& light, const Sensor& sensor, Chance chance) : light_(light), noise_(chance) {
+    // The noise is given in grey levels; the sensor has it in light.
+    const Transfer transfer = sensor.transfer;
+    const float grey = decoded(90 / 255.0F, transfer);
+    const float slope = (encoded(grey * 1.01F, transfer) - encoded(grey * 0.99F, transfer)) / (grey * 0.02F);
+    const auto variance = static_cast<float>(std::pow(sensor.noise_grey / 255 / slope, 2));
+    fixed_ = variance * static_cast<float>(1 - sensor.shot_share);
+    growing_ = variance * static_cast<float>(sensor.shot_share) / grey;
+    if (!sensor.hot_pixels.empty()) hot_.resize(light.pixels.size() * 3);
+    for (const HotPixel& pixel : sensor.hot_pixels) {
+      hot_[index(pixel.x, pixel.y) * 3 + static_cast<std::size_t>(pixel.channel)] = pixel.light;
+    }
+  }
+
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(light_.width) + static_cast<std::size_t>(x);
+  }
+
+  /// With new noise at each call.
+  float light_at(int x, int y, int channel) {
+    const std::size_t i = index(x, y);
+    float value = light_.pixels[i][channel];
+    value += noise_.next() * std::sqrt(fixed_ + growing_ * std::max(0.0F, value));
+    if (!hot_.empty()) value += hot_[i * 3 + static_cast<std::size_t>(channel)];
+    return value;
+  }
+
+  void fill_mosaic() {
+    mosaic_.resize(light_.pixels.size());
+    for (int y = 0; y < light_.height; ++y) {
+      for (int x = 0; x < light_.width; ++x) {
+        mosaic_[index(x, y)] = std::clamp(light_at(x, y, bayer_channel(x, y)), 0.0F, 1.0F);
+      }
+    }
+  }
+  /// Between the nearest pixels of that colour, as cameras do it in haste.
+  float interpolated(int x, int y, int channel) const {
+    if (bayer_channel(x, y) == channel) return mosaic_[index(x, y)];
+    float sum = 0;
+    int count = 0;
+    for (int ny = std::max(0, y - 1); ny <= std::min(light_.height - 1, y + 1); ++ny) {
+      for (int nx = std::max(0, x - 1); nx <= std::min(light_.width - 1, x + 1); ++nx) {
+        if (bayer_channel(nx, ny) != channel) continue;
+        sum += mosaic_[index(nx, ny)];
+        ++count;
+      }
+    }
+    return sum / static_cast<float>(count);
+  }
+
+ private:
+  const Picture& light_;
+  Noise noise_;
+  float fixed_ = 0, growing_ = 0;
+  std::vector<float> hot_, mosaic_;
+};
+
 }  // namespace
 
 void blur(Picture& picture, double sigma_px) {
@@ -148,57 +213,46 @@ std::vector<std::uint8_t> camera_bytes(const Picture& light, const Sensor& senso
                                        Chance chance) {
   const int width = light.width, height = light.height;
   const Encoder encode(sensor.transfer);
-  // The noise is given in grey levels; the sensor has it in light.
-  const float grey = decoded(90 / 255.0F, sensor.transfer);
-  const float slope =
-      (encoded(grey * 1.01F, sensor.transfer) - encoded(grey * 0.99F, sensor.transfer)) / (grey * 0.02F);
-  const auto variance = static_cast<float>(std::pow(sensor.noise_grey / 255 / slope, 2));
-  const float fixed = variance * static_cast<float>(1 - sensor.shot_share);
-  const float growing = variance * static_cast<float>(sensor.shot_share) / grey;
-  Noise noise(chance);
-  std::vector<float> hot(sensor.hot_pixels.empty() ? 0 : light.pixels.size() * 3);
-  for (const HotPixel& pixel : sensor.hot_pixels) {
-    hot[static_cast<std::size_t>((pixel.y * width + pixel.x) * 3 + pixel.channel)] = pixel.light;
-  }
-  const auto code = [&](std::size_t pixel, int channel) {
-    float value = light.pixels[pixel][channel];
-    value += noise.next() * std::sqrt(fixed + growing * std::max(0.0F, value));
-    if (!hot.empty()) value += hot[pixel * 3 + static_cast<std::size_t>(channel)];
-    return encode(value);
-  };
-
+  Photosites sites(light, sensor, chance);
   std::vector<std::uint8_t> out(light.pixels.size() * static_cast<std::size_t>(bytes_per_pixel(format)));
   if (format == PixelFormat::kBayerRg8) {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        const auto i =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-        out[i] = rounded(code(i, (y & 1) + (x & 1)));
+        out[sites.index(x, y)] = rounded(encode(sites.light_at(x, y, bayer_channel(x, y))));
       }
     }
     return out;
   }
-  if (format == PixelFormat::kRgb24) {
-    for (std::size_t i = 0; i < light.pixels.size(); ++i) {
-      for (int channel = 0; channel < 3; ++channel)
-        out[3 * i + static_cast<std::size_t>(channel)] = rounded(code(i, channel));
-    }
-  } else if (format == PixelFormat::kUyvy) {
-    for (std::size_t i = 0; i + 1 < light.pixels.size(); i += 2) {
-      float y[2], u = 0, v = 0;
-      for (std::size_t k = 0; k < 2; ++k) {
-        const float r = code(i + k, 0), g = code(i + k, 1), b = code(i + k, 2);
-        y[k] = 0.299F * r + 0.587F * g + 0.114F * b;
-        u += 0.5F * (b - y[k]) / 1.772F;
-        v += 0.5F * (r - y[k]) / 1.402F;
-      }
-      out[2 * i] = rounded(u + 128);
-      out[2 * i + 1] = rounded(y[0]);
-      out[2 * i + 2] = rounded(v + 128);
-      out[2 * i + 3] = rounded(y[1]);
-    }
-  } else {
+  if (format != PixelFormat::kRgb24 && format != PixelFormat::kUyvy) {
     throw std::runtime_error("only uyvy, rgb24 and bayer_rg8 are drawn");
+  }
+  if (sensor.is_mosaic) sites.fill_mosaic();
+  const auto code = [&](int x, int y, int channel) {
+    return encode(sensor.is_mosaic ? sites.interpolated(x, y, channel) : sites.light_at(x, y, channel));
+  };
+  std::uint8_t* to = out.data();
+  for (int y = 0; y < height; ++y) {
+    if (format == PixelFormat::kRgb24) {
+      for (int x = 0; x < width; ++x) {
+        for (int channel = 0; channel < 3; ++channel) *to++ = rounded(code(x, y, channel));
+      }
+      continue;
+    }
+    for (int x = 0; x + 1 < width; x += 2) {
+      std::array<float, 2> luma{};
+      float u = 128, v = 128;
+      for (int k = 0; k < 2; ++k) {
+        const float r = code(x + k, y, 0), g = code(x + k, y, 1), b = code(x + k, y, 2);
+        const float here = 0.299F * r + 0.587F * g + 0.114F * b;
+        luma[static_cast<std::size_t>(k)] = here;
+        u += 0.5F * (b - here) / 1.772F;
+        v += 0.5F * (r - here) / 1.402F;
+      }
+      *to++ = rounded(u);
+      *to++ = rounded(luma[0]);
+      *to++ = rounded(v);
+      *to++ = rounded(luma[1]);
+    }
   }
   if (sensor.jpeg_quality > 0) compress(out, width, height, format, sensor.jpeg_quality);
   return out;

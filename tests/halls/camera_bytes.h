@@ -37,6 +37,7 @@ struct Sensor {
   double blur_px = 0.55;    // of the lens, standard deviation
   double noise_grey = 4;    // standard deviation at grey 90 of 255, of each colour
   double shot_share = 0.3;  // of the noise's variance there that grows with the light
+  bool is_mosaic = false;   // the camera makes uyvy and rgb24 from a Bayer sensor
   int jpeg_quality = 0;     // 0: not compressed on the way
   std::vector<HotPixel> hot_pixels;
 };

@@ -154,7 +154,7 @@ void Painter::cast_shadow(const Eigen::Vector2d& at_mm, double radius_mm, double
 }
 
 Picture Painter::frame(const Play& play, int number, double light) {
-  Chance chance(hall_.options.seed, "light", static_cast<std::uint64_t>(number));
+  Chance chance(hall_.seed, "light", static_cast<std::uint64_t>(number));
   std::vector<double> factors;
   for (std::size_t i = 0; i < hall_.lighting.lamps.size(); ++i) {
     factors.push_back(light * std::max(0.3, 1 + hall_.lighting.lamp_jitter * chance.normal()));

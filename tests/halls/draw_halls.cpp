@@ -36,7 +36,6 @@ struct Options {
   bool preview = false;
 };
 
-/// The middles of the names of values, for CLI11.
 template <class T>
 using Names = std::map<std::string, T>;
 
@@ -121,13 +120,13 @@ void write_file(const std::filesystem::path& path, const std::string& header,
 }
 
 /// The lamps of a frame: drawn anew for each, or drifting where frames follow each other.
-double lamps_of(const Options& o, int frame) {
+double lamps_of(const Options& o, std::uint64_t hall_seed, int frame) {
   if (o.lamps.empty()) return o.light;
   if (o.play.placement == Placement::kScatter) {
-    return o.light * Chance(o.hall.seed, "lamps", static_cast<std::uint64_t>(frame))
-                         .log_uniform(o.lamps[0], o.lamps[1]);
+    return o.light *
+           Chance(hall_seed, "lamps", static_cast<std::uint64_t>(frame)).log_uniform(o.lamps[0], o.lamps[1]);
   }
-  const float wave = smooth_noise(frame / 40.0, 0.5, static_cast<std::uint32_t>(o.hall.seed));
+  const float wave = smooth_noise(frame / 40.0, 0.5, static_cast<std::uint32_t>(hall_seed));
   return o.light * std::exp(std::log(o.lamps[0]) + (0.5 + 0.5 * wave) * std::log(o.lamps[1] / o.lamps[0]));
 }
 
@@ -150,8 +149,8 @@ void draw(Options o) {
   std::ofstream truth(folder / "truth.jsonl");
   for (int frame = o.first; frame < o.first + o.frames; ++frame) {
     const Play play = game.at(frame);
-    const Picture light = painter.frame(play, frame, lamps_of(o, frame));
-    const Chance noise(o.hall.seed, "noise", static_cast<std::uint64_t>(frame));
+    const Picture light = painter.frame(play, frame, lamps_of(o, hall.seed, frame));
+    const Chance noise(hall.seed, "noise", static_cast<std::uint64_t>(frame));
     const std::string name = fmt::format("{:06}", frame);
     write_file(folder / (name + ".raw"), "", camera_bytes(light, hall.sensor, o.format, noise));
     if (o.preview) {
@@ -213,6 +212,7 @@ int main(int argc, char** argv) {
   app.add_option("--banding", o.hall.banding, "of flickering lamps, share")->check(CLI::Range(0.0, 0.5));
   app.add_option("--jpeg", o.hall.jpeg_quality, "compressed on the way with this quality; 0: not")
       ->check(CLI::Range(0, 100));
+  app.add_option("--mosaic", o.hall.is_mosaic, "1: uyvy and rgb24 are made from a Bayer sensor; 0: not");
   app.add_option("--height-spread", o.hall.height_spread_mm, "mm around the height in the settings")
       ->check(CLI::Range(0.0, 50.0));
   app.add_flag("--preview", o.preview, "a .ppm picture of each frame as well");

@@ -127,8 +127,9 @@ Color FloorPatch::at(const Eigen::Vector2d& p, const Color& tone) const {
   }
   if (color != nullptr) {
     const bool is_gone =
-        floor_.line_wear > 0 &&
-        smooth_noise(p.x() / 14, p.y() / 14, floor_.carpet.seed + 20) > 0.9 - 1.1 * floor_.line_wear;
+        floor_.line_wear > 0 && smooth_noise(p.x() / 80, p.y() / 80, floor_.carpet.seed + 20) +
+                                        0.8 * smooth_noise(p.x() / 9, p.y() / 9, floor_.carpet.seed + 21) >
+                                    1.2 - 1.6 * floor_.line_wear;
     if (!is_gone) return *color;
   }
   return floor_.carpet.extent_mm.contains(p) ? Color(carpet(p) * tone) : ground(p);

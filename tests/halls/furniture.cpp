@@ -23,7 +23,7 @@ class Furnisher {
  public:
   explicit Furnisher(Hall& hall)
       : hall_(hall),
-        chance_(hall.options.seed, "furniture"),
+        chance_(hall.seed, "furniture"),
         camera_(hall.calibration),
         transfer_(hall.sensor.transfer),
         is_hard_(hall.options.kind == Kind::kHard) {
@@ -170,7 +170,13 @@ class Furnisher {
     return chance_.one_of(kColors).in(transfer_);
   }
 
-  /// Two shoes and the legs above them.
+  Color shirt() {
+    constexpr Seen kColors[]{{235, 90, 160}, {240, 205, 50}, {240, 125, 35},
+                             {225, 60, 60},  {60, 110, 210}, {80, 200, 100}};
+    return chance_.one_of(kColors).in(transfer_);
+  }
+
+  /// Somebody who stands there.
   void put_person(double least_out_mm) {
     constexpr Seen kShoes[]{{28, 28, 30},  {230, 230, 232}, {190, 40, 40},
                             {45, 80, 180}, {225, 110, 35},  {90, 90, 95}};
@@ -188,10 +194,39 @@ class Furnisher {
       hall_.furniture.push_back(std::make_unique<Ellipsoid>(Eigen::Vector3d(at.x(), at.y(), 8),
                                                             Eigen::Vector3d(150, 55, 14), turned,
                                                             Seen{225, 225, 220}.in(transfer_)));
-      const Eigen::Vector2d heel = at - 75 * front, knee = heel + 60 * place.side->outward;
+      const Eigen::Vector2d heel = at - 75 * front;
+      const Eigen::Vector2d hip = place.at + foot * 90 * left + 20 * place.side->outward;
       hall_.furniture.push_back(std::make_unique<Capsule>(
-          Eigen::Vector3d(heel.x(), heel.y(), 70), Eigen::Vector3d(knee.x(), knee.y(), 550), 65, trousers));
+          Eigen::Vector3d(heel.x(), heel.y(), 70), Eigen::Vector3d(hip.x(), hip.y(), 850), 65, trousers));
     }
+    put_body(place.at + 30 * place.side->outward, 1150, facing, chance_.happens(0.5) ? cloth() : shirt());
+  }
+
+  /// From the hips upwards.
+  void put_body(const Eigen::Vector2d& at, double z, double facing, const Color& color) {
+    const Eigen::Vector2d front(std::cos(facing), std::sin(facing)), left(-front.y(), front.x());
+    hall_.furniture.push_back(std::make_unique<Ellipsoid>(Eigen::Vector3d(at.x(), at.y(), z),
+                                                          Eigen::Vector3d(130, 215, 330), facing, color));
+    const Color face = skin();
+    const auto place = [&](double forward, double sideways, double up) {
+      const Eigen::Vector2d p = at + forward * front + sideways * left;
+      return Eigen::Vector3d(p.x(), p.y(), z + up);
+    };
+    for (const double arm : {-1.0, 1.0}) {
+      const Eigen::Vector3d elbow = place(40, arm * 260, 0), hand = place(230, arm * 210, 20);
+      hall_.furniture.push_back(std::make_unique<Capsule>(place(0, arm * 210, 250), elbow, 50, color));
+      hall_.furniture.push_back(std::make_unique<Capsule>(elbow, hand, 38, face));
+    }
+    put_head(place(20, 0, 450), front, face);
+  }
+
+  void put_head(const Eigen::Vector3d& at, const Eigen::Vector2d& front, const Color& face) {
+    constexpr Seen kHair[]{{45, 32, 26}, {20, 18, 18}, {120, 90, 55}, {150, 140, 130}};
+    const double facing = std::atan2(front.y(), front.x());
+    hall_.furniture.push_back(std::make_unique<Ellipsoid>(at, Eigen::Vector3d(95, 78, 100), facing, face));
+    hall_.furniture.push_back(std::make_unique<Ellipsoid>(
+        at + Eigen::Vector3d(-25 * front.x(), -25 * front.y(), 22), Eigen::Vector3d(88, 80, 92), facing,
+        chance_.one_of(kHair).in(transfer_)));
   }
 
   void put_cone() {
@@ -252,10 +287,8 @@ class Furnisher {
 
   /// Somebody's head and shoulders in the picture, beyond the lines on the floor.
   void lean_in() {
-    constexpr Seen kShirts[]{{235, 90, 160}, {240, 205, 50}, {240, 125, 35},
-                             {225, 60, 60},  {60, 110, 210}, {80, 200, 100}};
     const Rim place = rim(60, 260, false);
-    const Color shirt = chance_.one_of(kShirts).in(transfer_), color = skin();
+    const Color color = shirt();
     const Eigen::Vector3d eye = camera_.position_mm();
     const double z = chance_.uniform(900, 1200);
     // Where it hides that place of the floor from the camera.
@@ -266,16 +299,12 @@ class Furnisher {
     const Eigen::Vector2d out = place.side->outward, across(-out.y(), out.x());
     const double yaw = std::atan2(out.y(), out.x());
     hall_.furniture.push_back(std::make_unique<Ellipsoid>(hiding(place.at + 150 * out, z),
-                                                          Eigen::Vector3d(150, 230, 150), yaw, shirt));
-    const Eigen::Vector3d head = hiding(place.at - 10 * out, z + 120);
-    hall_.furniture.push_back(std::make_unique<Ellipsoid>(head, Eigen::Vector3d(95, 78, 100), yaw, color));
-    hall_.furniture.push_back(
-        std::make_unique<Ellipsoid>(head + Eigen::Vector3d(25 * out.x(), 25 * out.y(), 22),
-                                    Eigen::Vector3d(88, 80, 92), yaw, Seen{45, 32, 26}.in(transfer_)));
+                                                          Eigen::Vector3d(150, 230, 150), yaw, color));
+    put_head(hiding(place.at - 10 * out, z + 120), -out, skin());
     for (const double arm : {-1.0, 1.0}) {
       const Eigen::Vector3d shoulder = hiding(place.at + 150 * out + arm * 190 * across, z - 20);
       const Eigen::Vector3d elbow = shoulder + Eigen::Vector3d(-60 * out.x(), -60 * out.y(), -240);
-      hall_.furniture.push_back(std::make_unique<Capsule>(shoulder, elbow, 50, shirt));
+      hall_.furniture.push_back(std::make_unique<Capsule>(shoulder, elbow, 50, color));
     }
   }
 

@@ -230,6 +230,7 @@ void make_hall_of_people(Hall& hall, Chance& chance, bool hard) {
   hall.sensor.noise_grey = hard ? chance.uniform(4, 8) : chance.uniform(2, 6);
   hall.sensor.blur_px = chance.uniform(0.4, 0.9);
   hall.sensor.shot_share = 0.5;
+  hall.sensor.is_mosaic = chance.happens(0.5);
   if (hard) {
     hall.sensor.jpeg_quality = chance.happens(0.4) ? chance.whole(75, 90) : 0;
     for (int i = chance.whole(5, 60); i > 0; --i) {
@@ -254,7 +255,7 @@ void make_hall_of_people(Hall& hall, Chance& chance, bool hard) {
 }  // namespace
 
 Robot::Look Hall::robot_look(std::size_t team, int id) const {
-  Chance chance(options.seed, "robot", team * 256 + static_cast<std::size_t>(id));
+  Chance chance(seed, "robot", team * 256 + static_cast<std::size_t>(id));
   const Prints& print = prints[team];
   // In the league's order, front left first: G green, P pink.
   constexpr std::string_view kCodes[16]{"PGPP", "GGPP", "GGPG", "PGPG", "PPGP", "GPGP", "GPGG", "PPGG",
@@ -282,11 +283,12 @@ Robot::Look Hall::robot_look(std::size_t team, int id) const {
 }
 
 Hall make_hall(const HallOptions& options) {
-  Chance chance(options.seed, "hall",
-                static_cast<std::uint64_t>(options.kind) * 16 + static_cast<std::uint64_t>(options.size));
-  const bool is_acceptance = options.kind == Kind::kAcceptance, is_hard = options.kind == Kind::kHard;
   Hall hall;
   hall.options = options;
+  hall.seed = mixed(options.seed * 16 + static_cast<std::uint64_t>(options.kind) * 4 +
+                    static_cast<std::uint64_t>(options.size));
+  Chance chance(hall.seed, "hall");
+  const bool is_acceptance = options.kind == Kind::kAcceptance, is_hard = options.kind == Kind::kHard;
   hall.field = field_of(options.size);
   hall.calibration = calibration_of(options.size);
   hall.sensor.transfer =
@@ -308,6 +310,7 @@ Hall make_hall(const HallOptions& options) {
   hall.sensor.noise_grey = options.noise_grey.value_or(hall.sensor.noise_grey);
   hall.sensor.blur_px = options.blur_px.value_or(hall.sensor.blur_px);
   hall.sensor.jpeg_quality = options.jpeg_quality.value_or(hall.sensor.jpeg_quality);
+  hall.sensor.is_mosaic = options.is_mosaic.value_or(hall.sensor.is_mosaic);
   hall.lighting.uneven = options.uneven.value_or(hall.lighting.uneven);
   hall.lighting.vignette = options.vignette.value_or(hall.lighting.vignette);
   hall.lighting.banding = options.banding.value_or(hall.lighting.banding);

@@ -34,6 +34,7 @@ struct HallOptions {
   std::optional<Transfer> transfer;
   std::optional<double> noise_grey, blur_px, uneven, vignette, banding;
   std::optional<int> jpeg_quality;
+  std::optional<bool> is_mosaic;
   std::optional<double> height_spread_mm;
   int distractors = 0;  // flat things of other shapes and colours on the field
 };
@@ -46,6 +47,7 @@ struct Prints {
 /// Everything that stays over the frames of one seed.
 struct Hall {
   HallOptions options;
+  std::uint64_t seed = 0;  // of everything in it: the options' seed, kind and size
   FieldSize field;
   CameraCalibration calibration;
   Floor floor;

@@ -98,7 +98,7 @@ std::optional<Eigen::Vector2d> Game::random_place(Chance& chance, double height_
 }
 
 Play Game::scattered(int frame) const {
-  Chance chance(hall_.options.seed, "scatter", static_cast<std::uint64_t>(frame));
+  Chance chance(hall_.seed, "scatter", static_cast<std::uint64_t>(frame));
   Play play;
   for (std::size_t team = 0; team < 2; ++team) {
     std::vector<int> ids(16);
@@ -200,7 +200,7 @@ void Game::place_ball(Chance& chance, Play& play) const {
 
 /// One cell of the field for each robot and ball, which it does not leave.
 void Game::plan_paths() {
-  Chance chance(hall_.options.seed, "paths");
+  Chance chance(hall_.seed, "paths");
   const int robots = 2 * options_.robots;
   for (double cell_mm = 1100; rounds_.size() < static_cast<std::size_t>(robots + options_.balls);
        cell_mm *= 0.93) {
@@ -230,9 +230,8 @@ void Game::plan_paths() {
       const int number = static_cast<int>(i);
       Round round = free[i];
       round.team = number < options_.robots ? 0 : 1;
-      round.id = number >= robots
-                     ? -1
-                     : (number % options_.robots * 5 + static_cast<int>(hall_.options.seed % 16)) % 16;
+      round.id =
+          number >= robots ? -1 : (number % options_.robots * 5 + static_cast<int>(hall_.seed % 16)) % 16;
       rounds_.push_back(round);
     }
   }
