@@ -160,52 +160,45 @@ class Photosites {
 
 void blur(Picture& picture, double sigma_px) {
   if (sigma_px <= 0) return;
-  const int reach = std::max(1, static_cast<int>(std::ceil(3 * sigma_px)));
-  std::vector<float> weights(static_cast<std::size_t>(2 * reach + 1));
+  const auto reach = static_cast<std::size_t>(std::max(1.0, std::ceil(3 * sigma_px)));
+  std::vector<float> weights(2 * reach + 1);
   float sum = 0;
-  for (int i = -reach; i <= reach; ++i) {
-    const auto weight = static_cast<float>(std::exp(-0.5 * i * i / (sigma_px * sigma_px)));
-    weights[static_cast<std::size_t>(i + reach)] = weight;
-    sum += weight;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double away_px = static_cast<double>(i) - static_cast<double>(reach);
+    weights[i] = static_cast<float>(std::exp(-0.5 * away_px * away_px / (sigma_px * sigma_px)));
+    sum += weights[i];
   }
   for (float& weight : weights) weight /= sum;
-  // Rows and columns as flat floats, which compilers turn into vector code.
-  const int width = picture.width, height = picture.height, flat = 3 * width;
-  std::vector<float> padded(static_cast<std::size_t>(3 * (width + 2 * reach)));
-  for (int y = 0; y < height; ++y) {
-    float* row = picture.row(y).front().data();
-    std::copy(row, row + flat, padded.begin() + 3 * reach);
-    for (int i = 0; i < reach; ++i) {
-      std::copy(row, row + 3, padded.begin() + 3 * i);
-      std::copy(row + flat - 3, row + flat, padded.begin() + 3 * (width + reach + i));
+  // Rows and columns as flat floats, which compilers turn into vector code. What lies beyond the picture is
+  // like its edge.
+  const std::size_t flat = 3 * static_cast<std::size_t>(picture.width);
+  const auto height = static_cast<std::size_t>(picture.height);
+  const auto row_at = [&](std::size_t y) { return picture.row(static_cast<int>(y)).front().data(); };
+  std::vector<float> padded(flat + 6 * reach);
+  for (std::size_t y = 0; y < height; ++y) {
+    float* row = row_at(y);
+    std::copy(row, row + flat, &padded[3 * reach]);
+    for (std::size_t i = 0; i < 3 * reach; ++i) {
+      padded[i] = row[i % 3];
+      padded[3 * reach + flat + i] = row[flat - 3 + i % 3];
     }
-    for (int x = 0; x < flat; ++x) {
-      float value = 0;
-      for (int i = 0; i <= 2 * reach; ++i)
-        value += weights[static_cast<std::size_t>(i)] * padded[static_cast<std::size_t>(x + 3 * i)];
-      row[x] = value;
+    std::fill(row, row + flat, 0.0F);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      for (std::size_t x = 0; x < flat; ++x) row[x] += weights[i] * padded[x + 3 * i];
     }
   }
-  // Down the columns: a ring of rows as they were.
-  const int kept = reach + 1;
-  std::vector<std::vector<float>> before(static_cast<std::size_t>(kept),
-                                         std::vector<float>(static_cast<std::size_t>(flat)));
-  const auto keep = [&](int y) {
-    const float* row = picture.row(y).front().data();
-    std::copy(row, row + flat, before[static_cast<std::size_t>(y % kept)].begin());
-  };
-  std::vector<float> out(static_cast<std::size_t>(flat));
-  for (int y = 0; y < height; ++y) {
-    keep(y);
+  // Down the columns; rows above are kept as they were.
+  std::vector<std::vector<float>> before(reach + 1, std::vector<float>(flat));
+  std::vector<float> out(flat);
+  for (std::size_t y = 0; y < height; ++y) {
+    std::copy(row_at(y), row_at(y) + flat, before[y % before.size()].begin());
     std::fill(out.begin(), out.end(), 0.0F);
-    for (int i = -reach; i <= reach; ++i) {
-      const int from = std::clamp(y + i, 0, height - 1);
-      const float* row =
-          from <= y ? before[static_cast<std::size_t>(from % kept)].data() : picture.row(from).front().data();
-      const float weight = weights[static_cast<std::size_t>(i + reach)];
-      for (int x = 0; x < flat; ++x) out[static_cast<std::size_t>(x)] += weight * row[x];
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const std::size_t from = std::min(y + i < reach ? 0 : y + i - reach, height - 1);
+      const float* row = from <= y ? before[from % before.size()].data() : row_at(from);
+      for (std::size_t x = 0; x < flat; ++x) out[x] += weights[i] * row[x];
     }
-    std::copy(out.begin(), out.end(), picture.row(y).front().data());
+    std::copy(out.begin(), out.end(), row_at(y));
   }
 }
 

@@ -154,7 +154,9 @@ void draw(Options o) {
     const std::string name = fmt::format("{:06}", frame);
     write_file(folder / (name + ".raw"), "", camera_bytes(light, hall.sensor, o.format, noise));
     if (o.preview) {
-      write_file(folder / (name + ".ppm"), fmt::format("P6\n{} {}\n255\n", light.width, light.height),
+      std::filesystem::create_directories(folder / "preview");
+      write_file(folder / "preview" / (name + ".ppm"),
+                 fmt::format("P6\n{} {}\n255\n", light.width, light.height),
                  camera_bytes(light, hall.sensor, PixelFormat::kRgb24, noise));
     }
     truth << truth_json(play, camera, name, frame / kFramesPerSecond).dump() << '\n';
@@ -215,7 +217,7 @@ int main(int argc, char** argv) {
   app.add_option("--mosaic", o.hall.is_mosaic, "1: uyvy and rgb24 are made from a Bayer sensor; 0: not");
   app.add_option("--height-spread", o.hall.height_spread_mm, "mm around the height in the settings")
       ->check(CLI::Range(0.0, 50.0));
-  app.add_flag("--preview", o.preview, "a .ppm picture of each frame as well");
+  app.add_flag("--preview", o.preview, "each frame as preview/NUMBER.ppm as well");
   CLI11_PARSE(app, argc, argv);
   try {
     draw(o);

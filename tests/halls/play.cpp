@@ -89,7 +89,7 @@ std::optional<Eigen::Vector2d> Game::random_place(Chance& chance, double height_
   const auto& c = camera_.calibration();
   const Eigen::Vector2d pixel(chance.uniform(0, c.pixel_image_width - 1),
                               chance.uniform(0, c.pixel_image_height - 1));
-  const auto at = camera_.unproject(pixel, height_mm);
+  auto at = camera_.unproject(pixel, height_mm);
   if (!at || std::abs(at->x()) > hall_.field.field_length / 2.0 + beyond_lines_mm ||
       std::abs(at->y()) > hall_.field.field_width / 2.0 + beyond_lines_mm) {
     return std::nullopt;
