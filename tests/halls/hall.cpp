@@ -270,12 +270,14 @@ Robot::Look Hall::robot_look(std::size_t team, int id) const {
   const auto share = static_cast<float>(chance.uniform(0, fade));
   const auto bright = static_cast<float>(1 + brightness_spread * chance.uniform(-1, 1));
   const Color paper = Seen{200, 200, 195}.in(sensor.transfer);
-  const auto printed = [&](const Color& color) -> Color {
-    return (color * (1 - share) + paper * share) * bright;
+  const auto printed = [&](const Color& color, float faded) -> Color {
+    return (color * (1 - faded) + paper * faded) * bright;
   };
-  look.dots[0] = printed(print.center);
+  // Cyan holds longest.
+  look.dots[0] = printed(print.center, team == 1 ? share / 2 : share);
   for (std::size_t i = 0; i < 4; ++i) {
-    look.dots[i + 1] = printed(kCodes[static_cast<std::size_t>(id)][i] == 'G' ? print.green : print.pink);
+    look.dots[i + 1] =
+        printed(kCodes[static_cast<std::size_t>(id)][i] == 'G' ? print.green : print.pink, share);
   }
   look.wear = wear > 0 && chance.happens(0.3) ? chance.uniform(0.1, wear) : 0;
   look.wear_seed = static_cast<std::uint32_t>(chance.bits());

@@ -3,17 +3,18 @@
 # One line for each hall that draw_halls draws: colours are learnt from its first frames, then other frames of it are processed and scored.
 #
 #   tests/halls/score.sh [--learn N] [--frames M] [--kinds "usual hard acceptance"] [--sizes "A B C"]
-#       [--formats "uyvy rgb24 bayer_rg8"] [--seeds "1 2 3 4"] [--keep FOLDER] [-- OPTIONS OF draw_halls]
+#       [--formats "uyvy rgb24 bayer_rg8"] [--seeds "1 2 3 4"] [--ball-share 0.4] [--keep FOLDER] [-- OPTIONS OF draw_halls]
 #
-# DRAW_HALLS and SSL_VISIONCTL name the programs; without them those of build/release. Frames that are learnt from and the others are
-# lit differently, unless --learn-light F gives the former a fixed factor.
+# DRAW_HALLS and SSL_VISIONCTL name the programs; without them those of build/release. Frames that are learnt from are lit as differently
+# as the others, unless --learn-light gives them a fixed factor. Balls count when all of them shows, or at least the share that
+# --ball-share gives. Times are those of a computer that may have other work.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 bin=$here/../../build/release/bin
 draw=${DRAW_HALLS:-$bin/draw_halls}
 ctl=${SSL_VISIONCTL:-$bin/ssl-visionctl}
-learn=1 frames=8 kinds="usual hard acceptance" sizes="A B C" formats="uyvy rgb24 bayer_rg8" seeds="1 2 3 4" keep="" learn_light=""
+learn=1 frames=8 kinds="usual hard acceptance" sizes="A B C" formats="uyvy rgb24 bayer_rg8" seeds="1 2 3 4" keep="" learn_light="" ball_share=""
 
 while [ $# -gt 0 ]; do
   case $1 in
@@ -24,6 +25,7 @@ while [ $# -gt 0 ]; do
     --sizes) sizes=$2; shift 2 ;;
     --formats) formats=$2; shift 2 ;;
     --seeds) seeds=$2; shift 2 ;;
+    --ball-share) ball_share=$2; shift 2 ;;
     --keep) keep=$2; shift 2 ;;
     --) shift; break ;;
     *) echo "unknown: $1" >&2; exit 2 ;;
@@ -63,7 +65,8 @@ for kind in $kinds; do
           jq --arg table "$hall/table.lut" '.cameras[0].colors = {lut_file: $table}' "$hall/frames/settings.json" > "$hall/settings.json"
           "$ctl" process --settings "$hall/settings.json" --input "$hall/frames" --pixel-format "$format" --size $pixels \
             --output "$hall/detections.jsonl"
-          result=$("$ctl" score --detections "$hall/detections.jsonl" --truth "$hall/frames/truth.jsonl" --json | jq -r "$line_of")
+          # shellcheck disable=SC2086
+          result=$("$ctl" score ${ball_share:+--min-ball-share $ball_share} --detections "$hall/detections.jsonl" --truth "$hall/frames/truth.jsonl" --json | jq -r "$line_of")
           time=$(jq -s '[.[].timing_us|add]|sort|.[length/2|floor]|round' "$hall/detections.jsonl")
         fi
         # shellcheck disable=SC2086
