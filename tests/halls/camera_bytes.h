@@ -33,6 +33,9 @@ struct HotPixel {
 };
 
 struct Sensor {
+  // A frame's own time is the middle of the exposure of the middle row.
+  double exposure_s = 0;
+  double readout_s = 0;  // from the first row's exposure to that of the last one
   Transfer transfer = Transfer::kLinear;
   double blur_px = 0.55;    // of the lens, standard deviation
   double noise_grey = 4;    // standard deviation at grey 90 of 255, of each colour

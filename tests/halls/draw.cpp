@@ -11,6 +11,8 @@ namespace {
 
 // An edge is drawn from so many rays a side of the pixel.
 constexpr int kRays = 5;
+// What moves is drawn at so many moments of the exposure: at 4 m/s and 8 ms they are 4 mm apart.
+constexpr int kMoments = 8;
 
 Eigen::AlignedBox2d lit_area(const Hall& hall) {
   const Eigen::Vector2d corner(hall.field.field_length / 2.0, hall.field.field_width / 2.0);
@@ -28,7 +30,7 @@ Painter::Painter(const Hall& hall, const CameraModel& camera)
   draw_floor();
   std::vector<const Solid*> solids;
   for (const auto& solid : hall.furniture) solids.push_back(solid.get());
-  draw_solids(solids, nullptr, still_, &obstacles_);
+  draw_solids(solids, nullptr, still_, &obstacles_, 0);
 }
 
 void Painter::draw_floor() {
@@ -77,9 +79,15 @@ Painter::Box Painter::box_around(const Sphere& sphere) const {
 }
 
 void Painter::draw_solids(std::span<const Solid* const> solids, const LightMap* light, Picture& picture,
-                          std::vector<std::uint8_t>* covered) const {
+                          std::vector<std::uint8_t>* covered, double travel_mm) const {
   std::vector<Box> boxes;
-  for (const Solid* solid : solids) boxes.push_back(box_around(solid->bounds()));
+  for (const Solid* solid : solids) {
+    const Sphere sphere = solid->bounds();
+    boxes.push_back(box_around({sphere.center, sphere.radius + travel_mm}));
+  }
+  const Sensor& sensor = hall_.sensor;
+  const int moments = travel_mm > 0 && sensor.exposure_s > 0 ? kMoments : 1;
+  const auto all = static_cast<float>(kRays * kRays * moments);
   for (std::size_t i = 0; i < solids.size(); ++i) {
     // A pixel where boxes overlap is drawn once, with all that may show in it, by the first of them.
     std::vector<std::size_t> near;
@@ -102,23 +110,26 @@ void Painter::draw_solids(std::span<const Solid* const> solids, const LightMap* 
         for (int ray_y = 0; ray_y < kRays; ++ray_y) {
           for (int ray_x = 0; ray_x < kRays; ++ray_x) {
             const Eigen::Vector2d at(x + (ray_x + 0.5) / kRays - 0.5, y + (ray_y + 0.5) / kRays - 0.5);
-            const Ray ray{camera_.position_mm(), camera_.ray(at).value()};
-            std::optional<Hit> nearest;
-            for (std::size_t k = 0; k < count; ++k) {
-              const auto hit = here[k]->hit(ray);
-              if (hit && hit->along > 0 && (!nearest || hit->along < nearest->along)) nearest = hit;
+            Ray ray{camera_.position_mm(), camera_.ray(at).value()};
+            for (int moment = 0; moment < moments; ++moment) {
+              ray.time_s = (static_cast<double>(y) / (picture.height - 1) - 0.5) * sensor.readout_s +
+                           ((moment + 0.5) / moments - 0.5) * sensor.exposure_s;
+              std::optional<Hit> nearest;
+              for (std::size_t k = 0; k < count; ++k) {
+                const auto hit = here[k]->hit(ray);
+                if (hit && hit->along > 0 && (!nearest || hit->along < nearest->along)) nearest = hit;
+              }
+              if (!nearest) continue;
+              sum += nearest->color;
+              ++hits;
             }
-            if (!nearest) continue;
-            sum += nearest->color;
-            ++hits;
           }
         }
         if (hits == 0) continue;
         if (light != nullptr) sum *= light->at(x, y);
         const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
                                   static_cast<std::size_t>(x);
-        constexpr auto kAll = static_cast<float>(kRays * kRays);
-        picture.pixels[pixel] = picture.pixels[pixel] * (1 - static_cast<float>(hits) / kAll) + sum / kAll;
+        picture.pixels[pixel] = picture.pixels[pixel] * (1 - static_cast<float>(hits) / all) + sum / all;
         if (covered != nullptr) (*covered)[pixel] = 1;
       }
     }
@@ -171,16 +182,22 @@ Picture Painter::frame(const Play& play, int number, double light) {
       cast_shadow(ball.at_mm, 0.7 * Ball::kRadiusMm, 2 * Ball::kRadiusMm, picture);
   }
 
+  double fastest_mm_s = 0;
   std::vector<Ball> balls;
   for (const PlayedBall& ball : play.balls) {
     Ball::Look look = hall_.ball;
     look.dimples = static_cast<std::uint32_t>(chance.bits());
-    balls.emplace_back(ball.at_mm, look, light_.from(ball.at_mm));
+    balls.emplace_back(ball.at_mm, look, light_.from(ball.at_mm), ball.motion);
+    fastest_mm_s = std::max(fastest_mm_s, ball.motion.velocity_mm_s.norm());
   }
   std::vector<const Solid*> solids;
-  for (const PlayedRobot& robot : play.robots) solids.push_back(&robot.solid);
+  for (const PlayedRobot& robot : play.robots) {
+    solids.push_back(&robot.solid);
+    fastest_mm_s = std::max(fastest_mm_s, robot.solid.motion().velocity_mm_s.norm());
+  }
   for (const Ball& ball : balls) solids.push_back(&ball);
-  draw_solids(solids, &light_, picture, nullptr);
+  draw_solids(solids, &light_, picture, nullptr,
+              fastest_mm_s * (hall_.sensor.exposure_s + hall_.sensor.readout_s) / 2);
 
   blur(picture, hall_.sensor.blur_px);
   if (hall_.lighting.banding > 0) {

@@ -34,8 +34,9 @@ class Painter {
   };
   Box box_around(const Sphere& sphere) const;
   void draw_floor();
+  /// `travel_mm`: how far things come from their places during the frame.
   void draw_solids(std::span<const Solid* const> solids, const LightMap* light, Picture& picture,
-                   std::vector<std::uint8_t>* covered) const;
+                   std::vector<std::uint8_t>* covered, double travel_mm) const;
   void cast_shadow(const Eigen::Vector2d& at_mm, double radius_mm, double height_mm, Picture& picture) const;
 
   const Hall& hall_;

@@ -30,7 +30,7 @@ struct Options {
   PlayOptions play;
   PixelFormat format = PixelFormat::kUyvy;
   int first = 1, frames = 1, robots = 0, balls = 0;
-  double light = 1;
+  double light = 1, exposure_ms = 0, readout_ms = 0;
   std::vector<double> lamps;
   std::string output;
   bool preview = false;
@@ -137,6 +137,9 @@ void draw(Options o) {
   o.play.robots = o.robots > 0 ? o.robots : usual_robots[static_cast<int>(o.hall.size)];
   o.play.balls = o.balls > 0 ? o.balls : usual_balls[static_cast<int>(o.hall.size)];
 
+  o.hall.exposure_s = o.exposure_ms / 1000;
+  o.hall.readout_s = o.readout_ms / 1000;
+
   const Hall hall = make_hall(o.hall);
   const CameraModel camera(hall.calibration);
   Painter painter(hall, camera);
@@ -204,6 +207,14 @@ int main(int argc, char** argv) {
   app.add_option("--tilt", o.hall.tilt_deg, "of the camera, degrees")->check(CLI::Range(-30.0, 30.0));
   app.add_option("--robots", o.robots, "of each team")->check(CLI::Range(1, 16));
   app.add_option("--balls", o.balls, "in each frame")->check(CLI::Range(1, 50));
+  app.add_option("--speed", o.play.speed_mm_s, "of the fastest robot or ball, mm/s")
+      ->check(CLI::Range(0.0, 20000.0));
+  app.add_option("--exposure", o.exposure_ms, "ms, over which what moves is smeared")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option(
+         "--readout", o.readout_ms,
+         "ms from the first row to the last, of a rolling shutter; the truth is that of the middle row")
+      ->check(CLI::Range(0.0, 100.0));
   app.add_option("--distractors", o.hall.distractors, "flat things of other shapes on the field")
       ->check(CLI::Range(0, 500));
   app.add_option("--noise", o.hall.noise_grey, "standard deviation at grey 90")->check(CLI::Range(0.0, 60.0));

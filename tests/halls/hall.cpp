@@ -313,6 +313,8 @@ Hall make_hall(const HallOptions& options) {
   hall.sensor.blur_px = options.blur_px.value_or(hall.sensor.blur_px);
   hall.sensor.jpeg_quality = options.jpeg_quality.value_or(hall.sensor.jpeg_quality);
   hall.sensor.is_mosaic = options.is_mosaic.value_or(hall.sensor.is_mosaic);
+  hall.sensor.exposure_s = options.exposure_s;
+  hall.sensor.readout_s = options.readout_s;
   hall.lighting.uneven = options.uneven.value_or(hall.lighting.uneven);
   hall.lighting.vignette = options.vignette.value_or(hall.lighting.vignette);
   hall.lighting.banding = options.banding.value_or(hall.lighting.banding);

@@ -35,6 +35,7 @@ struct HallOptions {
   std::optional<double> noise_grey, blur_px, uneven, vignette, banding;
   std::optional<int> jpeg_quality;
   std::optional<bool> is_mosaic;
+  double exposure_s = 0, readout_s = 0;
   std::optional<double> height_spread_mm;
   int distractors = 0;  // flat things of other shapes and colours on the field
 };

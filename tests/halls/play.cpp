@@ -106,6 +106,7 @@ Play Game::scattered(int frame) const {
     for (std::size_t i = 0; i < static_cast<std::size_t>(options_.robots); ++i) {
       std::swap(ids[i], ids[i + chance.bits() % (16 - i)]);
       const Robot::Look look = hall_.robot_look(team, ids[i]);
+      const Motion motion = random_motion(chance, 6);
       for (int tries = 0;; ++tries) {
         if (tries == 3000) throw std::runtime_error("there is no room for so many robots");
         // One in six nearly touches another one.
@@ -113,7 +114,8 @@ Play Game::scattered(int frame) const {
         if (!play.robots.empty() && tries < 50 && chance.happens(0.16)) {
           const Robot& other = play.robots[chance.bits() % play.robots.size()].solid;
           const double angle = chance.uniform(0, kTurn);
-          const double apart = look.radius_mm + other.look().radius_mm + chance.uniform(3, 15);
+          const double apart =
+              look.radius_mm + other.look().radius_mm + approach_mm() + chance.uniform(3, 15);
           at = other.at_mm() + apart * Eigen::Vector2d(std::cos(angle), std::sin(angle));
         } else {
           at = random_place(chance, look.height_mm, 60);
@@ -123,11 +125,12 @@ Play Game::scattered(int frame) const {
           continue;
         const bool is_clear =
             std::all_of(play.robots.begin(), play.robots.end(), [&](const PlayedRobot& other) {
-              return (other.solid.at_mm() - *at).norm() > look.radius_mm + other.solid.look().radius_mm + 2.5;
+              return (other.solid.at_mm() - *at).norm() >
+                     look.radius_mm + other.solid.look().radius_mm + approach_mm() + 2.5;
             });
         if (!is_clear || !obstacles_.leave_free(*at, 92, look.height_mm)) continue;
         const double orientation = wrapped(chance.uniform(0, kTurn));
-        play.robots.push_back({team, ids[i], orientation, Robot(*at, orientation, look)});
+        play.robots.push_back({team, ids[i], orientation, Robot(*at, orientation, look, motion)});
         break;
       }
     }
@@ -150,6 +153,12 @@ double Game::ball_share(const Eigen::Vector2d& at_mm, const Play& play) const {
     }
   }
   return share_seen(camera_, points, play.robots, nullptr);
+}
+
+Motion Game::random_motion(Chance& chance, double spin_rad_s) const {
+  if (options_.speed_mm_s <= 0) return {};
+  const double angle = chance.uniform(0, kTurn), speed = options_.speed_mm_s * chance.uniform(0.3, 1);
+  return {speed * Eigen::Vector2d(std::cos(angle), std::sin(angle)), chance.uniform(-spin_rad_s, spin_rad_s)};
 }
 
 /// In the open, on a line, beside a robot or behind one.
@@ -186,14 +195,14 @@ void Game::place_ball(Chance& chance, Play& play) const {
       for (const PlayedBall& ball : play.balls) least = std::min(least, (ball.at_mm - *at).norm());
       return least;
     }();
-    if (to_robot_mm < Ball::kRadiusMm + 1 || to_ball_mm < 2 * Ball::kRadiusMm + 40) continue;
-    if ((beside || hidden) && to_robot_mm > Ball::kRadiusMm + 25) continue;
+    if (to_robot_mm < Ball::kRadiusMm + approach_mm() + 1 || to_ball_mm < 2 * Ball::kRadiusMm + 40) continue;
+    if ((beside || hidden) && to_robot_mm > Ball::kRadiusMm + approach_mm() + 25) continue;
     if (!obstacles_.leave_free(*at, Ball::kRadiusMm + 2, 2 * Ball::kRadiusMm)) continue;
     const auto pixel = camera_.project({at->x(), at->y(), Ball::kRadiusMm});
     if (!pixel || !is_in_picture(camera_, *pixel)) continue;
     const double share = ball_share(*at, play);
     if (hidden ? share < 0.4 || share > 0.75 : share < 1) continue;
-    play.balls.push_back({*at, share});
+    play.balls.push_back({*at, random_motion(chance, 0), share});
     return;
   }
 }
@@ -235,6 +244,12 @@ void Game::plan_paths() {
       rounds_.push_back(round);
     }
   }
+  if (options_.speed_mm_s <= 0) return;
+  double fastest_mm_s = 0;
+  for (const Round& round : rounds_) {
+    fastest_mm_s = std::max(fastest_mm_s, std::abs(round.turn_rad_s) * round.half_axes_mm.maxCoeff());
+  }
+  for (Round& round : rounds_) round.turn_rad_s *= options_.speed_mm_s / fastest_mm_s;
 }
 
 Play Game::on_paths(int frame) const {
@@ -244,12 +259,15 @@ Play Game::on_paths(int frame) const {
     const double angle = round.phase_rad + round.turn_rad_s * t;
     const Eigen::Vector2d at = round.middle_mm + Eigen::Vector2d(round.half_axes_mm.x() * std::cos(angle),
                                                                  round.half_axes_mm.y() * std::sin(angle));
+    const Motion motion{{-round.half_axes_mm.x() * std::sin(angle) * round.turn_rad_s,
+                         round.half_axes_mm.y() * std::cos(angle) * round.turn_rad_s},
+                        round.id < 0 ? 0 : round.spin_rad_s};
     if (round.id < 0) {
-      play.balls.push_back({at});
+      play.balls.push_back({at, motion});
     } else {
       const double orientation = wrapped(round.phase_rad + round.spin_rad_s * t);
       play.robots.push_back({round.team, round.id, orientation,
-                             Robot(at, orientation, hall_.robot_look(round.team, round.id))});
+                             Robot(at, orientation, hall_.robot_look(round.team, round.id), motion)});
     }
   }
   for (PlayedBall& ball : play.balls) ball.share = ball_share(ball.at_mm, play);

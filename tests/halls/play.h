@@ -22,6 +22,7 @@ struct PlayedRobot {
 
 struct PlayedBall {
   Eigen::Vector2d at_mm;
+  Motion motion{};
   double share = 1;  // of its disc as the camera would see it alone
 };
 
@@ -41,6 +42,7 @@ struct PlayOptions {
   Placement placement = Placement::kScatter;
   int robots = 6;  // of each team
   int balls = 2;
+  double speed_mm_s = 0;  // of the fastest; 0: on paths as they are, scattered at rest
 };
 
 /// Where nothing may stand, as the camera sees it.
@@ -76,6 +78,9 @@ class Game {
   std::optional<Eigen::Vector2d> random_place(Chance& chance, double height_mm, double beyond_lines_mm) const;
   void place_ball(Chance& chance, Play& play) const;
   void measure_shares(Play& play) const;
+  Motion random_motion(Chance& chance, double spin_rad_s) const;
+  /// How far two things may come nearer to each other during an exposure.
+  double approach_mm() const { return options_.speed_mm_s * hall_.sensor.exposure_s; }
   double ball_share(const Eigen::Vector2d& at_mm, const Play& play) const;
 
   const Hall& hall_;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <string_view>
 
+#include <Eigen/Geometry>
+
 namespace sslv::halls {
 namespace {
 
@@ -62,8 +64,12 @@ constexpr std::array kGlyphs{
 
 }  // namespace
 
-Robot::Robot(const Eigen::Vector2d& at_mm, double orientation_rad, const Look& look)
-    : at_mm_(at_mm), cos_(std::cos(orientation_rad)), sin_(std::sin(orientation_rad)), look_(look) {}
+Robot::Robot(const Eigen::Vector2d& at_mm, double orientation_rad, const Look& look, const Motion& motion)
+    : at_mm_(at_mm),
+      cos_(std::cos(orientation_rad)),
+      sin_(std::sin(orientation_rad)),
+      look_(look),
+      motion_(motion) {}
 
 Sphere Robot::bounds() const {
   return {{at_mm_.x(), at_mm_.y(), look_.height_mm / 2}, std::hypot(look_.height_mm / 2, look_.radius_mm)};
@@ -101,8 +107,14 @@ Color Robot::top_color(const Eigen::Vector2d& p) const {
 }
 
 std::optional<Hit> Robot::hit(const Ray& ray) const {
-  const Eigen::Vector2d o = local(ray.origin.x() - at_mm_.x(), ray.origin.y() - at_mm_.y());
-  const Eigen::Vector2d d = local(ray.direction.x(), ray.direction.y());
+  Eigen::Vector2d o = local(ray.origin.x() - at_mm_.x() - motion_.velocity_mm_s.x() * ray.time_s,
+                            ray.origin.y() - at_mm_.y() - motion_.velocity_mm_s.y() * ray.time_s);
+  Eigen::Vector2d d = local(ray.direction.x(), ray.direction.y());
+  if (motion_.spin_rad_s != 0 && ray.time_s != 0) {
+    const Eigen::Rotation2Dd turn(-motion_.spin_rad_s * ray.time_s);
+    o = turn * o;
+    d = turn * d;
+  }
   const double at_top = (look_.height_mm - ray.origin.z()) / ray.direction.z();
   const double at_floor = -ray.origin.z() / ray.direction.z();
   const Eigen::Vector2d p = o + at_top * d;
@@ -118,11 +130,12 @@ std::optional<Hit> Robot::hit(const Ray& ray) const {
   return Hit{inside.from, look_.side * static_cast<float>(0.4 + 0.6 * z / look_.height_mm)};
 }
 
-Ball::Ball(const Eigen::Vector2d& at_mm, const Look& look, const LightFrom& light)
-    : center_(at_mm.x(), at_mm.y(), kRadiusMm), look_(look), light_(light) {}
+Ball::Ball(const Eigen::Vector2d& at_mm, const Look& look, const LightFrom& light, const Motion& motion)
+    : center_(at_mm.x(), at_mm.y(), kRadiusMm), look_(look), light_(light), motion_(motion) {}
 
 std::optional<Hit> Ball::hit(const Ray& ray) const {
-  const Eigen::Vector3d from = ray.origin - center_;
+  Eigen::Vector3d from = ray.origin - center_;
+  from.head<2>() -= motion_.velocity_mm_s * ray.time_s;
   const Span inside =
       roots(ray.direction.squaredNorm(), from.dot(ray.direction), from.squaredNorm() - kRadiusMm * kRadiusMm);
   if (inside.empty()) return std::nullopt;

@@ -14,8 +14,15 @@
 
 namespace sslv::halls {
 
+/// A ray at a moment: things that move are elsewhere before and after the frame's own time, which is 0.
 struct Ray {
   Eigen::Vector3d origin, direction;
+  double time_s = 0;
+};
+
+struct Motion {
+  Eigen::Vector2d velocity_mm_s = Eigen::Vector2d::Zero();
+  double spin_rad_s = 0;
 };
 
 /// `along` is in units of the ray's direction.
@@ -47,13 +54,14 @@ class Robot final : public Solid {
     double wear = 0;            // share of a dot's print that is gone
     std::uint32_t wear_seed = 0;
   };
-  Robot(const Eigen::Vector2d& at_mm, double orientation_rad, const Look& look);
+  Robot(const Eigen::Vector2d& at_mm, double orientation_rad, const Look& look, const Motion& motion = {});
 
   std::optional<Hit> hit(const Ray& ray) const override;
   Sphere bounds() const override;
 
   const Eigen::Vector2d& at_mm() const { return at_mm_; }
   const Look& look() const { return look_; }
+  const Motion& motion() const { return motion_; }
   /// Negative inside the outline seen from above.
   double distance_to_outline_mm(const Eigen::Vector2d& point_mm) const;
   /// Points spread evenly over the top, in field millimetres.
@@ -66,6 +74,7 @@ class Robot final : public Solid {
   Eigen::Vector2d at_mm_;
   double cos_, sin_;
   Look look_;
+  Motion motion_;
 };
 
 /// Where light comes from at one place: unit vectors and their shares of it.
@@ -84,15 +93,15 @@ class Ball final : public Solid {
     float gloss_power = 80;
     std::uint32_t dimples = 0;
   };
-  Ball(const Eigen::Vector2d& at_mm, const Look& look, const LightFrom& light);
+  Ball(const Eigen::Vector2d& at_mm, const Look& look, const LightFrom& light, const Motion& motion = {});
   std::optional<Hit> hit(const Ray& ray) const override;
   Sphere bounds() const override { return {center_, kRadiusMm}; }
-  Eigen::Vector2d at_mm() const { return center_.head<2>(); }
 
  private:
   Eigen::Vector3d center_;
   Look look_;
   LightFrom light_;
+  Motion motion_;
 };
 
 /// An ellipsoid turned about the upright axis: shoes, palms, heads, bodies.
