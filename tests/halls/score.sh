@@ -2,24 +2,25 @@
 # SPDX-License-Identifier: Apache-2.0
 # One line for each hall that draw_halls draws: colours are learnt from its first frames, then other frames of it are processed and scored.
 #
-#   tests/halls/score.sh [--learn N] [--frames M] [--kinds "usual hard acceptance"] [--sizes "A B C"]
+#   tests/halls/score.sh [--learn N] [--learn-light F] [--frames M] [--light F] [--kinds "usual hard acceptance"] [--sizes "A B C"]
 #       [--formats "uyvy rgb24 bayer_rg8"] [--seeds "1 2 3 4"] [--ball-share 0.4] [--keep FOLDER] [-- OPTIONS OF draw_halls]
 #
-# DRAW_HALLS and SSL_VISIONCTL name the programs; without them those of build/release. Frames that are learnt from are lit as differently
-# as the others, unless --learn-light gives them a fixed factor. Balls count when all of them shows, or at least the share that
-# --ball-share gives. Times are those of a computer that may have other work.
+# DRAW_HALLS and SSL_VISIONCTL name the programs; without them those of build/release. Every frame is lit differently as suits the
+# kind, unless --learn-light and --light give those that are learnt from and the others a fixed factor. Balls count when all of them
+# shows, or at least the share that --ball-share gives. Times are those of a computer that may have other work.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 bin=$here/../../build/release/bin
 draw=${DRAW_HALLS:-$bin/draw_halls}
 ctl=${SSL_VISIONCTL:-$bin/ssl-visionctl}
-learn=1 frames=8 kinds="usual hard acceptance" sizes="A B C" formats="uyvy rgb24 bayer_rg8" seeds="1 2 3 4" keep="" learn_light="" ball_share=""
+learn=1 frames=8 kinds="usual hard acceptance" sizes="A B C" formats="uyvy rgb24 bayer_rg8" seeds="1 2 3 4" keep="" learn_light="" light="" ball_share=""
 
 while [ $# -gt 0 ]; do
   case $1 in
     --learn) learn=$2; shift 2 ;;
     --learn-light) learn_light=$2; shift 2 ;;
+    --light) light=$2; shift 2 ;;
     --frames) frames=$2; shift 2 ;;
     --kinds) kinds=$2; shift 2 ;;
     --sizes) sizes=$2; shift 2 ;;
@@ -55,7 +56,7 @@ for kind in $kinds; do
         # shellcheck disable=SC2086  # several words each
         "$draw" $set_of --frames "$learn" ${learn_light:+--light $learn_light --lamps 1,1} --output "$hall/learn" "$@"
         # shellcheck disable=SC2086
-        "$draw" $set_of --first $((learn + 1)) --frames "$frames" --output "$hall/frames" "$@"
+        "$draw" $set_of --first $((learn + 1)) --frames "$frames" ${light:+--light $light --lamps 1,1} --output "$hall/frames" "$@"
         learnt=yes
         "$ctl" learn-colours --settings "$hall/learn/settings.json" --input "$hall/learn" --pixel-format "$format" --size $pixels \
           --frames "$learn" --output "$hall/table.lut" --json > "$hall/learnt.json" 2> "$hall/learnt.err" || learnt=no
