@@ -117,6 +117,7 @@ void add_simulate(CommandLine& line) {
 void add_score(CommandLine& line) {
   struct Options {
     std::string detections_file, truth_file, suite_file;
+    ScoreOptions score;
     AccuracyOptions suite;
     bool as_markdown = false, as_json = false;
   };
@@ -130,6 +131,15 @@ void add_score(CommandLine& line) {
       command->add_option("--suite", o->suite_file, "file of conditions, such as tests/golden/accuracy.json");
   detections->needs(truth);
   truth->needs(detections);
+  command
+      ->add_option("--min-robot-share", o->score.min_robot_share, "robots of which less shows do not count")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->needs(detections);
+  command->add_option("--min-ball-share", o->score.min_ball_share, "balls of which less shows do not count")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->needs(detections);
   suite->excludes(detections)->excludes(truth);
   command->add_option("--only", o->suite.only, "conditions of the suite, by name")->needs(suite);
   command->add_option("--frames", o->suite.frames, "pictures for each condition")
@@ -145,7 +155,7 @@ void add_score(CommandLine& line) {
       command->add_flag("--markdown", o->as_markdown, "the suite's tables as Markdown")->needs(suite);
   command->add_flag("--json", o->as_json, "as JSON")->excludes(markdown);
   const auto score_two_files = [o] {
-    const Score result = score_files(o->detections_file, o->truth_file);
+    const Score result = score_files(o->detections_file, o->truth_file, o->score);
     std::cout << (o->as_json ? score_json(result).dump(2) + "\n" : score_text(result));
     return EXIT_SUCCESS;
   };

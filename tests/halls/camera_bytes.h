@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "chance.h"
+#include "image/image.h"
+#include "light_color.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sslv::halls {
+
+/// A picture in linear light; `pixels` row by row.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<Color> pixels;
+
+  Picture() = default;
+  Picture(int w, int h)
+      : width(w),
+        height(h),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Color::Zero()) {}
+  std::span<Color> row(int y) {
+    return {pixels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width),
+            static_cast<std::size_t>(width)};
+  }
+};
+
+struct HotPixel {
+  int x, y, channel;
+  float light;
+};
+
+struct Sensor {
+  // A frame's own time is the middle of the exposure of the middle row.
+  double exposure_s = 0;
+  double readout_s = 0;  // from the first row's exposure to that of the last one
+  Transfer transfer = Transfer::kLinear;
+  double blur_px = 0.55;    // of the lens, standard deviation
+  double noise_grey = 4;    // standard deviation at grey 90 of 255, of each colour
+  double shot_share = 0.3;  // of the noise's variance there that grows with the light
+  bool is_mosaic = false;   // the camera makes uyvy and rgb24 from a Bayer sensor
+  int jpeg_quality = 0;     // 0: not compressed on the way
+  std::vector<HotPixel> hot_pixels;
+};
+
+/// A Gaussian blur in place.
+void blur(Picture& picture, double sigma_px);
+
+/// What the camera sends: kUyvy, kRgb24 or kBayerRg8. Bayer pictures are never compressed.
+std::vector<std::uint8_t> camera_bytes(const Picture& light, const Sensor& sensor, PixelFormat format,
+                                       Chance chance);
+
+}  // namespace sslv::halls
