@@ -14,7 +14,14 @@
 namespace sslv {
 namespace {
 
-constexpr int kBandRows = 64;  // the whole picture is developed in bands, to need less memory
+constexpr int kBandRows = 64;             // the whole picture is developed in bands, to need less memory
+constexpr double kMainsLightHz = 100.03;  // mains are never at 50 Hz exactly
+constexpr double kReadOutS = 0.01;
+
+SimulatorOptions with_resolved_hall(SimulatorOptions options) {
+  options.hall = resolved(options.hall);
+  return options;
+}
 
 Scene checked(const SimulatorOptions& options, const SourceContext& context) {
   if (!context.scene.camera) {
@@ -61,8 +68,9 @@ const char* name_of(Team team) {
 
 SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceContext& context,
                                  const PatternTable& patterns)
-    : options_(options),
+    : options_(with_resolved_hall(options)),
       scene_(checked(options, context)),
+      lamps_(options_.hall, scene_.field),
       world_(world_of(options, context)),
       renderer_(options, scene_.field, *scene_.camera, patterns),
       sensor_(options, static_cast<std::uint64_t>(options.seed) << 32 | context.camera_id),
@@ -84,30 +92,53 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
                       context.camera_id, name_of(robot.team), robot.id, patterns.name));
     }
   }
+  if (light_changes()) blurred_background_ = sensor_.blurred(background_);
   develop_background();
 }
 
+bool SimulatedCamera::light_changes() const {
+  return !options_.light_swing.empty() || !options_.cast_swing.empty() || lamps_.flickers() ||
+         options_.hall.lamps.banding.value() > 0;
+}
+
 void SimulatedCamera::develop_background() {
-  for (int top = 0; top < options_.height; top += kBandRows) {
-    const PixelBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
-    sensor_.develop(background_, band, clean_background_.data());
+  if (light_changes()) {
+    sensor_.develop_blurred(blurred_background_, clean_background_.data());
+  } else {
+    for (int top = 0; top < options_.height; top += kBandRows) {
+      const PixelBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
+      sensor_.develop(background_, band, clean_background_.data());
+    }
   }
   clean_ = clean_background_;
 }
 
 /// A new light is all over the picture.
-void SimulatedCamera::follow_swing(double t_s) {
-  const double light = swing_at(options_.light_swing, t_s), cast = swing_at(options_.cast_swing, t_s);
+void SimulatedCamera::follow_light(double t_s) {
+  if (!light_changes()) return;
+  double light = swing_at(options_.light_swing, t_s);
+  const double cast = swing_at(options_.cast_swing, t_s);
+  if (lamps_.flickers()) light *= lamps_.flicker(options_.seed, picture_number(options_, t_s));
   const std::array gains{static_cast<float>(light * cast), static_cast<float>(light),
                          static_cast<float>(light / cast)};
-  if (gains == gains_) return;
+  const double banding = options_.hall.lamps.banding.value();
+  if (gains == gains_ && banding == 0) return;
   gains_ = gains;
   sensor_.set_gains(gains);
+  for (int y = 0; y < options_.height && banding > 0; ++y) {
+    const double turns = kMainsLightHz * (t_s + row_delay_s(y));
+    sensor_.set_row_gain(y, static_cast<float>(1 + banding * std::sin(2 * std::numbers::pi * turns)));
+  }
   develop_background();
 }
 
+/// When a row is read out, from the time of the picture on.
+double SimulatedCamera::row_delay_s(double y) const {
+  return (y / std::max(1, options_.height - 1) - 0.5) * kReadOutS;
+}
+
 void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
-  follow_swing(t_s);
+  follow_light(t_s);
   world_.expose(t_s, options_.exposure_ms * 1e-3, moments_);
   renderer_.draw(moments_, light_, boxes_);
   for (const PixelBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());

@@ -3,6 +3,7 @@
 
 #include "base/params.h"
 #include "capture/pixel_format_choice.h"
+#include "capture/simulator/simulator_hall.h"
 
 #include <array>
 #include <cstdint>
@@ -45,6 +46,7 @@ struct SimulatorOptions {
   double exposure_ms = 0;
   double red_gain = 1, blue_gain = 1;
   std::vector<std::array<double, 2>> light_swing, cast_swing;
+  HallOptions hall;
 
   static constexpr auto fields() {
     using O = SimulatorOptions;
@@ -92,6 +94,7 @@ struct SimulatorOptions {
                    "one to the next; after the last it begins anew. Empty: it stays"),
         point_list("cast_swing", &O::cast_swing, 0, 0.0, 3600.0, "",
                    "the same for its colour: [seconds, factor on red], by which blue is divided"),
+        group("hall", &O::hall, "carpet, lamps, prints and surroundings as halls have them"),
     };
   }
 };

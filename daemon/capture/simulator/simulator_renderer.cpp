@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/simulator/simulator_renderer.h"
 
-#include "capture/simulator/simulator_random.h"
+#include "capture/simulator/simulator_texture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,32 +13,12 @@
 namespace sslv {
 namespace {
 
-// Colours under white light at brightness 1, as cameras see a league field's carpet, prints and ball. Chosen
-// so that their hues differ by 25 degrees or more in YUV.
-struct Paint {
-  float r, g, b;
-};
-constexpr Paint kCarpet{30, 92, 62}, kLine{205, 205, 200}, kFloor{92, 88, 84}, kRobotTop{24, 24, 27},
-    kRobotSide{34, 34, 38}, kBall{238, 108, 32}, kLampSpot{260, 255, 235};
+constexpr Paint kLine{205, 205, 200}, kNowhere{92, 88, 84}, kRobotTop{24, 24, 27}, kRobotSide{34, 34, 38},
+    kLampSpot{260, 255, 235};
 /// Towards the lamp of `ball_gloss`, of length 1.
 const Eigen::Vector3f kLampDirection = Eigen::Vector3f(0.5F, 0.35F, 1).normalized();
-constexpr std::array<Paint, paint::kCount> kPrints{{
-    {24, 24, 27},     // clear
-    {30, 92, 62},     // field
-    {238, 108, 32},   // orange
-    {224, 198, 38},   // yellow
-    {28, 92, 196},    // blue
-    {230, 64, 150},   // pink
-    {60, 190, 205},   // cyan
-    {108, 212, 62},   // green
-    {205, 205, 200},  // white
-    {24, 24, 27},     // black
-    {200, 30, 35},    // red
-    {120, 50, 160},   // purple
-    {130, 90, 60},    // brown
-    {224, 172, 140},  // skin
-}};
 
+constexpr int kGridPx = 16;         // lamps' light changes slowly
 constexpr float kMarginPx = 0.75F;  // a pixel's corners are a little less far from its centre
 constexpr auto kEverywhere = [](int /*x*/, int /*y*/) { return true; };
 
@@ -58,20 +38,6 @@ float covered(float distance, float dx, float dy) {
     inside = 1 - (far - d) * (far - d) / (2 * a * b);
   }
   return distance >= 0 ? inside : 1 - inside;
-}
-
-/// Smooth noise in [-0.5, 0.5] over a lattice of `cell_mm`.
-float lattice_noise(double x_mm, double y_mm, double cell_mm, std::uint64_t layer) {
-  const double x = x_mm / cell_mm, y = y_mm / cell_mm;
-  const double x0 = std::floor(x), y0 = std::floor(y);
-  const auto corner = [&](int dx, int dy) {
-    const auto i = static_cast<std::uint64_t>(static_cast<std::int64_t>(x0) + dx);
-    const auto j = static_cast<std::uint64_t>(static_cast<std::int64_t>(y0) + dy);
-    return static_cast<float>(scatter((i << 32) ^ (j & 0xffffffffU) ^ (layer << 60)) >> 40) * 0x1p-24F - 0.5F;
-  };
-  const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-  return (corner(0, 0) * (1 - fx) + corner(1, 0) * fx) * (1 - fy) +
-         (corner(0, 1) * (1 - fx) + corner(1, 1) * fx) * fy;
 }
 
 PixelBox join(const PixelBox& a, const PixelBox& b) {
@@ -112,6 +78,16 @@ struct SimulatorRenderer::Footprint {
     if (reach <= radius && r2 <= (radius - reach) * (radius - reach)) return 1;
     const float r = std::max(std::sqrt(r2), 1e-6F);
     return covered(radius - r, from_center.dot(dx) / r, from_center.dot(dy) / r);
+  }
+  /// Share of the pixel inside an ellipse or rectangle with these halves of its sides.
+  float in_ellipse(const Vec2& p, float a, float b) const {
+    // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
+    const Vec2 scaled(p.x() / a, p.y() / b);
+    const float r = std::max(scaled.norm(), 1e-6F);
+    return below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
+  }
+  float in_rectangle(const Vec2& p, float a, float b) const {
+    return in_strip(a, p.x(), Vec2(1, 0)) * in_strip(b, p.y(), Vec2(0, 1));
   }
   /// Share of the pixel whose line of sight, which runs from `p` to `q` in the plan, meets a robot's outline.
   float in_outline(const Vec2& p, const Vec2& q, float radius, float front) const {
@@ -177,7 +153,35 @@ SimulatorRenderer::SimulatorRenderer(const SimulatorOptions& options, const Fiel
       lines_(field_lines(field)),
       arcs_(field_arcs(field)),
       camera_(camera),
-      patterns_(patterns) {}
+      patterns_(patterns),
+      lamps_(resolved(options.hall), field),
+      carpet_(resolved(options.hall), field, lamps_),
+      surroundings_(resolved(options.hall), field),
+      prints_(resolved(options.hall)) {
+  options_.hall = resolved(options.hall);
+  if (!lamps_.even()) light_field();
+}
+
+void SimulatorRenderer::light_field() {
+  grid_width_ = (options_.width - 1) / kGridPx + 2;
+  const int rows = (options_.height - 1) / kGridPx + 2;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < grid_width_; ++x) {
+      const auto place = camera_.unproject(Eigen::Vector2d(x * kGridPx, y * kGridPx), 0);
+      lamp_grid_.push_back(place ? lamps_.at(*place) : Paint{1, 1, 1});
+    }
+  }
+}
+
+/// Factors on red, green and blue.
+Paint SimulatorRenderer::lamps_at(int x, int y) const {
+  if (lamp_grid_.empty()) return {1, 1, 1};
+  const Paint* upper =
+      lamp_grid_.data() + static_cast<std::ptrdiff_t>(y / kGridPx) * grid_width_ + x / kGridPx;
+  const Paint* lower = upper + grid_width_;
+  const float fx = static_cast<float>(x % kGridPx) / kGridPx, fy = static_cast<float>(y % kGridPx) / kGridPx;
+  return upper[0].mixed(upper[1], fx).mixed(lower[0].mixed(lower[1], fx), fy);
+}
 
 float SimulatorRenderer::light_at(int x, int y) const {
   const double across = x / std::max(1.0, options_.width - 1.0);
@@ -192,17 +196,6 @@ SimulatorRenderer::Footprint SimulatorRenderer::footprint_at(const Eigen::Vector
     return camera_.unproject(pixel + Eigen::Vector2d(dx, dy), height_mm).value_or(Eigen::Vector2d::Zero());
   };
   return {(at(0.5, 0) - at(-0.5, 0)).cast<float>(), (at(0, 0.5) - at(0, -0.5)).cast<float>()};
-}
-
-SimulatorRenderer::Color SimulatorRenderer::carpet_at(const Eigen::Vector2d& p) const {
-  const double half_x = field_.field_length / 2.0 + field_.boundary_width_goal_line;
-  const double half_y = field_.field_width / 2.0 + field_.boundary_width;
-  const bool on_carpet = std::abs(p.x()) <= half_x && std::abs(p.y()) <= half_y;
-  const Paint& paint = on_carpet ? kCarpet : kFloor;
-  // Pile and wear.
-  const float tone =
-      1 + 0.10F * lattice_noise(p.x(), p.y(), 14, 1) + 0.12F * lattice_noise(p.x(), p.y(), 350, 2);
-  return {paint.r * tone, paint.g * tone, paint.b * tone};
 }
 
 float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const {
@@ -236,6 +229,31 @@ float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footpri
   return share;
 }
 
+Paint SimulatorRenderer::floor_at(const Eigen::Vector2d& p, const Footprint& footprint) const {
+  Paint color = surroundings_.on_carpet(p) ? carpet_.at(p, camera_.position_mm()) : surroundings_.floor_at(p);
+  color = color.mixed(kLine, lines_at(p, footprint));
+  const float shade = surroundings_.shade_at(p);
+  return shade == 1 ? color : color.scaled(shade);
+}
+
+/// A pixel's colour where boards are in front of the floor.
+std::optional<Paint> SimulatorRenderer::boards_at(int x, int y, const Paint& floor) const {
+  constexpr int kSamples = 2;  // in each direction: letters and edges are small
+  Paint sum{0, 0, 0};
+  int hits = 0;
+  for (int i = 0; i < kSamples * kSamples; ++i) {
+    const Eigen::Vector2d at(x + (i % kSamples + 0.5) / kSamples - 0.5,
+                             y + (static_cast<double>(i) / kSamples + 0.25) / kSamples - 0.5);
+    const auto p = camera_.unproject(at, 0);
+    const auto board = p ? surroundings_.board_before(*p, camera_.position_mm()) : std::nullopt;
+    const Paint& color = board ? *board : floor;
+    sum = {sum.r + color.r, sum.g + color.g, sum.b + color.b};
+    hits += board.has_value();
+  }
+  if (hits == 0) return std::nullopt;
+  return sum.scaled(1.0F / (kSamples * kSamples));
+}
+
 LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
   LightPicture picture(options_.width, options_.height);
   constexpr int kBlock = 16;  // pixels of a row that share a footprint
@@ -243,21 +261,21 @@ LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
     Footprint footprint(Vec2::Zero(), Vec2::Zero());
     for (int x = 0; x < picture.width; ++x) {
       if (x % kBlock == 0) footprint = footprint_at(Eigen::Vector2d(x + kBlock / 2, y), 0);
-      Color color{kFloor.r, kFloor.g, kFloor.b};
+      Paint color = kNowhere;
       if (const auto p = camera_.unproject(Eigen::Vector2d(x, y), 0)) {
-        color = carpet_at(*p);
-        const float line = lines_at(*p, footprint);
-        color.r += (kLine.r - color.r) * line;
-        color.g += (kLine.g - color.g) * line;
-        color.b += (kLine.b - color.b) * line;
+        color = floor_at(*p, footprint);
+        if (surroundings_.has_boards() && !surroundings_.on_carpet(*p))
+          color = boards_at(x, y, color).value_or(color);
       }
       const float light = light_at(x, y) * LightPicture::kPerGrey;
+      const Paint lamps = lamps_at(x, y);
       std::uint16_t* out = picture.at(x, y);
-      out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain));
-      out[1] = channel_value(color.g * light);
-      out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain));
+      out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain) * lamps.r);
+      out[1] = channel_value(color.g * light * lamps.g);
+      out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain) * lamps.b);
     }
   }
+  for (const SimulatedSurroundings::Slice& slice : surroundings_.slices()) draw_slice(slice, picture);
   for (const SimulatedDistractor& distractor : scene.distractors) draw_distractor(distractor, picture);
   return picture;
 }
@@ -319,14 +337,15 @@ void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<c
       }
       if (coat.opacity <= 0) continue;
       const float light = light_at(x, y) * weight * LightPicture::kPerGrey;
+      const Paint lamps = lamps_at(x, y);
       const float rest = 1 - coat.opacity * weight;
       std::uint16_t* out = picture.at(x, y);
       const auto mix = [&](std::uint16_t& channel, float ink) {
         channel = channel_value(channel * rest + ink * light);
       };
-      mix(out[0], coat.r * red);
-      mix(out[1], coat.g);
-      mix(out[2], coat.b * blue);
+      mix(out[0], coat.r * red * lamps.r);
+      mix(out[1], coat.g * lamps.g);
+      mix(out[2], coat.b * blue * lamps.b);
     }
   }
 }
@@ -340,14 +359,8 @@ PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightP
       {d.x_mm, d.y_mm}, static_cast<float>(std::cos(d.turn_rad)), static_cast<float>(std::sin(d.turn_rad))};
   const auto share_of = [&](const Vec2& p, const Footprint& footprint) {
     switch (d.shape) {
-      case SimulatedDistractor::Shape::kEllipse: {
-        // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
-        const Vec2 scaled(p.x() / a, p.y() / b);
-        const float r = std::max(scaled.norm(), 1e-6F);
-        return footprint.below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
-      }
-      case SimulatedDistractor::Shape::kRectangle:
-        return footprint.in_strip(a, p.x(), Vec2(1, 0)) * footprint.in_strip(b, p.y(), Vec2(0, 1));
+      case SimulatedDistractor::Shape::kEllipse: return footprint.in_ellipse(p, a, b);
+      case SimulatedDistractor::Shape::kRectangle: return footprint.in_rectangle(p, a, b);
       case SimulatedDistractor::Shape::kTriangle: {
         // The base lies at -a, the tip at a.
         const Vec2 side = Vec2(b, 2 * a).normalized(), other(side.x(), -side.y());
@@ -367,13 +380,36 @@ PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightP
   return box;
 }
 
+void SimulatorRenderer::draw_slice(const SimulatedSurroundings::Slice& slice, LightPicture& picture) const {
+  const Eigen::Vector3d& center = slice.center_mm;
+  if (center.z() >= camera_.position_mm().z()) return;
+  const auto a = static_cast<float>(slice.half_length_mm), b = static_cast<float>(slice.half_width_mm);
+  const PixelBox box = in_picture(spot_of(center, std::hypot(a, b)).box);
+  if (box.empty()) return;
+  const Shape shape{center.head<2>(), static_cast<float>(std::cos(slice.turn_rad)),
+                    static_cast<float>(std::sin(slice.turn_rad))};
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    const float share = slice.is_round ? footprint.in_ellipse(p, a, b) : footprint.in_rectangle(p, a, b);
+    coat.add(slice.paint, share);
+    coat.opacity += share;
+  };
+  const bool may_be_hidden = surroundings_.has_boards() && surroundings_.is_behind_boards(center.head<2>());
+  const auto may_show = [&](int x, int y) {
+    if (!may_be_hidden) return true;
+    const auto floor = camera_.unproject(Eigen::Vector2d(x, y), 0);
+    return !floor || !surroundings_.board_before(*floor, camera_.position_mm());
+  };
+  paint(box, center.z(), {&shape, 1}, coat_of, may_show, picture);
+}
+
 void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std::size_t index,
                                    LightPicture& picture, Boxes& boxes) const {
   const SimulatedRobot& robot = moments.front().robots[index];
   const auto radius = static_cast<float>(field_.max_robot_radius);
   const float front = radius * static_cast<float>(kRobotFrontPerRadius);
   const float center_radius = static_cast<float>(patterns_.center_diameter_mm) / 2;
-  const Paint& team = kPrints[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
+  const SimulatedPrints::Colors& colors = prints_.of(robot.team, robot.id);
+  const Paint& team = colors[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
   const Eigen::Vector3d& eye = camera_.position_mm();
   if (eye.z() <= robot.height_mm) return;  // no top to be seen
   const auto down = static_cast<float>(robot.height_mm / (eye.z() - robot.height_mm));
@@ -419,7 +455,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
                         static_cast<float>(patterns_.dots[dot].y_mm));
       const bool is_covered = robot.covered_dot == static_cast<int>(dot);
       print(p - center, static_cast<float>(patterns_.dots[dot].diameter_mm) / 2,
-            is_covered ? kRobotTop : kPrints[code->colors[dot]]);
+            is_covered ? kRobotTop : colors[code->colors[dot]]);
     }
     // Dots lie inside the outline, so what they leave of the top's share is black, also where both edges
     // cross a pixel.
@@ -439,6 +475,46 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
     return (from_top - t * along).squaredNorm() <= reach_px * reach_px;
   };
   paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture);
+}
+
+/// What lamps above leave dark on the floor round a thing: most below it, a little away from the two nearest
+/// lamps.
+template <class List>
+void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
+                                         std::size_t index, double radius_mm, double height_mm,
+                                         LightPicture& picture, Boxes& boxes) const {
+  const auto strength = static_cast<float>(options_.hall.lamps.shadows.value());
+  const auto radius = static_cast<float>(radius_mm), soft = static_cast<float>(0.8 * height_mm);
+  const auto& middle = (moments.front().*list)[index];
+  // Half up its height, as the light from one side is gone there.
+  std::array<Vec2, 2> away{};
+  std::array<double, 2> nearest{1e300, 1e300};
+  for (const Eigen::Vector3d& lamp : lamps_.places_mm()) {
+    const Eigen::Vector2d from_lamp = Eigen::Vector2d(middle.x_mm, middle.y_mm) - lamp.head<2>();
+    const std::size_t later = nearest[0] > nearest[1] ? 0 : 1;
+    if (from_lamp.norm() >= nearest[later]) continue;
+    nearest[later] = from_lamp.norm();
+    away[later] = (from_lamp * 0.5 * height_mm / lamp.z()).cast<float>();
+  }
+  const float reach = std::max(away[0].norm(), away[1].norm()) + radius + soft;
+  boost::container::static_vector<Shape, kMaxMoments> shapes;
+  PixelBox box{};
+  for (const SimulatedScene& moment : moments) {
+    const auto& thing = (moment.*list)[index];
+    shapes.push_back({{thing.x_mm, thing.y_mm}});
+    box = join(box, spot_of({thing.x_mm, thing.y_mm, 0}, reach).box);
+  }
+  box = in_picture(box);
+  if (box.empty()) return;
+  boxes.push_back(box);
+  const auto coat_of = [&](const Vec2& p, const Footprint& /*footprint*/, const Shape& /*shape*/,
+                           Coat& coat) {
+    const auto dark = [&](const Vec2& from, float share) {
+      return 1 - share * strength * (1 - smooth_step(radius - 0.3F * soft, radius + soft, from.norm()));
+    };
+    coat.opacity += 1 - dark(p, 0.45F) * dark(p - away[0], 0.3F) * dark(p - away[1], 0.3F);
+  };
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
 }
 
 /// The ball's shadow on the carpet: a darker ellipse away from the lamp.
@@ -497,7 +573,7 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
     const float even = 0.7F + 0.35F * std::max(0.0F, normal.z());
     const float lamp = 0.5F + 0.6F * std::max(0.0F, normal.dot(kLampDirection));
     const float spot = gloss * std::pow(std::max(0.0F, normal.dot(halfway)), 8.0F);
-    coat.add(kBall, share * (even + gloss * (lamp - even)));
+    coat.add(prints_.ball(), share * (even + gloss * (lamp - even)));
     coat.add(kLampSpot, share * spot);
     coat.opacity += share;
   };
@@ -512,6 +588,16 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
     for (const SimulatedDistractor& distractor : scene.distractors) {
       const PixelBox box = draw_distractor(distractor, picture);
       if (!box.empty()) boxes.push_back(box);
+    }
+  }
+  if (options_.hall.lamps.shadows.value() > 0) {
+    for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+      draw_soft_shadow(moments, &SimulatedScene::robots, i, field_.max_robot_radius,
+                       scene.robots[i].height_mm, picture, boxes);
+    }
+    for (std::size_t i = 0; i < scene.balls.size(); ++i) {
+      draw_soft_shadow(moments, &SimulatedScene::balls, i, field_.ball_radius, 2 * field_.ball_radius,
+                       picture, boxes);
     }
   }
   // Of two things the one nearer to the camera's foot can hide the other. For discs, nearer is the one to

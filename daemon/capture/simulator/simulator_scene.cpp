@@ -54,6 +54,11 @@ SimulatedRoster roster_of(const SimulatorOptions& options) {
   return roster;
 }
 
+std::int64_t picture_number(const SimulatorOptions& options, double t_s) {
+  constexpr double kDefaultRateHz = 60;
+  return std::llround(t_s * (options.frame_rate_hz > 0 ? options.frame_rate_hz : kDefaultRateHz));
+}
+
 PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered, SimulatorRandom& random) {
   constexpr std::uint64_t kSideDots = 4;
   PerRobot<std::optional<int>> dots(robots);

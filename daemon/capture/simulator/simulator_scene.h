@@ -74,6 +74,9 @@ using SimulatedRoster = PerRobot<std::pair<Team, int>>;  // team and id
 
 SimulatedRoster roster_of(const SimulatorOptions& options);
 
+/// Which picture it is that has its time at the Unix time t_s.
+std::int64_t picture_number(const SimulatorOptions& options, double t_s);
+
 /// For each robot the side dot of it that is covered, if any: `covered` of them, at random.
 PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered, SimulatorRandom& random);
 
