@@ -75,27 +75,37 @@ void add_frame(Reliability& reliability, const Frame& frame, const Json& truth) 
 
 // ---- one trial
 
+/// What was found in all halls, and what is true there: as score() reads them.
 struct TrialResult {
-  Score score;
+  std::string detections, truth;
   std::vector<AccuracyRow::Stretch> film;
-  std::string problem;  // why no colours were learnt
+  std::vector<std::string> problems;  // why no colours were learnt
 };
 
-TrialResult run_trial(const Trial& trial, const AccuracyCondition& condition, int frames,
-                      AccuracyColors colors, Reliability& reliability) {
-  TrialResult out;
+/// A table of clicks, or a learnt one; an empty one with a problem.
+std::shared_ptr<const Lut> table_of(const Trial& trial, const World& world,
+                                    std::vector<std::string>& problems) {
+  if (trial.colors == AccuracyColors::kClicked)
+    return std::make_shared<const Lut>(lut_from_samples(click(trial, world)));
+  LearntColors learnt = learn(trial, world);
+  if (!learnt.problem.empty()) {
+    const bool one_hall = trial.halls.empty();
+    problems.push_back(
+        (one_hall ? "not learnt: " : fmt::format("not learnt in hall {}: ", trial.source.hall.seed)) +
+        learnt.problem);
+  }
+  return learnt.lut ? std::move(learnt.lut) : std::make_shared<const Lut>();
+}
+
+/// `trial` has one hall now. Adds to the result.
+void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames, TrialResult& result,
+              Reliability& reliability) {
   const CameraSettings& settings = trial.config.cameras.front();
   CameraSetup setup;
   setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.stack, "/stack");
   setup.parameters = setup.pipeline->make_parameters(settings.stages, "/stages");
   setup.world = make_world(trial.config, 0, std::make_shared<Lut>());
-  if (colors == AccuracyColors::kClicked) {
-    setup.world.lut = std::make_shared<const Lut>(lut_from_samples(click(trial, setup.world)));
-  } else {
-    LearntColors learnt = learn(trial, setup.world);
-    out.problem = learnt.problem;
-    if (learnt.lut) setup.world.lut = std::move(learnt.lut);
-  }
+  setup.world.lut = table_of(trial, setup.world, result.problems);
 
   SimulatedCamera camera(trial.source, {0, *setup.world.scene}, *setup.world.patterns);
   std::vector<std::uint8_t> picture(camera.picture_bytes());
@@ -107,7 +117,6 @@ TrialResult run_trial(const Trial& trial, const AccuracyCondition& condition, in
   ScoreOptions scoring;
   scoring.min_ball_share = condition.min_ball_share;
 
-  std::string detections, truth;
   struct {
     std::string detections, truth;
   } stretch;
@@ -118,11 +127,12 @@ TrialResult run_trial(const Trial& trial, const AccuracyCondition& condition, in
   const int look_frames = std::max(1, static_cast<int>(std::lround(kLookS / step_s)));
   for (int i = 0; i < frames; ++i) {
     const double t_s = begin_s + step_s * i;
+    const std::string name = fmt::format("{}.{}", trial.source.hall.seed, i);
     camera.draw(t_s, picture.data());
     const Frame& frame = pipeline.process(Image(view, nullptr, nullptr, nullptr), {t_s});
-    Json found{{"frame", std::to_string(i)}};
+    Json found{{"frame", name}};
     found.update(detections_json(frame.robots, frame.balls));
-    const Json expected = camera.truth(std::to_string(i), t_s);
+    const Json expected = camera.truth(name, t_s);
     add_frame(reliability, frame, expected);
     stretch.detections += found.dump() + '\n';
     stretch.truth += expected.dump() + '\n';
@@ -139,15 +149,12 @@ TrialResult run_trial(const Trial& trial, const AccuracyCondition& condition, in
       std::istringstream detected(stretch.detections), expected_there(stretch.truth);
       const Score part = score(detected, expected_there, scoring);
       const auto& steps = follower.steps();
-      out.film.push_back({step_s * (i / stretch_frames * stretch_frames), part.robots, part.balls,
-                          steps.empty() ? LightChange{} : steps.back().change});
+      result.film.push_back({step_s * (i / stretch_frames * stretch_frames), part.robots, part.balls,
+                             steps.empty() ? LightChange{} : steps.back().change});
     }
-    detections += std::exchange(stretch.detections, {});
-    truth += std::exchange(stretch.truth, {});
+    result.detections += std::exchange(stretch.detections, {});
+    result.truth += std::exchange(stretch.truth, {});
   }
-  std::istringstream detected(detections), expected(truth);
-  out.score = score(detected, expected, scoring);
-  return out;
 }
 
 std::vector<std::string> failures_of(const Score& score, const std::vector<AccuracyRow::Stretch>& film,
@@ -175,6 +182,7 @@ std::vector<std::string> failures_of(const Score& score, const std::vector<Accur
   at_least("ball_recall", score.balls.recall(), limits.ball_recall, score.balls.expected);
   at_least("ball_precision", score.balls.precision(), limits.ball_precision, score.balls.expected);
   at_most("ball_rms_mm", score.ball_position_mm.rms, limits.ball_rms_mm);
+  at_most("false_balls_in_100", false_balls_in_100(score), limits.false_balls_in_100);
   for (const AccuracyRow::Stretch& part : film) {
     const auto from = fmt::format("from second {:g} on: ", part.begin_s);
     at_least(from + "recall", part.robots.recall(), limits.worst_recall, part.robots.expected);
@@ -183,7 +191,44 @@ std::vector<std::string> failures_of(const Score& score, const std::vector<Accur
   return out;
 }
 
+/// All halls, which share the frames.
+AccuracyRow run_trial(const Trial& trial, const AccuracyCondition& condition, int frames,
+                      const std::string& format, Reliability& reliability) {
+  TrialResult result;
+  if (trial.halls.empty()) {
+    run_hall(trial, condition, frames, result, reliability);
+  } else {
+    const int halls = static_cast<int>(trial.halls.size());
+    for (const int hall : trial.halls) {
+      Trial there = trial;
+      for (SimulatorOptions* source : {&there.source, &there.learn_source}) {
+        source->hall.seed = hall;
+        source->seed = (source->seed + hall) % 1'000'000;  // robots and balls at other places
+      }
+      run_hall(there, condition, (frames + halls - 1) / halls, result, reliability);
+    }
+  }
+  ScoreOptions scoring;
+  scoring.min_ball_share = condition.min_ball_share;
+  std::istringstream detected(result.detections), expected(result.truth);
+  AccuracyRow row{condition.name,
+                  format,
+                  trial.colors,
+                  trial.px_per_mm,
+                  score(detected, expected, scoring),
+                  std::move(result.problems),
+                  std::move(result.film)};
+  const auto worse = failures_of(row.score, row.film, trial.limits);
+  row.failures.insert(row.failures.end(), worse.begin(), worse.end());
+  return row;
+}
+
 }  // namespace
+
+double false_balls_in_100(const Score& score) {
+  return 100 * static_cast<double>(score.balls.invented) /
+         static_cast<double>(std::max<std::size_t>(1, score.frames_compared));
+}
 
 bool AccuracyReport::passed() const {
   return std::all_of(rows.begin(), rows.end(), [](const AccuracyRow& row) { return row.failures.empty(); });
@@ -207,13 +252,10 @@ AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOpti
     const auto& only = options.only;
     if (!only.empty() && std::find(only.begin(), only.end(), condition.name) == only.end()) continue;
     for (const std::string& format : condition.pixel_formats) {
-      const Trial trial = trial_of(suite, i, format);
-      TrialResult result = run_trial(trial, condition, options.frames.value_or(trial.frames),
-                                     options.colors.value_or(suite.colors), report.reliability);
-      auto failures = failures_of(result.score, result.film, trial.limits);
-      if (!result.problem.empty()) failures.insert(failures.begin(), "not learnt: " + result.problem);
-      report.rows.push_back({condition.name, format, trial.px_per_mm, std::move(result.score),
-                             std::move(failures), std::move(result.film)});
+      Trial trial = trial_of(suite, i, format);
+      if (options.colors) trial.colors = *options.colors;
+      const int frames = options.frames.value_or(trial.frames);
+      report.rows.push_back(run_trial(trial, condition, frames, format, report.reliability));
       options.done(report.rows.back());
     }
   }

@@ -5,7 +5,6 @@
 #include "capture/simulator/simulator_random.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -243,29 +242,29 @@ void take(SimulatedCamera& camera, int number, TrainingPicture& picture) {
 
 LearntColors learn(const Trial& trial, const World& world) {
   constexpr int kPictures = 3;
-  SimulatedCamera camera(other_pictures(trial.source), {0, *world.scene}, *world.patterns);
-  std::array<TrainingPicture, kPictures> pictures;
+  SimulatedCamera camera(other_pictures(trial.learn_source), {0, *world.scene}, *world.patterns);
+  std::vector<TrainingPicture> pictures(static_cast<std::size_t>(trial.learn_frames.value_or(kPictures)));
   LearnTask task{{}, *world.scene, *world.patterns};
-  for (int i = 0; i < kPictures; ++i) {
-    TrainingPicture& picture = pictures[static_cast<std::size_t>(i)];
-    take(camera, i, picture);
-    task.frames.push_back(picture.view);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    take(camera, static_cast<int>(i), pictures[i]);
+    task.frames.push_back(pictures[i].view);
   }
   return learn_colors(task);
 }
 
 std::vector<ColorSample> click(const Trial& trial, const World& world) {
-  constexpr std::size_t kPictures = 2, kClicks = 8;
-  SimulatorOptions options = other_pictures(trial.source);
+  constexpr std::size_t kClicks = 8;
+  constexpr int kPictures = 2;
+  SimulatorOptions options = other_pictures(trial.learn_source);
   options.balls = std::max(options.balls, 6);                             // an admin has more than one
   options.hidden_balls = options.covered_dots = options.distractors = 0;  // knows what to click at
   options.light_swing.clear(), options.cast_swing.clear();
   SimulatedCamera camera(options, {0, *world.scene}, *world.patterns);
   SimulatorRandom random(static_cast<std::uint64_t>(options.seed));
 
-  std::array<TrainingPicture, kPictures> pictures;
+  std::vector<TrainingPicture> pictures(static_cast<std::size_t>(trial.learn_frames.value_or(kPictures)));
   std::vector<Place> places;
-  for (std::size_t i = 0; i < kPictures; ++i) {
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
     TrainingPicture& picture = pictures[i];
     take(camera, static_cast<int>(i), picture);
     const auto more = PlaceFinder(*world.scene, *world.patterns, i, picture.truth, random).find();

@@ -80,11 +80,16 @@ Trial trial_of(const AccuracySuite& suite, std::size_t index, const std::string&
   out.px_per_mm = px_per_mm_of(field.calibration);
   out.frames = condition.frames.value_or(field.frames);
   out.limits = params_from_json<AccuracyLimits>(merged(suite.must, condition.must), path + "/must");
-  out.source = simulator_options(
+  const Json source =
       merged(merged(suite.source, condition.source), Json{{"width", field.calibration.pixel_image_width},
                                                           {"height", field.calibration.pixel_image_height},
-                                                          {"pixel_format", pixel_format}}),
-      path + "/source");
+                                                          {"pixel_format", pixel_format}});
+  out.source = simulator_options(source, path + "/source");
+  out.learn_source = simulator_options(merged(source, merged(suite.learn_source, condition.learn_source)),
+                                       path + "/learn_source");
+  out.halls = condition.halls.empty() ? suite.halls : condition.halls;
+  out.colors = condition.colors.value_or(suite.colors);
+  out.learn_frames = condition.learn_frames ? condition.learn_frames : suite.learn_frames;
 
   out.config.field = field.size;
   out.config.teams.yellow.robot_height = out.config.teams.blue.robot_height = condition.robot_height;

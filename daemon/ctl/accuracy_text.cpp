@@ -40,6 +40,12 @@ std::string table_text(const Table& table, std::size_t numbers_from, bool markdo
   return out;
 }
 
+std::string name_of(AccuracyColors colors) {
+  const auto found = std::find_if(kAccuracyColorsChoices.begin(), kAccuracyColorsChoices.end(),
+                                  [&](const auto& choice) { return choice.value == colors; });
+  return std::string(found->name);
+}
+
 std::string number_or_dash(std::size_t count, double value, int digits) {
   return count == 0 ? "-" : fmt::format("{:.{}f}", value, digits);
 }
@@ -74,27 +80,27 @@ Table film_table(const AccuracyReport& report) {
 }  // namespace
 
 std::string accuracy_text(const AccuracyReport& report, bool markdown) {
-  Table table{{"condition", "format", "px/mm", "robots", "recall", "wrong id", "false", "robot mm", "degrees",
-               "ball recall", "precision", "ball mm", ""}};
+  Table table{{"condition", "format", "table", "px/mm", "robots", "recall", "wrong id", "false", "robot mm",
+               "degrees", "balls", "ball recall", "precision", "ball mm", "false balls in 100", ""}};
   std::string failures;
   for (const AccuracyRow& row : report.rows) {
     const Score& s = row.score;
     table.push_back(
-        {row.condition, row.pixel_format, fmt::format("{:.3f}", row.px_per_mm),
+        {row.condition, row.pixel_format, name_of(row.colors), fmt::format("{:.3f}", row.px_per_mm),
          std::to_string(s.robots.expected), number_or_dash(s.robots.expected, s.robots.recall(), 4),
          std::to_string(s.robots.wrong_id), std::to_string(s.robots.invented),
          number_or_dash(s.robot_position_mm.count, s.robot_position_mm.rms, 3),
          number_or_dash(s.robot_orientation_deg.count, s.robot_orientation_deg.rms, 3),
-         number_or_dash(s.balls.expected, s.balls.recall(), 4),
+         std::to_string(s.balls.expected), number_or_dash(s.balls.expected, s.balls.recall(), 4),
          number_or_dash(s.balls.found + s.balls.wrong_id + s.balls.invented, s.balls.precision(), 4),
          number_or_dash(s.ball_position_mm.count, s.ball_position_mm.rms, 3),
-         row.failures.empty() ? "" : "FAILED"});
+         number_or_dash(s.frames_compared, false_balls_in_100(s), 1), row.failures.empty() ? "" : "FAILED"});
     for (const std::string& failure : row.failures) {
-      failures +=
-          fmt::format("{}{}, {}: {}\n", markdown ? "- " : "", row.condition, row.pixel_format, failure);
+      failures += fmt::format("{}{}, {}, {}: {}\n", markdown ? "- " : "", row.condition, row.pixel_format,
+                              name_of(row.colors), failure);
     }
   }
-  std::string out = table_text(table, 2, markdown);
+  std::string out = table_text(table, 3, markdown);
   if (!failures.empty()) out += "\n" + failures;
 
   const auto film = film_table(report);
@@ -120,7 +126,9 @@ Json accuracy_json(const AccuracyReport& report) {
   for (const AccuracyRow& row : report.rows) {
     Json one{{"condition", row.condition},
              {"pixel_format", row.pixel_format},
+             {"colors", name_of(row.colors)},
              {"px_per_mm", row.px_per_mm},
+             {"false_balls_in_100", false_balls_in_100(row.score)},
              {"failures", row.failures}};
     one.update(score_json(row.score));
     rows.push_back(std::move(one));

@@ -6,7 +6,9 @@
 #include "ctl/accuracy.h"
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -15,7 +17,10 @@ inline constexpr double kFirstS = 1000, kStepS = 7.3;  // so far apart that pict
 /// A condition in one pixel format, with all that its names stand for.
 struct Trial {
   Config config;  // of one camera
-  SimulatorOptions source;
+  SimulatorOptions source, learn_source;
+  std::vector<int> halls;  // empty: the source's
+  AccuracyColors colors;
+  std::optional<int> learn_frames;
   double px_per_mm;
   int frames;
   AccuracyLimits limits;
