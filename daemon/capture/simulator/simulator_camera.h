@@ -43,14 +43,14 @@ class SimulatedCamera {
   /// "pixel_y"}]} with the names and units of docs/openapi.json. "visible": all of the robot's top, or of the
   /// ball, is in the picture and not hidden by a robot, nor nearly so. "visible_share": how much of it is in
   /// the picture and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in
-  /// the pattern table), or null. Things out of sight are left out.
+  /// the pattern table), or null. Things out of sight are left out. With a rolling shutter x, y and
+  /// orientation are those at t_s; pixel_x, pixel_y and what is visible are as its rows saw it.
   Json truth(const std::string& frame, double t_s) const;
 
  private:
   bool light_changes() const;
   void develop_background();
   void follow_light(double t_s);
-  double row_delay_s(double y) const;
   bool fully_visible(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene) const;
   double visible_share(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene,
                        const SimulatedRobot* top) const;
@@ -67,6 +67,7 @@ class SimulatedCamera {
   std::vector<float> blurred_background_;               // after the lens; empty when the light never changes
   std::array<float, 3> gains_{1, 1, 1};                 // that clean_background_ was developed with
   std::vector<SimulatedScene> moments_;
+  SimulatorMotions motions_;  // with a rolling shutter
   SimulatorRenderer::Boxes boxes_;
 };
 

@@ -62,6 +62,14 @@ struct SimulatorRenderer::Shape {
   Vec2 eye{0, 0};  // above this point of its own frame is the camera
 
   Vec2 into(const Vec2& v) const { return {cos * v.x() + sin * v.y(), -sin * v.x() + cos * v.y()}; }
+  /// Where it is dt_s later, seen from above `eye_mm`.
+  Shape moved(const SimulatorMotion& motion, double dt_s, const Eigen::Vector2d& eye_mm) const {
+    const auto turn = static_cast<float>(motion.turn_rad(dt_s));
+    const float c = std::cos(turn), s = std::sin(turn);
+    Shape out{center_mm + motion.way_mm(dt_s), cos * c - sin * s, sin * c + cos * s};
+    out.eye = out.into((eye_mm - out.center_mm).cast<float>());
+    return out;
+  }
 };
 
 struct SimulatorRenderer::Footprint {
@@ -311,6 +319,22 @@ SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center
   return spot;
 }
 
+/// Of a disc wherever a row may see it.
+PixelBox SimulatorRenderer::box_of(const Eigen::Vector3d& center_mm, double radius_mm,
+                                   const SimulatorMotion* motion) const {
+  if (motion == nullptr) return spot_of(center_mm, radius_mm).box;
+  PixelBox box{};
+  for (const int row : {0, (options_.height - 1) / 2, options_.height - 1}) {
+    const Eigen::Vector2d way_mm = motion->way_mm(row_delay_s(row));
+    box = join(box, spot_of(center_mm + Eigen::Vector3d(way_mm.x(), way_mm.y(), 0), radius_mm).box);
+  }
+  return box;
+}
+
+double SimulatorRenderer::row_delay_s(double y) const {
+  return (y / std::max(1, options_.height - 1) - 0.5) * options_.rolling_shutter_ms * 1e-3;
+}
+
 PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
   return {std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, options_.width),
           std::min(box.bottom, options_.height)};
@@ -318,22 +342,28 @@ PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
 
 template <class CoatOf, class MayShow>
 void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes,
-                              const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture) const {
+                              const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture,
+                              const SimulatorMotion* motion) const {
   const float weight = 1 / static_cast<float>(shapes.size());
   const Footprint plane =
       footprint_at({0.5 * (box.left + box.right - 1), 0.5 * (box.top + box.bottom - 1)}, height_mm);
   // It changes little over a box, and only the width of soft edges depends on it.
   boost::container::static_vector<Footprint, kMaxMoments> footprints;
   for (const Shape& shape : shapes) footprints.emplace_back(shape.into(plane.dx), shape.into(plane.dy));
+  boost::container::static_vector<Shape, kMaxMoments> in_row;  // where things are when it is read out
+  if (motion != nullptr) in_row.assign(shapes.begin(), shapes.end());
+  const std::span<const Shape> seen = motion != nullptr ? std::span(in_row.data(), in_row.size()) : shapes;
   const auto red = static_cast<float>(options_.red_gain), blue = static_cast<float>(options_.blue_gain);
   for (int y = box.top; y < box.bottom; ++y) {
+    for (std::size_t i = 0; i < in_row.size(); ++i)
+      in_row[i] = shapes[i].moved(*motion, row_delay_s(y), camera_.position_mm().head<2>());
     for (int x = box.left; x < box.right; ++x) {
       if (!may_show(x, y)) continue;
       const auto p = camera_.unproject(Eigen::Vector2d(x, y), height_mm);
       if (!p) continue;
       Coat coat;
       for (std::size_t i = 0; i < shapes.size(); ++i) {
-        coat_of(shapes[i].into((*p - shapes[i].center_mm).cast<float>()), footprints[i], shapes[i], coat);
+        coat_of(seen[i].into((*p - seen[i].center_mm).cast<float>()), footprints[i], seen[i], coat);
       }
       if (coat.opacity <= 0) continue;
       const float light = light_at(x, y) * weight * LightPicture::kPerGrey;
@@ -403,7 +433,7 @@ void SimulatorRenderer::draw_slice(const SimulatedSurroundings::Slice& slice, Li
 }
 
 void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std::size_t index,
-                                   LightPicture& picture, Boxes& boxes) const {
+                                   const SimulatorMotion* motion, LightPicture& picture, Boxes& boxes) const {
   const SimulatedRobot& robot = moments.front().robots[index];
   const auto radius = static_cast<float>(field_.max_robot_radius);
   const float front = radius * static_cast<float>(kRobotFrontPerRadius);
@@ -428,6 +458,10 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
     top = spot_of({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius);
     foot = spot_of({r.x_mm, r.y_mm, 0}, field_.max_robot_radius);
     box = join(box, join(top.box, foot.box));
+    if (motion != nullptr) {
+      box = join(box, join(box_of({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius, motion),
+                           box_of({r.x_mm, r.y_mm, 0}, field_.max_robot_radius, motion)));
+    }
   }
   box = in_picture(box);
   if (box.empty()) return;
@@ -467,22 +501,22 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   // Much of a box that lies askew shows nothing of a robot that stands still.
   const Vec2 along = foot.middle - top.middle;
   const float length2 = std::max(along.squaredNorm(), 1e-6F);
-  const float reach_px =
-      shapes.size() > 1 ? std::numeric_limits<float>::infinity() : std::max(top.reach_px, foot.reach_px);
+  const float reach_px = shapes.size() > 1 || motion != nullptr ? std::numeric_limits<float>::infinity()
+                                                                : std::max(top.reach_px, foot.reach_px);
   const auto may_show = [&](int x, int y) {
     const Vec2 from_top = Vec2(static_cast<float>(x), static_cast<float>(y)) - top.middle;
     const float t = std::clamp(from_top.dot(along) / length2, 0.0F, 1.0F);
     return (from_top - t * along).squaredNorm() <= reach_px * reach_px;
   };
-  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture);
+  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture, motion);
 }
 
 /// What lamps above leave dark on the floor round a thing: most below it, a little away from the two nearest
 /// lamps.
 template <class List>
 void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
-                                         std::size_t index, double radius_mm, double height_mm,
-                                         LightPicture& picture, Boxes& boxes) const {
+                                         std::size_t index, const SimulatorMotion* motion, double radius_mm,
+                                         double height_mm, LightPicture& picture, Boxes& boxes) const {
   const auto strength = static_cast<float>(options_.hall.lamps.shadows.value());
   const auto radius = static_cast<float>(radius_mm), soft = static_cast<float>(0.8 * height_mm);
   const auto& middle = (moments.front().*list)[index];
@@ -502,7 +536,7 @@ void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments
   for (const SimulatedScene& moment : moments) {
     const auto& thing = (moment.*list)[index];
     shapes.push_back({{thing.x_mm, thing.y_mm}});
-    box = join(box, spot_of({thing.x_mm, thing.y_mm, 0}, reach).box);
+    box = join(box, box_of({thing.x_mm, thing.y_mm, 0}, reach, motion));
   }
   box = in_picture(box);
   if (box.empty()) return;
@@ -514,12 +548,17 @@ void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments
     };
     coat.opacity += 1 - dark(p, 0.45F) * dark(p - away[0], 0.3F) * dark(p - away[1], 0.3F);
   };
-  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+  const SimulatorMotion straight =
+      motion != nullptr ? SimulatorMotion{motion->x_mm_s, motion->y_mm_s, 0, motion->x_mm_s2, motion->y_mm_s2}
+                        : SimulatorMotion{};
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture,
+        motion != nullptr ? &straight : nullptr);
 }
 
 /// The ball's shadow on the carpet: a darker ellipse away from the lamp.
-void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
-                                    LightPicture& picture, Boxes& boxes) const {
+void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index,
+                                    const SimulatorMotion* motion, float gloss, LightPicture& picture,
+                                    Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
   const Vec2 away = -kLampDirection.head<2>() / kLampDirection.z() * radius;
   boost::container::static_vector<Shape, kMaxMoments> shapes;
@@ -528,7 +567,7 @@ void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std
     const SimulatedBall& ball = moment.balls[index];
     const Eigen::Vector2d middle = Eigen::Vector2d(ball.x_mm, ball.y_mm) + away.cast<double>();
     shapes.push_back({middle});
-    box = join(box, spot_of({middle.x(), middle.y(), 0}, field_.ball_radius).box);
+    box = join(box, box_of({middle.x(), middle.y(), 0}, field_.ball_radius, motion));
   }
   box = in_picture(box);
   if (box.empty()) return;
@@ -536,11 +575,11 @@ void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std
   const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
     coat.opacity += 0.4F * gloss * footprint.in_disc(p, radius);
   };
-  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture, motion);
 }
 
 void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::size_t index,
-                                  LightPicture& picture, Boxes& boxes) const {
+                                  const SimulatorMotion* motion, LightPicture& picture, Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
   const Eigen::Vector3d& eye = camera_.position_mm();
   Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // from the camera
@@ -551,14 +590,14 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
     shapes.push_back({{ball.x_mm, ball.y_mm}});
     sight = (Eigen::Vector3d(ball.x_mm, ball.y_mm, field_.ball_radius) - eye).normalized().cast<float>();
     if (sight.z() >= 0) return;
-    box = join(box, spot_of({ball.x_mm, ball.y_mm, field_.ball_radius}, radius / -sight.z()).box);
+    box = join(box, box_of({ball.x_mm, ball.y_mm, field_.ball_radius}, radius / -sight.z(), motion));
   }
   box = in_picture(box);
   if (box.empty()) return;
   boxes.push_back(box);
 
   const auto gloss = static_cast<float>(options_.ball_gloss);
-  if (gloss > 0) draw_shadow(moments, index, gloss, picture, boxes);
+  if (gloss > 0) draw_shadow(moments, index, motion, gloss, picture, boxes);
   const Eigen::Vector3f halfway = (kLampDirection - sight).normalized();  // mirrors the lamp into the camera
   // A ray that meets the plane of the ball's centre at p passes the centre at |p - n (n p)|; n, its
   // direction, hardly changes over a ball.
@@ -577,12 +616,18 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
     coat.add(kLampSpot, share * spot);
     coat.opacity += share;
   };
-  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture, motion);
 }
 
-void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPicture& picture,
-                             Boxes& boxes) const noexcept {
+void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes,
+                             const SimulatorMotions* motions) const noexcept {
   boxes.clear();
+  const auto motion_of_robot = [&](std::size_t i) {
+    return motions != nullptr ? &motions->robots[i] : nullptr;
+  };
+  const auto motion_of_ball = [&](std::size_t i) {
+    return motions != nullptr ? &motions->balls[i] : nullptr;
+  };
   const SimulatedScene& scene = moments.front();
   if (options_.placement == SimulatorPlacement::kScatter) {
     for (const SimulatedDistractor& distractor : scene.distractors) {
@@ -592,12 +637,12 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
   }
   if (options_.hall.lamps.shadows.value() > 0) {
     for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-      draw_soft_shadow(moments, &SimulatedScene::robots, i, field_.max_robot_radius,
+      draw_soft_shadow(moments, &SimulatedScene::robots, i, motion_of_robot(i), field_.max_robot_radius,
                        scene.robots[i].height_mm, picture, boxes);
     }
     for (std::size_t i = 0; i < scene.balls.size(); ++i) {
-      draw_soft_shadow(moments, &SimulatedScene::balls, i, field_.ball_radius, 2 * field_.ball_radius,
-                       picture, boxes);
+      draw_soft_shadow(moments, &SimulatedScene::balls, i, motion_of_ball(i), field_.ball_radius,
+                       2 * field_.ball_radius, picture, boxes);
     }
   }
   // Of two things the one nearer to the camera's foot can hide the other. For discs, nearer is the one to
@@ -621,9 +666,9 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
             [](const Thing& a, const Thing& b) { return a.tangent2_mm2 > b.tangent2_mm2; });
   for (const Thing& thing : things) {
     if (thing.is_robot) {
-      draw_robot(moments, thing.index, picture, boxes);
+      draw_robot(moments, thing.index, motion_of_robot(thing.index), picture, boxes);
     } else {
-      draw_ball(moments, thing.index, picture, boxes);
+      draw_ball(moments, thing.index, motion_of_ball(thing.index), picture, boxes);
     }
   }
 }

@@ -42,8 +42,13 @@ class SimulatorRenderer {
 
   /// Draws robots and balls over `picture`, and distractors unless they lie still and so are in the
   /// background already: the average of the moments (of one world) when there are several (up to
-  /// kMaxMoments). Names the boxes it drew in.
-  void draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes) const noexcept;
+  /// kMaxMoments). Names the boxes it drew in. With motions, which rolling_shutter_ms needs, each row sees
+  /// things where they are when it is read out.
+  void draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes,
+            const SimulatorMotions* motions = nullptr) const noexcept;
+
+  /// When a row is read out, from the picture's time on.
+  double row_delay_s(double y) const;
 
  private:
   struct Footprint;  // how the field moves under one pixel
@@ -59,22 +64,23 @@ class SimulatorRenderer {
   float lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const;
   Footprint footprint_at(const Eigen::Vector2d& pixel, double height_mm) const;
   Spot spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const;
+  PixelBox box_of(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatorMotion* motion) const;
   PixelBox in_picture(const PixelBox& box) const;
   PixelBox draw_distractor(const SimulatedDistractor& distractor, LightPicture& picture) const;
   void draw_slice(const SimulatedSurroundings::Slice& slice, LightPicture& picture) const;
-  void draw_robot(std::span<const SimulatedScene> moments, std::size_t index, LightPicture& picture,
-                  Boxes& boxes) const;
+  void draw_robot(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
+                  LightPicture& picture, Boxes& boxes) const;
   template <class List>
   void draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
-                        std::size_t index, double radius_mm, double height_mm, LightPicture& picture,
-                        Boxes& boxes) const;
-  void draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
-                   LightPicture& picture, Boxes& boxes) const;
-  void draw_ball(std::span<const SimulatedScene> moments, std::size_t index, LightPicture& picture,
-                 Boxes& boxes) const;
+                        std::size_t index, const SimulatorMotion* motion, double radius_mm, double height_mm,
+                        LightPicture& picture, Boxes& boxes) const;
+  void draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
+                   float gloss, LightPicture& picture, Boxes& boxes) const;
+  void draw_ball(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
+                 LightPicture& picture, Boxes& boxes) const;
   template <class CoatOf, class MayShow>
   void paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes, const CoatOf& coat_of,
-             const MayShow& may_show, LightPicture& picture) const;
+             const MayShow& may_show, LightPicture& picture, const SimulatorMotion* motion = nullptr) const;
 
   SimulatorOptions options_;  // with a hall that is resolved
   FieldSize field_;
