@@ -115,7 +115,7 @@ struct HallSensorOptions {
         number(
             "block_noise", &O::block_noise, 0.0, 30.0, "",
             "error of each block of 8 x 8 pixels as JPEG makes it, new in each picture: standard deviation "
-            "in 8-bit grey levels"),
+            "of Y, U and V in 8-bit grey levels"),
         number("hot_pixels", &O::hot_pixels, 0.0, 1000.0, "",
                "pixels that are always too bright, of a million; each camera has its own"),
     };

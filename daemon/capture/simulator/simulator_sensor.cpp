@@ -263,8 +263,7 @@ void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) 
   }
 }
 
-/// Blocks whose coarsest frequencies are wrong, as after quantising; those of colours, which JPEG keeps for
-/// two blocks in common, more so.
+/// Blocks whose coarsest frequencies are wrong, as after quantising; colours are kept for two in common.
 void SimulatorSensor::fill_block_noise() {
   constexpr std::size_t kPairPx = 2 * kBlockPx;
   const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
@@ -287,7 +286,7 @@ void SimulatorSensor::fill_block_noise() {
   };
   for (std::size_t pair = 0; (pair + 1) * kPairPx * pixel_bytes <= entries; ++pair) {
     const std::array bright{wave(sigma), wave(sigma)};
-    const Wave red = wave(1.5 * sigma), blue = wave(1.5 * sigma);  // V and U
+    const Wave red = wave(sigma), blue = wave(sigma);  // V and U
     for (int y = 0; y < kBlockPx; ++y) {
       const double down = (y + 0.5) / kBlockPx;
       for (std::size_t x = 0; x < kPairPx; ++x) {
