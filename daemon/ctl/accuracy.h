@@ -43,6 +43,7 @@ struct AccuracyLimits {
   std::optional<double> recall, position_rms_mm, orientation_rms_deg;
   std::optional<int> wrong_id, invented;
   std::optional<double> ball_recall, ball_precision, ball_rms_mm;
+  std::optional<double> false_balls_in_100;
   std::optional<double> worst_recall, worst_ball_recall;
   static constexpr auto fields() {
     using L = AccuracyLimits;
@@ -56,12 +57,22 @@ struct AccuracyLimits {
         number("ball_recall", &L::ball_recall, 0.0, 1.0, "", "least share of the visible balls found"),
         number("ball_precision", &L::ball_precision, 0.0, 1.0, "", "least share of the found balls that are"),
         number("ball_rms_mm", &L::ball_rms_mm, 0.0, 1000.0, "mm", "largest error of a ball's position"),
+        number("false_balls_in_100", &L::false_balls_in_100, 0.0, 1e5, "",
+               "most balls that are none, in 100 pictures"),
         number("worst_recall", &L::worst_recall, 0.0, 1.0, "",
                "least recall of robots in any five seconds of a film"),
         number("worst_ball_recall", &L::worst_ball_recall, 0.0, 1.0, "", "the same of balls"),
     };
   }
 };
+
+/// Where a condition's colour table comes from.
+enum class AccuracyColors : std::uint8_t {
+  kClicked,  // from what an admin might have clicked at in other pictures: eight places for each label
+  kLearnt,   // from other pictures by learn_colors(), without a click
+};
+inline constexpr std::array<Choice<AccuracyColors>, 2> kAccuracyColorsChoices{
+    {{"clicked", AccuracyColors::kClicked}, {"learnt", AccuracyColors::kLearnt}}};
 
 /// One line of the suite for each of its pixel formats.
 struct AccuracyCondition {
@@ -70,6 +81,10 @@ struct AccuracyCondition {
   std::vector<std::string> pixel_formats{"uyvy"};
   std::optional<double> px_per_mm;
   Json source = Json::object();
+  std::vector<int> halls;
+  std::optional<AccuracyColors> colors;
+  std::optional<int> learn_frames;
+  Json learn_source = Json::object();
   double robot_height = 140;
   Json teams = Json::object();
   Json stages = Json::object();
@@ -87,6 +102,13 @@ struct AccuracyCondition {
         number("px_per_mm", &C::px_per_mm, 0.01, 10.0, "px/mm",
                "the camera is scaled to this resolution on the floor in its middle; null: it is not"),
         object("source", &C::source, "the simulator's options, over those of the suite"),
+        numbers("halls", &C::halls, 0, 1'000'000,
+                "seeds of halls that share the pictures, each with a colour table of its own; none: those of "
+                "the suite, or the one that source says"),
+        choice("colors", &C::colors, kAccuracyColorsChoices, "instead of what the suite says"),
+        number("learn_frames", &C::learn_frames, 1, 30, "", "instead of what the suite says"),
+        object("learn_source", &C::learn_source,
+               "the simulator's options for the pictures that the colours come from, over source"),
         number("robot_height", &C::robot_height, 20.0, 1000.0, "mm", "height of the patterns of both teams"),
         object("teams", &C::teams, "settings of the teams"),
         object("stages", &C::stages, "parameters of the stages"),
@@ -102,28 +124,26 @@ struct AccuracyCondition {
   }
 };
 
-/// Where a condition's colour table comes from.
-enum class AccuracyColors : std::uint8_t {
-  kClicked,  // from what an admin might have clicked at in two other pictures: eight places for each label
-  kLearnt,   // from three other pictures by learn_colors(), without a click
-};
-inline constexpr std::array<Choice<AccuracyColors>, 2> kAccuracyColorsChoices{
-    {{"clicked", AccuracyColors::kClicked}, {"learnt", AccuracyColors::kLearnt}}};
-
 struct AccuracySuite {
   std::string file;
   AccuracyColors colors = AccuracyColors::kClicked;
-  Json source = Json::object(), stages = Json::object(), must = Json::object();
+  std::optional<int> learn_frames;
+  std::vector<int> halls;
+  Json source = Json::object(), learn_source = Json::object(), stages = Json::object(), must = Json::object();
   Json named_fields = Json::object();
   std::vector<AccuracyCondition> conditions;
   static constexpr auto fields() {
     using S = AccuracySuite;
     return std::tuple{
-        choice(
-            "colors", &S::colors, kAccuracyColorsChoices,
-            "where the colour tables come from: clicked: a few places in two other pictures; learnt: three "
-            "other pictures and no click"),
+        choice("colors", &S::colors, kAccuracyColorsChoices,
+               "where the colour tables come from: clicked: a few places in other pictures; learnt: other "
+               "pictures and no click"),
+        number("learn_frames", &S::learn_frames, 1, 30, "",
+               "how many pictures that is; null: two with clicks, three without"),
+        numbers("halls", &S::halls, 0, 1'000'000, "the halls of every condition that names none"),
         object("source", &S::source, "the simulator's options in every condition"),
+        object("learn_source", &S::learn_source,
+               "the same for the pictures that the colours come from, over source"),
         object("stages", &S::stages, "parameters of the stages in every condition"),
         object("must", &S::must, "how good the result must be in every condition"),
         object("fields", &S::named_fields, "fields with their cameras, by name"),
@@ -138,6 +158,7 @@ AccuracySuite read_accuracy_suite(const std::string& file);
 /// What became of one condition in one pixel format.
 struct AccuracyRow {
   std::string condition, pixel_format;
+  AccuracyColors colors;
   double px_per_mm;  // on the floor in the middle of the picture
   Score score;
   std::vector<std::string> failures;  // what is worse than it must be, for people
@@ -150,6 +171,9 @@ struct AccuracyRow {
   };
   std::vector<Stretch> film{};
 };
+
+/// Detected balls with nothing at their place, in as many of 100 frames.
+double false_balls_in_100(const Score& score);
 
 /// How often detections of one confidence were right: robots with the right id, balls where one is.
 struct Reliability {
@@ -176,8 +200,9 @@ struct AccuracyOptions {
 };
 
 /// Runs the camera's usual stack over simulated pictures of each condition and scores it. The colour table is
-/// made under the same condition from other pictures: of clicks, spread over the picture, by
-/// lut_from_samples, or by learn_colors. The same suite gives the same report. Throws SettingsError for a
+/// made under the same condition, but for learn_source, from other pictures: of clicks, spread over the
+/// picture, by lut_from_samples, or by learn_colors. Where nothing could be learnt nothing is found, and the
+/// row says why. The same suite gives the same report. Throws SettingsError for a
 /// name of `only` that is not in the suite, CaptureError when the simulator cannot draw a condition.
 AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOptions& options);
 

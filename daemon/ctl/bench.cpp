@@ -3,6 +3,8 @@
 
 #include "base/params_json.h"
 #include "cameras.h"
+#include "capture/simulator/simulator.h"
+#include "capture/simulator/simulator_camera.h"
 #include "ctl/no_sink.h"
 #include "pipeline/pipeline.h"
 
@@ -13,6 +15,8 @@
 
 namespace sslv {
 namespace {
+
+constexpr double kFirstS = 1000;  // of drawn frames, a second apart, so that each run has the same ones
 
 StageTiming summary_of(std::string stage, std::vector<double> us) {
   std::sort(us.begin(), us.end());
@@ -86,21 +90,35 @@ Recording record(Source& source, int count) {
   return recording;
 }
 
+Scene scene_of(const Config& config, std::size_t camera_index, int width, int height) {
+  const CameraSettings& camera = config.cameras.at(camera_index);
+  Scene scene = *make_world(config, camera_index, std::make_shared<Lut>()).scene;
+  const std::string path = "/cameras/" + std::to_string(camera_index);
+  if (camera.calibration) scene.camera.emplace(scaled(*camera.calibration, width, height), path);
+  return scene;
+}
+
 Recording draw_frames(const Config& config, std::size_t camera_index, PixelFormat format, int width,
                       int height, int frames, const Json& options) {
   const std::string path = "/cameras/" + std::to_string(camera_index);
   const CameraSettings& camera = config.cameras.at(camera_index);
-  Scene scene = *make_world(config, camera_index, std::make_shared<Lut>()).scene;
-  if (camera.calibration) scene.camera.emplace(scaled(*camera.calibration, width, height), path);
-  const Backend& simulator = find_backend("simulator", path);
   Json all = camera.source["backend"] == "simulator" ? camera.source : Json::object();
   all.erase("backend");
   all.update(options);
   all.update(
       Json{{"width", width}, {"height", height}, {"pixel_format", name_of(format)}, {"frame_rate_hz", 0}});
-  const auto source = simulator.open(simulator.complete(all, path + "/source"),
-                                     {static_cast<std::uint32_t>(camera.id), scene});
-  return record(*source, frames);
+  SimulatedCamera drawn(
+      simulator_options(all, path + "/source"),
+      {static_cast<std::uint32_t>(camera.id), scene_of(config, camera_index, width, height)},
+      league_patterns());
+  Recording recording;
+  for (int i = 0; i < frames; ++i) {
+    recording.buffers.emplace_back(drawn.picture_bytes());
+    drawn.draw(kFirstS + i, recording.buffers.back().data());
+    ImageView& view = recording.views.emplace_back(drawn.layout());
+    view.data = recording.buffers.back().data();
+  }
+  return recording;
 }
 
 std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camera_index, int frames,

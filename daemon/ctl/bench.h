@@ -3,6 +3,7 @@
 
 #include "capture/source.h"
 #include "config.h"
+#include "geometry/scene.h"
 #include "image/image.h"
 
 #include <string>
@@ -32,8 +33,12 @@ struct Recording {
 /// Copies of a source's first `count` pictures, of all for 0. Throws CaptureError when there is none.
 Recording record(Source& source, int count);
 
+/// The camera of the settings with a sensor of that size: it still sees the same part of the field.
+Scene scene_of(const Config& config, std::size_t camera_index, int width, int height);
+
 /// What the simulator draws for a camera with a sensor of that size and format: its calibration is scaled
 /// with the picture. `options` go over those of the camera's source.
+/// They are the same in every run.
 Recording draw_frames(const Config& config, std::size_t camera_index, PixelFormat format, int width,
                       int height, int frames, const Json& options = Json::object());
 

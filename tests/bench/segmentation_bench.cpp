@@ -3,6 +3,7 @@
 // against the mere reading of its bytes, all in one run. Google Benchmark's options apply (--help); at the
 // end the ratios are printed as they stand in docs/benchmarks.md.
 #include "byte_sum.h"
+#include "colors/learn_colors.h"
 #include "config.h"
 #include "ctl/bench.h"
 #include "support/simd_target.h"
@@ -18,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -52,6 +54,32 @@ const std::shared_ptr<const Lut>& demo_lut() {
   return lut;
 }
 
+/// A hall, and where the colour table comes from.
+struct Look {
+  const char* hall;
+  bool learnt;
+};
+constexpr Look kLooks[] = {{"plain", false}, {"plain", true}, {"usual", false},
+                           {"usual", true},  {"hard", false}, {"hard", true}};
+
+Json options_of(const Look& look) {
+  return {{"noise_sigma", 4}, {"hall", {{"kind", look.hall}}}};
+}
+
+/// The demo's classes of hues, or a table learnt from one picture in light 1.
+std::shared_ptr<const Lut> lut_of(const Look& look, PixelFormat format, Size size) {
+  if (!look.learnt) return demo_lut();
+  Json options = options_of(look);
+  options.update({{"placement", "scatter"}, {"balls", 4}});
+  options["hall"]["lamps"] = {{"flicker_low", 1}, {"flicker_high", 1}};
+  const Recording shown = draw_frames(demo(), 0, format, size.width, size.height, 1, options);
+  LearntColors learnt =
+      learn_colors({shown.views, scene_of(demo(), 0, size.width, size.height), league_patterns()});
+  if (!learnt.lut)
+    throw std::runtime_error(fmt::format("{} hall: not learnt: {}", look.hall, learnt.problem));
+  return learnt.lut;
+}
+
 /// Size of the largest cache, as Linux tells it.
 std::size_t cache_bytes() {
   std::size_t largest = 32 << 20;
@@ -66,7 +94,7 @@ std::size_t cache_bytes() {
 /// Pictures to go through in turn, copies of few: for a cold start more than any cache holds.
 class Pictures {
  public:
-  Pictures(const Recording& drawn, bool cold) {
+  Pictures(const Recording& drawn, bool cold, std::shared_ptr<const Lut> lut) : lut_(std::move(lut)) {
     const std::size_t bytes = drawn.buffers.front().size();
     const std::size_t count = cold ? cache_bytes() * 3 / 2 / bytes + 1 : 1;
     for (std::size_t i = 0; i < count; ++i) {
@@ -78,15 +106,17 @@ class Pictures {
   }
   const Image& next() { return images_[++at_ % images_.size()]; }
   std::size_t bytes() const { return buffers_.front().size(); }
+  const Lut& lut() const { return *lut_; }
 
  private:
+  std::shared_ptr<const Lut> lut_;
   std::vector<std::vector<std::uint8_t>> buffers_;
   std::vector<Image> images_;
   std::size_t at_ = 0;
 };
 
-Recording scene(PixelFormat format, Size size) {
-  return draw_frames(demo(), 0, format, size.width, size.height, kDrawn, {{"noise_sigma", 4}});
+Recording scene(PixelFormat format, Size size, const Look& look) {
+  return draw_frames(demo(), 0, format, size.width, size.height, kDrawn, options_of(look));
 }
 
 Recording copy_of(const Recording& from) {
@@ -163,15 +193,15 @@ void time_segment(benchmark::State& state, std::int64_t target, const Segment::P
   const Mask mask;
   RunList runs;
   RegionList regions;
-  for (int i = 0; i < 3; ++i) segment.process(params, *demo_lut(), mask, pictures.next(), runs, regions);
-  for (auto _ : state) segment.process(params, *demo_lut(), mask, pictures.next(), runs, regions);
+  for (int i = 0; i < 3; ++i) segment.process(params, pictures.lut(), mask, pictures.next(), runs, regions);
+  for (auto _ : state) segment.process(params, pictures.lut(), mask, pictures.next(), runs, regions);
   state.counters["runs"] = static_cast<double>(runs.runs.size());
   state.counters["regions"] = static_cast<double>(regions.regions.size());
   state.counters["capped"] = runs.capped || regions.capped;
 }
 
 void time_three_passes(benchmark::State& state, Pictures& pictures) {
-  ThreePasses passes(*demo_lut());
+  ThreePasses passes(pictures.lut());
   std::size_t regions = passes.process(pictures.next().view()).size();
   for (auto _ : state) regions = passes.process(pictures.next().view()).size();
   state.counters["regions"] = static_cast<double>(regions);
@@ -185,7 +215,13 @@ void time_byte_sum(benchmark::State& state, Pictures& pictures) {
 void add(const std::string& kind, const MakePictures& make, const Segment::Params& params) {
   const auto time = [&](const std::string& what, auto run) {
     benchmark::RegisterBenchmark((kind + "/" + what).c_str(),
-                                 [=](benchmark::State& state) { run(state, pictures_of(kind, make)); })
+                                 [=](benchmark::State& state) {
+                                   try {
+                                     run(state, pictures_of(kind, make));
+                                   } catch (const std::runtime_error& not_learnt) {
+                                     state.SkipWithError(not_learnt.what());
+                                   }
+                                 })
         ->Unit(benchmark::kMicrosecond)
         ->MinTime(0.03)
         ->Repetitions(7)
@@ -208,7 +244,7 @@ void print_worst_frames() {
   std::cout << "\n| picture | table | median us | p99 us | worst us |\n|---|---|---|---|---|\n";
   const auto other = make_lut(demo().cameras[1].colors, "");
   for (const Size size : kSizes) {
-    Pictures pictures(scene(PixelFormat::kUyvy, size), false);
+    Pictures pictures(scene(PixelFormat::kUyvy, size, kLooks[0]), false, demo_lut());
     for (const bool edited : {false, true}) {
       Segment segment;
       RunList runs;
@@ -236,7 +272,7 @@ class Reporter : public benchmark::ConsoleReporter {
   void ReportRuns(const std::vector<Run>& runs) override {
     benchmark::ConsoleReporter::ReportRuns(runs);
     for (const Run& run : runs) {
-      if (run.run_type != Run::RT_Iteration) continue;
+      if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string& name = run.run_name.function_name;
       const std::string kind = name.substr(0, name.find('/'));
       if (std::find(kinds_.begin(), kinds_.end(), kind) == kinds_.end()) kinds_.push_back(kind);
@@ -290,26 +326,32 @@ int main(int argc, char** argv) {
   uncapped.runs.max_runs = 4'000'000;
   uncapped.regions.max_regions = 1'000'000;
   two_threads.threads = 2;
-  for (const PixelFormat format : kFormats) {
-    for (const Size size : kSizes) {
-      const std::string kind = fmt::format("{} {}", sslv::name_of(format), bench::name_of(size));
-      const auto pictures = [=](bool cold) { return [=] { return Pictures(scene(format, size), cold); }; };
-      add(kind + " warm", pictures(false), {});
-      add(kind + " cold", pictures(true), {});
-      if (size.width != kSizes[2].width) continue;
-      add(kind + " warm" + kTwoThreads, pictures(false), two_threads);
-      add(kind + " cold" + kTwoThreads, pictures(true), two_threads);
-      const auto changed = [=](auto change) {
-        return [=] { return Pictures(change(scene(format, size)), false); };
-      };
-      const auto speckle = [=](double share) {
-        return changed([=](const Recording& drawn) { return speckled(drawn, share); });
-      };
-      add(kind + " 1 % speckle", speckle(0.01), {});
-      add(kind + " 50 % speckle, no cap", speckle(0.5), uncapped);
-      add(kind + " 50 % speckle", speckle(0.5), {});
-      add(kind + " random bytes, no cap", changed(random_bytes), uncapped);
-      add(kind + " random bytes", changed(random_bytes), {});
+  for (const Look& look : kLooks) {
+    for (const PixelFormat format : kFormats) {
+      for (const Size size : kSizes) {
+        const std::string kind =
+            fmt::format("{} hall, {} table, {} {}", look.hall, look.learnt ? "learnt" : "demo's",
+                        sslv::name_of(format), bench::name_of(size));
+        const auto drawn = [=](bool cold, auto change) {
+          return
+              [=] { return Pictures(change(scene(format, size, look)), cold, lut_of(look, format, size)); };
+        };
+        const auto same = [](Recording recording) { return recording; };
+        add(kind + " warm", drawn(false, same), {});
+        add(kind + " cold", drawn(true, same), {});
+        const bool also_hostile = &look == &kLooks[0] || &look == &kLooks[3];
+        if (size.width != kSizes[2].width || !also_hostile) continue;
+        add(kind + " warm" + kTwoThreads, drawn(false, same), two_threads);
+        add(kind + " cold" + kTwoThreads, drawn(true, same), two_threads);
+        const auto speckle = [=](double share) {
+          return drawn(false, [=](const Recording& recording) { return speckled(recording, share); });
+        };
+        add(kind + " 1 % speckle", speckle(0.01), {});
+        add(kind + " 50 % speckle, no cap", speckle(0.5), uncapped);
+        add(kind + " 50 % speckle", speckle(0.5), {});
+        add(kind + " random bytes, no cap", drawn(false, random_bytes), uncapped);
+        add(kind + " random bytes", drawn(false, random_bytes), {});
+      }
     }
   }
   Reporter reporter;

@@ -135,6 +135,11 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
     }
     if (swing.size() == 1) refuse(fmt::format("{}/{}", path, key), swing, "no points, or two and more");
   };
+  const HallOptions hall = resolved(options.hall);
+  if (*hall.lamps.flicker_low > *hall.lamps.flicker_high) {
+    refuse(path + "/hall/lamps/flicker_low", *hall.lamps.flicker_low,
+           fmt::format("no more than flicker_high, which is {}", *hall.lamps.flicker_high));
+  }
   check_swing("light_swing", options.light_swing, 0.05, 4.0);
   check_swing("cast_swing", options.cast_swing, 0.5, 2.0);
   check_ids("robots_yellow", options.robots_yellow, "first_yellow_id", options.first_yellow_id);

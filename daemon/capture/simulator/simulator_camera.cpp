@@ -14,7 +14,14 @@
 namespace sslv {
 namespace {
 
-constexpr int kBandRows = 64;  // the whole picture is developed in bands, to need less memory
+constexpr int kBandRows = 64;             // the whole picture is developed in bands, to need less memory
+constexpr double kMainsLightHz = 100.03;  // mains are never at 50 Hz exactly
+constexpr double kUsualReadOutMs = 10;
+
+SimulatorOptions with_resolved_hall(SimulatorOptions options) {
+  options.hall = resolved(options.hall);
+  return options;
+}
 
 Scene checked(const SimulatorOptions& options, const SourceContext& context) {
   if (!context.scene.camera) {
@@ -61,8 +68,9 @@ const char* name_of(Team team) {
 
 SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceContext& context,
                                  const PatternTable& patterns)
-    : options_(options),
+    : options_(with_resolved_hall(options)),
       scene_(checked(options, context)),
+      lamps_(options_.hall, scene_.field),
       world_(world_of(options, context)),
       renderer_(options, scene_.field, *scene_.camera, patterns),
       sensor_(options, static_cast<std::uint64_t>(options.seed) << 32 | context.camera_id),
@@ -84,32 +92,55 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
                       context.camera_id, name_of(robot.team), robot.id, patterns.name));
     }
   }
+  if (light_changes()) blurred_background_ = sensor_.blurred(background_);
   develop_background();
 }
 
+bool SimulatedCamera::light_changes() const {
+  return !options_.light_swing.empty() || !options_.cast_swing.empty() || lamps_.flickers() ||
+         options_.hall.lamps.banding.value() > 0;
+}
+
 void SimulatedCamera::develop_background() {
-  for (int top = 0; top < options_.height; top += kBandRows) {
-    const PixelBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
-    sensor_.develop(background_, band, clean_background_.data());
+  if (light_changes()) {
+    sensor_.develop_blurred(blurred_background_, clean_background_.data());
+  } else {
+    for (int top = 0; top < options_.height; top += kBandRows) {
+      const PixelBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
+      sensor_.develop(background_, band, clean_background_.data());
+    }
   }
   clean_ = clean_background_;
 }
 
 /// A new light is all over the picture.
-void SimulatedCamera::follow_swing(double t_s) {
-  const double light = swing_at(options_.light_swing, t_s), cast = swing_at(options_.cast_swing, t_s);
+void SimulatedCamera::follow_light(double t_s) {
+  if (!light_changes()) return;
+  double light = swing_at(options_.light_swing, t_s);
+  const double cast = swing_at(options_.cast_swing, t_s);
+  if (lamps_.flickers()) light *= lamps_.flicker(options_.seed, picture_number(options_, t_s));
   const std::array gains{static_cast<float>(light * cast), static_cast<float>(light),
                          static_cast<float>(light / cast)};
-  if (gains == gains_) return;
+  const double banding = options_.hall.lamps.banding.value();
+  if (gains == gains_ && banding == 0) return;
   gains_ = gains;
   sensor_.set_gains(gains);
+  for (int y = 0; y < options_.height && banding > 0; ++y) {
+    // A shutter that opens all rows at once shows no bands; that the option asks for them is enough.
+    const double read_out_s =
+        1e-3 * (options_.rolling_shutter_ms > 0 ? options_.rolling_shutter_ms : kUsualReadOutMs);
+    const double turns = kMainsLightHz * (t_s + read_out_s * y / options_.height);
+    sensor_.set_row_gain(y, static_cast<float>(1 + banding * std::sin(2 * std::numbers::pi * turns)));
+  }
   develop_background();
 }
 
 void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
-  follow_swing(t_s);
+  follow_light(t_s);
   world_.expose(t_s, options_.exposure_ms * 1e-3, moments_);
-  renderer_.draw(moments_, light_, boxes_);
+  const bool rolls = options_.rolling_shutter_ms > 0;
+  if (rolls) motions_ = world_.motions_at(t_s, options_.rolling_shutter_ms * 0.5e-3);
+  renderer_.draw(moments_, light_, boxes_, rolls ? &motions_ : nullptr);
   for (const PixelBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());
   sensor_.add_noise(clean_.data(), picture);
 
@@ -183,6 +214,20 @@ double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double r
 Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
   const SimulatedScene scene = world_.at(t_s);
   Json out{{"frame", frame}, {"t", t_s}, {"robots", Json::array()}, {"balls", Json::array()}};
+  const bool rolls = options_.rolling_shutter_ms > 0;
+  const SimulatorMotions motions =
+      rolls ? world_.motions_at(t_s, options_.rolling_shutter_ms * 0.5e-3) : SimulatorMotions();
+  // The scene when the row is read out that shows the middle of a thing.
+  const auto seen_at = [&](const auto& center_in) {
+    SimulatedScene seen = scene;
+    for (int i = 0; i < 4 && rolls; ++i) {
+      const auto pixel = scene_.camera->project(center_in(seen));
+      if (!pixel) break;
+      const double y = std::clamp(pixel->y(), 0.0, options_.height - 1.0);
+      seen = moved(scene, motions, renderer_.row_delay_s(y));
+    }
+    return seen;
+  };
   // A thing whose middle lies this far outside cannot show in the picture.
   const auto pixel_of = [&](const Eigen::Vector3d& center_mm) {
     auto pixel = scene_.camera->project(center_mm);
@@ -193,11 +238,16 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
     }
     return pixel;
   };
-  for (const SimulatedRobot& robot : scene.robots) {
-    const Eigen::Vector3d center(robot.x_mm, robot.y_mm, robot.height_mm);
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const SimulatedRobot& robot = scene.robots[i];
+    const auto center_in = [&](const SimulatedScene& there) {
+      return Eigen::Vector3d(there.robots[i].x_mm, there.robots[i].y_mm, robot.height_mm);
+    };
+    const SimulatedScene seen = seen_at(center_in);
+    const Eigen::Vector3d center = center_in(seen);
     const auto pixel = pixel_of(center);
     if (!pixel) continue;
-    const double share = visible_share(center, scene_.field.max_robot_radius, scene, &robot);
+    const double share = visible_share(center, scene_.field.max_robot_radius, seen, &seen.robots[i]);
     out["robots"].push_back({{"team", name_of(robot.team)},
                              {"id", robot.id},
                              {"x", robot.x_mm},
@@ -210,11 +260,16 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
                              {"pixel_x", pixel->x()},
                              {"pixel_y", pixel->y()}});
   }
-  for (const SimulatedBall& ball : scene.balls) {
-    const Eigen::Vector3d center(ball.x_mm, ball.y_mm, scene_.field.ball_radius);
+  for (std::size_t i = 0; i < scene.balls.size(); ++i) {
+    const SimulatedBall& ball = scene.balls[i];
+    const auto center_in = [&](const SimulatedScene& there) {
+      return Eigen::Vector3d(there.balls[i].x_mm, there.balls[i].y_mm, scene_.field.ball_radius);
+    };
+    const SimulatedScene seen = seen_at(center_in);
+    const Eigen::Vector3d center = center_in(seen);
     const auto pixel = pixel_of(center);
     if (!pixel) continue;
-    const double share = visible_share(center, scene_.field.ball_radius, scene, nullptr);
+    const double share = visible_share(center, scene_.field.ball_radius, seen, nullptr);
     out["balls"].push_back({{"x", ball.x_mm},
                             {"y", ball.y_mm},
                             {"visible", share == 1},

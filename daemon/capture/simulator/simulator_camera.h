@@ -20,7 +20,8 @@
 namespace sslv {
 
 /// One simulated camera: the bytes it gives at any time, and the truth about them. The field is drawn once; a
-/// frame redraws only what lies around things, then adds noise. Memory: 14 bytes a pixel and more.
+/// frame redraws only what lies around things, then adds noise. Memory: 14 bytes a pixel and more; 12 further
+/// ones when its light changes.
 class SimulatedCamera {
  public:
   /// The camera is that of context.scene. Throws CaptureError, in one line: no calibration, one for pictures
@@ -42,26 +43,31 @@ class SimulatedCamera {
   /// "pixel_y"}]} with the names and units of docs/openapi.json. "visible": all of the robot's top, or of the
   /// ball, is in the picture and not hidden by a robot, nor nearly so. "visible_share": how much of it is in
   /// the picture and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in
-  /// the pattern table), or null. Things out of sight are left out.
+  /// the pattern table), or null. Things out of sight are left out. With a rolling shutter x, y and
+  /// orientation are those at t_s; pixel_x, pixel_y and what is visible are as its rows saw it.
   Json truth(const std::string& frame, double t_s) const;
 
  private:
+  bool light_changes() const;
   void develop_background();
-  void follow_swing(double t_s);
+  void follow_light(double t_s);
   bool fully_visible(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene) const;
   double visible_share(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene,
                        const SimulatedRobot* top) const;
 
-  SimulatorOptions options_;
+  SimulatorOptions options_;  // with a hall that is resolved
   Scene scene_;
+  SimulatedLamps lamps_;
   SimulatedWorld world_;
   SimulatorRenderer renderer_;
   SimulatorSensor sensor_;
   ImageView layout_;
   LightPicture background_, light_;                     // light_ is background_ but while a frame is drawn
   std::vector<std::uint8_t> clean_background_, clean_;  // the same, as bytes without noise
+  std::vector<float> blurred_background_;               // after the lens; empty when the light never changes
   std::array<float, 3> gains_{1, 1, 1};                 // that clean_background_ was developed with
   std::vector<SimulatedScene> moments_;
+  SimulatorMotions motions_;  // with a rolling shutter
   SimulatorRenderer::Boxes boxes_;
 };
 

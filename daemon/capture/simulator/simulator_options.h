@@ -3,6 +3,7 @@
 
 #include "base/params.h"
 #include "capture/pixel_format_choice.h"
+#include "capture/simulator/simulator_hall.h"
 
 #include <array>
 #include <cstdint>
@@ -43,8 +44,10 @@ struct SimulatorOptions {
   double vignette = 0.1;
   double blur_sigma_px = 0.5;
   double exposure_ms = 0;
+  double rolling_shutter_ms = 0;
   double red_gain = 1, blue_gain = 1;
   std::vector<std::array<double, 2>> light_swing, cast_swing;
+  HallOptions hall;
 
   static constexpr auto fields() {
     using O = SimulatorOptions;
@@ -85,6 +88,10 @@ struct SimulatorOptions {
         number("vignette", &O::vignette, 0.0, 1.0, "", "fraction by which the corners are darker"),
         number("blur_sigma_px", &O::blur_sigma_px, 0.0, 5.0, "px", "sharpness of the lens"),
         number("exposure_ms", &O::exposure_ms, 0.0, 100.0, "ms", "smears what moves; 0: nothing is smeared"),
+        number(
+            "rolling_shutter_ms", &O::rolling_shutter_ms, 0.0, 100.0, "ms",
+            "time from the first row that is read out to the last: each row sees things where they are then; "
+            "the middle one at the picture's time"),
         number("red_gain", &O::red_gain, 0.2, 4.0, "", "cast of the light"),
         number("blue_gain", &O::blue_gain, 0.2, 4.0, "", "cast of the light"),
         point_list("light_swing", &O::light_swing, 0, 0.0, 3600.0, "",
@@ -92,6 +99,7 @@ struct SimulatorOptions {
                    "one to the next; after the last it begins anew. Empty: it stays"),
         point_list("cast_swing", &O::cast_swing, 0, 0.0, 3600.0, "",
                    "the same for its colour: [seconds, factor on red], by which blue is divided"),
+        group("hall", &O::hall, "carpet, lamps, prints and surroundings as halls have them"),
     };
   }
 };

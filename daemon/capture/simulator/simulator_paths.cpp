@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/simulator/simulator_paths.h"
 
+#include "capture/simulator/simulator_prints.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -30,11 +32,17 @@ double SimulatorPaths::Swing::at(double t_s) const {
 
 SimulatorPaths::SimulatorPaths(const SimulatorOptions& options, const FieldSize& field,
                                const std::array<double, 2>& robot_height_mm)
-    : robot_height_mm_(robot_height_mm), speed_(options.speed) {
+    : speed_(options.speed) {
   SimulatorRandom random(static_cast<std::uint64_t>(options.seed));
   lay_paths(options, field, random);
   const auto dots = choose_covered_dots(drivers_.size(), options.covered_dots, random);
-  for (std::size_t i = 0; i < dots.size(); ++i) drivers_[i].covered_dot = dots[i];
+  const HallOptions hall = resolved(options.hall);
+  for (std::size_t i = 0; i < dots.size(); ++i) {
+    Driver& driver = drivers_[i];
+    driver.covered_dot = dots[i];
+    driver.height_mm =
+        print_height_mm(hall, driver.team, driver.id, robot_height_mm[static_cast<std::size_t>(driver.team)]);
+  }
   for (int i = 0; i < options.distractors; ++i) {
     SimulatedDistractor& one = distractors_.emplace_back(make_distractor(random));
     one.x_mm = random.uniform(-0.5, 0.5) * field.field_length;
@@ -108,7 +116,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
          orbits(on_ring[static_cast<std::size_t>(ring)], radius, robots_apart_mm, speed_mm_s)) {
       const auto [team, id] = roster[next++];
       drivers_.push_back(
-          {team, id, orbit, {random.angle(), 2.0, random.uniform(0.05, 0.2), random.angle()}, {}});
+          {team, id, orbit, {random.angle(), 2.0, random.uniform(0.05, 0.2), random.angle()}, 0, {}});
     }
   }
 
@@ -141,8 +149,8 @@ SimulatedScene SimulatorPaths::at(double t_s) const {
   for (const Driver& driver : drivers_) {
     const Point point = on_field(driver.orbit, t);
     scene.robots.push_back({driver.team, driver.id, point.x_mm, point.y_mm,
-                            normalized(point.travel_rad + driver.heading_rad.at(t)),
-                            robot_height_mm_[static_cast<std::size_t>(driver.team)], driver.covered_dot});
+                            normalized(point.travel_rad + driver.heading_rad.at(t)), driver.height_mm,
+                            driver.covered_dot});
   }
   for (const Orbit& orbit : balls_) {
     const Point point = on_field(orbit, t);

@@ -36,6 +36,7 @@ class SimulatorPaths {
     int id;
     Orbit orbit;
     Swing heading_rad;  // relative to the direction of travel
+    double height_mm;
     std::optional<int> covered_dot{};
   };
   struct Point {
@@ -45,7 +46,6 @@ class SimulatorPaths {
   void lay_paths(const SimulatorOptions& options, const FieldSize& field, SimulatorRandom& random);
   Point on_field(const Orbit& orbit, double t_s) const;
 
-  std::array<double, 2> robot_height_mm_;
   double speed_;
   double stretch_x_ = 1, stretch_y_ = 1;
   std::vector<Driver> drivers_;

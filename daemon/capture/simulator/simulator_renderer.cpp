@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/simulator/simulator_renderer.h"
 
-#include "capture/simulator/simulator_random.h"
+#include "capture/simulator/simulator_texture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,32 +13,12 @@
 namespace sslv {
 namespace {
 
-// Colours under white light at brightness 1, as cameras see a league field's carpet, prints and ball. Chosen
-// so that their hues differ by 25 degrees or more in YUV.
-struct Paint {
-  float r, g, b;
-};
-constexpr Paint kCarpet{30, 92, 62}, kLine{205, 205, 200}, kFloor{92, 88, 84}, kRobotTop{24, 24, 27},
-    kRobotSide{34, 34, 38}, kBall{238, 108, 32}, kLampSpot{260, 255, 235};
+constexpr Paint kLine{205, 205, 200}, kNowhere{92, 88, 84}, kRobotTop{24, 24, 27}, kRobotSide{34, 34, 38},
+    kLampSpot{260, 255, 235};
 /// Towards the lamp of `ball_gloss`, of length 1.
 const Eigen::Vector3f kLampDirection = Eigen::Vector3f(0.5F, 0.35F, 1).normalized();
-constexpr std::array<Paint, paint::kCount> kPrints{{
-    {24, 24, 27},     // clear
-    {30, 92, 62},     // field
-    {238, 108, 32},   // orange
-    {224, 198, 38},   // yellow
-    {28, 92, 196},    // blue
-    {230, 64, 150},   // pink
-    {60, 190, 205},   // cyan
-    {108, 212, 62},   // green
-    {205, 205, 200},  // white
-    {24, 24, 27},     // black
-    {200, 30, 35},    // red
-    {120, 50, 160},   // purple
-    {130, 90, 60},    // brown
-    {224, 172, 140},  // skin
-}};
 
+constexpr int kGridPx = 16;         // lamps' light changes slowly
 constexpr float kMarginPx = 0.75F;  // a pixel's corners are a little less far from its centre
 constexpr auto kEverywhere = [](int /*x*/, int /*y*/) { return true; };
 
@@ -58,20 +38,6 @@ float covered(float distance, float dx, float dy) {
     inside = 1 - (far - d) * (far - d) / (2 * a * b);
   }
   return distance >= 0 ? inside : 1 - inside;
-}
-
-/// Smooth noise in [-0.5, 0.5] over a lattice of `cell_mm`.
-float lattice_noise(double x_mm, double y_mm, double cell_mm, std::uint64_t layer) {
-  const double x = x_mm / cell_mm, y = y_mm / cell_mm;
-  const double x0 = std::floor(x), y0 = std::floor(y);
-  const auto corner = [&](int dx, int dy) {
-    const auto i = static_cast<std::uint64_t>(static_cast<std::int64_t>(x0) + dx);
-    const auto j = static_cast<std::uint64_t>(static_cast<std::int64_t>(y0) + dy);
-    return static_cast<float>(scatter((i << 32) ^ (j & 0xffffffffU) ^ (layer << 60)) >> 40) * 0x1p-24F - 0.5F;
-  };
-  const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-  return (corner(0, 0) * (1 - fx) + corner(1, 0) * fx) * (1 - fy) +
-         (corner(0, 1) * (1 - fx) + corner(1, 1) * fx) * fy;
 }
 
 PixelBox join(const PixelBox& a, const PixelBox& b) {
@@ -96,6 +62,14 @@ struct SimulatorRenderer::Shape {
   Vec2 eye{0, 0};  // above this point of its own frame is the camera
 
   Vec2 into(const Vec2& v) const { return {cos * v.x() + sin * v.y(), -sin * v.x() + cos * v.y()}; }
+  /// Where it is dt_s later, seen from above `eye_mm`.
+  Shape moved(const SimulatorMotion& motion, double dt_s, const Eigen::Vector2d& eye_mm) const {
+    const auto turn = static_cast<float>(motion.turn_rad(dt_s));
+    const float c = std::cos(turn), s = std::sin(turn);
+    Shape out{center_mm + motion.way_mm(dt_s), cos * c - sin * s, sin * c + cos * s};
+    out.eye = out.into((eye_mm - out.center_mm).cast<float>());
+    return out;
+  }
 };
 
 struct SimulatorRenderer::Footprint {
@@ -112,6 +86,16 @@ struct SimulatorRenderer::Footprint {
     if (reach <= radius && r2 <= (radius - reach) * (radius - reach)) return 1;
     const float r = std::max(std::sqrt(r2), 1e-6F);
     return covered(radius - r, from_center.dot(dx) / r, from_center.dot(dy) / r);
+  }
+  /// Share of the pixel inside an ellipse or rectangle with these halves of its sides.
+  float in_ellipse(const Vec2& p, float a, float b) const {
+    // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
+    const Vec2 scaled(p.x() / a, p.y() / b);
+    const float r = std::max(scaled.norm(), 1e-6F);
+    return below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
+  }
+  float in_rectangle(const Vec2& p, float a, float b) const {
+    return in_strip(a, p.x(), Vec2(1, 0)) * in_strip(b, p.y(), Vec2(0, 1));
   }
   /// Share of the pixel whose line of sight, which runs from `p` to `q` in the plan, meets a robot's outline.
   float in_outline(const Vec2& p, const Vec2& q, float radius, float front) const {
@@ -177,7 +161,35 @@ SimulatorRenderer::SimulatorRenderer(const SimulatorOptions& options, const Fiel
       lines_(field_lines(field)),
       arcs_(field_arcs(field)),
       camera_(camera),
-      patterns_(patterns) {}
+      patterns_(patterns),
+      lamps_(resolved(options.hall), field),
+      carpet_(resolved(options.hall), field, lamps_),
+      surroundings_(resolved(options.hall), field),
+      prints_(resolved(options.hall)) {
+  options_.hall = resolved(options.hall);
+  if (!lamps_.even()) light_field();
+}
+
+void SimulatorRenderer::light_field() {
+  grid_width_ = (options_.width - 1) / kGridPx + 2;
+  const int rows = (options_.height - 1) / kGridPx + 2;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < grid_width_; ++x) {
+      const auto place = camera_.unproject(Eigen::Vector2d(x * kGridPx, y * kGridPx), 0);
+      lamp_grid_.push_back(place ? lamps_.at(*place) : Paint{1, 1, 1});
+    }
+  }
+}
+
+/// Factors on red, green and blue.
+Paint SimulatorRenderer::lamps_at(int x, int y) const {
+  if (lamp_grid_.empty()) return {1, 1, 1};
+  const Paint* upper =
+      lamp_grid_.data() + static_cast<std::ptrdiff_t>(y / kGridPx) * grid_width_ + x / kGridPx;
+  const Paint* lower = upper + grid_width_;
+  const float fx = static_cast<float>(x % kGridPx) / kGridPx, fy = static_cast<float>(y % kGridPx) / kGridPx;
+  return upper[0].mixed(upper[1], fx).mixed(lower[0].mixed(lower[1], fx), fy);
+}
 
 float SimulatorRenderer::light_at(int x, int y) const {
   const double across = x / std::max(1.0, options_.width - 1.0);
@@ -192,17 +204,6 @@ SimulatorRenderer::Footprint SimulatorRenderer::footprint_at(const Eigen::Vector
     return camera_.unproject(pixel + Eigen::Vector2d(dx, dy), height_mm).value_or(Eigen::Vector2d::Zero());
   };
   return {(at(0.5, 0) - at(-0.5, 0)).cast<float>(), (at(0, 0.5) - at(0, -0.5)).cast<float>()};
-}
-
-SimulatorRenderer::Color SimulatorRenderer::carpet_at(const Eigen::Vector2d& p) const {
-  const double half_x = field_.field_length / 2.0 + field_.boundary_width_goal_line;
-  const double half_y = field_.field_width / 2.0 + field_.boundary_width;
-  const bool on_carpet = std::abs(p.x()) <= half_x && std::abs(p.y()) <= half_y;
-  const Paint& paint = on_carpet ? kCarpet : kFloor;
-  // Pile and wear.
-  const float tone =
-      1 + 0.10F * lattice_noise(p.x(), p.y(), 14, 1) + 0.12F * lattice_noise(p.x(), p.y(), 350, 2);
-  return {paint.r * tone, paint.g * tone, paint.b * tone};
 }
 
 float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const {
@@ -236,6 +237,31 @@ float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footpri
   return share;
 }
 
+Paint SimulatorRenderer::floor_at(const Eigen::Vector2d& p, const Footprint& footprint) const {
+  Paint color = surroundings_.on_carpet(p) ? carpet_.at(p, camera_.position_mm()) : surroundings_.floor_at(p);
+  color = color.mixed(kLine, lines_at(p, footprint));
+  const float shade = surroundings_.shade_at(p);
+  return shade == 1 ? color : color.scaled(shade);
+}
+
+/// A pixel's colour where boards are in front of the floor.
+std::optional<Paint> SimulatorRenderer::boards_at(int x, int y, const Paint& floor) const {
+  constexpr int kSamples = 2;  // in each direction: letters and edges are small
+  Paint sum{0, 0, 0};
+  int hits = 0;
+  for (int i = 0; i < kSamples * kSamples; ++i) {
+    const Eigen::Vector2d at(x + (i % kSamples + 0.5) / kSamples - 0.5,
+                             y + (static_cast<double>(i) / kSamples + 0.25) / kSamples - 0.5);
+    const auto p = camera_.unproject(at, 0);
+    const auto board = p ? surroundings_.board_before(*p, camera_.position_mm()) : std::nullopt;
+    const Paint& color = board ? *board : floor;
+    sum = {sum.r + color.r, sum.g + color.g, sum.b + color.b};
+    hits += board.has_value();
+  }
+  if (hits == 0) return std::nullopt;
+  return sum.scaled(1.0F / (kSamples * kSamples));
+}
+
 LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
   LightPicture picture(options_.width, options_.height);
   constexpr int kBlock = 16;  // pixels of a row that share a footprint
@@ -243,21 +269,21 @@ LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
     Footprint footprint(Vec2::Zero(), Vec2::Zero());
     for (int x = 0; x < picture.width; ++x) {
       if (x % kBlock == 0) footprint = footprint_at(Eigen::Vector2d(x + kBlock / 2, y), 0);
-      Color color{kFloor.r, kFloor.g, kFloor.b};
+      Paint color = kNowhere;
       if (const auto p = camera_.unproject(Eigen::Vector2d(x, y), 0)) {
-        color = carpet_at(*p);
-        const float line = lines_at(*p, footprint);
-        color.r += (kLine.r - color.r) * line;
-        color.g += (kLine.g - color.g) * line;
-        color.b += (kLine.b - color.b) * line;
+        color = floor_at(*p, footprint);
+        if (surroundings_.has_boards() && !surroundings_.on_carpet(*p))
+          color = boards_at(x, y, color).value_or(color);
       }
       const float light = light_at(x, y) * LightPicture::kPerGrey;
+      const Paint lamps = lamps_at(x, y);
       std::uint16_t* out = picture.at(x, y);
-      out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain));
-      out[1] = channel_value(color.g * light);
-      out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain));
+      out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain) * lamps.r);
+      out[1] = channel_value(color.g * light * lamps.g);
+      out[2] = channel_value(color.b * light * static_cast<float>(options_.blue_gain) * lamps.b);
     }
   }
+  for (const SimulatedSurroundings::Slice& slice : surroundings_.slices()) draw_slice(slice, picture);
   for (const SimulatedDistractor& distractor : scene.distractors) draw_distractor(distractor, picture);
   return picture;
 }
@@ -293,6 +319,22 @@ SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center
   return spot;
 }
 
+/// Of a disc wherever a row may see it.
+PixelBox SimulatorRenderer::box_of(const Eigen::Vector3d& center_mm, double radius_mm,
+                                   const SimulatorMotion* motion) const {
+  if (motion == nullptr) return spot_of(center_mm, radius_mm).box;
+  PixelBox box{};
+  for (const int row : {0, (options_.height - 1) / 2, options_.height - 1}) {
+    const Eigen::Vector2d way_mm = motion->way_mm(row_delay_s(row));
+    box = join(box, spot_of(center_mm + Eigen::Vector3d(way_mm.x(), way_mm.y(), 0), radius_mm).box);
+  }
+  return box;
+}
+
+double SimulatorRenderer::row_delay_s(double y) const {
+  return (y / std::max(1, options_.height - 1) - 0.5) * options_.rolling_shutter_ms * 1e-3;
+}
+
 PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
   return {std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, options_.width),
           std::min(box.bottom, options_.height)};
@@ -300,33 +342,40 @@ PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
 
 template <class CoatOf, class MayShow>
 void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes,
-                              const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture) const {
+                              const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture,
+                              const SimulatorMotion* motion) const {
   const float weight = 1 / static_cast<float>(shapes.size());
   const Footprint plane =
       footprint_at({0.5 * (box.left + box.right - 1), 0.5 * (box.top + box.bottom - 1)}, height_mm);
   // It changes little over a box, and only the width of soft edges depends on it.
   boost::container::static_vector<Footprint, kMaxMoments> footprints;
   for (const Shape& shape : shapes) footprints.emplace_back(shape.into(plane.dx), shape.into(plane.dy));
+  boost::container::static_vector<Shape, kMaxMoments> in_row;  // where things are when it is read out
+  if (motion != nullptr) in_row.assign(shapes.begin(), shapes.end());
+  const std::span<const Shape> seen = motion != nullptr ? std::span(in_row.data(), in_row.size()) : shapes;
   const auto red = static_cast<float>(options_.red_gain), blue = static_cast<float>(options_.blue_gain);
   for (int y = box.top; y < box.bottom; ++y) {
+    for (std::size_t i = 0; i < in_row.size(); ++i)
+      in_row[i] = shapes[i].moved(*motion, row_delay_s(y), camera_.position_mm().head<2>());
     for (int x = box.left; x < box.right; ++x) {
       if (!may_show(x, y)) continue;
       const auto p = camera_.unproject(Eigen::Vector2d(x, y), height_mm);
       if (!p) continue;
       Coat coat;
       for (std::size_t i = 0; i < shapes.size(); ++i) {
-        coat_of(shapes[i].into((*p - shapes[i].center_mm).cast<float>()), footprints[i], shapes[i], coat);
+        coat_of(seen[i].into((*p - seen[i].center_mm).cast<float>()), footprints[i], seen[i], coat);
       }
       if (coat.opacity <= 0) continue;
       const float light = light_at(x, y) * weight * LightPicture::kPerGrey;
+      const Paint lamps = lamps_at(x, y);
       const float rest = 1 - coat.opacity * weight;
       std::uint16_t* out = picture.at(x, y);
       const auto mix = [&](std::uint16_t& channel, float ink) {
         channel = channel_value(channel * rest + ink * light);
       };
-      mix(out[0], coat.r * red);
-      mix(out[1], coat.g);
-      mix(out[2], coat.b * blue);
+      mix(out[0], coat.r * red * lamps.r);
+      mix(out[1], coat.g * lamps.g);
+      mix(out[2], coat.b * blue * lamps.b);
     }
   }
 }
@@ -340,14 +389,8 @@ PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightP
       {d.x_mm, d.y_mm}, static_cast<float>(std::cos(d.turn_rad)), static_cast<float>(std::sin(d.turn_rad))};
   const auto share_of = [&](const Vec2& p, const Footprint& footprint) {
     switch (d.shape) {
-      case SimulatedDistractor::Shape::kEllipse: {
-        // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
-        const Vec2 scaled(p.x() / a, p.y() / b);
-        const float r = std::max(scaled.norm(), 1e-6F);
-        return footprint.below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
-      }
-      case SimulatedDistractor::Shape::kRectangle:
-        return footprint.in_strip(a, p.x(), Vec2(1, 0)) * footprint.in_strip(b, p.y(), Vec2(0, 1));
+      case SimulatedDistractor::Shape::kEllipse: return footprint.in_ellipse(p, a, b);
+      case SimulatedDistractor::Shape::kRectangle: return footprint.in_rectangle(p, a, b);
       case SimulatedDistractor::Shape::kTriangle: {
         // The base lies at -a, the tip at a.
         const Vec2 side = Vec2(b, 2 * a).normalized(), other(side.x(), -side.y());
@@ -367,13 +410,36 @@ PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightP
   return box;
 }
 
+void SimulatorRenderer::draw_slice(const SimulatedSurroundings::Slice& slice, LightPicture& picture) const {
+  const Eigen::Vector3d& center = slice.center_mm;
+  if (center.z() >= camera_.position_mm().z()) return;
+  const auto a = static_cast<float>(slice.half_length_mm), b = static_cast<float>(slice.half_width_mm);
+  const PixelBox box = in_picture(spot_of(center, std::hypot(a, b)).box);
+  if (box.empty()) return;
+  const Shape shape{center.head<2>(), static_cast<float>(std::cos(slice.turn_rad)),
+                    static_cast<float>(std::sin(slice.turn_rad))};
+  const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
+    const float share = slice.is_round ? footprint.in_ellipse(p, a, b) : footprint.in_rectangle(p, a, b);
+    coat.add(slice.paint, share);
+    coat.opacity += share;
+  };
+  const bool may_be_hidden = surroundings_.has_boards() && surroundings_.is_behind_boards(center.head<2>());
+  const auto may_show = [&](int x, int y) {
+    if (!may_be_hidden) return true;
+    const auto floor = camera_.unproject(Eigen::Vector2d(x, y), 0);
+    return !floor || !surroundings_.board_before(*floor, camera_.position_mm());
+  };
+  paint(box, center.z(), {&shape, 1}, coat_of, may_show, picture);
+}
+
 void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std::size_t index,
-                                   LightPicture& picture, Boxes& boxes) const {
+                                   const SimulatorMotion* motion, LightPicture& picture, Boxes& boxes) const {
   const SimulatedRobot& robot = moments.front().robots[index];
   const auto radius = static_cast<float>(field_.max_robot_radius);
   const float front = radius * static_cast<float>(kRobotFrontPerRadius);
   const float center_radius = static_cast<float>(patterns_.center_diameter_mm) / 2;
-  const Paint& team = kPrints[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
+  const SimulatedPrints::Colors& colors = prints_.of(robot.team, robot.id);
+  const Paint& team = colors[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
   const Eigen::Vector3d& eye = camera_.position_mm();
   if (eye.z() <= robot.height_mm) return;  // no top to be seen
   const auto down = static_cast<float>(robot.height_mm / (eye.z() - robot.height_mm));
@@ -392,6 +458,10 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
     top = spot_of({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius);
     foot = spot_of({r.x_mm, r.y_mm, 0}, field_.max_robot_radius);
     box = join(box, join(top.box, foot.box));
+    if (motion != nullptr) {
+      box = join(box, join(box_of({r.x_mm, r.y_mm, r.height_mm}, field_.max_robot_radius, motion),
+                           box_of({r.x_mm, r.y_mm, 0}, field_.max_robot_radius, motion)));
+    }
   }
   box = in_picture(box);
   if (box.empty()) return;
@@ -419,7 +489,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
                         static_cast<float>(patterns_.dots[dot].y_mm));
       const bool is_covered = robot.covered_dot == static_cast<int>(dot);
       print(p - center, static_cast<float>(patterns_.dots[dot].diameter_mm) / 2,
-            is_covered ? kRobotTop : kPrints[code->colors[dot]]);
+            is_covered ? kRobotTop : colors[code->colors[dot]]);
     }
     // Dots lie inside the outline, so what they leave of the top's share is black, also where both edges
     // cross a pixel.
@@ -431,19 +501,64 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   // Much of a box that lies askew shows nothing of a robot that stands still.
   const Vec2 along = foot.middle - top.middle;
   const float length2 = std::max(along.squaredNorm(), 1e-6F);
-  const float reach_px =
-      shapes.size() > 1 ? std::numeric_limits<float>::infinity() : std::max(top.reach_px, foot.reach_px);
+  const float reach_px = shapes.size() > 1 || motion != nullptr ? std::numeric_limits<float>::infinity()
+                                                                : std::max(top.reach_px, foot.reach_px);
   const auto may_show = [&](int x, int y) {
     const Vec2 from_top = Vec2(static_cast<float>(x), static_cast<float>(y)) - top.middle;
     const float t = std::clamp(from_top.dot(along) / length2, 0.0F, 1.0F);
     return (from_top - t * along).squaredNorm() <= reach_px * reach_px;
   };
-  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture);
+  paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture, motion);
+}
+
+/// What lamps above leave dark on the floor round a thing: most below it, a little away from the two nearest
+/// lamps.
+template <class List>
+void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
+                                         std::size_t index, const SimulatorMotion* motion, double radius_mm,
+                                         double height_mm, LightPicture& picture, Boxes& boxes) const {
+  const auto strength = static_cast<float>(options_.hall.lamps.shadows.value());
+  const auto radius = static_cast<float>(radius_mm), soft = static_cast<float>(0.8 * height_mm);
+  const auto& middle = (moments.front().*list)[index];
+  // Half up its height, as the light from one side is gone there.
+  std::array<Vec2, 2> away{};
+  std::array<double, 2> nearest{1e300, 1e300};
+  for (const Eigen::Vector3d& lamp : lamps_.places_mm()) {
+    const Eigen::Vector2d from_lamp = Eigen::Vector2d(middle.x_mm, middle.y_mm) - lamp.head<2>();
+    const std::size_t later = nearest[0] > nearest[1] ? 0 : 1;
+    if (from_lamp.norm() >= nearest[later]) continue;
+    nearest[later] = from_lamp.norm();
+    away[later] = (from_lamp * 0.5 * height_mm / lamp.z()).cast<float>();
+  }
+  const float reach = std::max(away[0].norm(), away[1].norm()) + radius + soft;
+  boost::container::static_vector<Shape, kMaxMoments> shapes;
+  PixelBox box{};
+  for (const SimulatedScene& moment : moments) {
+    const auto& thing = (moment.*list)[index];
+    shapes.push_back({{thing.x_mm, thing.y_mm}});
+    box = join(box, box_of({thing.x_mm, thing.y_mm, 0}, reach, motion));
+  }
+  box = in_picture(box);
+  if (box.empty()) return;
+  boxes.push_back(box);
+  const auto coat_of = [&](const Vec2& p, const Footprint& /*footprint*/, const Shape& /*shape*/,
+                           Coat& coat) {
+    const auto dark = [&](const Vec2& from, float share) {
+      return 1 - share * strength * (1 - smooth_step(radius - 0.3F * soft, radius + soft, from.norm()));
+    };
+    coat.opacity += 1 - dark(p, 0.45F) * dark(p - away[0], 0.3F) * dark(p - away[1], 0.3F);
+  };
+  const SimulatorMotion straight =
+      motion != nullptr ? SimulatorMotion{motion->x_mm_s, motion->y_mm_s, 0, motion->x_mm_s2, motion->y_mm_s2}
+                        : SimulatorMotion{};
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture,
+        motion != nullptr ? &straight : nullptr);
 }
 
 /// The ball's shadow on the carpet: a darker ellipse away from the lamp.
-void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
-                                    LightPicture& picture, Boxes& boxes) const {
+void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index,
+                                    const SimulatorMotion* motion, float gloss, LightPicture& picture,
+                                    Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
   const Vec2 away = -kLampDirection.head<2>() / kLampDirection.z() * radius;
   boost::container::static_vector<Shape, kMaxMoments> shapes;
@@ -452,7 +567,7 @@ void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std
     const SimulatedBall& ball = moment.balls[index];
     const Eigen::Vector2d middle = Eigen::Vector2d(ball.x_mm, ball.y_mm) + away.cast<double>();
     shapes.push_back({middle});
-    box = join(box, spot_of({middle.x(), middle.y(), 0}, field_.ball_radius).box);
+    box = join(box, box_of({middle.x(), middle.y(), 0}, field_.ball_radius, motion));
   }
   box = in_picture(box);
   if (box.empty()) return;
@@ -460,11 +575,11 @@ void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std
   const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
     coat.opacity += 0.4F * gloss * footprint.in_disc(p, radius);
   };
-  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+  paint(box, 0, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture, motion);
 }
 
 void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::size_t index,
-                                  LightPicture& picture, Boxes& boxes) const {
+                                  const SimulatorMotion* motion, LightPicture& picture, Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
   const Eigen::Vector3d& eye = camera_.position_mm();
   Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // from the camera
@@ -475,14 +590,14 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
     shapes.push_back({{ball.x_mm, ball.y_mm}});
     sight = (Eigen::Vector3d(ball.x_mm, ball.y_mm, field_.ball_radius) - eye).normalized().cast<float>();
     if (sight.z() >= 0) return;
-    box = join(box, spot_of({ball.x_mm, ball.y_mm, field_.ball_radius}, radius / -sight.z()).box);
+    box = join(box, box_of({ball.x_mm, ball.y_mm, field_.ball_radius}, radius / -sight.z(), motion));
   }
   box = in_picture(box);
   if (box.empty()) return;
   boxes.push_back(box);
 
   const auto gloss = static_cast<float>(options_.ball_gloss);
-  if (gloss > 0) draw_shadow(moments, index, gloss, picture, boxes);
+  if (gloss > 0) draw_shadow(moments, index, motion, gloss, picture, boxes);
   const Eigen::Vector3f halfway = (kLampDirection - sight).normalized();  // mirrors the lamp into the camera
   // A ray that meets the plane of the ball's centre at p passes the centre at |p - n (n p)|; n, its
   // direction, hardly changes over a ball.
@@ -497,21 +612,37 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
     const float even = 0.7F + 0.35F * std::max(0.0F, normal.z());
     const float lamp = 0.5F + 0.6F * std::max(0.0F, normal.dot(kLampDirection));
     const float spot = gloss * std::pow(std::max(0.0F, normal.dot(halfway)), 8.0F);
-    coat.add(kBall, share * (even + gloss * (lamp - even)));
+    coat.add(prints_.ball(), share * (even + gloss * (lamp - even)));
     coat.add(kLampSpot, share * spot);
     coat.opacity += share;
   };
-  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture);
+  paint(box, field_.ball_radius, {shapes.data(), shapes.size()}, coat_of, kEverywhere, picture, motion);
 }
 
-void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPicture& picture,
-                             Boxes& boxes) const noexcept {
+void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes,
+                             const SimulatorMotions* motions) const noexcept {
   boxes.clear();
+  const auto motion_of_robot = [&](std::size_t i) {
+    return motions != nullptr ? &motions->robots[i] : nullptr;
+  };
+  const auto motion_of_ball = [&](std::size_t i) {
+    return motions != nullptr ? &motions->balls[i] : nullptr;
+  };
   const SimulatedScene& scene = moments.front();
   if (options_.placement == SimulatorPlacement::kScatter) {
     for (const SimulatedDistractor& distractor : scene.distractors) {
       const PixelBox box = draw_distractor(distractor, picture);
       if (!box.empty()) boxes.push_back(box);
+    }
+  }
+  if (options_.hall.lamps.shadows.value() > 0) {
+    for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+      draw_soft_shadow(moments, &SimulatedScene::robots, i, motion_of_robot(i), field_.max_robot_radius,
+                       scene.robots[i].height_mm, picture, boxes);
+    }
+    for (std::size_t i = 0; i < scene.balls.size(); ++i) {
+      draw_soft_shadow(moments, &SimulatedScene::balls, i, motion_of_ball(i), field_.ball_radius,
+                       2 * field_.ball_radius, picture, boxes);
     }
   }
   // Of two things the one nearer to the camera's foot can hide the other. For discs, nearer is the one to
@@ -535,9 +666,9 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
             [](const Thing& a, const Thing& b) { return a.tangent2_mm2 > b.tangent2_mm2; });
   for (const Thing& thing : things) {
     if (thing.is_robot) {
-      draw_robot(moments, thing.index, picture, boxes);
+      draw_robot(moments, thing.index, motion_of_robot(thing.index), picture, boxes);
     } else {
-      draw_ball(moments, thing.index, picture, boxes);
+      draw_ball(moments, thing.index, motion_of_ball(thing.index), picture, boxes);
     }
   }
 }

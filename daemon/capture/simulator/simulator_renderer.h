@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capture/simulator/simulator_carpet.h"
+#include "capture/simulator/simulator_lamps.h"
 #include "capture/simulator/simulator_options.h"
+#include "capture/simulator/simulator_paint.h"
 #include "capture/simulator/simulator_picture.h"
+#include "capture/simulator/simulator_prints.h"
+#include "capture/simulator/simulator_surroundings.h"
 #include "capture/simulator/simulator_world.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
 #include "vision/patterns.h"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,61 +22,78 @@
 
 namespace sslv {
 
-/// Draws what the camera sees: carpet and lines, distractors, balls, robots: dark upright prisms with
-/// their patterns on top. Every pixel goes through the camera model by itself and is covered by edges exactly
-/// (the share of its square that lies inside), so a drawn dot's centre is right within a hundredth of a
-/// pixel.
+/// Draws what the camera sees: carpet and lines, what is around, distractors, balls, robots: dark upright
+/// prisms with their patterns on top. Every pixel goes through the camera model by itself and is covered by
+/// edges exactly (the share of its square that lies inside), so a drawn dot's centre is right within a
+/// hundredth of a pixel.
 class SimulatorRenderer {
  public:
   static constexpr std::size_t kMaxMoments = 8;
-  using Boxes =
-      boost::container::static_vector<PixelBox, SimulatedScene::kMaxRobots + 2 * SimulatedScene::kMaxBalls +
-                                                    SimulatedScene::kMaxDistractors>;
+  using Boxes = boost::container::static_vector<PixelBox, 2 * SimulatedScene::kMaxRobots +
+                                                              3 * SimulatedScene::kMaxBalls +
+                                                              SimulatedScene::kMaxDistractors>;
 
   /// `patterns` must have every id that will be drawn.
   SimulatorRenderer(const SimulatorOptions& options, const FieldSize& field, const CameraModel& camera,
                     const PatternTable& patterns);
 
-  /// The field, and of the scene only the distractors.
+  /// The hall and the field, and of the scene only the distractors.
   LightPicture background(const SimulatedScene& scene) const;
 
   /// Draws robots and balls over `picture`, and distractors unless they lie still and so are in the
   /// background already: the average of the moments (of one world) when there are several (up to
-  /// kMaxMoments). Names the boxes it drew in.
-  void draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes) const noexcept;
+  /// kMaxMoments). Names the boxes it drew in. With motions, which rolling_shutter_ms needs, each row sees
+  /// things where they are when it is read out.
+  void draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes,
+            const SimulatorMotions* motions = nullptr) const noexcept;
+
+  /// When a row is read out, from the picture's time on.
+  double row_delay_s(double y) const;
 
  private:
-  struct Color {
-    float r, g, b;
-  };
   struct Footprint;  // how the field moves under one pixel
   struct Shape;      // where a thing is
   struct Coat;       // what of a pixel a thing covers, and with which light
   struct Spot;       // the pixels that may show a flat disc
 
+  void light_field();
   float light_at(int x, int y) const;
-  Color carpet_at(const Eigen::Vector2d& field_mm) const;
+  Paint lamps_at(int x, int y) const;
+  Paint floor_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const;
+  std::optional<Paint> boards_at(int x, int y, const Paint& floor) const;
   float lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const;
   Footprint footprint_at(const Eigen::Vector2d& pixel, double height_mm) const;
   Spot spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const;
+  PixelBox box_of(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatorMotion* motion) const;
   PixelBox in_picture(const PixelBox& box) const;
   PixelBox draw_distractor(const SimulatedDistractor& distractor, LightPicture& picture) const;
-  void draw_robot(std::span<const SimulatedScene> moments, std::size_t index, LightPicture& picture,
-                  Boxes& boxes) const;
-  void draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, float gloss,
-                   LightPicture& picture, Boxes& boxes) const;
-  void draw_ball(std::span<const SimulatedScene> moments, std::size_t index, LightPicture& picture,
-                 Boxes& boxes) const;
+  void draw_slice(const SimulatedSurroundings::Slice& slice, LightPicture& picture) const;
+  void draw_robot(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
+                  LightPicture& picture, Boxes& boxes) const;
+  template <class List>
+  void draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
+                        std::size_t index, const SimulatorMotion* motion, double radius_mm, double height_mm,
+                        LightPicture& picture, Boxes& boxes) const;
+  void draw_shadow(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
+                   float gloss, LightPicture& picture, Boxes& boxes) const;
+  void draw_ball(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
+                 LightPicture& picture, Boxes& boxes) const;
   template <class CoatOf, class MayShow>
   void paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes, const CoatOf& coat_of,
-             const MayShow& may_show, LightPicture& picture) const;
+             const MayShow& may_show, LightPicture& picture, const SimulatorMotion* motion = nullptr) const;
 
-  SimulatorOptions options_;
+  SimulatorOptions options_;  // with a hall that is resolved
   FieldSize field_;
   std::vector<FieldLine> lines_;
   std::vector<FieldArc> arcs_;
   CameraModel camera_;
   PatternTable patterns_;
+  SimulatedLamps lamps_;
+  SimulatedCarpet carpet_;
+  SimulatedSurroundings surroundings_;
+  SimulatedPrints prints_;
+  std::vector<Paint> lamp_grid_;  // lamps' light at every kGridPx-th pixel; empty: 1 everywhere
+  int grid_width_ = 0;
 };
 
 }  // namespace sslv

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/simulator/simulator_scatter.h"
 
+#include "capture/simulator/simulator_prints.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -117,7 +119,8 @@ class Filler {
 
   Eigen::Vector2d foot() const { return camera_->position_mm().head<2>(); }
   double height_mm(std::size_t index) const {
-    return robot_height_mm_[static_cast<std::size_t>(roster_[index].first)];
+    const auto [team, id] = roster_[index];
+    return print_height_mm(options_.hall, team, id, robot_height_mm_[static_cast<std::size_t>(team)]);
   }
   /// How far up the line of sight from a ball to the camera the plane of a top lies.
   double sight_share(double height_mm) const {
@@ -287,6 +290,7 @@ SimulatorScatter::SimulatorScatter(const SimulatorOptions& options, const FieldS
                                    const std::array<double, 2>& robot_height_mm,
                                    const std::optional<CameraModel>& camera)
     : options_(options), field_(field), robot_height_mm_(robot_height_mm), camera_(camera) {
+  options_.hall = resolved(options.hall);
   if (options.hidden_balls > 0 && !camera) {
     throw SettingsError(
         fmt::format("hidden_balls: {} is not allowed without a camera to hide them from; expected 0",
@@ -299,9 +303,7 @@ SimulatorScatter::SimulatorScatter(const SimulatorOptions& options, const FieldS
 }
 
 SimulatorSlot SimulatorScatter::slot_at(double t_s) const {
-  constexpr double kDefaultRateHz = 60;
-  const double rate_hz = options_.frame_rate_hz > 0 ? options_.frame_rate_hz : kDefaultRateHz;
-  return fill(std::llround(t_s * rate_hz));
+  return fill(picture_number(options_, t_s));
 }
 
 SimulatorSlot SimulatorScatter::fill(std::int64_t slot) const {

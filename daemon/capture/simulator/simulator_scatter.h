@@ -10,10 +10,6 @@
 
 namespace sslv {
 
-/// What a thing does while a slot's picture is exposed.
-struct SimulatorMotion {
-  double x_mm_s, y_mm_s, turn_rad_s;
-};
 /// Everything during one slot, and how it moves.
 struct SimulatorSlot {
   SimulatedScene scene;

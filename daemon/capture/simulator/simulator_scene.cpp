@@ -10,6 +10,21 @@
 
 namespace sslv {
 
+SimulatedScene moved(const SimulatedScene& scene, const SimulatorMotions& motions, double dt_s) {
+  SimulatedScene out = scene;
+  for (std::size_t i = 0; i < motions.robots.size(); ++i) {
+    SimulatedRobot& robot = out.robots[i];
+    const Eigen::Vector2d way_mm = motions.robots[i].way_mm(dt_s);
+    robot.x_mm += way_mm.x(), robot.y_mm += way_mm.y();
+    robot.orientation_rad = normalized(robot.orientation_rad + motions.robots[i].turn_rad(dt_s));
+  }
+  for (std::size_t i = 0; i < motions.balls.size(); ++i) {
+    const Eigen::Vector2d way_mm = motions.balls[i].way_mm(dt_s);
+    out.balls[i].x_mm += way_mm.x(), out.balls[i].y_mm += way_mm.y();
+  }
+  return out;
+}
+
 bool hides(const SimulatedRobot& robot, double robot_radius_mm, const Eigen::Vector3d& point_mm,
            const Eigen::Vector3d& eye_mm) {
   if (robot.height_mm <= point_mm.z() || robot.height_mm >= eye_mm.z()) return false;
@@ -52,6 +67,11 @@ SimulatedRoster roster_of(const SimulatorOptions& options) {
     roster.emplace_back(Team::kYellow, options.first_yellow_id + i);
   for (int i = 0; i < options.robots_blue; ++i) roster.emplace_back(Team::kBlue, options.first_blue_id + i);
   return roster;
+}
+
+std::int64_t picture_number(const SimulatorOptions& options, double t_s) {
+  constexpr double kDefaultRateHz = 60;
+  return std::llround(t_s * (options.frame_rate_hz > 0 ? options.frame_rate_hz : kDefaultRateHz));
 }
 
 PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered, SimulatorRandom& random) {

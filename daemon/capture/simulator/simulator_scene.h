@@ -53,6 +53,25 @@ struct SimulatedScene {
   boost::container::static_vector<SimulatedDistractor, kMaxDistractors> distractors;
 };
 
+/// How a thing moves on from where it is.
+struct SimulatorMotion {
+  double x_mm_s, y_mm_s, turn_rad_s;
+  double x_mm_s2 = 0, y_mm_s2 = 0, turn_rad_s2 = 0;
+
+  Eigen::Vector2d way_mm(double dt_s) const {
+    return {(x_mm_s + x_mm_s2 * dt_s / 2) * dt_s, (y_mm_s + y_mm_s2 * dt_s / 2) * dt_s};
+  }
+  double turn_rad(double dt_s) const { return (turn_rad_s + turn_rad_s2 * dt_s / 2) * dt_s; }
+};
+/// How everything moves; in the order of the scene's lists.
+struct SimulatorMotions {
+  boost::container::static_vector<SimulatorMotion, SimulatedScene::kMaxRobots> robots;
+  boost::container::static_vector<SimulatorMotion, SimulatedScene::kMaxBalls> balls;
+};
+
+/// Where everything is dt_s later.
+SimulatedScene moved(const SimulatedScene& scene, const SimulatorMotions& motions, double dt_s);
+
 /// A robot's outline is round but for its flat front.
 inline constexpr double kRobotFrontPerRadius = 55.0 / 90;
 
@@ -73,6 +92,9 @@ using PerRobot = boost::container::static_vector<T, SimulatedScene::kMaxRobots>;
 using SimulatedRoster = PerRobot<std::pair<Team, int>>;  // team and id
 
 SimulatedRoster roster_of(const SimulatorOptions& options);
+
+/// Which picture it is that has its time at the Unix time t_s.
+std::int64_t picture_number(const SimulatorOptions& options, double t_s);
 
 /// For each robot the side dot of it that is covered, if any: `covered` of them, at random.
 PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered, SimulatorRandom& random);

@@ -5,11 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 namespace sslv {
 namespace {
 
 constexpr std::size_t kNoiseEntries = 1U << 16;
+constexpr int kBlockPx = 8;               // of JPEG
+constexpr std::size_t kBlockPairs = 512;  // to choose from
 
 std::uint8_t added(std::uint8_t sample, std::int8_t noise) {
   const auto sum = static_cast<std::int16_t>(sample + noise);
@@ -65,7 +68,11 @@ std::array<int, 4> bayer_channels(PixelFormat format) {
 }  // namespace
 
 SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t stream)
-    : options_(options), noise_unit_(is_yuv(options.pixel_format) ? 4 : 1), random_(scatter(stream)) {
+    : options_(options),
+      row_gains_(static_cast<std::size_t>(options.height), 1),
+      noise_unit_(is_yuv(options.pixel_format) ? 4 : 1),
+      random_(scatter(stream)) {
+  options_.hall = resolved(options.hall);
   const double sigma = options.blur_sigma_px;
   double sum = 0;
   const int radius = static_cast<int>(std::ceil(3 * sigma));
@@ -79,6 +86,8 @@ SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t 
     const auto row_samples = picture_bytes() / static_cast<std::size_t>(options.height);
     fill_noise(kNoiseEntries + row_samples);
   }
+  if (options_.hall.sensor.block_noise.value() > 0) fill_block_noise();
+  place_hot_pixels(stream);
 }
 
 void SimulatorSensor::fill_noise(std::size_t entries) {
@@ -174,7 +183,9 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
   }
 }
 
-void SimulatorSensor::develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture) {
+/// Hands over each row of the box after the lens.
+template <class Use>
+void SimulatorSensor::blur(const LightPicture& light, const PixelBox& box, const Use& use) {
   const int radius = static_cast<int>(kernel_.size()) - 1;
   const int rows = box.bottom - box.top + 2 * radius;
   const auto row_floats = 3 * static_cast<std::size_t>(box.right - box.left);
@@ -193,23 +204,157 @@ void SimulatorSensor::develop(const LightPicture& light, const PixelBox& box, st
       const float weight = kernel_[static_cast<std::size_t>(k)];
       for (std::size_t i = 0; i < row_floats; ++i) line_[i] += weight * (above[i] + below[i]);
     }
-    // A pixel's well is full at 255, before any mixing of colours.
-    for (std::size_t i = 0; i < row_floats; i += 3) {
-      for (std::size_t c = 0; c < 3; ++c) line_[i + c] = std::min(gains_[c] * line_[i + c], 255.0F);
-    }
-    write_row(line_.data(), box, y, picture);
+    use(y, line_.data());
+  }
+}
+
+/// From light to bytes; `rgb` is spent.
+void SimulatorSensor::expose_row(float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const {
+  // A pixel's well is full at 255, before any mixing of colours.
+  std::array<float, 3> gains = gains_;
+  for (float& gain : gains) gain *= row_gains_[static_cast<std::size_t>(y)];
+  const auto row_floats = 3 * static_cast<std::size_t>(box.right - box.left);
+  for (std::size_t i = 0; i < row_floats; i += 3) {
+    for (std::size_t c = 0; c < 3; ++c) rgb[i + c] = std::min(gains[c] * rgb[i + c], 255.0F);
+  }
+  write_row(rgb, box, y, picture);
+}
+
+void SimulatorSensor::develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture) {
+  blur(light, box, [&](int y, float* rgb) { expose_row(rgb, box, y, picture); });
+}
+
+std::vector<float> SimulatorSensor::blurred(const LightPicture& light) {
+  std::vector<float> out(light.rgb.size());
+  float* to = out.data();
+  const auto row_floats = 3 * static_cast<std::size_t>(light.width);
+  constexpr int kBandRows = 64;  // to need less memory
+  for (int top = 0; top < light.height; top += kBandRows) {
+    const PixelBox band{0, top, light.width, std::min(light.height, top + kBandRows)};
+    blur(light, band, [&](int /*y*/, const float* rgb) { to = std::copy_n(rgb, row_floats, to); });
+  }
+  return out;
+}
+
+void SimulatorSensor::develop_blurred(const std::vector<float>& blurred, std::uint8_t* picture) {
+  const PixelBox whole{0, 0, options_.width, options_.height};
+  const auto row_floats = 3 * static_cast<std::size_t>(options_.width);
+  line_.resize(std::max(line_.size(), row_floats));
+  for (int y = 0; y < options_.height; ++y) {
+    std::copy_n(blurred.data() + row_floats * static_cast<std::size_t>(y), row_floats, line_.data());
+    expose_row(line_.data(), whole, y, picture);
   }
 }
 
 void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) {
   if (noise_.empty()) {
     std::memcpy(noisy, clean, picture_bytes());
-    return;
+  } else {
+    const auto row_samples = picture_bytes() / static_cast<std::size_t>(options_.height);
+    for (int y = 0; y < options_.height; ++y) {
+      const std::size_t from = random_.bits() % (kNoiseEntries / noise_unit_) * noise_unit_;
+      const std::size_t at = static_cast<std::size_t>(y) * row_samples;
+      add_saturated(clean + at, noise_.data() + from, noisy + at, row_samples);
+    }
   }
+  if (!block_noise_.empty()) add_block_noise(noisy);
+  for (const HotSample& hot : hot_samples_) {
+    noisy[hot.at] = static_cast<std::uint8_t>(std::clamp(noisy[hot.at] + hot.excess, 0, 255));
+  }
+}
+
+/// Blocks whose coarsest frequencies are wrong, as after quantising; colours are kept for two in common.
+void SimulatorSensor::fill_block_noise() {
+  constexpr std::size_t kPairPx = 2 * kBlockPx;
+  const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
+  const auto entries =
+      (kBlockPairs * kPairPx + static_cast<std::size_t>(options_.width) + kPairPx) * pixel_bytes;
+  block_noise_.resize(kBlockPx * entries);
+  const auto sigma = options_.hall.sensor.block_noise.value();
+  struct Wave {
+    std::array<double, 4> weights;
+    double at(double x, double y) const {
+      const double along = std::numbers::sqrt2 * std::cos(std::numbers::pi * x);
+      const double down = std::numbers::sqrt2 * std::cos(std::numbers::pi * y);
+      return weights[0] + weights[1] * along + weights[2] * down + weights[3] * along * down;
+    }
+  };
+  const auto wave = [&](double of) {
+    Wave out{};
+    for (double& weight : out.weights) weight = of / 2 * random_.normal();
+    return out;
+  };
+  for (std::size_t pair = 0; (pair + 1) * kPairPx * pixel_bytes <= entries; ++pair) {
+    const std::array bright{wave(sigma), wave(sigma)};
+    const Wave red = wave(sigma), blue = wave(sigma);  // V and U
+    for (int y = 0; y < kBlockPx; ++y) {
+      const double down = (y + 0.5) / kBlockPx;
+      for (std::size_t x = 0; x < kPairPx; ++x) {
+        const double luma =
+            bright[x / kBlockPx].at((static_cast<double>(x % kBlockPx) + 0.5) / kBlockPx, down);
+        const double across = (static_cast<double>(x) + 0.5) / kPairPx;
+        const double u = blue.at(across, down), v = red.at(across, down);
+        const std::array rgb{luma + 1.402 * v, luma - 0.344 * u - 0.714 * v, luma + 1.772 * u};
+        std::int8_t* out =
+            block_noise_.data() + static_cast<std::size_t>(y) * entries + (pair * kPairPx + x) * pixel_bytes;
+        const auto entry = [](double noise) {
+          return static_cast<std::int8_t>(std::clamp<long>(std::lround(noise), -127, 127));
+        };
+        if (is_yuv(options_.pixel_format)) {
+          const YuvUnit unit = yuv_unit(options_.pixel_format);
+          out[x % 2 == 0 ? unit.y0 : unit.y1 - 2] = entry(luma);
+          out[x % 2 == 0 ? unit.u : unit.v - 2] = entry(x % 2 == 0 ? u : v);
+        } else if (pixel_bytes == 3) {
+          for (std::size_t c = 0; c < 3; ++c)
+            out[c] = entry(rgb[options_.pixel_format == PixelFormat::kRgb24 ? c : 2 - c]);
+        } else {
+          *out = entry(luma);
+        }
+      }
+    }
+  }
+}
+
+void SimulatorSensor::add_block_noise(std::uint8_t* picture) {
   const auto row_samples = picture_bytes() / static_cast<std::size_t>(options_.height);
-  for (int y = 0; y < options_.height; ++y, clean += row_samples, noisy += row_samples) {
-    const std::size_t from = random_.bits() % (kNoiseEntries / noise_unit_) * noise_unit_;
-    add_saturated(clean, noise_.data() + from, noisy, row_samples);
+  const std::size_t entries = block_noise_.size() / kBlockPx;
+  const auto pair_samples = 2 * kBlockPx * static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
+  std::size_t from = 0;
+  for (int y = 0; y < options_.height; ++y, picture += row_samples) {
+    if (y % kBlockPx == 0) from = random_.bits() % kBlockPairs * pair_samples;
+    const std::int8_t* noise = block_noise_.data() + static_cast<std::size_t>(y % kBlockPx) * entries + from;
+    for (std::size_t i = 0; i < row_samples; ++i) picture[i] = added(picture[i], noise[i]);
+  }
+}
+
+void SimulatorSensor::place_hot_pixels(std::uint64_t stream) {
+  const double pixels = static_cast<double>(options_.width) * options_.height;
+  const auto count = std::llround(options_.hall.sensor.hot_pixels.value() * pixels * 1e-6);
+  const std::uint64_t camera = stream & 0xffffffffU;
+  SimulatorRandom random(scatter(scatter(static_cast<std::uint64_t>(options_.hall.seed)) + camera) + 7);
+  for (long long i = 0; i < count; ++i) {
+    const auto x = static_cast<std::size_t>(random.bits() % static_cast<std::uint64_t>(options_.width));
+    const auto y = static_cast<std::size_t>(random.bits() % static_cast<std::uint64_t>(options_.height));
+    // Few are hot by much.
+    const double excess = 40 * std::exp(random.uniform(0, 1.6));
+    const auto color = static_cast<std::size_t>(random.bits() % 3);
+    const std::size_t pixel = y * static_cast<std::size_t>(options_.width) + x;
+    const auto add = [&](std::size_t at, double value) {
+      hot_samples_.push_back({at, static_cast<int>(std::lround(value))});
+    };
+    if (is_yuv(options_.pixel_format)) {
+      std::array<float, 3> rgb{0, 0, 0};
+      rgb[color] = static_cast<float>(excess);
+      const FloatYuv yuv(rgb.data());
+      const YuvUnit unit = yuv_unit(options_.pixel_format);
+      const std::size_t at = pixel / 2 * 4;
+      add(at + (pixel % 2 == 0 ? unit.y0 : unit.y1), yuv.y);
+      add(at + unit.u, (yuv.u - 128) / 2);
+      add(at + unit.v, (yuv.v - 128) / 2);
+    } else {
+      const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
+      add(pixel * pixel_bytes + (pixel_bytes == 3 ? color : 0), excess);
+    }
   }
 }
 

@@ -26,6 +26,9 @@ class SimulatedWorld {
   /// The moments, evenly spread, of an exposure with its middle at t_s.
   void expose(double t_s, double exposure_s, std::span<SimulatedScene> moments) const;
 
+  /// How everything moves from t_s on, and before, by no more than reach_s.
+  SimulatorMotions motions_at(double t_s, double reach_s) const;
+
  private:
   std::variant<SimulatorPaths, SimulatorScatter> placement_;
 };

@@ -66,10 +66,10 @@ TEST_F(Accuracy, RunsAndTabulatesAConditionAndNamesWhatFails) {
   EXPECT_FALSE(report.passed());
 
   EXPECT_THAT(accuracy_text(report, false),
-              AllOf(HasSubstr("\nplain      uyvy    0.110  "), HasSubstr("FAILED\n"),
-                    HasSubstr("\nplain, uyvy: position_rms_mm ")));
+              AllOf(HasSubstr("\nplain      uyvy    clicked  0.110  "), HasSubstr("FAILED\n"),
+                    HasSubstr("\nplain, uyvy, clicked: position_rms_mm ")));
   EXPECT_THAT(accuracy_text(report, true),
-              AllOf(HasSubstr("\n| plain | uyvy | 0.110 | "), HasSubstr("\n|---|---|---:")));
+              AllOf(HasSubstr("\n| plain | uyvy | clicked | 0.110 | "), HasSubstr("\n|---|---|---|---:")));
   std::size_t detections = 0;
   for (const Reliability::Bin& bin : report.reliability.robots) {
     EXPECT_LE(bin.right, bin.count);
@@ -81,9 +81,58 @@ TEST_F(Accuracy, RunsAndTabulatesAConditionAndNamesWhatFails) {
   EXPECT_EQ(json["rows"][0]["robots"]["expected"], row.score.robots.expected);
 }
 
+TEST_F(Accuracy, HallsShareTheFramesAndEachIsAnotherOne) {
+  suite_["halls"] = {1, 2};
+  suite_["source"]["hall"] = {{"kind", "usual"}};
+  const AccuracyReport both = run_accuracy_suite(read(), {{}, 4});
+  ASSERT_EQ(both.rows.size(), 1U);
+  EXPECT_EQ(both.rows[0].score.frames_compared, 4U);
+  suite_["conditions"][0]["halls"] = {2};
+  const AccuracyReport second = run_accuracy_suite(read(), {{}, 2});
+  suite_["conditions"][0]["halls"] = {1};
+  const AccuracyReport first = run_accuracy_suite(read(), {{}, 2});
+  EXPECT_EQ(first.rows[0].score.frames_compared, 2U);
+  EXPECT_EQ(both.rows[0].score.robots.found,
+            first.rows[0].score.robots.found + second.rows[0].score.robots.found);
+  EXPECT_NE(first.rows[0].score.robot_position_mm.rms, second.rows[0].score.robot_position_mm.rms);
+}
+
+TEST_F(Accuracy, AHallWhereNothingIsLearntIsARowThatFailsAndSaysWhy) {
+  suite_["colors"] = "learnt";
+  suite_["learn_frames"] = 1;
+  suite_["halls"] = {3, 4};
+  suite_["learn_source"] = {{"light", 0.05}, {"noise_sigma", 30}};  // too dark to tell colours apart
+  suite_["conditions"].push_back(suite_["conditions"][0]);
+  suite_["conditions"][1]["name"] = "seen in good light";
+  suite_["conditions"][1]["learn_source"] = {{"light", 1}, {"noise_sigma", 3}};
+  suite_["conditions"][1]["must"] = {{"recall", nullptr}, {"wrong_id", nullptr}};
+  const AccuracyReport report = run_accuracy_suite(read(), {{}, 2});
+  ASSERT_EQ(report.rows.size(), 2U);
+  EXPECT_THAT(report.rows[0].failures,
+              ElementsAre(StartsWith("not learnt in hall 3: "), StartsWith("not learnt in hall 4: "),
+                          StartsWith("recall ")));
+  EXPECT_EQ(report.rows[0].colors, AccuracyColors::kLearnt);
+  EXPECT_EQ(report.rows[0].score.robots.found, 0U);
+  EXPECT_GT(report.rows[1].score.robots.found, 0U);
+}
+
+TEST_F(Accuracy, CountsFalseBallsInAHundredPictures) {
+  Score score;
+  score.frames_compared = 40;
+  score.balls.invented = 3;
+  EXPECT_DOUBLE_EQ(false_balls_in_100(score), 7.5);
+  EXPECT_DOUBLE_EQ(false_balls_in_100(Score()), 0);
+
+  suite_["conditions"][0]["source"] = {{"distractors", 40}};
+  suite_["conditions"][0]["stages"] = {{"detect_balls", {{"min_confidence", 0}}}};
+  suite_["conditions"][0]["must"] = {{"recall", nullptr}, {"wrong_id", nullptr}, {"false_balls_in_100", 0}};
+  const AccuracyReport report = run_accuracy_suite(read(), {{}, 4});
+  EXPECT_THAT(report.rows[0].failures, ElementsAre(StartsWith("false_balls_in_100 ")));
+}
+
 TEST_F(Accuracy, PassesWithoutFailures) {
   AccuracyReport report;
-  report.rows.push_back({"plain", "uyvy", 0.2, {}, {}});
+  report.rows.push_back({"plain", "uyvy", AccuracyColors::kClicked, 0.2, {}, {}});
   EXPECT_TRUE(report.passed());
   EXPECT_THAT(accuracy_text(report, false), testing::Not(HasSubstr("FAILED")));
 }
@@ -125,6 +174,7 @@ TEST_F(Accuracy, NamesTheConditionsThereAre) {
 
 TEST(AccuracyGolden, TheSuiteOfTheProjectCanBeRead) {
   EXPECT_GT(read_accuracy_suite(SSLV_SOURCE_DIR "/tests/golden/accuracy.json").conditions.size(), 20U);
+  EXPECT_GT(read_accuracy_suite(SSLV_SOURCE_DIR "/tests/golden/halls.json").conditions.size(), 20U);
 }
 
 }  // namespace

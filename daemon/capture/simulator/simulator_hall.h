@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+namespace sslv {
+
+/// What stands for all that a hall's options leave open.
+enum class HallKind : std::uint8_t {
+  kPlain,  // an even carpet under steady light, nothing around
+  kUsual,  // as most halls are
+  kHard,   // as the worst are
+};
+inline constexpr std::array<Choice<HallKind>, 3> kHallKindChoices{
+    {{"plain", HallKind::kPlain}, {"usual", HallKind::kUsual}, {"hard", HallKind::kHard}}};
+
+enum class HallFloor : std::uint8_t { kGrey, kDark, kWood };
+inline constexpr std::array<Choice<HallFloor>, 3> kHallFloorChoices{
+    {{"grey", HallFloor::kGrey}, {"dark", HallFloor::kDark}, {"wood", HallFloor::kWood}}};
+
+// Everything that is null is as the hall's kind says: resolved() fills it in.
+
+struct HallCarpetOptions {
+  std::optional<int> red{}, green{}, blue{};
+  std::optional<double> blotches{}, blotch_mm{}, tint{}, weave{}, strip_mm{}, strip_step{}, seams{}, wear{},
+      shine{};
+  static constexpr auto fields() {
+    using O = HallCarpetOptions;
+    return std::tuple{
+        number("red", &O::red, 0, 255, "",
+               "its colour in light 1; null: one of several carpets, by the seed"),
+        number("green", &O::green, 0, 255, "", "the same"),
+        number("blue", &O::blue, 0, 255, "", "the same"),
+        number("blotches", &O::blotches, 0.0, 0.5, "",
+               "light and dark patches: standard deviation of brightness as a share of it"),
+        number("blotch_mm", &O::blotch_mm, 30.0, 5000.0, "mm", "size of the patches"),
+        number("tint", &O::tint, 0.0, 0.5, "", "the same deviation of red alone; of blue half as much"),
+        number("weave", &O::weave, 0.0, 0.5, "", "ribs: fraction by which their brightness swings"),
+        number("strip_mm", &O::strip_mm, 0.0, 10'000.0, "mm",
+               "width of the strips that it is laid in; 0: it is one piece"),
+        number("strip_step", &O::strip_step, 0.0, 0.5, "",
+               "how much a strip is lighter or darker than the mean at most"),
+        number("seams", &O::seams, 0.0, 1.0, "", "how much the line between two strips is darker or lighter"),
+        number("wear", &O::wear, 0.0, 1.0, "", "how pale it is where it was trodden"),
+        number("shine", &O::shine, 0.0, 1.0, "", "sheen where it mirrors a lamp"),
+    };
+  }
+};
+
+struct HallLampOptions {
+  std::optional<double> uneven{}, cast{}, flicker_low{}, flicker_high{}, banding{}, shadows{};
+  static constexpr auto fields() {
+    using O = HallLampOptions;
+    return std::tuple{
+        number("uneven", &O::uneven, 0.0, 0.9, "",
+               "several lamps: fraction by which a place on the field is brighter or darker than the mean at "
+               "most"),
+        number("cast", &O::cast, 0.0, 0.5, "",
+               "lamps of two colours: fraction by which red is stronger and blue weaker on one side, and the "
+               "other way round on the other"),
+        number("flicker_low", &O::flicker_low, 0.1, 4.0, "",
+               "the light differs from picture to picture: least factor; in between all are as likely, by "
+               "ratio"),
+        number("flicker_high", &O::flicker_high, 0.1, 4.0, "", "largest factor"),
+        number(
+            "banding", &O::banding, 0.0, 0.9, "",
+            "bands of mains light at 100 Hz seen row by row: fraction by which they are brighter or darker; "
+            "they need rolling_shutter_ms, or 10 ms are taken"),
+        number("shadows", &O::shadows, 0.0, 1.0, "", "soft shadows of robots, balls and people on the floor"),
+    };
+  }
+};
+
+struct HallPrintOptions {
+  std::optional<double> makers{}, fading{}, height_spread_mm{};
+  static constexpr auto fields() {
+    using O = HallPrintOptions;
+    return std::tuple{
+        number("makers", &O::makers, 0.0, 1.0, "",
+               "how much the colours of prints and balls differ from maker to maker and print to print"),
+        number("fading", &O::fading, 0.0, 0.9, "", "how pale the palest robot's print is"),
+        number("height_spread_mm", &O::height_spread_mm, 0.0, 30.0, "mm",
+               "how far a robot's height is from its team's at most"),
+    };
+  }
+};
+
+struct HallSurroundOptions {
+  std::optional<HallFloor> floor{};
+  std::optional<double> boards{};
+  std::optional<int> things{}, people{};
+  static constexpr auto fields() {
+    using O = HallSurroundOptions;
+    return std::tuple{
+        choice("floor", &O::floor, kHallFloorChoices, "beside the carpet; null: by the seed"),
+        number("boards", &O::boards, 0.0, 1.0, "", "share of the carpet's rim with advertising boards"),
+        number("things", &O::things, 0, 100, "",
+               "cones, cables, bags, bottles and the like round all of the field, never inside its lines"),
+        number("people", &O::people, 0, 30, "",
+               "people round all of the field, of whom some lean in, never inside its lines"),
+    };
+  }
+};
+
+struct HallSensorOptions {
+  std::optional<double> block_noise{}, hot_pixels{};
+  static constexpr auto fields() {
+    using O = HallSensorOptions;
+    return std::tuple{
+        number(
+            "block_noise", &O::block_noise, 0.0, 30.0, "",
+            "error of each block of 8 x 8 pixels as JPEG makes it, new in each picture: standard deviation "
+            "of Y, U and V in 8-bit grey levels"),
+        number("hot_pixels", &O::hot_pixels, 0.0, 1000.0, "",
+               "pixels that are always too bright, of a million; each camera has its own"),
+    };
+  }
+};
+
+/// The hall around the field and what it does to the picture. What stands there stands still.
+struct HallOptions {
+  HallKind kind = HallKind::kPlain;
+  int seed = 1;
+  HallCarpetOptions carpet;
+  HallLampOptions lamps;
+  HallPrintOptions prints;
+  HallSurroundOptions around;
+  HallSensorOptions sensor;
+  static constexpr auto fields() {
+    using O = HallOptions;
+    return std::tuple{
+        choice("kind", &O::kind, kHallKindChoices,
+               "plain: an even carpet in steady light; usual, hard: textures, changing and uneven light, "
+               "boards, people, faded prints. What is null below is as this says"),
+        number("seed", &O::seed, 0, 1'000'000, "",
+               "another seed, another hall; cameras of one field share it"),
+        group("carpet", &O::carpet, "its colour and texture"),
+        group("lamps", &O::lamps, "where light falls, and how it changes"),
+        group("prints", &O::prints, "robots that differ from each other"),
+        group("around", &O::around, "what is beside the carpet"),
+        group("sensor", &O::sensor, "what the camera adds"),
+    };
+  }
+};
+
+/// The same with nothing null.
+HallOptions resolved(HallOptions hall);
+
+}  // namespace sslv

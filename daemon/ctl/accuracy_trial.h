@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capture/simulator/simulator_options.h"
+#include "config.h"
+#include "ctl/accuracy.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+inline constexpr double kFirstS = 1000, kStepS = 7.3;  // so far apart that pictures have little in common
+
+/// A condition in one pixel format, with all that its names stand for.
+struct Trial {
+  Config config;  // of one camera
+  SimulatorOptions source, learn_source;
+  std::vector<int> halls;  // empty: the source's
+  AccuracyColors colors;
+  std::optional<int> learn_frames;
+  double px_per_mm;
+  int frames;
+  AccuracyLimits limits;
+};
+
+/// Throws SettingsError, beginning with the key in the suite.
+Trial trial_of(const AccuracySuite& suite, std::size_t condition, const std::string& pixel_format);
+
+}  // namespace sslv
