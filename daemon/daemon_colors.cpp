@@ -119,7 +119,8 @@ Json Daemon::colors_state(int camera_id) {
   const auto settings = at.camera->settings();
   const ColorSettings& colors = settings->colors;
   const char* origin = !colors.table.empty() ? "table" : !colors.lut_file.empty() ? "file" : "classes";
-  return colors_json(camera_id, origin, at.desk, *at.world.labels, light_view(camera_id, at.world));
+  return colors_json(camera_id, origin, at.desk, *at.world.labels, light_view(camera_id, at.world),
+                     color_margins_.margins(camera_id, *at.world.lut));
 }
 
 LightView Daemon::light_view(int camera_id, const World& world) const {
@@ -146,6 +147,20 @@ FollowLight::Hooks Daemon::light_hooks() {
     const std::lock_guard lock(cameras_mutex_);
     if (const auto running = camera(static_cast<std::uint32_t>(camera_id)))
       running->change_light(accepted, std::move(table));
+  };
+  return hooks;
+}
+
+ColorMargins::Hooks Daemon::margin_hooks() {
+  ColorMargins::Hooks hooks;
+  hooks.wait_frame = frame_waiter();
+  hooks.cameras = [this] {
+    std::vector<ColorMargins::Camera> out;
+    for (const auto& running : cameras_now()) {
+      const World world = running->pipeline().setup()->world;
+      out.push_back({running->settings()->id, world.lut, world.scene, world.mask, world.patterns});
+    }
+    return out;
   };
   return hooks;
 }

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace sslv {
 namespace {
 
@@ -311,6 +313,10 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
   return changed;
 }
 
+SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range) {
+  return [taken = taken_by(surfaces, kind, range)](Yuv color) { return taken.has(color); };
+}
+
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces) {
   std::array<bool, label::kMost> in_table{};
   for (const Label label : lut.yuv().labels) in_table[label] = true;
@@ -347,6 +353,25 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
     }
   }
   return out;
+}
+
+std::optional<LeastMargin> least_of(std::span<const LabelMargin> margins) {
+  std::optional<LeastMargin> least;
+  for (const LabelMargin& margin : margins) {
+    for (const auto& factor : {margin.brighter, margin.darker}) {
+      if (!factor) continue;
+      const double change = *factor - 1;
+      if (!least || std::abs(change) < std::abs(least->change))
+        least = {margin.label, margin.surface, change};
+    }
+  }
+  return least;
+}
+
+std::string margin_text(std::string_view surface, std::string_view label, double change) {
+  const double percent = std::round(100 * std::abs(change));
+  if (percent == 0) return fmt::format("{} is {} now", surface, label);
+  return fmt::format("{} becomes {} at {}{:.0f} %", surface, label, change < 0 ? "\u2212" : "+", percent);
 }
 
 }  // namespace sslv
