@@ -151,7 +151,8 @@ Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, cons
           {"steps", std::move(steps)},
           {"light", light_json(light)},
           {"margins", margins ? margins_json(*margins, labels) : Json(nullptr)},
-          {"wanted_margin", kWantedMargin}};
+          {"wanted_margin", kWantedMargin},
+          {"least_margin", kLeastMargin}};
 }
 
 Json margins_json(std::span<const LabelMargin> margins, const LabelSet& labels) {
@@ -172,7 +173,7 @@ Json table_change_json(const TableChange& change, const LabelSet& labels) {
     from.push_back({{"label", labels.name(label)}, {"cells", count}});
     cells += count;
   }
-  return {{"cells", cells}, {"from", std::move(from)}};
+  return {{"cells", cells}, {"from", std::move(from)}, {"left_to_carpet", change.left_clear}};
 }
 
 Json imported_json(const std::vector<ImportedTable>& tables, const LabelSet& labels) {

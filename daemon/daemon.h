@@ -119,6 +119,7 @@ class Daemon {
   std::vector<std::shared_ptr<RunningCamera>> cameras_now() const;
   HealthInput health_input(const Config& config,
                            const std::vector<std::shared_ptr<RunningCamera>>& cameras) const;
+  std::optional<CameraFacts::Margin> least_margin(int camera_id, const LabelSet& labels) const;
   Json status();
   std::string metrics() const;
   Json diagnostics() const;

@@ -286,6 +286,8 @@ class Learner {
           "too "
           "little light, or too much noise",
           best, dot_count());
+    } else if (out_.lut) {
+      out_.margins = table_margins(*out_.lut, surfaces);
     }
   }
 

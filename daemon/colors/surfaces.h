@@ -101,6 +101,9 @@ struct ClearRange {
 std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, const ClearRange& range,
                            const std::function<bool(Label, Yuv)>& keep);
 
+/// Field, white and black: surfaces may have these.
+bool is_surface_label(Label label);
+
 /// Whether a surface has a colour, or would have it in the light of the range. It keeps nothing of
 /// `surfaces`.
 using SurfaceReach = std::function<bool(Yuv)>;
@@ -122,6 +125,8 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
 
 /// Every margin shall be as large: lamps differ by that much over a field, and from day to day.
 inline constexpr double kWantedMargin = 0.30;
+/// Lamps flicker and age by so much: what is nearer floods during a match.
+inline constexpr double kLeastMargin = 0.10;
 
 /// Where a table is nearest to a surface.
 struct LeastMargin {
