@@ -25,10 +25,10 @@ class Hall {
   static constexpr int kWidth = 320, kHeight = 240, kFloorFrom = 230;
 
   Hall() : colors_(std::size_t{kWidth} * kHeight) {
-    paint([](int x, int y) {
+    paint([](int x, int y) -> std::optional<Color3> {
       const double pattern = 1 + 0.1 * std::sin(x / 19.0) * std::cos(y / 23.0);
       const Rgb color = x < kFloorFrom ? kCarpet : kFloor;
-      return std::optional(Color3(color.r, color.g, color.b) * pattern);
+      return Color3(Color3(color.r, color.g, color.b) * pattern);
     });
   }
   static bool is_carpet(int x) { return x < kFloorFrom; }
