@@ -96,17 +96,19 @@ class ColorMarginsTest : public ::testing::Test {
 /// A frame is looked at once, unless something asks for more.
 constexpr ColorMargins::Pace kOnce{std::chrono::hours(1), milliseconds(1)};
 
-TEST_F(ColorMarginsTest, SeesCarpetWithoutRobotsAndBalls) {
-  const auto reach_of_robots = [&](const std::vector<Robot>& robots) {
-    const LentFrame frame{1, nullptr, picture_, 100, robots};
+TEST_F(ColorMarginsTest, SeesCarpetWithoutRobots) {
+  // A robot with a cover as wide as its hull, and one colour.
+  const Rgb pink = paint_color(label::kPink);
+  const Robot robot = robots_.front();
+  drawn_.cover(robot.x_mm, robot.y_mm, robot.height_mm, 90, pink);
+  const auto reach_without = [&](const std::vector<Robot>& robots) {
+    const LentFrame frame{1, nullptr, drawn_.image().view(), 100, robots};
     const SurfaceColors surfaces = surfaces_of(frame, *scene_, league_patterns(), nullptr);
     EXPECT_GT(surfaces.total(SurfaceKind::kCarpet), 10'000U);
-    return reach_of(surfaces, SurfaceKind::kOther, {.darkest = 1, .brightest = 1});
+    return reach_of(surfaces, SurfaceKind::kOther, {.darkest = 0.8, .brightest = 1.2});
   };
-  // Robots are the only black there is, and wider than a dot.
-  const Rgb black = paint_color(label::kBlack);
-  EXPECT_TRUE(reach_of_robots({})(to_yuv(black)));
-  EXPECT_FALSE(reach_of_robots(robots_)(to_yuv(black)));
+  EXPECT_TRUE(reach_without({})(to_yuv(pink)));
+  EXPECT_FALSE(reach_without({robot})(to_yuv(pink)));
 }
 
 TEST_F(ColorMarginsTest, CountsTheTableInForceAndAnEditedOneAtOnce) {
