@@ -129,6 +129,19 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
 }
 
+void add_margin_alert(std::vector<Alert>& alerts, const CameraFacts& camera) {
+  if (!camera.least_margin || camera.least_margin->share >= kWantedMargin) return;
+  alerts.push_back(
+      {.id = "margin_thin",
+       .check = CheckId::kColors,
+       .severity = camera.least_margin->share < kLeastMargin ? Severity::kBad : Severity::kWarn,
+       .title = fmt::format("Camera {}: {}", camera.id, camera.least_margin->text),
+       .fix =
+           "A little more or less light drowns robots in it: widen the margins, or learn the colours again.",
+       .page = fmt::format("#/colors/{}", camera.id),
+       .camera = camera.id});
+}
+
 void add_calibration_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   const auto add = [&](const char* id, Severity severity, std::string title, std::string fix) {
     alerts.push_back({.id = id,
@@ -340,6 +353,7 @@ std::vector<Alert> find_alerts(const HealthInput& input) {
   add_vision_alerts(alerts, input);
   for (const CameraFacts& camera : input.cameras) add_calibration_alerts(alerts, camera);
   for (const CameraFacts& camera : input.cameras) add_picture_alerts(alerts, camera);
+  for (const CameraFacts& camera : input.cameras) add_margin_alert(alerts, camera);
   add_referee_alerts(alerts, input);
   add_computer_alerts(alerts, input);
   std::stable_sort(alerts.begin(), alerts.end(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "capture/camera_thread.h"
+#include "colors/surfaces.h"
 #include "config.h"
 #include "health/computer.h"
 #include "health/exposure.h"
@@ -35,6 +36,13 @@ struct CameraFacts {
   double latency_p99_ms = 0;
   Timeline::Sum last_minute, last_seconds;  // kLastSeconds
   std::optional<Exposure> exposure;         // of the newest picture
+  /// Of its colour table to carpet and floor; empty: not known.
+  struct Margin {
+    double share;      // of the light, at most kMost
+    std::string text;  // "carpet becomes green at +9 %"; empty: nothing does
+    static constexpr double kMost = LabelMargin::kMostFactor - 1;
+  };
+  std::optional<Margin> least_margin{};
 
   static constexpr std::size_t kLastSeconds = 10;
 };
@@ -64,6 +72,7 @@ enum class CheckId {
   kPictures,
   kLatency,
   kCalibration,
+  kColors,
   kNetwork,
   kOtherVisions,
   kReferee,

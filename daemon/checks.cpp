@@ -86,6 +86,18 @@ Finding look_at_calibration(const HealthInput& input) {
   return {kPass, std::to_string(count), fmt::format("of {}", input.cameras.size()), "all calibrated"};
 }
 
+Finding look_at_colors(const HealthInput& input) {
+  const CameraFacts::Margin* least = nullptr;
+  for (const CameraFacts& camera : input.cameras) {
+    if (camera.least_margin && (!least || camera.least_margin->share < least->share))
+      least = &*camera.least_margin;
+  }
+  if (!least) return {kPass, kNothing, "", "margins to carpet and floor are not known yet"};
+  const bool is_limited = least->share < CameraFacts::Margin::kMost;
+  return {kPass, fmt::format("{}{:.0f}", is_limited ? "" : "> ", 100 * least->share), "% margin",
+          least->text.empty() ? "carpet and floor stay clear" : least->text};
+}
+
 Finding look_at_network(const HealthInput& input) {
   const MulticastSettings& vision = input.config.network.vision;
   return {kPass, fmt::format("{:.0f}", input.network.packets_per_s), "packets/s",
@@ -150,6 +162,7 @@ constexpr std::array kChecks{
     CheckKind{CheckId::kPictures, "pictures", "Pictures", look_at_pictures},
     CheckKind{CheckId::kLatency, "latency", "Latency", look_at_latency},
     CheckKind{CheckId::kCalibration, "calibration", "Calibration", look_at_calibration},
+    CheckKind{CheckId::kColors, "colors", "Colours", look_at_colors},
     CheckKind{CheckId::kNetwork, "network", "Network", look_at_network},
     CheckKind{CheckId::kOtherVisions, "other_visions", "One vision", look_at_other_visions},
     CheckKind{CheckId::kReferee, "referee", "Game controller", look_at_referee},

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 namespace sslv {
 
@@ -37,10 +38,15 @@ TableChange ColorDesk::tried(std::span<const TableEdit> edits) const {
   const ColorTable before = table_->color_table();
   ColorTable after = before;
   std::vector<CellRun> cells;
-  for (const TableEdit& edit : edits) cells = apply_edit(after, edit);
+  std::size_t left_clear = 0;
+  for (const TableEdit& edit : edits) {
+    if (const auto* add = std::get_if<AddClusterEdit>(&edit)) left_clear += cells_left_clear(after, *add);
+    cells = apply_edit(after, edit);
+  }
   if (edits.size() != 1) cells = difference(before, after);
-  if (cells.empty()) return {table_, {}};
-  return {std::make_shared<const Lut>(table_->with_changes(cells, after.prints)), std::move(cells)};
+  if (cells.empty()) return {table_, {}, left_clear};
+  return {std::make_shared<const Lut>(table_->with_changes(cells, after.prints)), std::move(cells),
+          left_clear};
 }
 
 void ColorDesk::change(const TableChange& change, const std::string& what, const std::string& who,
@@ -56,7 +62,7 @@ void ColorDesk::replace(std::shared_ptr<const Lut> lut, const std::string& what,
                         const Save& save) {
   if (lut->color_bits() == table_->color_bits()) {
     auto cells = difference(table_->color_table(), lut->color_table());
-    change({std::move(lut), std::move(cells)}, what, who, save);
+    change({std::move(lut), std::move(cells), 0}, what, who, save);
     return;
   }
   save(lut, what);

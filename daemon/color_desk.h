@@ -6,6 +6,7 @@
 #include "vision/label.h"
 #include "vision/lut.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -20,6 +21,7 @@ namespace sslv {
 struct TableChange {
   std::shared_ptr<const Lut> lut;  // the table with it; the same as before when nothing changes
   std::vector<CellRun> cells;
+  std::size_t left_clear = 0;  // cells that clusters would have taken from a surface
 };
 
 /// A camera's accepted table, and what was done to it since it was put on the desk: by whoever edits it, one

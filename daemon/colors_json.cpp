@@ -114,7 +114,7 @@ Json light_json(const LightView& light) {
 }
 
 Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, const LabelSet& labels,
-                 const LightView& light) {
+                 const LightView& light, const std::optional<std::vector<LabelMargin>>& margins) {
   const TableStatistics& statistics = desk.statistics();
   Json label_list = Json::array();
   for (std::size_t i = 0; i < label::kMost; ++i) {
@@ -149,7 +149,21 @@ Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, cons
           {"undo", history.can_undo() ? step_json(history.done().back()) : Json(nullptr)},
           {"redo", history.can_redo() ? step_json(history.undone().back()) : Json(nullptr)},
           {"steps", std::move(steps)},
-          {"light", light_json(light)}};
+          {"light", light_json(light)},
+          {"margins", margins ? margins_json(*margins, labels) : Json(nullptr)},
+          {"wanted_margin", kWantedMargin},
+          {"least_margin", kLeastMargin}};
+}
+
+Json margins_json(std::span<const LabelMargin> margins, const LabelSet& labels) {
+  Json out = Json::array();
+  for (const LabelMargin& margin : margins) {
+    out.push_back({{"label", labels.name(margin.label)},
+                   {"surface", name_of(margin.surface)},
+                   {"brighter", margin.brighter ? Json(*margin.brighter - 1) : Json(nullptr)},
+                   {"darker", margin.darker ? Json(1 - *margin.darker) : Json(nullptr)}});
+  }
+  return out;
 }
 
 Json table_change_json(const TableChange& change, const LabelSet& labels) {
@@ -159,7 +173,7 @@ Json table_change_json(const TableChange& change, const LabelSet& labels) {
     from.push_back({{"label", labels.name(label)}, {"cells", count}});
     cells += count;
   }
-  return {{"cells", cells}, {"from", std::move(from)}};
+  return {{"cells", cells}, {"from", std::move(from)}, {"left_to_carpet", change.left_clear}};
 }
 
 Json imported_json(const std::vector<ImportedTable>& tables, const LabelSet& labels) {

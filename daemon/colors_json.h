@@ -9,9 +9,12 @@
 #include "colors/light_follower.h"
 #include "colors/lut_file.h"
 #include "colors/pixel_figures.h"
+#include "colors/surfaces.h"
 #include "vision/regions.h"
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,8 +29,10 @@ struct LightView {
 
 Json light_json(const LightView& light);
 Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, const LabelSet& labels,
-                 const LightView& light);
-/// Of an edit: "cells" and "from".
+                 const LightView& light, const std::optional<std::vector<LabelMargin>>& margins);
+/// Shares of the light by which it may grow or fall before a surface gets a label.
+Json margins_json(std::span<const LabelMargin> margins, const LabelSet& labels);
+/// Of an edit: "cells", "from" and "left_to_carpet".
 Json table_change_json(const TableChange& change, const LabelSet& labels);
 Json imported_json(const std::vector<ImportedTable>& tables, const LabelSet& labels);
 Json pixels_json(const PixelBlock& block, const PixelFigures& figures, std::uint32_t frame_number,

@@ -98,6 +98,7 @@ Daemon::Daemon(const Options& options)
       joint_calibration_jobs_(make_joint_calibration_jobs(frame_waiter())),
       color_learning_(make_color_learning(frame_waiter())),
       follow_light_(light_hooks()),
+      color_margins_(margin_hooks()),
       monitor_(
           options.state_folder, [this] { return cameras_now(); }, [this] { look_after(); }) {
   prepare(store_.current().settings)();
@@ -223,6 +224,7 @@ std::function<void()> Daemon::prepare(const Json& settings, Origin origin) {
     invalidate(calibration_jobs_, changed);
     invalidate(joint_calibration_jobs_, changed);
     invalidate(color_learning_, changed);
+    color_margins_.forget(changed);
     cameras_.store(std::move(cameras));
     settings_since_s_ = unix_time_s();
   };

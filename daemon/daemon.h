@@ -6,6 +6,7 @@
 #include "calibration_jobs.h"
 #include "color_desk.h"
 #include "color_learning.h"
+#include "color_margins.h"
 #include "colors_json.h"
 #include "config.h"
 #include "follow_light.h"
@@ -118,6 +119,7 @@ class Daemon {
   std::vector<std::shared_ptr<RunningCamera>> cameras_now() const;
   HealthInput health_input(const Config& config,
                            const std::vector<std::shared_ptr<RunningCamera>>& cameras) const;
+  std::optional<CameraFacts::Margin> least_margin(int camera_id, const LabelSet& labels) const;
   Json status();
   std::string metrics() const;
   Json diagnostics() const;
@@ -176,6 +178,7 @@ class Daemon {
   void keep_todays_light(const ColorCamera& at, int camera_id, const std::string& who);
   void take_light_back(const ColorCamera& at, int camera_id, const std::string& who);
   FollowLight::Hooks light_hooks();
+  ColorMargins::Hooks margin_hooks();
   TableEdit read_color_command(int camera_id, const Json& json, const std::string& path, const World& world);
   Json edit_colors(int camera_id, const Json& request, const std::string& who);
   Json import_colors(int camera_id, const TableFile& file, const std::string& who);
@@ -233,6 +236,7 @@ class Daemon {
   Stills stills_;
   ColorLearning color_learning_;
   FollowLight follow_light_;
+  ColorMargins color_margins_;
   AlertTimes alert_times_;
   Snapshot<std::set<int>> stale_calibrations_{{}};        // ids of the cameras whose field was changed since
   std::shared_ptr<const Config> calibrations_looked_at_;  // of the monitor's thread: with these settings

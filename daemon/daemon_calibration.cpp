@@ -74,7 +74,7 @@ WaitFrame Daemon::frame_waiter() {
     if (!held) return std::nullopt;
     const Frame& frame = *held->hold->frame;
     return LentFrame{held->version,       held->hold,       frame.image.view(), frame.info.times.t_capture_s,
-                     frame.robots.robots, frame.info.whole, frame.info.number};
+                     frame.robots.robots, frame.info.whole, frame.info.number,  frame.balls.balls};
   };
 }
 

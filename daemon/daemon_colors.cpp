@@ -11,6 +11,7 @@
 #include "web/http.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -53,6 +54,11 @@ struct PickCommand {
                       number("still", &P::still, 0, 2'000'000'000, "", "null: the newest picture"),
                       flag("take_away", &P::take_away, "from the label instead of adding to it")};
   }
+};
+
+struct WidenCommand {
+  std::string op;
+  static constexpr auto fields() { return std::tuple{text("op", &WidenCommand::op, "widen_margins")}; }
 };
 
 /// Several commands in the words of the first, and how many more.
@@ -119,7 +125,8 @@ Json Daemon::colors_state(int camera_id) {
   const auto settings = at.camera->settings();
   const ColorSettings& colors = settings->colors;
   const char* origin = !colors.table.empty() ? "table" : !colors.lut_file.empty() ? "file" : "classes";
-  return colors_json(camera_id, origin, at.desk, *at.world.labels, light_view(camera_id, at.world));
+  return colors_json(camera_id, origin, at.desk, *at.world.labels, light_view(camera_id, at.world),
+                     color_margins_.margins(camera_id, *at.world.lut));
 }
 
 LightView Daemon::light_view(int camera_id, const World& world) const {
@@ -150,6 +157,20 @@ FollowLight::Hooks Daemon::light_hooks() {
   return hooks;
 }
 
+ColorMargins::Hooks Daemon::margin_hooks() {
+  ColorMargins::Hooks hooks;
+  hooks.wait_frame = frame_waiter();
+  hooks.cameras = [this] {
+    std::vector<ColorMargins::Camera> out;
+    for (const auto& running : cameras_now()) {
+      const World world = running->pipeline().setup()->world;
+      out.push_back({running->settings()->id, world.lut, world.scene, world.mask, world.patterns});
+    }
+    return out;
+  };
+  return hooks;
+}
+
 void Daemon::take_light_back(const ColorCamera& at, int camera_id, const std::string& who) {
   follow_light_.take_back(camera_id);
   const std::lock_guard lock(cameras_mutex_);
@@ -170,8 +191,17 @@ void Daemon::keep_todays_light(const ColorCamera& at, int camera_id, const std::
 
 TableEdit Daemon::read_color_command(int camera_id, const Json& json, const std::string& path,
                                      const World& world) {
-  if (!json.is_object() || json.value("op", Json()) != "pick")
-    return read_table_edit(json, path, *world.labels);
+  const Json op = json.is_object() ? json.value("op", Json()) : Json();
+  if (op == "widen_margins") {
+    params_from_json<WidenCommand>(json, path);
+    auto surfaces = color_margins_.surfaces(camera_id);
+    if (!surfaces) {
+      throw SettingsError(
+          fmt::format("{}: camera {}'s carpet was not seen yet: its margins are not known", path, camera_id));
+    }
+    return WidenMarginsEdit{std::move(surfaces)};
+  }
+  if (op != "pick") return read_table_edit(json, path, *world.labels);
   const auto pick = params_from_json<PickCommand>(json, path);
   const auto label = world.labels->find(pick.label);
   if (!label) {
@@ -188,7 +218,16 @@ TableEdit Daemon::read_color_command(int camera_id, const Json& json, const std:
   }
   ColorCluster cluster{thinned(block.colors), {}};
   if (pick.take_away) return RemoveClusterEdit{*label, std::move(cluster)};
-  return AddClusterEdit{*label, std::move(cluster), Over::kAny};
+  AddClusterEdit edit{*label, std::move(cluster), Over::kAny};
+  if (const auto surfaces = color_margins_.surfaces(camera_id); surfaces && !is_surface_label(*label)) {
+    // Who points at the carpet itself means it.
+    const PixelFigures figures = figures_of(block);
+    const auto level = [&](std::size_t c) { return static_cast<std::uint8_t>(std::lround(figures.mean[c])); };
+    constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};
+    if (!reach_of(*surfaces, SurfaceKind::kCarpet, kAsSeen)({level(0), level(1), level(2)}))
+      edit.stays_clear = reach_of(*surfaces, SurfaceKind::kCarpet, {});
+  }
+  return edit;
 }
 
 Json Daemon::edit_colors(int camera_id, const Json& request, const std::string& who) {

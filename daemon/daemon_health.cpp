@@ -10,6 +10,7 @@
 #include "status.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -190,9 +191,19 @@ HealthInput Daemon::health_input(const Config& config,
          .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
          .last_minute = monitor_.timeline().sum(id, 60),
          .last_seconds = monitor_.timeline().sum(id, CameraFacts::kLastSeconds),
-         .exposure = monitor_.exposure(id)});
+         .exposure = monitor_.exposure(id),
+         .least_margin = least_margin(id, *camera->pipeline().setup()->world.labels)});
   }
   return input;
+}
+
+std::optional<CameraFacts::Margin> Daemon::least_margin(int camera_id, const LabelSet& labels) const {
+  const auto margins = color_margins_.newest_margins(camera_id);
+  if (!margins) return {};
+  const auto least = least_of(*margins);
+  if (!least) return CameraFacts::Margin{CameraFacts::Margin::kMost, ""};
+  return CameraFacts::Margin{std::abs(least->change),
+                             margin_text(name_of(least->surface), labels.name(least->label), least->change)};
 }
 
 Json Daemon::diagnostics() const {

@@ -23,6 +23,7 @@ struct LentFrame {
   std::span<const Robot> robots{};
   WholePicture whole{};
   std::uint32_t number = 0;
+  std::span<const Ball> balls{};
 };
 
 /// The newest frame once its version is newer than the given one (0: any); nothing after the timeout. Throws

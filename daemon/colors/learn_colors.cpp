@@ -85,7 +85,7 @@ class Learner {
             fmt::format("pictures of {} x {} pixels are too small to learn from", image.width, image.height);
         return;
       }
-      const Exposure exposure = exposure_of(pictures_.emplace_back(image, task_.mask).of(2));
+      const PictureExposure exposure = exposure_of(pictures_.emplace_back(image, task_.mask).of(2));
       const double per = 1 / static_cast<double>(task_.frames.size());
       bright = std::max(bright, exposure.bright);
       clipped += exposure.clipped_share * per;
@@ -288,6 +288,8 @@ class Learner {
           "too "
           "little light, or too much noise",
           best, dot_count());
+    } else if (out_.lut) {
+      out_.margins = table_margins(*out_.lut, surfaces);
     }
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "colors/surfaces.h"
 #include "geometry/scene.h"
 #include "image/color.h"
 #include "image/image.h"
@@ -71,6 +72,7 @@ struct LearntColors {
   double noise_grey = 0;             // of one pixel
   double table_noise_grey = 0;       // what lut_from_samples was told: more where colours differ by more
   std::shared_ptr<const Lut> lut;    // for detectors; none when there is a problem
+  std::vector<LabelMargin> margins;  // of that table to the carpet and the floor of the frames
   std::vector<LearntRobot> robots;   // of all frames
   std::vector<LearntBall> balls;
   std::vector<LearntLabel> labels;  // that have samples, by value

@@ -179,8 +179,8 @@ double noise_of(const ImageView& image) {
   return *middle / 0.6745 / 6 / (is_yuv422(image.format) ? 0.67 : 1);
 }
 
-Exposure exposure_of(const SmallPicture& picture) {
-  Exposure out;
+PictureExposure exposure_of(const SmallPicture& picture) {
+  PictureExposure out;
   std::vector<double> brightness;
   std::size_t clipped = 0;
   double colorfulness = 0;

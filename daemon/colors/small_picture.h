@@ -83,10 +83,10 @@ double noise_of(const ImageView& image);
 
 /// Share of the pixels with a channel at its end, and the brightness that 1 % of the pixels exceed; from a
 /// grid of pixels that the mask shows.
-struct Exposure {
+struct PictureExposure {
   double clipped_share = 0, bright = 0;
   double colorfulness = 0;  // mean difference of the largest from the smallest of red, green and blue
 };
-Exposure exposure_of(const SmallPicture& picture);
+PictureExposure exposure_of(const SmallPicture& picture);
 
 }  // namespace sslv

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace sslv {
 namespace {
 
@@ -17,10 +19,6 @@ constexpr double kCarpetAlike = 0.07;      // in shares
 constexpr double kFloorAlike = 0.06;       // in shares
 constexpr double kLeastFloorShare = 0.02;  // of what was looked at
 constexpr std::size_t kPlacesPerFrame = 120'000;
-
-bool is_background(Label label) {
-  return label == label::kField || label == label::kWhite || label == label::kBlack;
-}
 
 /// Whether one colour is another in more or less light.
 bool goes_on(const Color3& here, const Color3& there) {
@@ -221,6 +219,10 @@ std::vector<std::array<double, 3>> noise_samples() {
 
 }  // namespace
 
+bool is_surface_label(Label label) {
+  return label == label::kField || label == label::kWhite || label == label::kBlack;
+}
+
 std::string_view name_of(SurfaceKind kind) {
   constexpr std::array<std::string_view, kSurfaceKinds> kNames{"carpet", "floor", "other surfaces"};
   return kNames[static_cast<std::size_t>(kind)];
@@ -301,7 +303,7 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
   std::size_t changed = 0;
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
     Label& label = table.labels[cell];
-    if (label == label::kClear || is_background(label)) continue;
+    if (label == label::kClear || is_surface_label(label)) continue;
     const Yuv color = table.color_of(cell);
     const bool taken = carpet.has(color) || ((floor.has(color) || other.has(color)) && !keep(label, color));
     if (!taken) continue;
@@ -309,6 +311,10 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
     ++changed;
   }
   return changed;
+}
+
+SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range) {
+  return [taken = taken_by(surfaces, kind, range)](Yuv color) { return taken.has(color); };
 }
 
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces) {
@@ -343,10 +349,29 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
     for (double factor = 1; factor > 1 / LabelMargin::kMostFactor; factor /= kStep) look(factor, darker);
     for (std::size_t i = 1; i < label::kMost; ++i) {
       const auto label = static_cast<Label>(i);
-      if (in_table[i] && !is_background(label)) out.push_back({label, kind, brighter[i], darker[i]});
+      if (in_table[i] && !is_surface_label(label)) out.push_back({label, kind, brighter[i], darker[i]});
     }
   }
   return out;
+}
+
+std::optional<LeastMargin> least_of(std::span<const LabelMargin> margins) {
+  std::optional<LeastMargin> least;
+  for (const LabelMargin& margin : margins) {
+    for (const auto& factor : {margin.brighter, margin.darker}) {
+      if (!factor) continue;
+      const double change = *factor - 1;
+      if (!least || std::abs(change) < std::abs(least->change))
+        least = {margin.label, margin.surface, change};
+    }
+  }
+  return least;
+}
+
+std::string margin_text(std::string_view surface, std::string_view label, double change) {
+  const double percent = std::round(100 * std::abs(change));
+  if (percent == 0) return fmt::format("{} is {} now", surface, label);
+  return fmt::format("{} becomes {} at {}{:.0f} %", surface, label, change < 0 ? "\u2212" : "+", percent);
 }
 
 }  // namespace sslv

@@ -14,6 +14,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -100,6 +101,14 @@ struct ClearRange {
 std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, const ClearRange& range,
                            const std::function<bool(Label, Yuv)>& keep);
 
+/// Field, white and black: surfaces may have these.
+bool is_surface_label(Label label);
+
+/// Whether a surface has a colour, or would have it in the light of the range. It keeps nothing of
+/// `surfaces`.
+using SurfaceReach = std::function<bool(Yuv)>;
+SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range);
+
 /// How much more or less light it takes for a surface to get a label.
 struct LabelMargin {
   Label label;
@@ -113,5 +122,21 @@ struct LabelMargin {
 /// do. Values of pixels are taken to grow with the light; cameras with a gamma have more margin than that.
 inline constexpr double kFloodShare = 0.004;
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces);
+
+/// Every margin shall be as large: lamps differ by that much over a field, and from day to day.
+inline constexpr double kWantedMargin = 0.30;
+/// Lamps flicker and age by so much: what is nearer floods during a match.
+inline constexpr double kLeastMargin = 0.10;
+
+/// Where a table is nearest to a surface.
+struct LeastMargin {
+  Label label;
+  SurfaceKind surface;
+  double change;  // of the light, as a share of it: 0.09 is brighter, -0.09 darker
+};
+/// Nothing when no margin has a limit.
+std::optional<LeastMargin> least_of(std::span<const LabelMargin> margins);
+/// "carpet becomes green at +9 %", or "carpet is green now".
+std::string margin_text(std::string_view surface, std::string_view label, double change);
 
 }  // namespace sslv

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -400,10 +401,33 @@ void for_cells_of_cluster(const ColorTable& table, const ColorCluster& cluster, 
   });
 }
 
-void apply(const AddClusterEdit& edit, ColorTable& table, Brush& brush) {
+struct ClusterCells {
+  std::vector<std::size_t> added, left_clear;
+};
+ClusterCells cells_of(const ColorTable& table, const AddClusterEdit& edit) {
+  ClusterCells out;
+  bool all_stay = true;
   for_cells_of_cluster(table, edit.cluster, [&](std::size_t place) {
-    if (edit.over == Over::kAny || table.labels[place] == label::kClear) brush.set(place, edit.label);
+    const bool is_clear = table.labels[place] == label::kClear;
+    const bool stays = edit.stays_clear && edit.stays_clear(table.color_of(place));
+    all_stay = all_stay && stays;
+    if (is_clear && stays) {
+      out.left_clear.push_back(place);
+    } else if (is_clear || edit.over == Over::kAny) {
+      out.added.push_back(place);
+    }
   });
+  if (all_stay) {
+    std::vector<std::size_t> all;
+    std::merge(out.added.begin(), out.added.end(), out.left_clear.begin(), out.left_clear.end(),
+               std::back_inserter(all));
+    out = {std::move(all), {}};
+  }
+  return out;
+}
+
+void apply(const AddClusterEdit& edit, ColorTable& table, Brush& brush) {
+  for (const std::size_t place : cells_of(table, edit).added) brush.set(place, edit.label);
 }
 
 void apply(const RemoveClusterEdit& edit, ColorTable& table, Brush& brush) {
@@ -414,13 +438,42 @@ void apply(const RemoveClusterEdit& edit, ColorTable& table, Brush& brush) {
 
 // ---- whole tables
 
+void set_all(const ColorTable& all, ColorTable& table, Brush& brush) {
+  for (std::size_t place = 0; place < table.labels.size(); ++place) brush.set(place, all.labels[place]);
+}
+
+void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
+  const Lut lut(table);  // knows what is typical of its labels
+  ColorTable widened = table;
+  clear_surfaces(widened, *edit.surfaces, edit.range, [&](Label label, Yuv color) {
+    const Rgb rgb = to_rgb(color);
+    const double sum = std::max(1, rgb.r + rgb.g + rgb.b);
+    const std::array<double, 3>& mean = lut.shares(label);
+    return std::hypot(rgb.r / sum - mean[0], rgb.g / sum - mean[1], rgb.b / sum - mean[2]) <=
+           lut.share_spread(label);
+  });
+  // What the surfaces take from one side of a label does not change what its prints look like.
+  const auto unit = [](double value) {
+    return static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * value));
+  };
+  std::array<bool, label::kMost> has_cells{};
+  for (const Label label : table.labels) has_cells[label] = true;
+  for (std::size_t i = 1; i < label::kMost; ++i) {
+    const auto label = static_cast<Label>(i);
+    if (table.prints[i] || !has_cells[i] || is_surface_label(label)) continue;
+    const auto& mean = lut.shares(label);
+    table.prints[i] =
+        PrintColor{{unit(mean[0]), unit(mean[1]), unit(mean[2])}, unit(lut.share_spread(label))};
+  }
+  set_all(widened, table, brush);
+}
+
 void apply(const SetTableEdit& edit, ColorTable& table, Brush& brush) {
   if (edit.table.bits != table.bits) {
     throw SettingsError(fmt::format("a table of {} bits a channel cannot take the place of one of {}",
                                     edit.table.bits, table.bits));
   }
-  for (std::size_t place = 0; place < table.labels.size(); ++place)
-    brush.set(place, edit.table.labels[place]);
+  set_all(edit.table, table, brush);
 }
 
 std::string cells_text(int cells) {
@@ -450,6 +503,7 @@ struct WhatItDid {
   std::string operator()(const RemoveClusterEdit& edit) const {
     return edit.only ? "took colours from " + labels.name(*edit.only) : "cleared colours";
   }
+  std::string operator()(const WidenMarginsEdit&) const { return "widened the margins to carpet and floor"; }
   std::string operator()(const SetTableEdit& edit) const { return edit.what; }
 
   std::string named(std::optional<Label> label) const { return label ? ' ' + labels.name(*label) : ""; }
@@ -472,6 +526,10 @@ std::vector<CellRun> apply_edit(ColorTable& table, const TableEdit& edit) {
     for (const CellRun& run : changed) table.prints[run.after].reset();
   }
   return changed;
+}
+
+std::size_t cells_left_clear(const ColorTable& table, const AddClusterEdit& edit) {
+  return cells_of(table, edit).left_clear.size();
 }
 
 std::vector<CellRun> difference(const ColorTable& from, const ColorTable& to) {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "base/json.h"
+#include "colors/surfaces.h"
 #include "image/color.h"
 #include "vision/label.h"
 #include "vision/lut.h"
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -81,10 +83,19 @@ struct AddClusterEdit {
   Label label;
   ColorCluster cluster;
   Over over = Over::kAny;
+  /// Clear cells of such colours stay clear; absent: none do. When all of the cluster has them, somebody
+  /// pointed at just that, and none do either.
+  SurfaceReach stays_clear = {};
 };
 struct RemoveClusterEdit {
   std::optional<Label> only = {};  // absent: whatever is there
   ColorCluster cluster;
+};
+/// Makes clear what carpet and floor have, or would have in the light of the range. The floor and other
+/// surfaces take no colour that is typical of its label.
+struct WidenMarginsEdit {
+  std::shared_ptr<const SurfaceColors> surfaces;
+  ClearRange range = {};
 };
 /// A whole table takes the place of this: learnt, imported, copied. Of the same bits.
 struct SetTableEdit {
@@ -93,11 +104,11 @@ struct SetTableEdit {
 };
 
 using TableEdit = std::variant<PaintEdit, EraseEdit, FillEdit, GrowEdit, ShrinkEdit, SmoothEdit, ReplaceEdit,
-                               RemoveEdit, AddClusterEdit, RemoveClusterEdit, SetTableEdit>;
+                               RemoveEdit, AddClusterEdit, RemoveClusterEdit, WidenMarginsEdit, SetTableEdit>;
 
 /// Reads e.g. {"op": "paint", "label": "pink", "shape": "ball", "at": [131, 148, 216], "radius": [8, 4, 4],
-/// "over": "clear"}. All but set_table can be read. Throws SettingsError, beginning with `path`: key, value,
-/// what is allowed.
+/// "over": "clear"}. All but what takes a table or surfaces can be read. Throws SettingsError, beginning with
+/// `path`: key, value, what is allowed.
 TableEdit read_table_edit(const Json& json, const std::string& path,
                           const LabelSet& labels = LabelSet::built_in());
 
@@ -108,6 +119,9 @@ std::string what_it_did(const TableEdit& edit, const LabelSet& labels = LabelSet
 /// gets cells has no print any more: its cells tell what it looks like. Throws SettingsError when a set table
 /// has other bits.
 std::vector<CellRun> apply_edit(ColorTable& table, const TableEdit& edit);
+
+/// How many cells of the cluster stay clear by `stays_clear` when the edit is applied to this table.
+std::size_t cells_left_clear(const ColorTable& table, const AddClusterEdit& edit);
 
 /// What it takes to turn one table into another of the same bits.
 std::vector<CellRun> difference(const ColorTable& from, const ColorTable& to);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/colors.h"
 
+#include "colors/surfaces.h"
+
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -50,7 +53,30 @@ std::string colors_text(const Json& state) {
     out += fmt::format("  {} and {} touch in {} cells\n", conflict.at("labels")[0].get<std::string>(),
                        conflict.at("labels")[1].get<std::string>(), conflict.at("cells").get<std::size_t>());
   }
+  out += margins_text(state.at("margins"));
   out += "  to undo: " + step_text(state.at("undo")) + "\n  light: " + light_text(state.at("light"));
+  return out;
+}
+
+std::string margins_text(const Json& margins) {
+  if (margins.is_null()) return "  margins: carpet and floor were not seen yet\n";
+  if (margins.empty()) return "";
+  std::string out =
+      fmt::format("  margins to carpet and floor, at least {:.0f} % are wanted:\n", 100 * kWantedMargin);
+  for (const Json& margin : margins) {
+    const std::string label = margin.at("label").get<std::string>(),
+                      surface = margin.at("surface").get<std::string>();
+    std::string text;
+    bool is_thin = false;
+    for (const auto& [key, sign] : {std::pair{"brighter", 1}, std::pair{"darker", -1}}) {
+      if (!margin.at(key).is_number()) continue;
+      const double share = margin.at(key).get<double>();
+      is_thin = is_thin || share < kWantedMargin;
+      text += (text.empty() ? "" : ", ") + margin_text(surface, label, sign * share);
+    }
+    if (text.empty()) text = surface + " never does";
+    out += fmt::format("    {:<10} {}{}\n", label, text, is_thin ? "  THIN" : "");
+  }
   return out;
 }
 

@@ -11,6 +11,9 @@ namespace sslv {
 /// docs/openapi.json's ColorState for people.
 std::string colors_text(const Json& state);
 
+/// Its ColorMargin list: a line for each label, or why there is none.
+std::string margins_text(const Json& margins);
+
 /// Its ColorImport when nothing was imported: what the file holds.
 std::string tables_text(const Json& import);
 

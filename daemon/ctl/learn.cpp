@@ -2,6 +2,7 @@
 #include "ctl/learn.h"
 
 #include "cameras.h"
+#include "ctl/colors.h"
 
 #include <chrono>
 #include <list>
@@ -69,6 +70,7 @@ std::string learnt_colors_text(const Json& learnt) {
                        label.at("mean").get<std::string>(), label.at("spread").get<double>(),
                        seen > 0 ? fmt::format("{} seen", seen) : "predicted");
   }
+  if (learnt.at("learnt") == true) out += margins_text(learnt.at("margins"));
   for (const Json& note : learnt.at("notes")) out += "note: " + note.get<std::string>() + "\n";
   if (learnt.at("problem") != "") out += "problem: " + learnt.at("problem").get<std::string>() + "\n";
   return out;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/learnt_colors_json.h"
 
+#include "colors_json.h"
+
 namespace sslv {
 Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known) {
   Json robots = Json::array(), balls = Json::array(), labels = Json::array();
@@ -42,7 +44,8 @@ Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known
           {"balls", balls},
           {"labels", labels},
           {"mm_per_px", learnt.mm_per_px},
-          {"noise_grey", learnt.noise_grey}};
+          {"noise_grey", learnt.noise_grey},
+          {"margins", margins_json(learnt.margins, labels_known)}};
 }
 
 }  // namespace sslv

@@ -117,6 +117,77 @@ describe('colour tables', () => {
     await post('colors/undo', undefined, 409);
   });
 
+  it('know how far each label is from the carpet, and mend it where that is too little', async () => {
+    const least = (state, label) => Math.min(...state.margins.filter((one) => one.label === label).flatMap(({ brighter, darker }) => [brighter ?? 9, darker ?? 9]));
+    const checked = async (wanted) => becomes(async () => {
+      const { checks } = await (await fetch(service.address('api/checks'))).json();
+      const colors = checks.find(({ id }) => id === 'colors');
+      return colors.state === wanted ? colors : null;
+    }, `the check of colours does not become ${wanted}`);
+    const before = await becomes(async () => {
+      const state = await get('colors');
+      return state.margins?.length ? state : null;
+    }, 'the carpet is not seen');
+    assert.ok(before.margins.some(({ label, surface }) => label === 'green' && surface === 'carpet'));
+    assert.ok(least(before, 'green') >= before.wanted_margin, JSON.stringify(before.margins));
+    await checked('pass');
+
+    // Green right above the carpet: in light that is a quarter brighter it is that.
+    const { still, width, height } = await post('stills', undefined, 201);
+    const place = `x=${Math.round(width * 0.4)}&y=${Math.round(height * 0.5)}`;
+    const { mean } = await get(`pixels?${place}&width=9&height=9&still=${still}`);
+    const lit = (light) => mean.map((value, i) => Math.round(i === 0 ? light * value : 128 + light * (value - 128)));
+    const paint = { op: 'paint', label: 'green', shape: 'box', at: lit(1.5), radius: [6, 10, 10], over: 'clear' };
+    const thin = await edit(paint);
+    const margin = least(thin.state, 'green');
+    assert.ok(margin > 0.1 && margin < before.wanted_margin, `${margin}`);
+    assert.match((await checked('warn')).text, /^Camera 0: carpet becomes green at \+\d+ %$/);
+    const { alerts } = await service.statusBecomes(({ alerts: all }) => all.some(({ id }) => id === 'margin_thin'));
+    const alert = alerts.find(({ id }) => id === 'margin_thin');
+    assert.deepEqual([alert.camera, alert.page, alert.severity], [0, '#/colors/0', 'warn']);
+
+    const painted = await bytes('colors/table');
+    const tried = await post('colors/edits', { commands: [{ op: 'widen_margins' }], try: true });
+    assert.ok(tried.cells >= thin.cells, 'it clears what was painted');
+    assert.deepEqual(await bytes('colors/table'), painted, 'trying changes nothing');
+    const { cells, state } = await edit({ op: 'widen_margins' });
+    assert.equal(state.undo.what, 'widened the margins to carpet and floor');
+    assert.ok(cells > 0 && least(state, 'green') >= state.wanted_margin, JSON.stringify(state.margins));
+    await checked('pass');
+    await becomes(async () => (await detections()).robots === pictureRobots, 'robots are not found any more');
+    assert.ok(Math.abs(least(await post('colors/undo'), 'green') - margin) < 0.05, 'it is undone cell by cell');
+
+    // Carpet that has the label now: no match begins.
+    const carpet = await edit({ ...paint, at: lit(1), radius: [30, 12, 12] });
+    assert.equal(least(carpet.state, 'green'), 0);
+    assert.match((await checked('fail')).text, /carpet is green now/);
+    await post('colors/undo');
+    await post('colors/undo');
+  });
+
+  it('leave to the carpet what a pick would take of it', async () => {
+    await becomes(async () => (await get('colors')).margins?.length, 'the carpet is not seen');
+    const { still, width, height } = await post('stills', undefined, 201);
+    const tryPick = (x, y) => post('colors/edits', { commands: [{ op: 'pick', label: 'cyan', still, x, y, width: 3, height: 3 }], try: true });
+    const places = Array.from({ length: 60 }, (_, i) => [Math.round(width * (0.02 + (i % 20) * 0.05)), Math.round(height * [0.2, 0.5, 0.8][i % 3])]);
+    for (const [x, y] of places.slice(0, 5)) assert.equal((await tryPick(x, y)).left_to_carpet, 0, 'who points at the carpet means it');
+    // In less light the still shows what the carpet has in more light: here within the range, there beyond it.
+    await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 0.58 });
+    await becomes(async () => (await get('colors')).margins?.length, 'the dark carpet is not seen');
+    const edge = await becomes(async () => {
+      for (const [x, y] of places) {
+        const tried = await tryPick(x, y);
+        if (tried.left_to_carpet > 0 && tried.cells > 0) return { x, y, tried };
+      }
+    }, 'no pick lies at the end of the range');
+    const { cells, left_to_carpet: left, state } = await edit({ op: 'pick', label: 'cyan', still, x: edge.x, y: edge.y, width: 3, height: 3 });
+    assert.ok(cells > 0 && left > 0);
+    assert.equal(cellsOf(state, 'cyan'), cells, 'what it says is what it does');
+    await post('colors/undo');
+    await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 1 });
+    await becomes(async () => (await detections()).robots === pictureRobots, 'robots do not come back');
+  });
+
   it('make detections come and go', async () => {
     await edit({ op: 'remove', label: 'pink' }, { op: 'remove', label: 'green' }, { op: 'remove', label: 'blue' }, { op: 'remove', label: 'yellow' }, { op: 'remove', label: 'orange' });
     await becomes(async () => (await detections()).robots === 0, 'robots are still found without a colour');
@@ -241,6 +312,8 @@ describe('colour tables', () => {
       const { error } = await post('colors/edits', { commands }, 422);
       assert.match(error, complaint);
     }
+    const widen = { commands: [{ op: 'widen_margins', label: 'pink' }] };
+    assert.match((await post('colors/edits', widen, 422)).error, /\/commands\/0\/label/);
     assert.match((await post('colors/edits', { commands: [{ op: 'pick', label: 'pink', x: 1, y: 1, still: 999999 }] }, 404)).error, /still 999999/);
     const noise = Uint8Array.from({ length: 5000 }, (_, i) => i * 7 % 256);
     for (const [file, complaint] of [
@@ -254,6 +327,16 @@ describe('colour tables', () => {
     assert.deepEqual(await bytes('colors/table'), before);
     await get('colors/export?format=bmp', 400);
     assert.equal((await fetch(service.address('api/cameras/9/colors'))).status, 404);
+  });
+
+  it('have no margins while no carpet was seen in colour', async () => {
+    await service.patch({ op: 'replace', path: '/cameras/0/source/pixel_format', value: 'mono8' });
+    await service.statusBecomes(({ cameras }) => cameras[0].pixel_format === 'mono8' && cameras[0].frames > 0);
+    assert.equal((await get('colors')).margins, null);
+    const { error } = await post('colors/edits', { commands: [{ op: 'widen_margins' }] }, 422);
+    assert.match(error, /^\/commands\/0: camera 0's carpet was not seen yet/);
+    await service.patch({ op: 'replace', path: '/cameras/0/source/pixel_format', value: 'uyvy' });
+    await becomes(async () => (await get('colors')).margins?.length, 'the carpet is not seen again');
   });
 
   it('survive a damaged file: the camera has its settings\' colours and an alert says so', async () => {

@@ -319,6 +319,44 @@ describe('colours page', () => {
       await sliceIsThatOf(page, 128);
     }));
 
+    it(`shows thin margins and widens them, on a ${view}`, withPage(viewport, '#/colours/0', options, async (page) => {
+      await ready(page);
+      const before = await becomes(({ margins }) => margins?.length > 0);
+      await click(page, 'show-margins');
+      await page.waitForSelector(`${byId('margins')}[data-known="true"]`);
+      for (const { label } of before.margins) await page.waitForSelector(`${byId(`margin-${label}`)}[data-kind="ok"]`);
+      assert.equal(await page.locator(byId('margin-trial')).count(), 0, 'there is nothing to promise');
+
+      // Green in light that is half as much again as the carpet's.
+      const { mean } = await get(`api/cameras/0/pixels?x=${CARPET.x}&y=${CARPET.y}&width=9&height=9`);
+      const at = mean.map((value, i) => Math.round(i === 0 ? 1.5 * value : 128 + 1.5 * (value - 128)));
+      const painted = await post('api/cameras/0/colors/edits', { commands: [{ op: 'paint', label: 'green', shape: 'box', at, radius: [6, 10, 10], over: 'clear' }] });
+      const row = byId('margin-green');
+      await page.waitForSelector(`${row}[data-kind="warn"]:has-text("carpet becomes green at +"):has-text("thin")`);
+      assert.equal(await page.locator(`${byId('margins')} li`).first().getAttribute('data-testid'), 'margin-green', 'the least comes first');
+      await page.waitForSelector(`${byId('show-margins')} .chip.warn:has-text("%")`);
+      await page.waitForSelector(`${byId('margin-trial')}:has-text("cells of Green")`);
+      const promised = Number(/clear ([\d\u2009]+) cells of Green/.exec(await text(page, 'margin-trial'))[1].replaceAll('\u2009', ''));
+      await accessible(page, `Colours with a thin margin, ${view}`);
+      await fits(page);
+
+      await click(page, 'widen-margins');
+      await page.waitForSelector(`${row}[data-kind="ok"]`);
+      const widened = await becomes(({ revision }) => revision > painted.state.revision);
+      assert.equal(cellsOf(painted.state, 'green') - cellsOf(widened, 'green'), promised, 'it does what it says');
+      assert.equal(widened.undo.what, 'widened the margins to carpet and floor');
+      await statusBecomes(({ cameras }) => cameras[0].robots > 0);
+
+      await click(page, 'undo');
+      await page.waitForSelector(`${row}[data-kind="warn"]`);
+      assert.equal(cellsOf(await state(), 'green'), cellsOf(painted.state, 'green'));
+      // Whoever comes now sees it first.
+      await page.reload();
+      await page.waitForSelector(`${row}[data-kind="warn"]`);
+      await post('api/cameras/0/colors/undo');
+      await page.waitForSelector(`${row}[data-kind="ok"]`);
+    }));
+
     it(`learns all colours, on a ${view}`, withPage(viewport, '#/colours/0', options, async (page) => {
       await ready(page);
       const { cameras: [{ robots }] } = await statusBecomes(({ cameras }) => cameras[0].robots > 0);
@@ -412,6 +450,9 @@ describe('colours page', () => {
         await click(page, 'show-light');
         await page.waitForSelector(byId('light'));
         await accessible(page, `Colours with its menu and the light, ${view}, ${theme}`);
+        await click(page, 'show-margins');
+        await page.waitForSelector(`${byId('margins')}[data-known="true"]`);
+        await accessible(page, `Colours with its menu and margins, ${view}, ${theme}`);
         if (view !== 'phone') return;
         const small = await page.evaluate(() => [...document.querySelectorAll('.colours :is(button, a, input:not(.vh), select)')]
           .filter((one) => one.offsetParent && !one.closest('[data-testid="sheet"], .tick, .switch, .seg') && (one.getBoundingClientRect().height < 43.5 || one.getBoundingClientRect().width < 43.5))

@@ -93,6 +93,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.last_seconds = {10, 300, 0, 0, 0};
   camera.exposure = Exposure{0.5, 0.5, 10};
   camera.field_changed_since_calibrated = true;
+  camera.least_margin = {0.2, "carpet becomes green at +20 %"};
   input_.cameras[1].calibration.reset();
   input_.listening_error = "no card";
   input_.referee.other = GameController{"other", "192.168.1.8"};
@@ -158,6 +159,20 @@ TEST_F(Alerts, OfExposureBeginAboveWhatPaintedLinesAre) {
   EXPECT_EQ(only_alert().id, "picture_dark");
   input_.cameras[1].exposure.reset();
   EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Alerts, OfThinMarginsNameTheirSurfaceAndLabel) {
+  input_.cameras[0].least_margin = {0.30, "carpet becomes green at +30 %"};
+  input_.cameras[1].least_margin = {CameraFacts::Margin::kMost, ""};
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[1].least_margin = {0.29, "floor becomes orange at \u221229 %"};
+  const Alert thin = only_alert();
+  EXPECT_EQ(thin.id, "margin_thin");
+  EXPECT_EQ(thin.title, "Camera 1: floor becomes orange at \u221229 %");
+  EXPECT_EQ(thin.page, "#/colors/1");
+  EXPECT_EQ(thin.severity, Severity::kWarn);
+  input_.cameras[1].least_margin->share = 0.099;
+  EXPECT_EQ(only_alert().severity, Severity::kBad);
 }
 
 TEST_F(Alerts, TellASlowCameraFromASlowComputer) {
@@ -255,6 +270,25 @@ TEST_F(Checks, AWarningIsAGo) {
   EXPECT_EQ(calibration.state, CheckState::kWarn);
   EXPECT_EQ(calibration.text, "Camera 0 is not calibrated (and 1 more)");
   EXPECT_TRUE(is_go(make_checks(input_, find_alerts(input_))));
+}
+
+TEST_F(Checks, OfColoursAreTheLeastMarginOfAllCameras) {
+  EXPECT_EQ(check(CheckId::kColors).state, CheckState::kPass);
+  EXPECT_THAT(check(CheckId::kColors).text, HasSubstr("not known"));
+  input_.cameras[0].least_margin = {CameraFacts::Margin::kMost, ""};
+  EXPECT_EQ(check(CheckId::kColors).value, "> 150");
+  EXPECT_EQ(check(CheckId::kColors).text, "carpet and floor stay clear");
+  input_.cameras[1].least_margin = {0.45, "carpet becomes green at +45 %"};
+  EXPECT_EQ(check(CheckId::kColors).value, "45");
+  EXPECT_EQ(check(CheckId::kColors).text, "carpet becomes green at +45 %");
+  input_.cameras[1].least_margin = {0.2, "carpet becomes green at +20 %"};
+  EXPECT_EQ(check(CheckId::kColors).state, CheckState::kWarn);
+  EXPECT_TRUE(is_go(make_checks(input_, find_alerts(input_))));
+  input_.cameras[0].least_margin = {0.09, "carpet becomes blue at +9 %"};
+  EXPECT_EQ(check(CheckId::kColors).state, CheckState::kFail);
+  EXPECT_EQ(check(CheckId::kColors).value, "9");
+  EXPECT_EQ(check(CheckId::kColors).text, "Camera 0: carpet becomes blue at +9 % (and 1 more)");
+  EXPECT_FALSE(is_go(make_checks(input_, find_alerts(input_))));
 }
 
 TEST_F(Checks, AnAlertThatOnlyInformsPasses) {

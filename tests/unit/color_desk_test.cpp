@@ -84,6 +84,17 @@ TEST_F(ColorDeskTest, TryingChangesNothing) {
   EXPECT_THAT(cells_before(change.cells), ElementsAre(testing::Pair(label::kClear, testing::Gt(0U))));
 }
 
+TEST_F(ColorDeskTest, CountsWhatClustersLeaveToASurface) {
+  ColorCluster cluster{{{60, 100, 100}}, {}};
+  AddClusterEdit edit{label::kPink, cluster, Over::kAny};
+  const std::size_t all = cells_before(desk_.tried(std::vector<TableEdit>{edit}).cells).front().second;
+  edit.stays_clear = [](Yuv color) { return color.y < 60; };
+  const TableChange change = desk_.tried(std::vector<TableEdit>{edit});
+  EXPECT_GT(change.left_clear, 0U);
+  EXPECT_EQ(cells_before(change.cells).front().second, all - change.left_clear);
+  EXPECT_EQ(desk_.tried(std::vector<TableEdit>{edit, edit}).left_clear, 2 * change.left_clear);
+}
+
 TEST_F(ColorDeskTest, WhatCannotBeSavedIsNotDone) {
   do_edit(paint(label::kPink, 50), "painted pink");
   const auto before = desk_.table();

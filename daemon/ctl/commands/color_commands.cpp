@@ -102,21 +102,49 @@ void add_copy(CommandLine& line, CLI::App* group) {
   });
 }
 
+std::string edited_text(const Json& edited) {
+  return fmt::format("{} cells are clear now\n", edited.at("cells").get<std::size_t>()) +
+         colors_text(edited.at("state"));
+}
+std::string tried_text(const Json& edited) {
+  std::string out = fmt::format("{} cells would become clear\n", edited.at("cells").get<std::size_t>());
+  for (const Json& from : edited.at("from"))
+    out += fmt::format("  {:<10} {:>8}\n", from.at("label").get<std::string>(),
+                       from.at("cells").get<std::size_t>());
+  return out;
+}
+
+void add_widen_margins(CommandLine& line, CLI::App* group) {
+  const auto o = std::make_shared<Options>();
+  const auto only_try = std::make_shared<bool>(false);
+  CLI::App* command =
+      add_action(group, "widen-margins",
+                 "take from its labels what carpet and floor would have in more or less light", o);
+  command->add_flag("--try", *only_try, "say how many cells that is and change nothing");
+  line.on(command, [&line, o, only_try] {
+    const Json answer = line.client().post(colors_path(o->camera_id) + "/edits",
+                                           {{"commands", {{{"op", "widen_margins"}}}}, {"try", *only_try}});
+    print_answer(answer, o->as_json, *only_try ? tried_text : edited_text);
+    return EXIT_SUCCESS;
+  });
+}
+
 }  // namespace
 
 void add_colours(CommandLine& line) {
   CLI::App* group = line.app.add_subcommand("colours", "a camera's colour table");
   group->require_subcommand(1);
   const auto o = std::make_shared<Options>();
-  line.on(
-      add_action(group, "show", "its labels, where they touch, what was done, how it follows the light", o),
-      [&line, o] {
-        print_answer(line.client().get_json(colors_path(o->camera_id)), o->as_json, colors_text);
-        return EXIT_SUCCESS;
-      });
+  line.on(add_action(group, "show",
+                     "its labels, where they touch, margins, what was done, how it follows the light", o),
+          [&line, o] {
+            print_answer(line.client().get_json(colors_path(o->camera_id)), o->as_json, colors_text);
+            return EXIT_SUCCESS;
+          });
   add_import(line, group);
   add_export(line, group);
   add_copy(line, group);
+  add_widen_margins(line, group);
   add_post(line, group, "undo", "/undo", "take the newest step back");
   add_post(line, group, "redo", "/redo", "do again what was taken back");
   add_post(line, group, "reset", "/reset", "back to the table of the settings' classes or file");

@@ -54,6 +54,70 @@ void edit(ColorTable& table, const TableEdit& edit) {
   EXPECT_TRUE(again == table);
 }
 
+TEST(TableEdit, AClusterLeavesASurfaceWhatIsClear) {
+  const ColorCluster cluster{{},
+                             ColorCluster::Spread{{100, 120, 140}, {{{16, 0, 0}, {0, 16, 0}, {0, 0, 16}}}}};
+  ColorTable whole(7), table(7);
+  edit(whole, AddClusterEdit{label::kPink, cluster});
+  const auto is_surface = [](Yuv color) { return color.y <= 100; };
+  table.labels[table.index(90, 120, 140)] = label::kBlue;
+  AddClusterEdit spared{label::kPink, cluster, Over::kAny, is_surface};
+  EXPECT_GT(cells_left_clear(table, spared), 100U);
+  edit(table, spared);
+  EXPECT_EQ(table.of({110, 120, 140}), label::kPink);
+  EXPECT_EQ(table.of({96, 120, 140}), label::kClear);
+  EXPECT_EQ(table.of({90, 120, 140}), label::kPink) << "it was no clear cell";
+  EXPECT_EQ(count(table, label::kPink) + cells_left_clear(table, spared), count(whole, label::kPink));
+  const ColorTable once = table;
+  edit(table, spared);
+  EXPECT_TRUE(table == once) << "a second click takes no more";
+
+  ColorTable pointed_at(7);
+  edit(pointed_at, AddClusterEdit{label::kPink, cluster, Over::kAny, [](Yuv) { return true; }});
+  EXPECT_TRUE(pointed_at == whole) << "who points at a surface means it";
+}
+
+/// Carpet of one colour; floor of another.
+std::shared_ptr<const SurfaceColors> flat_surfaces(Rgb carpet, Rgb floor) {
+  auto out = std::make_shared<SurfaceColors>();
+  for (int i = 0; i < 1000; ++i) {
+    out->add(SurfaceKind::kCarpet, to_yuv(carpet));
+    out->add(SurfaceKind::kFloor, to_yuv(floor));
+  }
+  out->noise_sigma = {1, 1, 1};
+  return out;
+}
+
+TEST(TableEdit, WideningMarginsKeepsWhatIsTypicalOfALabelFromTheFloor) {
+  constexpr Rgb kCarpet{40, 90, 50}, kFloor{120, 118, 116};
+  const auto at_rgb = [](const ColorTable& table, Rgb color) { return table.of(to_yuv(color)); };
+  constexpr Rgb kGreyish{116, 122, 112};
+  ColorTable table(6);
+  // Most of green is what dots have; some is carpet, and some nearly grey.
+  for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
+    const Rgb c = to_rgb(table.color_of(cell));
+    const bool is_greyish =
+        std::abs(c.r - kGreyish.r) + std::abs(c.g - kGreyish.g) + std::abs(c.b - kGreyish.b) < 20;
+    if ((c.g > 1.5 * std::max(c.r, c.b) && c.g > 30) || is_greyish) table.labels[cell] = label::kGreen;
+  }
+  ASSERT_EQ(at_rgb(table, kCarpet), label::kGreen);
+  ASSERT_EQ(at_rgb(table, kGreyish), label::kGreen);
+  edit(table, WidenMarginsEdit{flat_surfaces(kCarpet, kGreyish)});
+  EXPECT_EQ(at_rgb(table, kCarpet), label::kClear);
+  EXPECT_EQ(at_rgb(table, {56, 126, 70}), label::kClear) << "1.4 times as bright";
+  EXPECT_EQ(at_rgb(table, {28, 63, 35}), label::kClear) << "0.7 times as bright";
+  EXPECT_EQ(at_rgb(table, {90, 202, 112}), label::kGreen) << "beyond the range";
+  EXPECT_EQ(at_rgb(table, kGreyish), label::kClear) << "grey is not typical of green";
+
+  ColorTable board = table;
+  edit(board, WidenMarginsEdit{flat_surfaces(kCarpet, {90, 202, 112})});
+  EXPECT_EQ(at_rgb(board, {90, 202, 112}), label::kGreen) << "a floor of the dots' very green";
+  edit(board, WidenMarginsEdit{flat_surfaces({90, 202, 112}, kFloor)});
+  EXPECT_EQ(at_rgb(board, {90, 202, 112}), label::kClear) << "the carpet takes from any label";
+  const auto again = apply_edit(board, WidenMarginsEdit{flat_surfaces({90, 202, 112}, kFloor)});
+  EXPECT_TRUE(again.empty());
+}
+
 TEST(TableEdit, ABallIsAnEllipsoidOfLevels) {
   ColorTable table(7);
   edit(table, PaintEdit{label::kPink, {100, 120, 140}, {8, 4, 0}});
@@ -249,6 +313,7 @@ TEST(TableEdit, SaysWhatItDid) {
   EXPECT_EQ(what_it_did(GrowEdit{label::kPink, 2}), "grew pink by 2 cells");
   EXPECT_EQ(what_it_did(ShrinkEdit{label::kPink, 1}), "shrank pink by 1 cell");
   EXPECT_EQ(what_it_did(ReplaceEdit{label::kPink, 17}), "replaced pink by label 17");
+  EXPECT_EQ(what_it_did(WidenMarginsEdit{}), "widened the margins to carpet and floor");
   EXPECT_EQ(what_it_did(SetTableEdit{ColorTable(5), "imported robots.lut"}), "imported robots.lut");
 }
 

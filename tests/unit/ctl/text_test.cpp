@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What ssl-visionctl makes of the daemon's answers for people.
 #include "ctl/client.h"
+#include "ctl/colors.h"
 #include "ctl/diagnostics_text.h"
 #include "ctl/status_text.h"
 #include "ctl/table.h"
@@ -19,6 +20,20 @@ TEST(Table, ColumnsAreAlignedWhateverTheirLetters) {
             "id  name    state\n"
             " 0  Süd     running\n"
             "12  Nord 1\n");
+}
+
+TEST(Margins, AreALineForEachLabelAndSurface) {
+  EXPECT_EQ(margins_text(nullptr), "  margins: carpet and floor were not seen yet\n");
+  EXPECT_EQ(margins_text(Json::array()), "");
+  const auto margin = [](const char* label, const char* surface, const Json& brighter, const Json& darker) {
+    return Json{{"label", label}, {"surface", surface}, {"brighter", brighter}, {"darker", darker}};
+  };
+  EXPECT_EQ(margins_text({margin("green", "carpet", 0.09, nullptr),
+                          margin("pink", "carpet", nullptr, nullptr), margin("green", "floor", 0.5, 0.31)}),
+            "  margins to carpet and floor, at least 30 % are wanted:\n"
+            "    green      carpet becomes green at +9 %  THIN\n"
+            "    pink       carpet never does\n"
+            "    green      floor becomes green at +50 %, floor becomes green at \u221231 %\n");
 }
 
 TEST(Refusal, SaysWhoChangedWhatSince) {

@@ -55,6 +55,7 @@ export type JointCalibrationReport = Schemas['JointCalibrationReport'];
 export type JointCalibrationState = Schemas['JointCalibrationState'];
 
 export type ColorState = Schemas['ColorState'];
+export type ColorMargin = Schemas['ColorMargin'];
 export type ColorLabel = Schemas['ColorLabel'];
 export type ColorStep = Schemas['ColorStep'];
 export type ColorCommand = Schemas['ColorCommand'];

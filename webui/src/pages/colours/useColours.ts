@@ -12,8 +12,10 @@ import { decodeTable, type Table } from './table';
 
 /** Commands that the service takes at once. */
 const MOST_COMMANDS = 200;
-/** How often what the light does is asked for while it is followed. */
+/** How often what the light does is asked for while it is followed, and margins while they are not known. */
 const LIGHT_MS = 2000;
+/** Margins change with what the camera sees: one of so many of those times they are asked for anyway. */
+const MARGINS_EVERY = 5;
 
 interface Stroke {
   brush: Brush;
@@ -88,7 +90,10 @@ export function useColours(camera: number) {
   const { settings } = useSettings();
   // The service begins to follow a moment after the setting says so, and ends likewise.
   const isFollowed = () => settings.value !== null && valueAt(settings.value, `/cameras/${cameraIndex(camera)}/follow_light/enabled`) === true;
-  const timer = setInterval(() => { if (state.value && (isFollowed() || state.value.light.state !== 'off')) void load(); }, LIGHT_MS);
+  let ticks = 0;
+  const timer = setInterval(() => {
+    if (state.value && (isFollowed() || state.value.light.state !== 'off' || state.value.margins === null || ++ticks % MARGINS_EVERY === 0)) void load();
+  }, LIGHT_MS);
   onUnmounted(() => { alive = false; clearInterval(timer); });
 
   /** One after the other, so that each is made on what the one before left. */

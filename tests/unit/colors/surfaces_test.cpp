@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::Optional;
+
+constexpr Rgb kCarpet{60, 130, 70}, kFloor{132, 106, 80}, kOrange{220, 110, 40}, kPink{230, 60, 160},
+    kWhite{225, 225, 225};
+constexpr double kDot_px = 10;
+
+/// A frame over a carpet with a soft pattern, and floor to the right of it; both in any light, with noise
+/// that the light does not change.
+class Hall {
+ public:
+  static constexpr int kWidth = 320, kHeight = 240, kFloorFrom = 230;
+
+  Hall() : colors_(std::size_t{kWidth} * kHeight) {
+    paint([](int x, int y) -> std::optional<Color3> {
+      const double pattern = 1 + 0.1 * std::sin(x / 19.0) * std::cos(y / 23.0);
+      const Rgb color = x < kFloorFrom ? kCarpet : kFloor;
+      return Color3(Color3(color.r, color.g, color.b) * pattern);
+    });
+  }
+  static bool is_carpet(int x) { return x < kFloorFrom; }
+
+  void add_box(int left, int top, int right, int bottom, Rgb color) {
+    paint([=](int x, int y) -> std::optional<Color3> {
+      if (x < left || x >= right || y < top || y >= bottom) return {};
+      return Color3(color.r, color.g, color.b);
+    });
+  }
+  void add_disc(double middle_x, double middle_y, double radius, Rgb color) {
+    paint([=](int x, int y) -> std::optional<Color3> {
+      if (std::hypot(x - middle_x, y - middle_y) > radius) return {};
+      return Color3(color.r, color.g, color.b);
+    });
+  }
+  std::vector<std::uint8_t> expose(double light = 1) const {
+    std::mt19937 random(7);
+    std::normal_distribution<double> noise(0, 2);
+    std::vector<std::uint8_t> bytes;
+    for (const Color3& color : colors_) {
+      for (Eigen::Index c = 0; c < 3; ++c)
+        bytes.push_back(
+            static_cast<std::uint8_t>(std::clamp(light * color[c] + noise(random) + 0.5, 0.0, 255.0)));
+    }
+    return bytes;
+  }
+
+ private:
+  void paint(const std::function<std::optional<Color3>(int, int)>& color_at) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (const auto color = color_at(x, y)) colors_[static_cast<std::size_t>(y * kWidth + x)] = *color;
+      }
+    }
+  }
+  std::vector<Color3> colors_;
+};
+
+SurfaceColors see(const Hall& hall, std::vector<PixelDisc> left_out = {}, bool is_calibrated = false) {
+  const std::vector<std::uint8_t> bytes = hall.expose();
+  const ImageView image{bytes.data(), Hall::kWidth, Hall::kHeight, 3 * Hall::kWidth, PixelFormat::kRgb24};
+  std::vector<SmallPictures> pictures{SmallPictures(image, nullptr)};
+  SurfaceSearch search{{&image, 1}, pictures, nullptr, left_out, kDot_px, {}, {}};
+  if (is_calibrated) search.on_carpet = [](std::size_t, const auto& pixel) { return pixel.x() < 60; };
+  return find_surfaces(search);
+}
+
+/// A table that says so of each colour.
+ColorTable table_of(const std::function<Label(Yuv)>& label_of) {
+  ColorTable table;
+  for (std::size_t cell = 0; cell < table.labels.size(); ++cell)
+    table.labels[cell] = label_of(table.color_of(cell));
+  return table;
+}
+/// Green, from and to some luma.
+Lut green_within(int least_y, int most_y) {
+  return Lut(
+      table_of([=](Yuv c) { return c.y >= least_y && c.y <= most_y ? label::kGreen : label::kClear; }));
+}
+
+/// Which share of a surface has a label in some light: what a margin is about, by looking.
+double share_with(Label label, const Lut& lut, const Hall& hall, SurfaceKind kind, double light) {
+  const std::vector<std::uint8_t> bytes = hall.expose(light);
+  double count = 0, all = 0;
+  for (int y = 0; y < Hall::kHeight; ++y) {
+    for (int x = 0; x < Hall::kWidth; ++x) {
+      if (Hall::is_carpet(x) != (kind == SurfaceKind::kCarpet)) continue;
+      const std::uint8_t* pixel = &bytes[static_cast<std::size_t>(3 * (y * Hall::kWidth + x))];
+      count += lut.of_rgb(pixel[0], pixel[1], pixel[2]) == label ? 1 : 0;
+      ++all;
+    }
+  }
+  return count / all;
+}
+/// Where, step by step, more than the share of a flood has it.
+double first_light(Label label, const Lut& lut, const Hall& hall, SurfaceKind kind, double step) {
+  double light = 1;
+  while (share_with(label, lut, hall, kind, light) <= kFloodShare) light *= step;
+  return light;
+}
+
+const LabelMargin& margin_of(const std::vector<LabelMargin>& margins, Label label, SurfaceKind kind) {
+  return *std::find_if(margins.begin(), margins.end(), [&](const LabelMargin& margin) {
+    return margin.label == label && margin.surface == kind;
+  });
+}
+
+TEST(Surfaces, MarginsAreWhereMoreOrLessLightMakesThemTheLabels) {
+  const Hall hall;
+  const SurfaceColors surfaces = see(hall);
+  // Carpet has luma 92 to 113 and floor 99 to 121, before noise.
+  const Lut lut = green_within(150, 255), dark = green_within(0, 70);
+  const auto bright_margins = table_margins(lut, surfaces), dark_margins = table_margins(dark, surfaces);
+  for (const SurfaceKind kind : {SurfaceKind::kCarpet, SurfaceKind::kFloor}) {
+    SCOPED_TRACE(name_of(kind));
+    const LabelMargin& bright = margin_of(bright_margins, label::kGreen, kind);
+    EXPECT_THAT(bright.brighter,
+                Optional(testing::DoubleNear(first_light(label::kGreen, lut, hall, kind, 1.005), 0.03)));
+    EXPECT_FALSE(bright.darker) << "less light never makes it brighter";
+    const LabelMargin& low = margin_of(dark_margins, label::kGreen, kind);
+    EXPECT_THAT(low.darker,
+                Optional(testing::DoubleNear(first_light(label::kGreen, dark, hall, kind, 1 / 1.005), 0.03)));
+  }
+  EXPECT_EQ(table_margins(green_within(0, 255), surfaces).front().brighter, 1.0) << "it has the label now";
+}
+
+TEST(Surfaces, MarginsAreOfColoursOnly) {
+  const SurfaceColors surfaces = see(Hall());
+  const Lut lut(table_of([](Yuv c) {
+    return c.y < 60 ? label::kBlack : c.y < 140 ? label::kField : c.y < 200 ? label::kPink : label::kWhite;
+  }));
+  const auto margins = table_margins(lut, surfaces);
+  EXPECT_EQ(margins.size(), 2U) << "of pink, to carpet and floor";
+  for (const LabelMargin& margin : margins) EXPECT_EQ(margin.label, label::kPink);
+}
+
+TEST(Surfaces, StayClearInTheLightOfTheRange) {
+  const Hall hall;
+  const SurfaceColors surfaces = see(hall);
+  ColorTable table = table_of([](Yuv) { return label::kGreen; });
+  const ColorTable before = table;
+  const ClearRange range;
+  const std::size_t changed = clear_surfaces(table, surfaces, range, [](Label, Yuv) { return false; });
+  EXPECT_EQ(changed,
+            static_cast<std::size_t>(std::count(table.labels.begin(), table.labels.end(), label::kClear)));
+  EXPECT_LT(changed, before.labels.size() / 10) << "it takes more than the surfaces";
+  const Lut lut(table);
+  for (const SurfaceKind kind : {SurfaceKind::kCarpet, SurfaceKind::kFloor}) {
+    for (const double light : {range.darkest, 0.7, 1.0, 1.3, range.brightest - 0.1})
+      EXPECT_LT(share_with(label::kGreen, lut, hall, kind, light), kFloodShare)
+          << name_of(kind) << " in light " << light;
+    EXPECT_GT(share_with(label::kGreen, lut, hall, kind, 2.2), 0.5) << name_of(kind) << " beyond the range";
+  }
+}
+
+TEST(Surfaces, TheCarpetTakesFromAnyLabelOthersNoneThatIsToBeKept) {
+  Hall hall;
+  hall.add_box(20, 20, 120, 100, kOrange);  // an advertising board
+  const SurfaceColors surfaces = see(hall);
+  const Yuv orange = to_yuv(kOrange), carpet = to_yuv(kCarpet), floor = to_yuv(kFloor);
+  const auto cleared = [&](bool keep) {
+    ColorTable table = table_of([](Yuv) { return label::kOrange; });
+    clear_surfaces(table, surfaces, {}, [&](Label label, Yuv) { return keep && label == label::kOrange; });
+    return table;
+  };
+  const ColorTable kept = cleared(true), all = cleared(false);
+  EXPECT_EQ(kept.of(orange), label::kOrange);
+  EXPECT_EQ(all.of(orange), label::kClear);
+  EXPECT_EQ(kept.of(floor), label::kOrange);
+  EXPECT_EQ(all.of(floor), label::kClear);
+  EXPECT_EQ(kept.of(carpet), label::kClear);
+}
+
+TEST(Surfaces, LeaveFieldWhiteAndBlackAlone) {
+  const SurfaceColors surfaces = see(Hall());
+  for (const Label label : {label::kField, label::kWhite, label::kBlack}) {
+    ColorTable table = table_of([=](Yuv) { return label; });
+    EXPECT_EQ(clear_surfaces(table, surfaces, {}, [](Label, Yuv) { return false; }), 0U);
+    EXPECT_TRUE(is_surface_label(label));
+  }
+  EXPECT_FALSE(is_surface_label(label::kGreen));
+}
+
+TEST(Surfaces, DotsAreNoneAndLinesAreNeitherCarpetNorFloor) {
+  Hall hall;
+  hall.add_box(0, 120, Hall::kWidth, 126, kWhite);
+  for (int i = 0; i < 12; ++i) hall.add_disc(15 + 23 * i, 30 + 5 * (i * 7 % 11), kDot_px / 2, kPink);
+  const SurfaceColors surfaces = see(hall);
+  constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};
+  for (const SurfaceKind kind : {SurfaceKind::kCarpet, SurfaceKind::kFloor, SurfaceKind::kOther})
+    EXPECT_FALSE(reach_of(surfaces, kind, kAsSeen)(to_yuv(kPink))) << name_of(kind);
+  for (const SurfaceKind kind : {SurfaceKind::kCarpet, SurfaceKind::kFloor})
+    EXPECT_FALSE(reach_of(surfaces, kind, kAsSeen)(to_yuv(kWhite))) << name_of(kind);
+  EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kCarpet, kAsSeen)(to_yuv(kCarpet)));
+  EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kFloor)));
+}
+
+TEST(Surfaces, WhatIsLeftOutIsNone) {
+  Hall hall;
+  hall.add_disc(100, 100, 30, kPink);  // a large hull
+  constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};
+  EXPECT_TRUE(reach_of(see(hall), SurfaceKind::kOther, kAsSeen)(to_yuv(kPink)));
+  EXPECT_FALSE(reach_of(see(hall, {{0, 100, 100, 32}}), SurfaceKind::kOther, kAsSeen)(to_yuv(kPink)));
+}
+
+TEST(Surfaces, TheCarpetIsWhatIsCommonestOnTheField) {
+  Hall hall;
+  hall.add_box(60, 0, Hall::kFloorFrom, Hall::kHeight, kFloor);  // three quarters of the frame
+  constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};
+  EXPECT_TRUE(reach_of(see(hall), SurfaceKind::kCarpet, kAsSeen)(to_yuv(kFloor)));
+  const SurfaceColors surfaces = see(hall, {}, true);
+  EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kCarpet, kAsSeen)(to_yuv(kCarpet)));
+  EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kFloor)));
+}
+
+TEST(Surfaces, TheLeastMarginIsTheNearestEitherWay) {
+  EXPECT_FALSE(least_of({}));
+  std::vector<LabelMargin> margins{{label::kPink, SurfaceKind::kCarpet, {}, {}}};
+  EXPECT_FALSE(least_of(margins));
+  margins.push_back({label::kGreen, SurfaceKind::kFloor, 1.4, 0.7});
+  margins.push_back({label::kBlue, SurfaceKind::kCarpet, 1.31, {}});
+  const auto least = least_of(margins);
+  ASSERT_TRUE(least);
+  EXPECT_EQ(least->label, label::kGreen);
+  EXPECT_EQ(least->surface, SurfaceKind::kFloor);
+  EXPECT_NEAR(least->change, -0.3, 1e-9);
+}
+
+TEST(Surfaces, MarginsInWords) {
+  EXPECT_EQ(margin_text("carpet", "green", 0.092), "carpet becomes green at +9 %");
+  EXPECT_EQ(margin_text("floor", "orange", -0.3), "floor becomes orange at \u221230 %");
+  EXPECT_EQ(margin_text("carpet", "green", 0), "carpet is green now");
+}
+
+}  // namespace
+}  // namespace sslv
