@@ -159,29 +159,40 @@ void BackgroundFollower::sample(const ImageView& image, const Mask& mask, int co
   }
 }
 
-Label BackgroundFollower::commonest_label(const LutTable& table) const {
+Label BackgroundFollower::commonest_label(const LutTable& yuv) const {
   std::array<std::uint32_t, 256> counts{};
   for (std::size_t i = 0; i < std::min(sampled_, kSamples); ++i) {
     const auto& [u, v, y] = samples_[i];
-    ++counts[table.blocks[static_cast<std::size_t>((u * kBins + v) * kBins + y)]];
+    ++counts[yuv.blocks[static_cast<std::size_t>((u * kBins + v) * kBins + y)]];
   }
   counts[LutTable::kMixed] = 0;
   return static_cast<Label>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
-void BackgroundFollower::grow(const LutTable& table) {
+/// Takes over what boxes may hold.
+void BackgroundFollower::take_table(const Lut& lut, PixelFormat format) {
+  background_.label = commonest_label(lut.yuv());
+  find_uniform_blocks(lut.yuv(), background_.label, yuv_blocks_.data());
+  if (is_yuv422(format) || format == PixelFormat::kMono8) {
+    background_.blocks = yuv_blocks_;
+  } else {
+    find_uniform_blocks(lut.rgb(), background_.label, background_.blocks.data());
+  }
+  lut_id_ = lut.id();
+  format_ = format;
+}
+
+void BackgroundFollower::grow() {
   // A test that fewer pass costs more than it saves.
   constexpr std::size_t kLeastShare = 384;  // one in so many
   constexpr std::size_t kLookedAt = 256;    // samples are enough to grow towards
 
   background_.boxes = 0;
-  background_.label = commonest_label(table);
-  find_uniform_blocks(table, background_.label, uniform_.data());
   std::array<Bins, kSamples> left;  // samples that could be in a box and are in none
   std::size_t count = 0, all = std::min(sampled_, kSamples);
   for (std::size_t i = 0; i < all; ++i) {
     const auto& [u, v, y] = samples_[i];
-    if ((uniform_[static_cast<std::size_t>(u * kBins + v)] >> y & 1) != 0) left[count++] = samples_[i];
+    if ((yuv_blocks_[static_cast<std::size_t>(u * kBins + v)] >> y & 1) != 0) left[count++] = samples_[i];
   }
   while (background_.boxes < Background::kMostBoxes && count * kLeastShare > all) {
     std::array<Bins, kLookedAt> some;
@@ -196,9 +207,9 @@ void BackgroundFollower::grow(const LutTable& table) {
                        [k](const Bins& a, const Bins& b) { return a[k] < b[k]; });
       middle[k] = (*at)[k];
     }
-    if ((uniform_[static_cast<std::size_t>(middle[0] * kBins + middle[1])] >> middle[2] & 1) != 0)
+    if ((yuv_blocks_[static_cast<std::size_t>(middle[0] * kBins + middle[1])] >> middle[2] & 1) != 0)
       seed = middle;
-    const Box box = BoxGrower(uniform_.data(), seed).grow(some.data(), looked_at);
+    const Box box = BoxGrower(yuv_blocks_.data(), seed).grow(some.data(), looked_at);
     const auto rest = std::remove_if(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(count),
                                      [&](const Bins& bins) { return box.contains(bins); });
     const auto still = static_cast<std::size_t>(rest - left.begin());
@@ -217,9 +228,9 @@ const Background& BackgroundFollower::follow(const ImageView& image, const Lut& 
   ++age_;
   const bool refresh = lut_id_ == 0 || (fits_badly_ && age_ >= kLeastFramesBetween);
   sample(image, mask, refresh ? kSamplesAtOnce : kSamplesPerFrame);
-  if (refresh || lut_id_ != lut.id() || age_ >= kFramesBetween) {
-    grow(lut.yuv());
-    lut_id_ = lut.id();
+  if (refresh || lut_id_ != lut.id() || format_ != image.format || age_ >= kFramesBetween) {
+    take_table(lut, image.format);
+    grow();
     age_ = 0;
   }
   return background_;

@@ -24,6 +24,9 @@ struct Background {
   Label label = label::kClear;  // of every colour in the boxes
   std::size_t boxes = 0;        // how many of `box` count
   std::array<ColorBox, kMostBoxes> box;
+  /// One bit for each block of the table of the pictures' colours, ordered as LutTable::blocks: whether all
+  /// of it has that label.
+  alignas(64) std::array<std::uint64_t, std::size_t{1} << (2 * LutTable::kBlockBits)> blocks{};
   /// Whether so much of the picture lies in the first box that it is worth while to try that one alone
   /// before.
   bool first_alone = true;
@@ -55,15 +58,17 @@ class BackgroundFollower {
  private:
   static constexpr std::size_t kSamples = 1024;
   void sample(const ImageView& image, const Mask& mask, int count);
-  void grow(const LutTable& table);
-  Label commonest_label(const LutTable& table) const;
+  void take_table(const Lut& lut, PixelFormat format);
+  void grow();
+  Label commonest_label(const LutTable& yuv) const;
 
   Background background_;
   std::array<Bins, kSamples> samples_;  // the latest ones, in a ring
   std::size_t sampled_ = 0;             // since the start
-  /// One bit for each block of the table, Y innermost: whether all of it has the background's label.
-  std::array<std::uint64_t, kBins * kBins> uniform_;
+  /// As Background::blocks, of the table in YUV.
+  std::array<std::uint64_t, kBins * kBins> yuv_blocks_;
   std::uint64_t lut_id_ = 0;  // 0: nothing learnt yet
+  PixelFormat format_ = PixelFormat::kMono8;
   std::uint32_t random_ = 1;
   int age_ = 0;                   // frames since the boxes were grown
   double outside_at_first_ = 0;   // share of the cells outside all boxes, right after that

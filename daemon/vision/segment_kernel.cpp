@@ -56,11 +56,6 @@ struct RunWriter {
 
   static constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
-  HWY_INLINE void begin_row(int row) {
-    y = static_cast<std::uint16_t>(row);
-    next = kNone;
-  }
-
   /// From x on, cells have this label.
   HWY_INLINE void set(int x, Label label) {
     if (label == current) return;
@@ -87,6 +82,7 @@ struct RunWriter {
     next = expected;
     begun = ended = end;
   }
+  HWY_INLINE void end_cells() { next = kNone; }
 };
 
 // Formats. Each says how a cell lies in memory (kBytes in each of kRows rows of the picture) and what its
@@ -95,14 +91,36 @@ struct RunWriter {
 
 enum Channel : std::size_t { kU, kV, kY };
 
+/// Channels as LutTable has them.
+struct Color {
+  std::uint8_t a, b, c;
+};
+
 /// A table's labels. How many bits a channel has is known at run time only: one more shift costs less than
 /// the kernel a second time.
 struct Cells {
-  explicit Cells(const LutTable& table) : labels(table.labels.data()), bits(table.bits) {}
-  HWY_INLINE Label at(std::uint8_t a, std::uint8_t b, std::uint8_t c) const {
-    return labels[LutTable::index(a, b, c, bits)];
+  Cells(const LutTable& table, const Background& background)
+      : labels(table.labels.data()),
+        blocks(table.blocks.data()),
+        background_blocks(background.blocks.data()),
+        bits(table.bits) {}
+  HWY_INLINE const Label* place(Color color) const {
+    return labels + LutTable::index(color.a, color.b, color.c, bits);
+  }
+  HWY_INLINE Label at(Color color) const { return *place(color); }
+  /// The label of the block of colours that it lies in, or LutTable::kMixed.
+  HWY_INLINE Label of_block(Color color) const {
+    return blocks[LutTable::index(color.a, color.b, color.c, LutTable::kBlockBits)];
+  }
+  /// Whether all of that block has the background's label.
+  HWY_INLINE bool in_background(Color color) const {
+    constexpr int kBits = LutTable::kBlockBits, kShift = 8 - kBits;
+    const std::size_t row = static_cast<std::size_t>(color.a >> kShift) << kBits | color.b >> kShift;
+    return (background_blocks[row] >> (color.c >> kShift) & 1) != 0;
   }
   const Label* labels;
+  const Label* blocks;
+  const std::uint64_t* background_blocks;
   int bits;
 };
 
@@ -117,9 +135,9 @@ struct Yuv422 {
   using Cell = std::uint16_t;
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
     const std::uint8_t* pair = row + x / 2 * 4;
-    return cells.at(pair[kUAt], pair[kVAt], pair[kLuma + x % 2 * 2]);
+    return {pair[kUAt], pair[kVAt], pair[kLuma + x % 2 * 2]};
   }
 };
 
@@ -132,8 +150,8 @@ struct Mono {
   using Cell = std::uint8_t;
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
-    return cells.at(128, 128, row[x]);
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
+    return {128, 128, row[x]};
   }
 };
 
@@ -143,9 +161,9 @@ struct Rgb24 {
   static constexpr bool kIsRgb = true;
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
     const std::uint8_t* pixel = row + x * 3;
-    return cells.at(pixel[kRed], pixel[2 - kRed], pixel[1]);
+    return {pixel[kRed], pixel[2 - kRed], pixel[1]};
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -167,12 +185,11 @@ struct Bayer {
   static constexpr int kGreen1 = kRed == 0 || kRed == 3 ? 1 : 0, kGreen2 = 3 - kGreen1;
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* row, std::ptrdiff_t stride,
-                                std::size_t x) {
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t stride, std::size_t x) {
     const std::uint8_t *upper = row + x * 2, *lower = upper + stride;
     const std::uint8_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
     const auto green = static_cast<std::uint8_t>((quad[kGreen1] + quad[kGreen2] + 1) / 2);
-    return cells.at(quad[kRed], quad[3 - kRed], green);
+    return {quad[kRed], quad[3 - kRed], green};
   }
 
 #if HWY_TARGET != HWY_SCALAR
@@ -322,7 +339,7 @@ class Search {
  public:
   explicit Search(const RunSearch& search)
       : search_(search),
-        cells_(Format::table(*search.lut)),
+        cells_(Format::table(*search.lut), *search.background),
         stride_(search.image.stride_bytes),
         width_(search.image.width / Format::kRows),
 #if HWY_TARGET != HWY_SCALAR
@@ -333,64 +350,80 @@ class Search {
   }
 
   RunSearchResult run() {
-    for (int y = search_.row_begin; y < search_.row_end && out_.begun <= search_.max_runs; ++y) {
-      out_.begin_row(y);
-      const std::uint8_t* row = search_.image.row(y * Format::kRows);
+    for (int y = search_.row_begin; y < search_.row_end && !is_full(); ++y) {
       for (const sslv::Mask::Interval interval : search_.mask->row(y, Format::kRows)) {
         const int end = std::min<int>(interval.end, width_);
-        if (interval.begin < end) search_interval(row, interval.begin, end);
+        if (interval.begin < end) search_stretch(y, interval.begin, end);
       }
     }
+#if HWY_TARGET != HWY_SCALAR
+    finish_stretches();
+#endif
     result_.runs = out_.begun;
     return result_;
   }
 
  private:
-  HWY_INLINE Label label(const std::uint8_t* row, std::size_t x) const {
-    return Format::label(cells_, row, stride_, x);
+  HWY_INLINE const std::uint8_t* row(int y) const {
+    return search_.image.row(y * Format::kRows);
+  }
+  HWY_INLINE bool is_full() const {
+    return out_.begun > search_.max_runs;
   }
 
   /// Cells [begin, end) of a row.
-  void search_interval(const std::uint8_t* row, int begin, int end) {
+  void search_stretch(int y, int begin, int end) {
 #if HWY_TARGET != HWY_SCALAR
     if (width_ >= kBlock) {
-      search_blocks(row, begin, end);
+      search_blocks(y, begin, end);
     } else  // NOLINT: the loop below is all that is left for SCALAR
 #endif
     {
-      for (int x = begin; x < end; ++x) out_.set(x, label(row, static_cast<std::size_t>(x)));
+      out_.y = static_cast<std::uint16_t>(y);
+      for (int x = begin; x < end; ++x)
+        out_.set(x, cells_.at(Format::color(row(y), stride_, static_cast<std::size_t>(x))));
+      out_.set(end, label::kClear);
     }
-    out_.set(end, label::kClear);
   }
 
 #if HWY_TARGET != HWY_SCALAR
   using Boxes = std::conditional_t<Format::kIsRgb, RgbBoxes<Format>, YuvBoxes<Format>>;
 
-  void search_blocks(const std::uint8_t* row, int begin, int end) {
+  /// Cells [begin, end) of a row whose candidates are listed, but not looked up.
+  struct Stretch {
+    int y, begin, end;
+    std::size_t listed_end;  // of places_
+    bool goes_on;            // in the next stretch
+  };
+  // Candidates of several rows are looked up together: the table's memory is waited for only once.
+  static constexpr std::size_t kMostStretches = 16, kManyListed = 1024;
+
+  void search_blocks(int y, int begin, int end) {
+    const std::uint8_t* in = row(y);
     const int last = (end + kBlock - 1) / kBlock;
-    int done = begin;
     for (int group = begin / kBlock; group < last; group += kGroup) {
       // All blocks go through one step before any goes through the next: steps without branches overlap.
       const int blocks = std::min(kGroup, last - group);
-      const std::uint64_t odd = odd_blocks(row, group, blocks);
+      const std::uint64_t odd = odd_blocks(in, group, blocks);
       std::uint64_t candidates[kGroup];
-      const std::uint64_t mixed = find_candidates(row, group, odd, begin, end, candidates);
+      const std::uint64_t mixed = find_candidates(in, group, blocks, odd, begin, end, candidates);
+      list_candidates(group, mixed, candidates);
       result_.use.blocks += static_cast<std::size_t>(blocks);
       result_.use.odd_blocks += static_cast<std::size_t>(std::popcount(odd));
-      if (mixed == 0) continue;
-      const std::size_t listed = list_candidates(group, mixed, candidates);
-      result_.use.candidates += listed;
-      write_runs(look_up(row, listed), done);
+      if (listed_ < kManyListed && group + kGroup < last) continue;
+      const int done = std::min((group + kGroup) * kBlock, end);
+      stretches_[stretch_count_++] = {y, begin, done, listed_, done < end};
+      begin = done;
+      if (listed_ >= kManyListed || stretch_count_ == kMostStretches) finish_stretches();
     }
-    if (done < end) out_.set(done, background_);
   }
 
   /// Where a block is read: that at the right edge further left, wholly within the row.
   HWY_INLINE int place_of(int block) const {
     return std::min(block * kBlock, width_ - kBlock);
   }
-  HWY_INLINE const std::uint8_t* bytes_of(const std::uint8_t* row, int block) const {
-    return row + static_cast<std::ptrdiff_t>(place_of(block)) * Format::kBytes;
+  HWY_INLINE const std::uint8_t* bytes_of(const std::uint8_t* in, int block) const {
+    return in + static_cast<std::ptrdiff_t>(place_of(block)) * Format::kBytes;
   }
 
   HWY_INLINE void prefetch(const std::uint8_t* block) const {
@@ -398,16 +431,16 @@ class Search {
     for (int r = 0; r < Format::kRows; ++r) {
       // A picture of two rows a cell is read in two streams.
       const std::uint8_t* ahead = block + (Format::kRows == 1 ? static_cast<std::ptrdiff_t>(kPrefetchAhead)
-                                                              : (Format::kRows + r) * stride_);
+                                                              : (3 * Format::kRows + r) * stride_);
       HWY_UNROLL(3)
       for (int line = 0; line < kBlock * Format::kBytes; line += static_cast<int>(kCacheLine))
         hwy::Prefetch(ahead + line);
     }
   }
 
-  /// One bit for each block from number `first` on: whether it is not wholly in the first box, as far as it
-  /// is worth while to know.
-  HWY_INLINE std::uint64_t odd_blocks(const std::uint8_t* row, int first, int count) const {
+  /// One bit for each of `count` blocks from number `first` on: whether it is not wholly in the first box, as
+  /// far as it is worth while to know.
+  HWY_INLINE std::uint64_t odd_blocks(const std::uint8_t* in, int first, int count) const {
     const std::uint64_t all = ~std::uint64_t{0} >> (kGroup - count);
     if constexpr (Format::kIsRgb) {
       return all;
@@ -416,7 +449,7 @@ class Search {
       const Boxes boxes = boxes_;  // stays in registers, which a member would not
       std::uint64_t odd = 0;
       for (int i = 0; i < count; ++i) {
-        const std::uint8_t* block = bytes_of(row, first + i);
+        const std::uint8_t* block = bytes_of(in, first + i);
         prefetch(block);
         odd |= static_cast<std::uint64_t>(boxes.any_outside_first(block)) << i;
       }
@@ -424,27 +457,42 @@ class Search {
     }
   }
 
-  /// For each of the `odd` blocks from number `first` on, one bit for each cell of [begin, end): whether it
-  /// is outside all boxes. Tells which blocks have such cells.
-  HWY_INLINE std::uint64_t find_candidates(const std::uint8_t* row, int first, std::uint64_t odd, int begin,
-                                           int end, std::uint64_t* candidates) const {
+  /// For each of the `odd` blocks from number `first` on, one bit for each of its cells in [begin, end):
+  /// whether it is outside all boxes. Tells which blocks have such cells.
+  HWY_INLINE std::uint64_t find_candidates(const std::uint8_t* in, int first, int count, std::uint64_t odd,
+                                           int begin, int end, std::uint64_t* candidates) const {
     std::uint64_t mixed = 0;
-    for (; odd != 0; odd &= odd - 1) {
-      const int i = std::countr_zero(odd), at = place_of(first + i);
-      const std::uint8_t* block = bytes_of(row, first + i);
+    const auto find = [&](int i, const std::uint8_t* block) HWY_ATTR {
       prefetch(block);
-      const int from = std::max((first + i) * kBlock, begin), to = std::min((first + i + 1) * kBlock, end);
-      candidates[i] = boxes_.outside(block, stride_) & ~std::uint64_t{0} << (from - at) &
-                      ~std::uint64_t{0} >> (kBlock - (to - at));
+      candidates[i] = boxes_.outside(block, stride_);
       mixed |= static_cast<std::uint64_t>(candidates[i] != 0) << i;
+    };
+    if (std::popcount(odd) == count) {
+      const int whole = std::min(count, width_ / kBlock - first);
+      const std::uint8_t* block = bytes_of(in, first);
+      for (int i = 0; i < whole; ++i, block += kBlock * Format::kBytes) find(i, block);
+      if (whole < count) find(whole, bytes_of(in, first + whole));
+    } else {
+      for (std::uint64_t left = odd; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        find(i, bytes_of(in, first + i));
+      }
+    }
+    // Only the blocks at both ends have cells beyond; that at the right edge also has those of the one
+    // before.
+    for (const int i : {0, count - 1}) {
+      const int at = place_of(first + i);
+      const int from = std::max((first + i) * kBlock, begin), to = std::min((first + i + 1) * kBlock, end);
+      candidates[i] &= ~std::uint64_t{0} << (from - at) & ~std::uint64_t{0} >> (kBlock - (to - at));
+      if (candidates[i] == 0) mixed &= ~(std::uint64_t{1} << i);
     }
     return mixed;
   }
 
-  /// Writes the places of the candidates of `mixed` blocks to places_; tells how many there are.
-  HWY_INLINE std::size_t list_candidates(int first, std::uint64_t mixed, const std::uint64_t* candidates) {
+  /// Adds the places of the candidates of `mixed` blocks to the list.
+  HWY_INLINE void list_candidates(int first, std::uint64_t mixed, const std::uint64_t* candidates) {
     constexpr int kAtOnce = 4;
-    std::uint16_t* next = places_;
+    std::uint16_t* next = places_ + listed_;
     for (; mixed != 0; mixed &= mixed - 1) {
       const int i = std::countr_zero(mixed), at = place_of(first + i);
       std::uint64_t left = candidates[i];
@@ -457,35 +505,64 @@ class Search {
       }
       next += count;
     }
-    return static_cast<std::size_t>(next - places_);
+    listed_ = static_cast<std::size_t>(next - places_);
   }
 
-  /// Keeps of the first `count` places_ those that have another label than the background, and writes that to
-  /// labels_; tells how many there are.
-  HWY_INLINE std::size_t look_up(const std::uint8_t* row, std::size_t count) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint16_t x = places_[i];
-      const Label found = label(row, x);
-      places_[kept] = x;
-      labels_[kept] = found;
-      kept += found != background_ ? 1 : 0;
+  /// Looks up the candidates of all stretches and writes their runs.
+  void finish_stretches() {
+    result_.use.candidates += listed_;
+    // From the smallest table to the largest, which is mostly not in a cache: ever fewer get so far.
+    const Label background = background_;
+    keep_candidates([&](Color color)
+                        HWY_ATTR { return cells_.in_background(color) ? background : LutTable::kMixed; });
+    keep_candidates([&](Color color) HWY_ATTR {
+      const Label block = cells_.of_block(color);
+      return *(block == LutTable::kMixed ? cells_.place(color) : &block);
+    });
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < stretch_count_ && !is_full(); ++i) {
+      write_runs(stretches_[i], begin);
+      begin = stretches_[i].listed_end;
     }
-    return kept;
+    stretch_count_ = listed_ = 0;
   }
 
-  /// Writes the runs of the first `count` places_; cells up to `done` are written already.
-  HWY_INLINE void write_runs(std::size_t count, int& done) {
+  /// Gives the candidates of all stretches the labels of their colours, and drops those of the background.
+  template <class LabelOf>
+  HWY_INLINE void keep_candidates(const LabelOf& label_of) {
+    const Label background = background_;
+    std::size_t i = 0, kept = 0;
+    for (std::size_t k = 0; k < stretch_count_; ++k) {
+      Stretch& stretch = stretches_[k];
+      const std::uint8_t* in = row(stretch.y);
+      for (; i < stretch.listed_end; ++i) {
+        const std::uint16_t x = places_[i];
+        const Label found = label_of(Format::color(in, stride_, x));
+        places_[kept] = x;
+        labels_[kept] = found;
+        kept += found != background ? 1 : 0;
+      }
+      stretch.listed_end = kept;
+    }
+    listed_ = kept;
+  }
+
+  HWY_INLINE void write_runs(const Stretch& stretch, std::size_t begin) {
+    out_.y = static_cast<std::uint16_t>(stretch.y);
     if (background_ == label::kClear) {
-      out_.add_cells(places_, labels_, count);
+      out_.add_cells(places_ + begin, labels_ + begin, stretch.listed_end - begin);
+      if (!stretch.goes_on) out_.end_cells();
       return;
     }
-    for (std::size_t i = 0; i < count; ++i) {
+    int done = stretch.begin;
+    for (std::size_t i = begin; i < stretch.listed_end; ++i) {
       const int x = places_[i];
       if (done < x) out_.set(done, background_);
       out_.set(x, labels_[i]);
       done = x + 1;
     }
+    if (done < stretch.end) out_.set(done, background_);
+    if (!stretch.goes_on) out_.set(stretch.end, label::kClear);
   }
 #endif
 
@@ -495,8 +572,10 @@ class Search {
   const int width_;
 #if HWY_TARGET != HWY_SCALAR
   const Boxes boxes_;
-  std::uint16_t places_[kGroup * kBlock + 4];
-  Label labels_[kGroup * kBlock];
+  Stretch stretches_[kMostStretches];
+  std::size_t stretch_count_ = 0, listed_ = 0;
+  std::uint16_t places_[kManyListed + kGroup * kBlock + 4];
+  Label labels_[kManyListed + kGroup * kBlock];
 #endif
   const Label background_;
   RunWriter out_;
