@@ -100,26 +100,17 @@ struct Color {
 /// the kernel a second time.
 struct Cells {
   Cells(const LutTable& table, const Background& background)
-      : labels(table.labels.data()),
-        blocks(table.blocks.data()),
-        background_blocks(background.blocks.data()),
-        bits(table.bits) {}
+      : labels(table.labels.data()), background_blocks(background.blocks.data()), bits(table.bits) {}
   HWY_INLINE const Label* place(Color color) const {
     return labels + LutTable::index(color.a, color.b, color.c, bits);
   }
-  HWY_INLINE Label at(Color color) const { return *place(color); }
-  /// The label of the block of colours that it lies in, or LutTable::kMixed.
-  HWY_INLINE Label of_block(Color color) const {
-    return blocks[LutTable::index(color.a, color.b, color.c, LutTable::kBlockBits)];
-  }
-  /// Whether all of that block has the background's label.
+  /// Whether all of the block of colours that it lies in has the background's label.
   HWY_INLINE bool in_background(Color color) const {
     constexpr int kBits = LutTable::kBlockBits, kShift = 8 - kBits;
     const std::size_t row = static_cast<std::size_t>(color.a >> kShift) << kBits | color.b >> kShift;
     return (background_blocks[row] >> (color.c >> kShift) & 1) != 0;
   }
   const Label* labels;
-  const Label* blocks;
   const std::uint64_t* background_blocks;
   int bits;
 };
@@ -381,7 +372,7 @@ class Search {
     {
       out_.y = static_cast<std::uint16_t>(y);
       for (int x = begin; x < end; ++x)
-        out_.set(x, cells_.at(Format::color(row(y), stride_, static_cast<std::size_t>(x))));
+        out_.set(x, *cells_.place(Format::color(row(y), stride_, static_cast<std::size_t>(x))));
       out_.set(end, label::kClear);
     }
   }
@@ -511,14 +502,16 @@ class Search {
   /// Looks up the candidates of all stretches and writes their runs.
   void finish_stretches() {
     result_.use.candidates += listed_;
-    // From the smallest table to the largest, which is mostly not in a cache: ever fewer get so far.
+    // Most can be told by a bitmap that stays in the cache. The table mostly is not there: all that is wanted
+    // of it is asked for before any is waited for.
     const Label background = background_;
     keep_candidates([&](Color color)
                         HWY_ATTR { return cells_.in_background(color) ? background : LutTable::kMixed; });
     keep_candidates([&](Color color) HWY_ATTR {
-      const Label block = cells_.of_block(color);
-      return *(block == LutTable::kMixed ? cells_.place(color) : &block);
+      hwy::Prefetch(cells_.place(color));
+      return LutTable::kMixed;
     });
+    keep_candidates([&](Color color) HWY_ATTR { return *cells_.place(color); });
     std::size_t begin = 0;
     for (std::size_t i = 0; i < stretch_count_ && !is_full(); ++i) {
       write_runs(stretches_[i], begin);
