@@ -1,195 +1,145 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/background.h"
 
+#include "image/color.h"
+#include "vision/segment_kernel.h"
+
 #include <algorithm>
 #include <cstdlib>
-#include <numeric>
 
 namespace sslv {
 namespace {
 
 constexpr int kSamplesPerFrame = 64;
-constexpr int kSamplesAtOnce = 1'024;  // when nothing is known yet
-constexpr int kFramesBetween = 128;    // how often the box is grown anew
-constexpr int kNearBins = 10;          // from the median: 40 of 256 levels
+constexpr int kSamplesAtOnce = 1'024;   // when nothing is known yet
+constexpr int kFramesBetween = 128;     // how often the boxes are grown anew
+constexpr int kLeastFramesBetween = 8;  // also when they fit badly
+constexpr int kBins = BackgroundFollower::kBins, kStep = 256 / kBins;
+using Bins = BackgroundFollower::Bins;
 
-using Channels = std::array<std::uint8_t, 3>;
-
-/// The colour of the cell at (x, y), as LutTable names its channels. For samples: threshold.cpp is exact.
-Channels color_at(const ImageView& image, int x, int y) {
+/// The colour of the cell at (x, y). For samples: threshold.cpp is exact.
+Yuv color_at(const ImageView& image, int x, int y) {
   const std::uint8_t* row = image.row(y);
   switch (image.format) {
-    case PixelFormat::kUyvy: return {row[x / 2 * 4], row[x / 2 * 4 + 2], row[x * 2 + 1]};
-    case PixelFormat::kYuyv: return {row[x / 2 * 4 + 1], row[x / 2 * 4 + 3], row[x * 2]};
-    case PixelFormat::kRgb24: return {row[x * 3], row[x * 3 + 2], row[x * 3 + 1]};
-    case PixelFormat::kBgr24: return {row[x * 3 + 2], row[x * 3], row[x * 3 + 1]};
-    case PixelFormat::kMono8: return {128, 128, row[x]};
+    case PixelFormat::kUyvy: return {row[x * 2 + 1], row[x / 2 * 4], row[x / 2 * 4 + 2]};
+    case PixelFormat::kYuyv: return {row[x * 2], row[x / 2 * 4 + 1], row[x / 2 * 4 + 3]};
+    case PixelFormat::kRgb24: return to_yuv({row[x * 3], row[x * 3 + 1], row[x * 3 + 2]});
+    case PixelFormat::kBgr24: return to_yuv({row[x * 3 + 2], row[x * 3 + 1], row[x * 3]});
+    case PixelFormat::kMono8: return {row[x], 128, 128};
     default: break;
   }
   const std::uint8_t* quad = image.row(y & ~1) + (x & ~1);
   const std::uint8_t* lower = quad + image.stride_bytes;
   switch (image.format) {
-    case PixelFormat::kBayerRg8: return {quad[0], lower[1], quad[1]};
-    case PixelFormat::kBayerGr8: return {quad[1], lower[0], quad[0]};
-    case PixelFormat::kBayerGb8: return {lower[0], quad[1], quad[0]};
-    default: return {lower[1], quad[0], quad[1]};
+    case PixelFormat::kBayerRg8: return to_yuv({quad[0], quad[1], lower[1]});
+    case PixelFormat::kBayerGr8: return to_yuv({quad[1], quad[0], lower[0]});
+    case PixelFormat::kBayerGb8: return to_yuv({lower[0], quad[0], quad[1]});
+    default: return to_yuv({lower[1], quad[1], quad[0]});
   }
 }
 
-constexpr int kBins = BackgroundFollower::kBins, kStep = 256 / kBins;
-constexpr std::size_t kChromaBins = std::size_t{1} << LutTable::kChromaBits;
-using Counts = BackgroundFollower::Counts;
-using Bins = BackgroundFollower::Bins;
-
-/// A box of table blocks while it grows. Sides are inclusive.
+/// A box of table blocks. Sides are inclusive.
 struct Box {
-  std::array<std::array<int, 2>, 3> sides;  // low and high of a, b, c
+  std::array<std::array<int, 2>, 3> sides;  // low and high of U, V, Y
+
+  bool contains(const Bins& bins) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (bins[k] < sides[k][0] || bins[k] > sides[k][1]) return false;
+    }
+    return true;
+  }
 };
 
 /// One of a box's six faces.
 struct Face {
   std::size_t channel;
   std::size_t end;  // 0: low, 1: high
-  int step() const { return end == 0 ? -1 : 1; }
 };
-constexpr std::array<Face, 6> kFaces{{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 0}, {2, 1}}};
+constexpr std::array<Face, 6> kFaces{{{2, 0}, {2, 1}, {0, 0}, {0, 1}, {1, 0}, {1, 1}}};
 
-bool is_uniform(const LutTable& table, const Box& box, Label label) {
-  const auto& [a_side, b_side, c_side] = box.sides;
-  for (int a = a_side[0]; a <= a_side[1]; ++a) {
-    for (int b = b_side[0]; b <= b_side[1]; ++b) {
-      const Label* row = table.blocks.data() + (a * kBins + b) * kBins;
-      for (int c = c_side[0]; c <= c_side[1]; ++c) {
-        if (row[c] != label) return false;
-      }
-    }
+/// Grows a box within the blocks of one label.
+class BoxGrower {
+ public:
+  BoxGrower(const std::uint64_t* uniform, const Bins& seed) : uniform_(uniform) {
+    for (std::size_t k = 0; k < 3; ++k) box_.sides[k] = {seed[k], seed[k]};
   }
-  return true;
-}
 
-/// How much of the pictures lies at and beyond `value`, seen from the box.
-std::uint32_t mass_from(const Counts& counts, const Face& face, int value) {
-  std::uint32_t sum = 0;
-  for (int i = value; i >= 0 && i < kBins; i += face.step())
-    sum += counts[face.channel][static_cast<std::size_t>(i)];
-  return sum;
-}
-
-/// Draws in another face of `box` as far as it takes for the slab in front of `face` to be all of one label,
-/// if that loses less of the pictures than the slab wins. `core` must stay in.
-bool make_room(const LutTable& table, Label label, const Counts& counts, const Box& core, const Face& face,
-               const Box& slab, Box& box) {
-  std::uint32_t least = counts[face.channel][static_cast<std::size_t>(slab.sides[face.channel][0])];
-  const Face* best = nullptr;
-  int best_side = 0;
-  for (const Face& other : kFaces) {
-    if (other.channel == face.channel) continue;
-    Box smaller = slab;
-    int& side = smaller.sides[other.channel][other.end];
-    std::uint32_t lost = 0;
-    while (side != core.sides[other.channel][other.end] && lost < least) {
-      lost += counts[other.channel][static_cast<std::size_t>(side)];
-      side -= other.step();
-      if (lost < least && is_uniform(table, smaller, label)) {
-        least = lost;
-        best = &other;
-        best_side = side;
-      }
-    }
-  }
-  if (best == nullptr) return false;
-  box.sides[best->channel][best->end] = best_side;
-  return true;
-}
-
-/// The largest box around `median` that is all of `label`, as the pictures' colours go.
-Box grow_box(const LutTable& table, Label label, const Bins& median, const Counts& all, const Counts& near) {
-  Box core{};
-  for (std::size_t k = 0; k < 3; ++k) core.sides[k] = {median[k], median[k]};
-  Box box = core;
-  // First around the commonest colour; then, if it costs nothing, towards others, such as the lines'.
-  for (const Counts* counts : {&near, &all}) {
+  /// As far as it can, first towards the colours of `samples`.
+  Box grow(const Bins* samples, std::size_t count) {
     std::array<bool, kFaces.size()> stuck{};
     for (;;) {
-      // The face with the most pixels right beyond it, and then the most beyond it at all.
+      const std::array<int, kFaces.size()> scores = scores_for(samples, count);
       std::size_t best = kFaces.size();
-      std::uint32_t most = 0;
+      int most = 0;
       for (std::size_t i = 0; i < kFaces.size(); ++i) {
-        const Face& face = kFaces[i];
-        const int next = box.sides[face.channel][face.end] + face.step();
-        if (stuck[i] || next < 0 || next >= kBins) continue;
-        const std::uint32_t score =
-            16 * (*counts)[face.channel][static_cast<std::size_t>(next)] + mass_from(*counts, face, next);
-        if (score > most) {
-          most = score;
-          best = i;
-        }
+        if (stuck[i] || scores[i] <= most) continue;
+        most = scores[i];
+        best = i;
       }
       if (best == kFaces.size()) break;
+      stuck[best] = !push(kFaces[best]);
+    }
+    // Then evenly: the light will change.
+    for (bool pushed = true; pushed;) {
+      pushed = false;
+      for (const Face& face : kFaces) pushed |= push(face);
+    }
+    return box_;
+  }
 
-      const Face& face = kFaces[best];
-      int& side = box.sides[face.channel][face.end];
-      Box slab = box;
-      slab.sides[face.channel] = {side + face.step(), side + face.step()};
-      if (is_uniform(table, slab, label) ||
-          (counts == &near && make_room(table, label, near, core, face, slab, box))) {
-        side += face.step();
-      } else {
-        stuck[best] = true;
+ private:
+  /// How much it is worth to push each face by a step: near samples count more than distant ones.
+  std::array<int, kFaces.size()> scores_for(const Bins* samples, std::size_t count) const {
+    constexpr auto kWorth = [] {
+      std::array<int, 3 * kBins> worth{};
+      for (int steps = 1; steps < 3 * kBins; ++steps)
+        worth[static_cast<std::size_t>(steps)] = 65'536 / (steps * steps);
+      return worth;
+    }();
+    std::array<int, kFaces.size()> scores{};
+    for (std::size_t i = 0; i < count; ++i) {
+      std::array<int, kFaces.size()> beyond;
+      int steps = 0;
+      for (std::size_t f = 0; f < kFaces.size(); ++f) {
+        const auto& [channel, end] = kFaces[f];
+        const int distance = end == 0 ? box_.sides[channel][0] - samples[i][channel]
+                                      : samples[i][channel] - box_.sides[channel][1];
+        beyond[f] = std::max(distance, 0);
+        steps += beyond[f];
+      }
+      const int worth = kWorth[static_cast<std::size_t>(steps)];
+      for (std::size_t f = 0; f < kFaces.size(); ++f) scores[f] += beyond[f] > 0 ? worth : 0;
+    }
+    return scores;
+  }
+
+  bool push(const Face& face) {
+    int& side = box_.sides[face.channel][face.end];
+    const int next = side + (face.end == 0 ? -1 : 1);
+    if (next < 0 || next >= kBins) return false;
+    Box slab = box_;
+    slab.sides[face.channel] = {next, next};
+    if (!is_uniform(slab)) return false;
+    side = next;
+    return true;
+  }
+
+  bool is_uniform(const Box& box) const {
+    const auto& [u, v, y] = box.sides;
+    const std::uint64_t wanted = (~std::uint64_t{0} >> (kBins - 1 - (y[1] - y[0]))) << y[0];
+    for (int i = u[0]; i <= u[1]; ++i) {
+      for (int j = v[0]; j <= v[1]; ++j) {
+        if ((uniform_[i * kBins + j] & wanted) != wanted) return false;
       }
     }
+    return true;
   }
-  return box;
-}
 
-bool contains(const ColorBox& box, const Channels& color) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (color[k] < box.low[k] || color[k] > box.high[k]) return false;
-  }
-  return true;
-}
-
-/// The label of the greys 8 * bin .. 8 * bin + 7, or LutTable::kMixed.
-Label grey_label(const LutTable& table, std::size_t bin) {
-  const Label first = table.of(128, 128, static_cast<std::uint8_t>(8 * bin));
-  for (std::size_t y = 8 * bin + 1; y < 8 * bin + 8; ++y) {
-    if (table.of(128, 128, static_cast<std::uint8_t>(y)) != first) return LutTable::kMixed;
-  }
-  return first;
-}
-
-bool is_yuv(PixelFormat format) {
-  return is_yuv422(format) || format == PixelFormat::kMono8;
-}
+  const std::uint64_t* uniform_;
+  Box box_;
+};
 
 }  // namespace
-
-void BackgroundFollower::Mode::add(const Bins& bins) {
-  bool is_near = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    ++all[k][static_cast<std::size_t>(bins[k])];
-    is_near = is_near && std::abs(bins[k] - median[k]) <= kNearBins;
-  }
-  for (std::size_t k = 0; is_near && k < 3; ++k) ++near[k][static_cast<std::size_t>(bins[k])];
-}
-
-void BackgroundFollower::Mode::find_median() {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t total = std::accumulate(all[k].begin(), all[k].end(), 0U);
-    std::uint32_t sum = 0;
-    std::size_t bin = 0;
-    while (bin < kBins - 1 && 2 * (sum + all[k][bin]) < total) sum += all[k][bin++];
-    median[k] = static_cast<int>(bin);
-  }
-}
-
-void BackgroundFollower::Mode::fade() {
-  for (Counts* counts : {&all, &near}) {
-    for (auto& of_channel : *counts) {
-      for (std::uint32_t& count : of_channel) count /= 2;
-    }
-  }
-}
 
 void BackgroundFollower::sample(const ImageView& image, const Mask& mask, int count) {
   const auto random = [this](int below) {
@@ -202,75 +152,102 @@ void BackgroundFollower::sample(const ImageView& image, const Mask& mask, int co
     if (std::none_of(intervals.begin(), intervals.end(),
                      [x](const auto& interval) { return x >= interval.begin && x < interval.end; }))
       continue;
-    const Channels color = color_at(image, x, y);
-    const Bins bins{color[0] / kStep, color[1] / kStep, color[2] / kStep};
-    modes_[0].add(bins);
-    if (background_.boxes > 0 && !contains(background_.box[0], color)) modes_[1].add(bins);
+    const Yuv c = color_at(image, x, y);
+    samples_[sampled_++ % kSamples] = {static_cast<std::uint8_t>(c.u / kStep),
+                                       static_cast<std::uint8_t>(c.v / kStep),
+                                       static_cast<std::uint8_t>(c.y / kStep)};
   }
 }
 
-void BackgroundFollower::grow(const LutTable& table, PixelFormat format) {
-  background_ = {};
-  find_boxes(table);
-  for (std::size_t a = 0; a < kChromaBins; ++a) {
-    for (std::size_t b = 0; b < kChromaBins; ++b) {
-      const Label label =
-          format == PixelFormat::kMono8 ? grey_label(table, a) : table.chroma[a * kChromaBins + b];
-      if (label == background_.label) continue;
-      std::uint8_t& bits = background_.odd_chroma[b / 8][a];
-      bits = static_cast<std::uint8_t>(bits | 1U << b % 8);
+Label BackgroundFollower::commonest_label(const LutTable& yuv) const {
+  std::array<std::uint32_t, 256> counts{};
+  for (std::size_t i = 0; i < std::min(sampled_, kSamples); ++i) {
+    const auto& [u, v, y] = samples_[i];
+    ++counts[yuv.blocks[static_cast<std::size_t>((u * kBins + v) * kBins + y)]];
+  }
+  counts[LutTable::kMixed] = 0;
+  return static_cast<Label>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+/// Takes over what boxes may hold.
+void BackgroundFollower::take_table(const Lut& lut, PixelFormat format) {
+  background_.label = commonest_label(lut.yuv());
+  find_uniform_blocks(lut.yuv(), background_.label, yuv_blocks_.data());
+  if (is_yuv422(format) || format == PixelFormat::kMono8) {
+    background_.blocks = yuv_blocks_;
+  } else {
+    find_uniform_blocks(lut.rgb(), background_.label, background_.blocks.data());
+  }
+  lut_id_ = lut.id();
+  format_ = format;
+}
+
+void BackgroundFollower::grow() {
+  // A test that fewer pass costs more than it saves.
+  constexpr std::size_t kLeastShare = 384;  // one in so many
+  constexpr std::size_t kLookedAt = 256;    // samples are enough to grow towards
+
+  background_.boxes = 0;
+  std::array<Bins, kSamples> left;  // samples that could be in a box and are in none
+  std::size_t count = 0, all = std::min(sampled_, kSamples);
+  for (std::size_t i = 0; i < all; ++i) {
+    const auto& [u, v, y] = samples_[i];
+    if ((yuv_blocks_[static_cast<std::size_t>(u * kBins + v)] >> y & 1) != 0) left[count++] = samples_[i];
+  }
+  while (background_.boxes < Background::kMostBoxes && count * kLeastShare > all) {
+    std::array<Bins, kLookedAt> some;
+    const std::size_t looked_at = std::min(count, kLookedAt);
+    for (std::size_t i = 0; i < looked_at; ++i) some[i] = left[i * count / looked_at];
+    // Around the middle of them, channel by channel; if there is none of them there, around any.
+    Bins seed = some[looked_at / 2];
+    Bins middle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = some.begin() + static_cast<std::ptrdiff_t>(looked_at / 2);
+      std::nth_element(some.begin(), at, some.begin() + static_cast<std::ptrdiff_t>(looked_at),
+                       [k](const Bins& a, const Bins& b) { return a[k] < b[k]; });
+      middle[k] = (*at)[k];
     }
-  }
-}
-
-void BackgroundFollower::find_boxes(const LutTable& table) {
-  for (Mode& mode : modes_) {
-    mode.find_median();
-    const auto& [a, b, c] = mode.median;
-    const Label label = table.blocks[static_cast<std::size_t>((a * kBins + b) * kBins + c)];
-    // The second box is of use only beside the first and with its label.
-    if (label == LutTable::kMixed || (background_.boxes == 1 && label != background_.label)) return;
-    const Box box = grow_box(table, label, mode.median, mode.all, mode.near);
-    ColorBox& colors = background_.box[static_cast<std::size_t>(background_.boxes)];
+    if ((yuv_blocks_[static_cast<std::size_t>(middle[0] * kBins + middle[1])] >> middle[2] & 1) != 0)
+      seed = middle;
+    const Box box = BoxGrower(yuv_blocks_.data(), seed).grow(some.data(), looked_at);
+    const auto rest = std::remove_if(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(count),
+                                     [&](const Bins& bins) { return box.contains(bins); });
+    const auto still = static_cast<std::size_t>(rest - left.begin());
+    if ((count - still) * kLeastShare <= all) break;
+    count = still;
+    ColorBox& colors = background_.box[background_.boxes++];
     for (std::size_t k = 0; k < 3; ++k) {
       colors.low[k] = static_cast<std::uint8_t>(box.sides[k][0] * kStep);
       colors.high[k] = static_cast<std::uint8_t>(box.sides[k][1] * kStep + kStep - 1);
     }
-    background_.label = label;
-    ++background_.boxes;
   }
 }
 
 const Background& BackgroundFollower::follow(const ImageView& image, const Lut& lut,
                                              const Mask& mask) noexcept {
-  const LutTable& table = is_yuv(image.format) ? lut.yuv() : lut.rgb();
-  if (lut_id_ == 0 || format_ != image.format || fits_badly_) {
-    background_ = {};
-    modes_ = {};
-    // First where the colours are, then how they spread around that; the same outside the first box.
-    for (int round = 0; round < 3; ++round) {
-      sample(image, mask, kSamplesAtOnce);
-      grow(table, image.format);
-    }
-  } else {
-    sample(image, mask, kSamplesPerFrame);
-    if (lut_id_ == lut.id() && ++age_ < kFramesBetween) return background_;
-    grow(table, image.format);
+  ++age_;
+  const bool refresh = lut_id_ == 0 || (fits_badly_ && age_ >= kLeastFramesBetween);
+  sample(image, mask, refresh ? kSamplesAtOnce : kSamplesPerFrame);
+  if (refresh || lut_id_ != lut.id() || format_ != image.format || age_ >= kFramesBetween) {
+    take_table(lut, image.format);
+    grow();
+    age_ = 0;
   }
-  format_ = image.format;
-  lut_id_ = lut.id();
-  age_ = 0;
-  for (Mode& mode : modes_) mode.fade();
   return background_;
 }
 
-void BackgroundFollower::note(std::size_t blocks, std::size_t odd_blocks, std::size_t in_second) noexcept {
-  if (blocks == 0) return;
-  const double odd_share = static_cast<double>(odd_blocks) / static_cast<double>(blocks);
-  if (age_ == 0) odd_share_at_first_ = odd_share;
-  fits_badly_ = odd_share > 1.5 * odd_share_at_first_ + 0.1;
-  // A test that few blocks pass costs more than it saves.
-  if (4 * in_second < odd_blocks) background_.boxes = std::min(background_.boxes, 1);
+void BackgroundFollower::note(const BackgroundUse& use) noexcept {
+  if (use.blocks == 0) return;
+  const double outside = static_cast<double>(use.candidates) / (64.0 * static_cast<double>(use.blocks));
+  if (age_ == 0) outside_at_first_ = outside;
+  fits_badly_ = outside > 1.5 * outside_at_first_ + 0.01;
+  constexpr int kFramesBetweenTries = 64;
+  if (background_.first_alone) {
+    background_.first_alone = 3 * use.odd_blocks < 2 * use.blocks;
+    frames_without_first_ = 0;
+  } else {
+    background_.first_alone = ++frames_without_first_ % kFramesBetweenTries == 0;
+  }
 }
 
 }  // namespace sslv

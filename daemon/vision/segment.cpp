@@ -36,16 +36,16 @@ void Segment::process(const Params& params, const Lut& lut, const Mask& mask, co
   runs.runs.reserve(max_runs);
   runs.runs.clear();
   runs.capped = false;
-  RunSearchResult all;
+  BackgroundUse use;
   for (const Band& band : bands_) {
     const std::size_t taken = std::min(band.found.runs, max_runs - runs.runs.size());
     runs.runs.insert(runs.runs.end(), band.runs.get(), band.runs.get() + taken);
     runs.capped |= taken < band.found.runs;
-    all.blocks += band.found.blocks;
-    all.odd_blocks += band.found.odd_blocks;
-    all.in_second_box += band.found.in_second_box;
+    use.blocks += band.found.use.blocks;
+    use.odd_blocks += band.found.use.odd_blocks;
+    use.candidates += band.found.use.candidates;
   }
-  background_.note(all.blocks, all.odd_blocks, all.in_second_box);
+  background_.note(use);
   find_regions_.process(params.regions, runs, regions);
 }
 

@@ -2,9 +2,13 @@
 // Compiled once for each instruction set: Highway includes this file again and again.
 #include "vision/segment_kernel.h"
 
+#include "vision/rough_yuv.h"
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "vision/segment_kernel.cpp"
@@ -26,8 +30,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kBlock = 64;
 /// Blocks looked at together, also a bit each.
 constexpr int kGroup = 64;
-/// At most this many cells of a block are looked up one by one; with more, all of them are.
-constexpr int kFewCandidates = 24;
 /// Bytes ahead of which memory is asked for.
 constexpr std::size_t kPrefetchAhead = 6 * 1024;
 constexpr std::size_t kCacheLine = 64;
@@ -44,178 +46,124 @@ HWY_INLINE std::uint64_t bits_of(D d, Mask mask) {
   return bits;
 }
 
-/// Writes runs as labels change along a row.
+/// Writes the runs of a row.
 struct RunWriter {
   Run* runs;
   std::size_t begun = 0, ended = 0;
   std::uint16_t y = 0;
   Label current = label::kClear;
+  std::uint32_t next = kNone;  // place and label of the cell that would lengthen the last run
+
+  static constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
   /// From x on, cells have this label.
   HWY_INLINE void set(int x, Label label) {
     if (label == current) return;
-    if (current != label::kClear) end(x);
-    if (label != label::kClear) begin(x, label);
+    if (current != label::kClear) runs[ended++].x_end = static_cast<std::uint16_t>(x);
+    if (label != label::kClear) runs[begun++] = {y, static_cast<std::uint16_t>(x), 0, label};
     current = label;
   }
-  HWY_INLINE void begin(int x, Label label) { runs[begun++] = {y, static_cast<std::uint16_t>(x), 0, label}; }
-  HWY_INLINE void end(int x) { runs[ended++].x_end = static_cast<std::uint16_t>(x); }
 
-  /// The labels of a block at x. There is room for one more label before them.
-  HWY_INLINE void set_block(int x, Label* labels) {
-    labels[-1] = current;
-    std::uint64_t begins = 0, ends = 0;
-    const Bytes d;
-    const Vector clear = hn::Zero(d);
-    HWY_UNROLL(4)
-    for (int i = 0; i < kBlock; i += kLanes) {
-      const Vector now = hn::LoadU(d, labels + i), before = hn::LoadU(d, labels + i - 1);
-      const auto changes = hn::Ne(now, before);
-      begins |= bits_of(d, hn::And(changes, hn::Ne(now, clear))) << i;
-      ends |= bits_of(d, hn::And(changes, hn::Ne(before, clear))) << i;
+  /// Cells with labels, from left to right; what lies between them is clear. Whether one goes on with the
+  /// run of the one before is anyone's guess in a noisy picture, so there is no branch for it.
+  HWY_INLINE void add_cells(const std::uint16_t* places, const Label* labels, std::size_t count) {
+    std::size_t end = begun;
+    std::uint32_t expected = next;
+    std::uint16_t begin = end == 0 ? 0 : runs[end - 1].x_begin;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint16_t x = places[i];
+      const std::uint32_t cell = std::uint32_t{x} << 8 | labels[i];
+      const bool is_new = cell != expected;
+      begin = is_new ? x : begin;
+      end += is_new ? 1 : 0;
+      runs[end - 1] = {y, begin, static_cast<std::uint16_t>(x + 1), labels[i]};
+      expected = cell + (1U << 8);
     }
-    for (; begins != 0; begins &= begins - 1) {
-      const int i = std::countr_zero(begins);
-      begin(x + i, labels[i]);
-    }
-    for (; ends != 0; ends &= ends - 1) end(x + std::countr_zero(ends));
-    current = labels[kBlock - 1];
+    next = expected;
+    begun = ended = end;
   }
+  HWY_INLINE void end_cells() { next = kNone; }
 };
 
-#if HWY_TARGET != HWY_SCALAR
-/// Background::odd_chroma, looked up by byte shuffles.
-class ChromaTest {
- public:
-  explicit ChromaTest(const Background& background) : bits_(background.odd_chroma) {}
+// Formats. Each says how a cell lies in memory (kBytes in each of kRows rows of the picture) and what its
+// label is. Those whose samples are U, V and Y say which of them a byte is (kChannels, repeating) and which
+// bytes share a colour (Lane); the others load red, green and blue.
 
-  /// One bit for each lane: whether it has no label but the background's. Of `a` and `b`, the upper five bits
-  /// count.
-  template <class D, class V = hn::Vec<D>>
-  HWY_INLINE std::uint64_t clear_bits(D d, V a, V b) const {
-    // A shuffle has 16 places and gives 0 where the index' highest bit is set: one for a < 128, one above.
-    const V low_index = hn::Or(shifted(d, a, 31), hn::And(a, hn::Set(d, 0x80)));
-    const V high_index = hn::Xor(low_index, hn::Set(d, 0x90));
-    const V plane0 = plane(d, 0, low_index, high_index), plane1 = plane(d, 1, low_index, high_index);
-    const V plane2 = plane(d, 2, low_index, high_index), plane3 = plane(d, 3, low_index, high_index);
-    const hn::RebindToSigned<D> signed_d;
-    const auto by_highest_bit = [&](V bits, V yes, V no) HWY_ATTR {
-      return hn::BitCast(d, hn::IfNegativeThenElse(hn::BitCast(signed_d, bits), hn::BitCast(signed_d, yes),
-                                                   hn::BitCast(signed_d, no)));
-    };
-    const V b_twice = hn::Add(b, b);
-    const V found =
-        by_highest_bit(b, by_highest_bit(b_twice, plane3, plane2), by_highest_bit(b_twice, plane1, plane0));
-    alignas(16) static constexpr std::uint8_t kBits[16] = {1, 2, 4, 8, 16, 32, 64, 128,
-                                                           1, 2, 4, 8, 16, 32, 64, 128};
-    const V wanted = hn::TableLookupBytes(hn::LoadDup128(d, kBits), shifted(d, b, 7));
-    return bits_of(d, hn::Eq(hn::And(found, wanted), hn::Zero(d)));
-  }
+enum Channel : std::size_t { kU, kV, kY };
 
- private:
-  /// v / 8, of which `mask` is kept. Bytes cannot be shifted, pairs of them can.
-  template <class D, class V>
-  HWY_INLINE V shifted(D d, V v, std::uint8_t mask) const {
-    const hn::Repartition<std::uint16_t, D> wide;
-    return hn::And(hn::BitCast(d, hn::ShiftRight<3>(hn::BitCast(wide, v))), hn::Set(d, mask));
-  }
-  template <class D, class V>
-  HWY_INLINE V plane(D d, int i, V low_index, V high_index) const {
-    return hn::Or(hn::TableLookupBytesOr0(hn::LoadDup128(d, bits_[i]), low_index),
-                  hn::TableLookupBytesOr0(hn::LoadDup128(d, bits_[i] + 16), high_index));
-  }
-  const std::uint8_t (&bits_)[4][32];
+/// Channels as LutTable has them.
+struct Color {
+  std::uint8_t a, b, c;
 };
-#endif
 
-/// Writes every bit twice: bit i to bits 2i and 2i + 1.
-HWY_INLINE std::uint64_t doubled(std::uint64_t bits) {
-  bits = (bits | bits << 16) & 0x0000FFFF0000FFFF;
-  bits = (bits | bits << 8) & 0x00FF00FF00FF00FF;
-  bits = (bits | bits << 4) & 0x0F0F0F0F0F0F0F0F;
-  bits = (bits | bits << 2) & 0x3333333333333333;
-  bits = (bits | bits << 1) & 0x5555555555555555;
-  return bits * 3;
-}
-
-// Formats. Each says how a cell lies in memory (kBytes in each of kRows rows of the picture; kChannels: which
-// channel of the table a byte belongs to, repeating), what its label is, and which cells of a block have a
-// chroma that the background has not.
-
-enum Channel { kA, kB, kC };
-
-/// A table's labels. How many bits a channel has is known at run time only: one more shift costs less than the
-/// kernel a second time.
+/// A table's labels. How many bits a channel has is known at run time only: one more shift costs less than
+/// the kernel a second time.
 struct Cells {
-  explicit Cells(const LutTable& table) : labels(table.labels.data()), bits(table.bits) {}
-  HWY_INLINE Label at(std::uint8_t a, std::uint8_t b, std::uint8_t c) const {
-    return labels[LutTable::index(a, b, c, bits)];
+  Cells(const LutTable& table, const Background& background)
+      : labels(table.labels.data()), background_blocks(background.blocks.data()), bits(table.bits) {}
+  HWY_INLINE const Label* place(Color color) const {
+    return labels + LutTable::index(color.a, color.b, color.c, bits);
+  }
+  /// Whether all of the block of colours that it lies in has the background's label.
+  HWY_INLINE bool in_background(Color color) const {
+    constexpr int kBits = LutTable::kBlockBits, kShift = 8 - kBits;
+    const std::size_t row = static_cast<std::size_t>(color.a >> kShift) << kBits | color.b >> kShift;
+    return (background_blocks[row] >> (color.c >> kShift) & 1) != 0;
   }
   const Label* labels;
+  const std::uint64_t* background_blocks;
   int bits;
 };
 
-HWY_INLINE std::uint8_t extent(const ColorBox& box, Channel channel) {
-  return static_cast<std::uint8_t>(box.high[channel] - box.low[channel]);
-}
-
 template <int kLuma>
 struct Yuv422 {
-  static constexpr int kBytes = 2, kRows = 1, kPeriod = 4;
-  static constexpr int kU = kLuma == 1 ? 0 : 1, kV = kU + 2;
-  static constexpr Channel kChannels[kRows][kPeriod] = {
-      {kLuma == 0 ? kC : kA, kLuma == 0 ? kA : kC, kLuma == 0 ? kC : kB, kLuma == 0 ? kB : kC}};
+  static constexpr int kBytes = 2, kRows = 1;
+  static constexpr bool kIsRgb = false;
+  static constexpr int kUAt = kLuma == 1 ? 0 : 1, kVAt = kUAt + 2;
+  static constexpr Channel kChannels[4] = {kLuma == 0 ? kY : kU, kLuma == 0 ? kU : kY, kLuma == 0 ? kY : kV,
+                                           kLuma == 0 ? kV : kY};
+  using Lane = std::uint32_t;
+  using Cell = std::uint16_t;
   static const LutTable& table(const Lut& lut) { return lut.yuv(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t, int i) {
-    const std::uint8_t* pair = block + i / 2 * 4;
-    return cells.at(pair[kU], pair[kV], pair[kLuma + i % 2 * 2]);
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
+    const std::uint8_t* pair = row + x / 2 * 4;
+    return {pair[kUAt], pair[kVAt], pair[kLuma + x % 2 * 2]};
   }
-
-#if HWY_TARGET != HWY_SCALAR
-  static constexpr int kChromas = kBlock / 2;
-  template <class D, class V>
-  static HWY_INLINE void load_chroma(D d, const std::uint8_t* block, std::ptrdiff_t, int i, V& a, V& b) {
-    constexpr int kPairs = static_cast<int>(hn::MaxLanes(d));
-    const std::uint8_t* in = block + i * 4;
-    const V v0 = hn::LoadU(d, in), v1 = hn::LoadU(d, in + kPairs);
-    const V v2 = hn::LoadU(d, in + 2 * kPairs), v3 = hn::LoadU(d, in + 3 * kPairs);
-    const V uv0 = kLuma == 1 ? hn::ConcatEven(d, v1, v0) : hn::ConcatOdd(d, v1, v0);
-    const V uv1 = kLuma == 1 ? hn::ConcatEven(d, v3, v2) : hn::ConcatOdd(d, v3, v2);
-    a = hn::ConcatEven(d, uv1, uv0);
-    b = hn::ConcatOdd(d, uv1, uv0);
-  }
-#endif
 };
 
-#if HWY_TARGET != HWY_SCALAR
-/// The chroma of LutTable::chroma for RGB.
-template <class D, class V>
-HWY_INLINE void rgb_chroma(D, V red, V green, V blue, V& a, V& b) {
-  const V not_green = hn::Not(green);
-  a = hn::AverageRound(blue, not_green);
-  b = hn::AverageRound(red, not_green);
-}
-#endif
+/// Grey: the colours (y, 128, 128).
+struct Mono {
+  static constexpr int kBytes = 1, kRows = 1;
+  static constexpr bool kIsRgb = false;
+  static constexpr Channel kChannels[1] = {kY};
+  using Lane = std::uint8_t;
+  using Cell = std::uint8_t;
+  static const LutTable& table(const Lut& lut) { return lut.yuv(); }
+
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
+    return {128, 128, row[x]};
+  }
+};
 
 template <int kRed>
 struct Rgb24 {
-  static constexpr int kBytes = 3, kRows = 1, kPeriod = 3;
-  static constexpr Channel kChannels[kRows][kPeriod] = {{kRed == 0 ? kA : kB, kC, kRed == 0 ? kB : kA}};
+  static constexpr int kBytes = 3, kRows = 1;
+  static constexpr bool kIsRgb = true;
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t, int i) {
-    const std::uint8_t* pixel = block + i * 3;
-    return cells.at(pixel[kRed], pixel[2 - kRed], pixel[1]);
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t, std::size_t x) {
+    const std::uint8_t* pixel = row + x * 3;
+    return {pixel[kRed], pixel[2 - kRed], pixel[1]};
   }
 
 #if HWY_TARGET != HWY_SCALAR
-  static constexpr int kChromas = kBlock;
-  template <class D, class V>
-  static HWY_INLINE void load_chroma(D d, const std::uint8_t* block, std::ptrdiff_t, int i, V& a, V& b) {
-    V first, green, last;
-    hn::LoadInterleaved3(d, block + i * 3, first, green, last);
-    rgb_chroma(d, kRed == 0 ? first : last, green, kRed == 0 ? last : first, a, b);
+  static HWY_INLINE void load(const std::uint8_t* block, std::ptrdiff_t, int i, Vector& red, Vector& green,
+                              Vector& blue) {
+    Vector first, last;
+    hn::LoadInterleaved3(Bytes(), block + i * 3, first, green, last);
+    red = kRed == 0 ? first : last;
+    blue = kRed == 0 ? last : first;
   }
 #endif
 };
@@ -223,96 +171,157 @@ struct Rgb24 {
 /// kRed: where red sits in the quad (0 1 / 2 3); blue sits opposite.
 template <int kRed>
 struct Bayer {
-  static constexpr int kBytes = 2, kRows = 2, kPeriod = 2;
-  static constexpr Channel channel(int place) { return place == kRed ? kA : place == 3 - kRed ? kB : kC; }
-  static constexpr Channel kChannels[kRows][kPeriod] = {{channel(0), channel(1)}, {channel(2), channel(3)}};
+  static constexpr int kBytes = 2, kRows = 2;
+  static constexpr bool kIsRgb = true;
   static constexpr int kGreen1 = kRed == 0 || kRed == 3 ? 1 : 0, kGreen2 = 3 - kGreen1;
   static const LutTable& table(const Lut& lut) { return lut.rgb(); }
 
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t stride,
-                                int i) {
-    const std::uint8_t *upper = block + i * 2, *lower = upper + stride;
+  static HWY_INLINE Color color(const std::uint8_t* row, std::ptrdiff_t stride, std::size_t x) {
+    const std::uint8_t *upper = row + x * 2, *lower = upper + stride;
     const std::uint8_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
     const auto green = static_cast<std::uint8_t>((quad[kGreen1] + quad[kGreen2] + 1) / 2);
-    return cells.at(quad[kRed], quad[3 - kRed], green);
+    return {quad[kRed], quad[3 - kRed], green};
   }
 
 #if HWY_TARGET != HWY_SCALAR
-  static constexpr int kChromas = kBlock;
-  template <class D, class V>
-  static HWY_INLINE void load_chroma(D d, const std::uint8_t* block, std::ptrdiff_t stride, int i, V& a,
-                                     V& b) {
-    constexpr int kQuads = static_cast<int>(hn::MaxLanes(d));
-    const std::uint8_t *upper = block + i * 2, *lower = upper + stride;
-    const V upper0 = hn::LoadU(d, upper), upper1 = hn::LoadU(d, upper + kQuads);
-    const V lower0 = hn::LoadU(d, lower), lower1 = hn::LoadU(d, lower + kQuads);
-    const V quad[4] = {hn::ConcatEven(d, upper1, upper0), hn::ConcatOdd(d, upper1, upper0),
-                       hn::ConcatEven(d, lower1, lower0), hn::ConcatOdd(d, lower1, lower0)};
-    rgb_chroma(d, quad[kRed], hn::AverageRound(quad[kGreen1], quad[kGreen2]), quad[3 - kRed], a, b);
-  }
-#endif
-};
-
-/// Grey: the colours (y, 128, 128).
-struct Mono {
-  static constexpr int kBytes = 1, kRows = 1, kPeriod = 1;
-  static constexpr Channel kChannels[kRows][kPeriod] = {{kC}};
-  static const LutTable& table(const Lut& lut) { return lut.yuv(); }
-
-  static HWY_INLINE Label label(const Cells& cells, const std::uint8_t* block, std::ptrdiff_t, int i) {
-    return cells.at(128, 128, block[i]);
-  }
-
-#if HWY_TARGET != HWY_SCALAR
-  static constexpr int kChromas = kBlock;
-  template <class D, class V>
-  static HWY_INLINE void load_chroma(D d, const std::uint8_t* block, std::ptrdiff_t, int i, V& a, V& b) {
-    a = hn::LoadU(d, block + i);
-    b = hn::Zero(d);
-  }
-#endif
-};
-
-#if HWY_TARGET != HWY_SCALAR
-/// Whether a block lies wholly in the background's box, byte by byte as it lies in memory.
-template <class Format>
-class BoxTest {
- public:
-  explicit BoxTest(const ColorBox& box) {
-    alignas(64) std::uint8_t low[kBlock], extents[kBlock];
-    for (int row = 0; row < Format::kRows; ++row) {
-      for (int k = 0; k < kVectors; ++k) {
-        for (int i = 0; i < kLanes; ++i) {
-          const Channel channel = Format::kChannels[row][(k * kLanes + i) % Format::kPeriod];
-          low[i] = box.low[channel];
-          extents[i] = extent(box, channel);
-        }
-        low_[row][k] = hn::Load(Bytes(), low);
-        extent_[row][k] = hn::Load(Bytes(), extents);
-      }
-    }
-  }
-
-  HWY_INLINE bool outside(const std::uint8_t* block, std::ptrdiff_t stride) const {
+  static HWY_INLINE void load(const std::uint8_t* block, std::ptrdiff_t stride, int i, Vector& red,
+                              Vector& green, Vector& blue) {
     const Bytes d;
-    Vector beyond = hn::Zero(d);
-    HWY_UNROLL(2)
-    for (int row = 0; row < Format::kRows; ++row) {
-      HWY_UNROLL(12)
-      for (int i = 0; i < kBlock * Format::kBytes; i += kLanes) {
-        const Vector in = hn::LoadU(d, block + row * stride + i);
-        const int k = i / kLanes % kVectors;
-        beyond = hn::Or(beyond, hn::SaturatedSub(hn::Sub(in, low_[row][k]), extent_[row][k]));
+    const std::uint8_t *upper = block + i * 2, *lower = upper + stride;
+    const Vector upper0 = hn::LoadU(d, upper), upper1 = hn::LoadU(d, upper + kLanes);
+    const Vector lower0 = hn::LoadU(d, lower), lower1 = hn::LoadU(d, lower + kLanes);
+    const Vector quad[4] = {hn::ConcatEven(d, upper1, upper0), hn::ConcatOdd(d, upper1, upper0),
+                            hn::ConcatEven(d, lower1, lower0), hn::ConcatOdd(d, lower1, lower0)};
+    red = quad[kRed];
+    green = hn::AverageRound(quad[kGreen1], quad[kGreen2]);
+    blue = quad[3 - kRed];
+  }
+#endif
+};
+
+#if HWY_TARGET != HWY_SCALAR
+/// 0 where a byte lies in [low, low + extent].
+HWY_INLINE Vector beyond(Vector in, Vector low, Vector extent) {
+  return hn::SaturatedSub(hn::Sub(in, low), extent);
+}
+
+/// The background's boxes for pictures in YUV, compared with the bytes as they lie in memory.
+template <class Format>
+class YuvBoxes {
+ public:
+  explicit YuvBoxes(const Background& background) : count_(background.boxes) {
+    constexpr std::size_t kPeriod = std::size(Format::kChannels);
+    static_assert(kLanes % kPeriod == 0);
+    alignas(64) std::uint8_t low[kLanes], extent[kLanes];
+    for (std::size_t k = 0; k < count_; ++k) {
+      const ColorBox& box = background.box[k];
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const Channel channel = Format::kChannels[i % kPeriod];
+        low[i] = box.low[channel];
+        extent[i] = static_cast<std::uint8_t>(box.high[channel] - box.low[channel]);
       }
+      low_[k] = hn::Load(Bytes(), low);
+      extent_[k] = hn::Load(Bytes(), extent);
     }
-    return !hn::AllTrue(d, hn::Eq(beyond, hn::Zero(d)));
+  }
+
+  /// Whether any cell of a block lies outside the first box.
+  HWY_INLINE bool any_outside_first(const std::uint8_t* block) const {
+    const Bytes d;
+    Vector all = hn::Zero(d);
+    HWY_UNROLL(8)
+    for (int i = 0; i < kVectors; ++i)
+      all = hn::Or(all, beyond(hn::LoadU(d, block + i * kLanes), low_[0], extent_[0]));
+    return !hn::AllTrue(d, hn::Eq(all, hn::Zero(d)));
+  }
+
+  /// One bit for each cell of a block: whether it lies outside all boxes.
+  HWY_INLINE std::uint64_t outside(const std::uint8_t* block, std::ptrdiff_t) const {
+    if (count_ == 0) return ~std::uint64_t{0};
+    const Bytes d;
+    const hn::Repartition<typename Format::Lane, Bytes> lanes;
+    const hn::Repartition<typename Format::Cell, Bytes> cells;
+    Vector in[kVectors];
+    hn::Vec<decltype(lanes)> least[kVectors];  // 0: in a box
+    HWY_UNROLL(8)
+    for (int i = 0; i < kVectors; ++i) {
+      in[i] = hn::LoadU(d, block + i * kLanes);
+      least[i] = hn::BitCast(lanes, beyond(in[i], low_[0], extent_[0]));
+    }
+    for (std::size_t k = 1; k < count_; ++k) {
+      HWY_UNROLL(8)
+      for (int i = 0; i < kVectors; ++i)
+        least[i] = hn::Min(least[i], hn::BitCast(lanes, beyond(in[i], low_[k], extent_[k])));
+    }
+    std::uint64_t inside = 0;
+    HWY_UNROLL(8)
+    for (int i = 0; i < kVectors; ++i) {
+      const auto zero = hn::VecFromMask(lanes, hn::Eq(least[i], hn::Zero(lanes)));
+      inside |= bits_of(cells, hn::MaskFromVec(hn::BitCast(cells, zero))) << (i * (kLanes / Format::kBytes));
+    }
+    return ~inside;
   }
 
  private:
-  // The pattern of channels begins anew every so many vectors.
-  static constexpr int kVectors = Format::kPeriod == 3 ? 3 : 1;
-  static_assert(kLanes % 4 == 0);
-  Vector low_[Format::kRows][kVectors], extent_[Format::kRows][kVectors];
+  static constexpr int kVectors = kBlock * Format::kBytes / kLanes;
+  std::size_t count_;
+  Vector low_[Background::kMostBoxes], extent_[Background::kMostBoxes];
+};
+
+/// The same for pictures in red, green and blue: by rough_yuv(), and boxes smaller by its error.
+template <class Format>
+class RgbBoxes {
+ public:
+  explicit RgbBoxes(const Background& background) {
+    for (std::size_t k = 0; k < background.boxes; ++k) {
+      bool is_empty = false;
+      for (const Channel channel : {kU, kV, kY}) {
+        int low = background.box[k].low[channel], high = background.box[k].high[channel];
+        if (low > 0) low -= kRoughYuvError[channel][0];
+        if (high < 255) high -= kRoughYuvError[channel][1];
+        is_empty = is_empty || low > high;
+        low_[count_][channel] = hn::Set(Bytes(), static_cast<std::uint8_t>(low));
+        extent_[count_][channel] = hn::Set(Bytes(), static_cast<std::uint8_t>(high - low));
+      }
+      if (!is_empty) ++count_;
+    }
+  }
+
+  HWY_INLINE std::uint64_t outside(const std::uint8_t* block, std::ptrdiff_t stride) const {
+    const Bytes d;
+    std::uint64_t inside = 0;
+    HWY_UNROLL(4)
+    for (int i = 0; i < kBlock; i += kLanes) {
+      Vector red, green, blue;
+      Format::load(block, stride, i, red, green, blue);
+      const Yuv yuv = rough_yuv(red, green, blue);
+      Vector least = hn::Set(d, 255);
+      for (std::size_t k = 0; k < count_; ++k) {
+        const Vector u = beyond(yuv.u, low_[k][kU], extent_[k][kU]);
+        const Vector v = beyond(yuv.v, low_[k][kV], extent_[k][kV]);
+        const Vector y = beyond(yuv.y, low_[k][kY], extent_[k][kY]);
+        least = hn::Min(least, hn::Or(hn::Or(u, v), y));
+      }
+      inside |= bits_of(d, hn::Eq(least, hn::Zero(d))) << i;
+    }
+    return ~inside;
+  }
+
+ private:
+  struct Yuv {
+    Vector u, v, y;
+  };
+  /// As sslv::rough_yuv(), which tells more about it.
+  static HWY_INLINE Yuv rough_yuv(Vector r, Vector g, Vector b) {
+    const auto average = [](Vector a, Vector c) HWY_ATTR { return hn::AverageRound(a, c); };
+    const Vector red_green = average(g, average(r, average(g, average(r, average(g, r)))));
+    const Vector green_blue = average(g, average(g, average(b, average(g, average(b, g)))));
+    return {average(b, hn::Not(red_green)), average(r, hn::Not(green_blue)),
+            average(red_green, average(red_green, average(red_green, b)))};
+  }
+
+  std::size_t count_ = 0;
+  Vector low_[Background::kMostBoxes][3], extent_[Background::kMostBoxes][3];
 };
 #endif
 
@@ -321,174 +330,232 @@ class Search {
  public:
   explicit Search(const RunSearch& search)
       : search_(search),
-        cells_(Format::table(*search.lut)),
+        cells_(Format::table(*search.lut), *search.background),
         stride_(search.image.stride_bytes),
         width_(search.image.width / Format::kRows),
 #if HWY_TARGET != HWY_SCALAR
-        box_(search.background->box[0]),
-        second_box_(search.background->box[1]),
-        has_second_box_(search.background->boxes == 2),
-        chroma_(*search.background),
+        boxes_(*search.background),
 #endif
         background_(search.background->label),
         out_{search.runs} {
   }
 
   RunSearchResult run() {
-    for (int y = search_.row_begin; y < search_.row_end && out_.begun <= search_.max_runs; ++y) {
-      out_.y = static_cast<std::uint16_t>(y);
-      const std::uint8_t* row = search_.image.row(y * Format::kRows);
+    for (int y = search_.row_begin; y < search_.row_end && !is_full(); ++y) {
       for (const sslv::Mask::Interval interval : search_.mask->row(y, Format::kRows)) {
         const int end = std::min<int>(interval.end, width_);
-        if (interval.begin < end) search_interval(row, interval.begin, end);
+        if (interval.begin < end) search_stretch(y, interval.begin, end);
       }
     }
+#if HWY_TARGET != HWY_SCALAR
+    finish_stretches();
+#endif
     result_.runs = out_.begun;
     return result_;
   }
 
  private:
-  HWY_INLINE Label label(const std::uint8_t* row, int x) const {
-    return Format::label(cells_, row, stride_, x);
+  HWY_INLINE const std::uint8_t* row(int y) const {
+    return search_.image.row(y * Format::kRows);
   }
-
-  HWY_INLINE void look_up(const std::uint8_t* row, int begin, int end) {
-    for (int x = begin; x < end; ++x) out_.set(x, label(row, x));
+  HWY_INLINE bool is_full() const {
+    return out_.begun > search_.max_runs;
   }
 
   /// Cells [begin, end) of a row.
-  void search_interval(const std::uint8_t* row, int begin, int end) {
+  void search_stretch(int y, int begin, int end) {
 #if HWY_TARGET != HWY_SCALAR
     if (width_ >= kBlock) {
-      search_blocks(row, begin, end);
+      search_blocks(y, begin, end);
     } else  // NOLINT: the loop below is all that is left for SCALAR
 #endif
     {
-      look_up(row, begin, end);
+      out_.y = static_cast<std::uint16_t>(y);
+      for (int x = begin; x < end; ++x)
+        out_.set(x, *cells_.place(Format::color(row(y), stride_, static_cast<std::size_t>(x))));
+      out_.set(end, label::kClear);
     }
-    out_.set(end, label::kClear);
   }
 
 #if HWY_TARGET != HWY_SCALAR
-  void search_blocks(const std::uint8_t* row, int begin, int end) {
+  using Boxes = std::conditional_t<Format::kIsRgb, RgbBoxes<Format>, YuvBoxes<Format>>;
+
+  /// Cells [begin, end) of a row whose candidates are listed, but not looked up.
+  struct Stretch {
+    int y, begin, end;
+    std::size_t listed_end;  // of places_
+    bool goes_on;            // in the next stretch
+  };
+  // Candidates of several rows are looked up together: the table's memory is waited for only once.
+  static constexpr std::size_t kMostStretches = 16, kManyListed = 1024;
+
+  void search_blocks(int y, int begin, int end) {
+    const std::uint8_t* in = row(y);
     const int last = (end + kBlock - 1) / kBlock;
-    int done = begin;
     for (int group = begin / kBlock; group < last; group += kGroup) {
-      const int blocks = std::min(kGroup, last - group);
-      std::uint64_t odd = odd_blocks(row, group, blocks);
-      result_.blocks += static_cast<std::size_t>(blocks);
-      result_.odd_blocks += static_cast<std::size_t>(std::popcount(odd));
-      if (has_second_box_) odd = not_in_second_box(row, group, odd);
       // All blocks go through one step before any goes through the next: steps without branches overlap.
+      const int blocks = std::min(kGroup, last - group);
+      const std::uint64_t odd = odd_blocks(in, group, blocks);
       std::uint64_t candidates[kGroup];
-      std::uint64_t mixed = 0;
-      for (; odd != 0; odd &= odd - 1) {
-        const int i = std::countr_zero(odd), at = place_of(group + i);
-        const int from = std::max((group + i) * kBlock, begin), to = std::min((group + i + 1) * kBlock, end);
-        candidates[i] = find_candidates(row + static_cast<std::ptrdiff_t>(at) * Format::kBytes) &
-                        ~std::uint64_t{0} << (from - at) & ~std::uint64_t{0} >> (kBlock - (to - at));
-        mixed |= static_cast<std::uint64_t>(candidates[i] != 0) << i;
-      }
-      for (; mixed != 0; mixed &= mixed - 1) {
-        const int i = std::countr_zero(mixed);
-        const int from = std::max((group + i) * kBlock, begin), to = std::min((group + i + 1) * kBlock, end);
-        if (done < from) out_.set(done, background_);
-        look_up_block(row, place_of(group + i), from, to, candidates[i]);
-        done = to;
-      }
+      const std::uint64_t mixed = find_candidates(in, group, blocks, odd, begin, end, candidates);
+      list_candidates(group, mixed, candidates);
+      result_.use.blocks += static_cast<std::size_t>(blocks);
+      result_.use.odd_blocks += static_cast<std::size_t>(std::popcount(odd));
+      if (listed_ < kManyListed && group + kGroup < last) continue;
+      const int done = std::min((group + kGroup) * kBlock, end);
+      stretches_[stretch_count_++] = {y, begin, done, listed_, done < end};
+      begin = done;
+      if (listed_ >= kManyListed || stretch_count_ == kMostStretches) finish_stretches();
     }
-    if (done < end) out_.set(done, background_);
   }
 
   /// Where a block is read: that at the right edge further left, wholly within the row.
   HWY_INLINE int place_of(int block) const {
     return std::min(block * kBlock, width_ - kBlock);
   }
-
-  /// Those of the `odd` blocks from number `first` on that do not lie wholly in the second box.
-  HWY_INLINE std::uint64_t not_in_second_box(const std::uint8_t* row, int first, std::uint64_t odd) {
-    const BoxTest<Format> box = second_box_;
-    std::uint64_t outside = 0;
-    for (std::uint64_t left = odd; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      const std::uint8_t* block = row + static_cast<std::ptrdiff_t>(place_of(first + i)) * Format::kBytes;
-      outside |= static_cast<std::uint64_t>(box.outside(block, stride_)) << i;
-    }
-    result_.in_second_box += static_cast<std::size_t>(std::popcount(odd ^ outside));
-    return outside;
+  HWY_INLINE const std::uint8_t* bytes_of(const std::uint8_t* in, int block) const {
+    return in + static_cast<std::ptrdiff_t>(place_of(block)) * Format::kBytes;
   }
 
-  /// One bit for each block from number `first` on: whether it is not wholly in the box.
-  HWY_INLINE std::uint64_t odd_blocks(const std::uint8_t* row, int first, int count) const {
-    if (search_.background->boxes == 0) return ~std::uint64_t{0} >> (kBlock - count);
-    constexpr int kBlockBytes = kBlock * Format::kBytes;
-    // The block at the right edge is read from further left, wholly within the row.
-    const int whole = std::min(count, width_ / kBlock - first);
-    const std::uint8_t* block = row + static_cast<std::ptrdiff_t>(first) * kBlockBytes;
-    const BoxTest<Format> box = box_;  // stays in registers, which a member would not
-    std::uint64_t odd = 0;
-    for (int i = 0; i < whole; ++i, block += kBlockBytes) {
-      HWY_UNROLL(2)
-      for (int r = 0; r < Format::kRows; ++r) {
-        // A picture of two rows a cell is read in two streams.
-        const std::uint8_t* ahead = block + (Format::kRows == 1 ? static_cast<std::ptrdiff_t>(kPrefetchAhead)
-                                                                : (Format::kRows + r) * stride_);
-        HWY_UNROLL(3)
-        for (int line = 0; line < kBlockBytes; line += static_cast<int>(kCacheLine))
-          hwy::Prefetch(ahead + line);
-      }
-      odd |= static_cast<std::uint64_t>(box.outside(block, stride_)) << i;
+  HWY_INLINE void prefetch(const std::uint8_t* block) const {
+    HWY_UNROLL(2)
+    for (int r = 0; r < Format::kRows; ++r) {
+      // A picture of two rows a cell is read in two streams.
+      const std::uint8_t* ahead = block + (Format::kRows == 1 ? static_cast<std::ptrdiff_t>(kPrefetchAhead)
+                                                              : (3 * Format::kRows + r) * stride_);
+      HWY_UNROLL(3)
+      for (int line = 0; line < kBlock * Format::kBytes; line += static_cast<int>(kCacheLine))
+        hwy::Prefetch(ahead + line);
     }
-    if (whole < count) {
-      const std::uint8_t* tail = row + static_cast<std::ptrdiff_t>(width_ - kBlock) * Format::kBytes;
-      odd |= static_cast<std::uint64_t>(box.outside(tail, stride_)) << whole;
-    }
-    return odd;
   }
 
-  /// One bit for each cell of a block: whether its chroma is one that may have another label.
-  HWY_INLINE std::uint64_t find_candidates(const std::uint8_t* block) const {
-    const hn::CappedTag<std::uint8_t, Format::kChromas> d;
-    constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
-    std::uint64_t clear = 0;
-    HWY_UNROLL(4)
-    for (int i = 0; i < Format::kChromas; i += kStep) {
-      hn::Vec<decltype(d)> a, b;
-      Format::load_chroma(d, block, stride_, i, a, b);
-      clear |= chroma_.clear_bits(d, a, b) << i;
-    }
-    return Format::kChromas == kBlock ? ~clear : ~doubled(clear);
-  }
-
-  /// Cells [from, to) of the block that is read at x and has `candidates`.
-  HWY_INLINE void look_up_block(const std::uint8_t* row, int x, int from, int to, std::uint64_t candidates) {
-    const std::uint8_t* block = row + static_cast<std::ptrdiff_t>(x) * Format::kBytes;
-    if (std::popcount(candidates) <= kFewCandidates) {
-      look_up_candidates(block, x, from, to, candidates);
-    } else if (to - from == kBlock) {
-      alignas(64) Label buffer[kBlock + kBlock];
-      Label* labels = buffer + kBlock;
-      for (int i = 0; i < kBlock; ++i) labels[i] = Format::label(cells_, block, stride_, i);
-      out_.set_block(x, labels);
+  /// One bit for each of `count` blocks from number `first` on: whether it is not wholly in the first box, as
+  /// far as it is worth while to know.
+  HWY_INLINE std::uint64_t odd_blocks(const std::uint8_t* in, int first, int count) const {
+    const std::uint64_t all = ~std::uint64_t{0} >> (kGroup - count);
+    if constexpr (Format::kIsRgb) {
+      return all;
     } else {
-      look_up(row, from, to);
+      if (search_.background->boxes == 0 || !search_.background->first_alone) return all;
+      const Boxes boxes = boxes_;  // stays in registers, which a member would not
+      std::uint64_t odd = 0;
+      for (int i = 0; i < count; ++i) {
+        const std::uint8_t* block = bytes_of(in, first + i);
+        prefetch(block);
+        odd |= static_cast<std::uint64_t>(boxes.any_outside_first(block)) << i;
+      }
+      return odd;
     }
   }
 
-  HWY_INLINE void look_up_candidates(const std::uint8_t* block, int x, int from, int to,
-                                     std::uint64_t candidates) {
-    int done = from;
-    while (candidates != 0) {
-      int i = std::countr_zero(candidates);
-      if (done < x + i) out_.set(done, background_);
-      for (; i < kBlock && (candidates >> i & 1) != 0; ++i) {
-        out_.set(x + i, Format::label(cells_, block, stride_, i));
+  /// For each of the `odd` blocks from number `first` on, one bit for each of its cells in [begin, end):
+  /// whether it is outside all boxes. Tells which blocks have such cells.
+  HWY_INLINE std::uint64_t find_candidates(const std::uint8_t* in, int first, int count, std::uint64_t odd,
+                                           int begin, int end, std::uint64_t* candidates) const {
+    std::uint64_t mixed = 0;
+    const auto find = [&](int i, const std::uint8_t* block) HWY_ATTR {
+      prefetch(block);
+      candidates[i] = boxes_.outside(block, stride_);
+      mixed |= static_cast<std::uint64_t>(candidates[i] != 0) << i;
+    };
+    if (std::popcount(odd) == count) {
+      const int whole = std::min(count, width_ / kBlock - first);
+      const std::uint8_t* block = bytes_of(in, first);
+      for (int i = 0; i < whole; ++i, block += kBlock * Format::kBytes) find(i, block);
+      if (whole < count) find(whole, bytes_of(in, first + whole));
+    } else {
+      for (std::uint64_t left = odd; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        find(i, bytes_of(in, first + i));
       }
-      done = x + i;
-      if (i == kBlock) break;
-      candidates &= ~std::uint64_t{0} << i;
     }
-    if (done < to) out_.set(done, background_);
+    // Only the blocks at both ends have cells beyond; that at the right edge also has those of the one
+    // before.
+    for (const int i : {0, count - 1}) {
+      const int at = place_of(first + i);
+      const int from = std::max((first + i) * kBlock, begin), to = std::min((first + i + 1) * kBlock, end);
+      candidates[i] &= ~std::uint64_t{0} << (from - at) & ~std::uint64_t{0} >> (kBlock - (to - at));
+      if (candidates[i] == 0) mixed &= ~(std::uint64_t{1} << i);
+    }
+    return mixed;
+  }
+
+  /// Adds the places of the candidates of `mixed` blocks to the list.
+  HWY_INLINE void list_candidates(int first, std::uint64_t mixed, const std::uint64_t* candidates) {
+    constexpr int kAtOnce = 4;
+    std::uint16_t* next = places_ + listed_;
+    for (; mixed != 0; mixed &= mixed - 1) {
+      const int i = std::countr_zero(mixed), at = place_of(first + i);
+      std::uint64_t left = candidates[i];
+      const int count = std::popcount(left);
+      // Those beyond the last one are written over.
+      for (int done = 0; done < count; done += kAtOnce) {
+        HWY_UNROLL(4)
+        for (int k = 0; k < kAtOnce; ++k, left &= left - 1)
+          next[done + k] = static_cast<std::uint16_t>(at + std::countr_zero(left));
+      }
+      next += count;
+    }
+    listed_ = static_cast<std::size_t>(next - places_);
+  }
+
+  /// Looks up the candidates of all stretches and writes their runs.
+  void finish_stretches() {
+    result_.use.candidates += listed_;
+    // Most can be told by a bitmap that stays in the cache. The table mostly is not there: all that is wanted
+    // of it is asked for before any is waited for.
+    const Label background = background_;
+    keep_candidates([&](Color color)
+                        HWY_ATTR { return cells_.in_background(color) ? background : LutTable::kMixed; });
+    keep_candidates([&](Color color) HWY_ATTR {
+      hwy::Prefetch(cells_.place(color));
+      return LutTable::kMixed;
+    });
+    keep_candidates([&](Color color) HWY_ATTR { return *cells_.place(color); });
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < stretch_count_ && !is_full(); ++i) {
+      write_runs(stretches_[i], begin);
+      begin = stretches_[i].listed_end;
+    }
+    stretch_count_ = listed_ = 0;
+  }
+
+  /// Gives the candidates of all stretches the labels of their colours, and drops those of the background.
+  template <class LabelOf>
+  HWY_INLINE void keep_candidates(const LabelOf& label_of) {
+    const Label background = background_;
+    std::size_t i = 0, kept = 0;
+    for (std::size_t k = 0; k < stretch_count_; ++k) {
+      Stretch& stretch = stretches_[k];
+      const std::uint8_t* in = row(stretch.y);
+      for (; i < stretch.listed_end; ++i) {
+        const std::uint16_t x = places_[i];
+        const Label found = label_of(Format::color(in, stride_, x));
+        places_[kept] = x;
+        labels_[kept] = found;
+        kept += found != background ? 1 : 0;
+      }
+      stretch.listed_end = kept;
+    }
+    listed_ = kept;
+  }
+
+  HWY_INLINE void write_runs(const Stretch& stretch, std::size_t begin) {
+    out_.y = static_cast<std::uint16_t>(stretch.y);
+    if (background_ == label::kClear) {
+      out_.add_cells(places_ + begin, labels_ + begin, stretch.listed_end - begin);
+      if (!stretch.goes_on) out_.end_cells();
+      return;
+    }
+    int done = stretch.begin;
+    for (std::size_t i = begin; i < stretch.listed_end; ++i) {
+      const int x = places_[i];
+      if (done < x) out_.set(done, background_);
+      out_.set(x, labels_[i]);
+      done = x + 1;
+    }
+    if (done < stretch.end) out_.set(done, background_);
+    if (!stretch.goes_on) out_.set(stretch.end, label::kClear);
   }
 #endif
 
@@ -497,9 +564,11 @@ class Search {
   const std::ptrdiff_t stride_;
   const int width_;
 #if HWY_TARGET != HWY_SCALAR
-  const BoxTest<Format> box_, second_box_;
-  const bool has_second_box_;
-  const ChromaTest chroma_;
+  const Boxes boxes_;
+  Stretch stretches_[kMostStretches];
+  std::size_t stretch_count_ = 0, listed_ = 0;
+  std::uint16_t places_[kManyListed + kGroup * kBlock + 4];
+  Label labels_[kManyListed + kGroup * kBlock];
 #endif
   const Label background_;
   RunWriter out_;
@@ -521,6 +590,22 @@ RunSearchResult SearchRuns(const RunSearch& search) {
   return {};
 }
 
+void FindUniformBlocks(const LutTable& table, Label label, std::uint64_t* uniform) {
+  constexpr int kRow = 1 << LutTable::kBlockBits;
+  for (std::size_t i = 0; i < table.blocks.size() / kRow; ++i) {
+    const Label* row = table.blocks.data() + i * kRow;
+    std::uint64_t bits = 0;
+#if HWY_TARGET == HWY_SCALAR
+    for (int k = 0; k < kRow; ++k) bits |= static_cast<std::uint64_t>(row[k] == label) << k;
+#else
+    const Bytes d;
+    for (int k = 0; k < kRow; k += kLanes)
+      bits |= bits_of(d, hn::Eq(hn::LoadU(d, row + k), hn::Set(d, label))) << k;
+#endif
+    uniform[i] = bits;
+  }
+}
+
 const char* Target() {
   return hwy::TargetName(HWY_TARGET);
 }
@@ -533,10 +618,15 @@ HWY_AFTER_NAMESPACE();
 namespace sslv {
 
 HWY_EXPORT(SearchRuns);
+HWY_EXPORT(FindUniformBlocks);
 HWY_EXPORT(Target);
 
 RunSearchResult search_runs(const RunSearch& search) noexcept {
   return HWY_DYNAMIC_DISPATCH(SearchRuns)(search);
+}
+
+void find_uniform_blocks(const LutTable& table, Label label, std::uint64_t* uniform) noexcept {
+  HWY_DYNAMIC_DISPATCH(FindUniformBlocks)(table, label, uniform);
 }
 
 std::string_view search_runs_target() {

@@ -26,13 +26,15 @@ struct RunSearch {
 
 struct RunSearchResult {
   std::size_t runs = 0;
-  // Blocks of 64 cells; odd ones are not wholly in the background's first box, some of them in the second.
-  std::size_t blocks = 0, odd_blocks = 0, in_second_box = 0;
+  BackgroundUse use;
 };
 
 /// Finds the runs of the labelled picture without making it, just as Threshold and FindRuns would. Written
 /// once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs on.
 RunSearchResult search_runs(const RunSearch& search) noexcept;
+
+/// Writes one bit for each block of the table, `c` innermost in 64 bits: whether all of it has that label.
+void find_uniform_blocks(const LutTable& table, Label label, std::uint64_t* uniform) noexcept;
 
 /// Name of the instruction set search_runs() uses here: "AVX2", "NEON"...
 std::string_view search_runs_target();
