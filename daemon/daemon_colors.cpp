@@ -220,11 +220,14 @@ TableEdit Daemon::read_color_command(int camera_id, const Json& json, const std:
   if (pick.take_away) return RemoveClusterEdit{*label, std::move(cluster)};
   AddClusterEdit edit{*label, std::move(cluster), Over::kAny};
   if (const auto surfaces = color_margins_.surfaces(camera_id); surfaces && !is_surface_label(*label)) {
-    // Who points at the carpet itself means it.
+    // Who points at carpet or floor means it.
     const PixelFigures figures = figures_of(block);
     const auto level = [&](std::size_t c) { return static_cast<std::uint8_t>(std::lround(figures.mean[c])); };
-    constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};
-    if (!reach_of(*surfaces, SurfaceKind::kCarpet, kAsSeen)({level(0), level(1), level(2)}))
+    const Yuv mean{level(0), level(1), level(2)};
+    const auto is_seen_on = [&](SurfaceKind kind) {
+      return reach_of(*surfaces, kind, {.darkest = 1, .brightest = 1})(mean);
+    };
+    if (!is_seen_on(SurfaceKind::kCarpet) && !is_seen_on(SurfaceKind::kFloor))
       edit.stays_clear = reach_of(*surfaces, SurfaceKind::kCarpet, {});
   }
   return edit;
