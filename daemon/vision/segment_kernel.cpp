@@ -501,15 +501,12 @@ class Search {
 
   /// Looks up the candidates of all stretches and writes their runs.
   void finish_stretches() {
-    result_.use.candidates += listed_;
-    // Most can be told by a bitmap that stays in the cache. The table mostly is not there: all that is wanted
-    // of it is asked for before any is waited for.
+    // Many can be told by a bitmap that stays in the cache. The table mostly is not there: all that may be
+    // wanted of it is asked for before any is waited for.
     const Label background = background_;
-    keep_candidates([&](Color color)
-                        HWY_ATTR { return cells_.in_background(color) ? background : LutTable::kMixed; });
     keep_candidates([&](Color color) HWY_ATTR {
       hwy::Prefetch(cells_.place(color));
-      return LutTable::kMixed;
+      return cells_.in_background(color) ? background : LutTable::kMixed;
     });
     keep_candidates([&](Color color) HWY_ATTR { return *cells_.place(color); });
     std::size_t begin = 0;
