@@ -5,15 +5,16 @@
 #include "vision/segment_kernel.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <span>
 
 namespace sslv {
 namespace {
 
 constexpr int kSamplesPerFrame = 64;
-constexpr int kSamplesAtOnce = 1'024;   // when nothing is known yet
-constexpr int kFramesBetween = 128;     // how often the boxes are grown anew
-constexpr int kLeastFramesBetween = 8;  // also when they fit badly
+constexpr int kSamplesAtOnce = 1'024;  // when nothing is known yet
+// The boxes of a new table are grown anew after so many frames, then after twice as many, and so on: the
+// light that they have seen by then is more and more of all there is.
+constexpr int kFirstFramesBetween = 8, kMostFramesBetween = 1'024;
 constexpr int kBins = BackgroundFollower::kBins, kStep = 256 / kBins;
 using Bins = BackgroundFollower::Bins;
 
@@ -65,10 +66,10 @@ class BoxGrower {
   }
 
   /// As far as it can, first towards the colours of `samples`.
-  Box grow(const Bins* samples, std::size_t count) {
+  Box grow(std::span<const Bins> samples) {
     std::array<bool, kFaces.size()> stuck{};
     for (;;) {
-      const std::array<int, kFaces.size()> scores = scores_for(samples, count);
+      const std::array<int, kFaces.size()> scores = scores_for(samples);
       std::size_t best = kFaces.size();
       int most = 0;
       for (std::size_t i = 0; i < kFaces.size(); ++i) {
@@ -77,19 +78,23 @@ class BoxGrower {
         best = i;
       }
       if (best == kFaces.size()) break;
-      stuck[best] = !push(kFaces[best]);
+      // By larger steps where the box is large.
+      const auto& side = box_.sides[kFaces[best].channel];
+      int steps = 1 + (side[1] - side[0]) / 4;
+      while (steps > 0 && !push(kFaces[best], steps)) steps /= 2;
+      stuck[best] = steps == 0;
     }
     // Then evenly: the light will change.
     for (bool pushed = true; pushed;) {
       pushed = false;
-      for (const Face& face : kFaces) pushed |= push(face);
+      for (const Face& face : kFaces) pushed |= push(face, 1);
     }
     return box_;
   }
 
  private:
   /// How much it is worth to push each face by a step: near samples count more than distant ones.
-  std::array<int, kFaces.size()> scores_for(const Bins* samples, std::size_t count) const {
+  std::array<int, kFaces.size()> scores_for(std::span<const Bins> samples) const {
     constexpr auto kWorth = [] {
       std::array<int, 3 * kBins> worth{};
       for (int steps = 1; steps < 3 * kBins; ++steps)
@@ -97,13 +102,13 @@ class BoxGrower {
       return worth;
     }();
     std::array<int, kFaces.size()> scores{};
-    for (std::size_t i = 0; i < count; ++i) {
+    for (const Bins& sample : samples) {
       std::array<int, kFaces.size()> beyond;
       int steps = 0;
       for (std::size_t f = 0; f < kFaces.size(); ++f) {
         const auto& [channel, end] = kFaces[f];
-        const int distance = end == 0 ? box_.sides[channel][0] - samples[i][channel]
-                                      : samples[i][channel] - box_.sides[channel][1];
+        const int distance =
+            end == 0 ? box_.sides[channel][0] - sample[channel] : sample[channel] - box_.sides[channel][1];
         beyond[f] = std::max(distance, 0);
         steps += beyond[f];
       }
@@ -113,14 +118,14 @@ class BoxGrower {
     return scores;
   }
 
-  bool push(const Face& face) {
+  bool push(const Face& face, int steps) {
     int& side = box_.sides[face.channel][face.end];
-    const int next = side + (face.end == 0 ? -1 : 1);
-    if (next < 0 || next >= kBins) return false;
     Box slab = box_;
-    slab.sides[face.channel] = {next, next};
+    const int near = face.end == 0 ? side - 1 : side + 1, far = face.end == 0 ? side - steps : side + steps;
+    if (far < 0 || far >= kBins) return false;
+    slab.sides[face.channel] = {std::min(near, far), std::max(near, far)};
     if (!is_uniform(slab)) return false;
-    side = next;
+    side = far;
     return true;
   }
 
@@ -141,11 +146,12 @@ class BoxGrower {
 
 }  // namespace
 
+int BackgroundFollower::random(int below) {
+  random_ = random_ * 1664525 + 1013904223;  // Numerical Recipes' generator: the upper bits are good
+  return static_cast<int>((std::uint64_t{random_} * static_cast<std::uint64_t>(below)) >> 32);
+}
+
 void BackgroundFollower::sample(const ImageView& image, const Mask& mask, int count) {
-  const auto random = [this](int below) {
-    random_ = random_ * 1664525 + 1013904223;  // Numerical Recipes' generator: the upper bits are good
-    return static_cast<int>((std::uint64_t{random_} * static_cast<std::uint64_t>(below)) >> 32);
-  };
   for (int i = 0; i < count; ++i) {
     const int x = random(image.width), y = random(image.height);
     const auto intervals = mask.row(y, 1);
@@ -182,53 +188,69 @@ void BackgroundFollower::take_table(const Lut& lut, PixelFormat format) {
   format_ = format;
 }
 
+bool BackgroundFollower::in_background(const Bins& bins) const {
+  return (yuv_blocks_[static_cast<std::size_t>(bins[0] * kBins + bins[1])] >> bins[2] & 1) != 0;
+}
+
 void BackgroundFollower::grow() {
   // A test that fewer pass costs more than it saves.
-  constexpr std::size_t kLeastShare = 384;  // one in so many
+  constexpr std::size_t kLeastShare = 500;  // one in so many
   constexpr std::size_t kLookedAt = 256;    // samples are enough to grow towards
+  constexpr int kSeeds = 3;                 // of which the best box is taken
 
   background_.boxes = 0;
   std::array<Bins, kSamples> left;  // samples that could be in a box and are in none
-  std::size_t count = 0, all = std::min(sampled_, kSamples);
-  for (std::size_t i = 0; i < all; ++i) {
-    const auto& [u, v, y] = samples_[i];
-    if ((yuv_blocks_[static_cast<std::size_t>(u * kBins + v)] >> y & 1) != 0) left[count++] = samples_[i];
-  }
+  const std::size_t all = std::min(sampled_, kSamples);
+  std::size_t count = static_cast<std::size_t>(
+      std::copy_if(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(all), left.begin(),
+                   [this](const Bins& bins) { return in_background(bins); }) -
+      left.begin());
   while (background_.boxes < Background::kMostBoxes && count * kLeastShare > all) {
-    std::array<Bins, kLookedAt> some;
-    const std::size_t looked_at = std::min(count, kLookedAt);
-    for (std::size_t i = 0; i < looked_at; ++i) some[i] = left[i * count / looked_at];
-    // Around the middle of them, channel by channel; if there is none of them there, around any.
-    Bins seed = some[looked_at / 2];
+    const std::span<Bins> rest(left.data(), count);
+    std::array<Bins, kLookedAt> room;
+    const std::span<Bins> some(room.data(), std::min(count, kLookedAt));
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = rest[i * count / some.size()];
+    const auto grown_from = [&](const Bins& seed) { return BoxGrower(yuv_blocks_.data(), seed).grow(some); };
+    Box best{};
+    std::size_t most = 0;
+    const auto try_seed = [&](const Bins& seed) {
+      const Box box = grown_from(seed);
+      const auto inside = static_cast<std::size_t>(
+          std::count_if(rest.begin(), rest.end(), [&](const Bins& bins) { return box.contains(bins); }));
+      if (inside <= most) return;
+      most = inside;
+      best = box;
+    };
+    // Some samples, and the middle of all, channel by channel.
+    for (int k = 1; k < kSeeds; ++k)
+      try_seed(some[static_cast<std::size_t>(random(static_cast<int>(some.size())))]);
     Bins middle{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = some.begin() + static_cast<std::ptrdiff_t>(looked_at / 2);
-      std::nth_element(some.begin(), at, some.begin() + static_cast<std::ptrdiff_t>(looked_at),
+      const auto at = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+      std::nth_element(some.begin(), at, some.end(),
                        [k](const Bins& a, const Bins& b) { return a[k] < b[k]; });
       middle[k] = (*at)[k];
     }
-    if ((yuv_blocks_[static_cast<std::size_t>(middle[0] * kBins + middle[1])] >> middle[2] & 1) != 0)
-      seed = middle;
-    const Box box = BoxGrower(yuv_blocks_.data(), seed).grow(some.data(), looked_at);
-    const auto rest = std::remove_if(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(count),
-                                     [&](const Bins& bins) { return box.contains(bins); });
-    const auto still = static_cast<std::size_t>(rest - left.begin());
-    if ((count - still) * kLeastShare <= all) break;
-    count = still;
+    if (in_background(middle)) try_seed(middle);
+    if (most * kLeastShare <= all) break;
+    count = static_cast<std::size_t>(
+        std::remove_if(rest.begin(), rest.end(), [&](const Bins& bins) { return best.contains(bins); }) -
+        rest.begin());
     ColorBox& colors = background_.box[background_.boxes++];
     for (std::size_t k = 0; k < 3; ++k) {
-      colors.low[k] = static_cast<std::uint8_t>(box.sides[k][0] * kStep);
-      colors.high[k] = static_cast<std::uint8_t>(box.sides[k][1] * kStep + kStep - 1);
+      colors.low[k] = static_cast<std::uint8_t>(best.sides[k][0] * kStep);
+      colors.high[k] = static_cast<std::uint8_t>(best.sides[k][1] * kStep + kStep - 1);
     }
   }
 }
 
 const Background& BackgroundFollower::follow(const ImageView& image, const Lut& lut,
                                              const Mask& mask) noexcept {
-  ++age_;
-  const bool refresh = lut_id_ == 0 || (fits_badly_ && age_ >= kLeastFramesBetween);
-  sample(image, mask, refresh ? kSamplesAtOnce : kSamplesPerFrame);
-  if (refresh || lut_id_ != lut.id() || format_ != image.format || age_ >= kFramesBetween) {
+  const bool is_new = lut_id_ != lut.id() || format_ != image.format;
+  sample(image, mask, sampled_ == 0 ? kSamplesAtOnce : kSamplesPerFrame);
+  if (is_new) frames_between_ = kFirstFramesBetween;
+  if (is_new || ++age_ >= frames_between_) {
+    if (!is_new) frames_between_ = std::min(2 * frames_between_, kMostFramesBetween);
     take_table(lut, image.format);
     grow();
     age_ = 0;
@@ -238,9 +260,6 @@ const Background& BackgroundFollower::follow(const ImageView& image, const Lut& 
 
 void BackgroundFollower::note(const BackgroundUse& use) noexcept {
   if (use.blocks == 0) return;
-  const double outside = static_cast<double>(use.candidates) / (64.0 * static_cast<double>(use.blocks));
-  if (age_ == 0) outside_at_first_ = outside;
-  fits_badly_ = outside > 1.5 * outside_at_first_ + 0.01;
   constexpr int kFramesBetweenTries = 64;
   if (background_.first_alone) {
     background_.first_alone = 3 * use.odd_blocks < 2 * use.blocks;

@@ -35,7 +35,6 @@ struct Background {
 /// What a picture was like for those who used its Background.
 struct BackgroundUse {
   std::size_t blocks = 0, odd_blocks = 0;  // of 64 cells; odd: not wholly in the first box
-  std::size_t candidates = 0;              // cells outside all boxes
 };
 
 /// Follows the commonest colours of a camera's pictures and keeps boxes around them that are as large as
@@ -56,8 +55,10 @@ class BackgroundFollower {
   using Bins = std::array<std::uint8_t, 3>;  // U, V, Y
 
  private:
-  static constexpr std::size_t kSamples = 1024;
+  static constexpr std::size_t kSamples = 2048;
   void sample(const ImageView& image, const Mask& mask, int count);
+  int random(int below);
+  bool in_background(const Bins& bins) const;
   void take_table(const Lut& lut, PixelFormat format);
   void grow();
   Label commonest_label(const LutTable& yuv) const;
@@ -70,10 +71,8 @@ class BackgroundFollower {
   std::uint64_t lut_id_ = 0;  // 0: nothing learnt yet
   PixelFormat format_ = PixelFormat::kMono8;
   std::uint32_t random_ = 1;
-  int age_ = 0;                   // frames since the boxes were grown
-  double outside_at_first_ = 0;   // share of the cells outside all boxes, right after that
-  bool fits_badly_ = false;       // compared with that: the light may have changed
-  int frames_without_first_ = 0;  // for which the first box was not tried alone
+  int age_ = 0, frames_between_ = 0;  // frames since the boxes were grown, and until they are again
+  int frames_without_first_ = 0;      // for which the first box was not tried alone
 };
 
 }  // namespace sslv

@@ -43,7 +43,6 @@ void Segment::process(const Params& params, const Lut& lut, const Mask& mask, co
     runs.capped |= taken < band.found.runs;
     use.blocks += band.found.use.blocks;
     use.odd_blocks += band.found.use.odd_blocks;
-    use.candidates += band.found.use.candidates;
   }
   background_.note(use);
   find_regions_.process(params.regions, runs, regions);

@@ -501,17 +501,8 @@ class Search {
 
   /// Looks up the candidates of all stretches and writes their runs.
   void finish_stretches() {
-    result_.use.candidates += listed_;
-    // Most can be told by a bitmap that stays in the cache. The table mostly is not there: all that is wanted
-    // of it is asked for before any is waited for.
-    const Label background = background_;
-    keep_candidates([&](Color color)
-                        HWY_ATTR { return cells_.in_background(color) ? background : LutTable::kMixed; });
-    keep_candidates([&](Color color) HWY_ATTR {
-      hwy::Prefetch(cells_.place(color));
-      return LutTable::kMixed;
-    });
-    keep_candidates([&](Color color) HWY_ATTR { return *cells_.place(color); });
+    drop_background();
+    look_up();
     std::size_t begin = 0;
     for (std::size_t i = 0; i < stretch_count_ && !is_full(); ++i) {
       write_runs(stretches_[i], begin);
@@ -520,22 +511,47 @@ class Search {
     stretch_count_ = listed_ = 0;
   }
 
-  /// Gives the candidates of all stretches the labels of their colours, and drops those of the background.
-  template <class LabelOf>
-  HWY_INLINE void keep_candidates(const LabelOf& label_of) {
-    const Label background = background_;
+  /// Drops the candidates that a bitmap can tell: it stays in the cache, which the table mostly does not.
+  HWY_INLINE void drop_background() {
+    const Cells cells = cells_;
     std::size_t i = 0, kept = 0;
     for (std::size_t k = 0; k < stretch_count_; ++k) {
       Stretch& stretch = stretches_[k];
       const std::uint8_t* in = row(stretch.y);
       for (; i < stretch.listed_end; ++i) {
         const std::uint16_t x = places_[i];
-        const Label found = label_of(Format::color(in, stride_, x));
+        places_[kept] = x;
+        kept += cells.in_background(Format::color(in, stride_, x)) ? 0 : 1;
+      }
+      stretch.listed_end = kept;
+    }
+    listed_ = kept;
+  }
+
+  /// Finds the candidates' labels, and drops those that have the background's.
+  HWY_INLINE void look_up() {
+    const Cells cells = cells_;
+    const Label background = background_;
+    const std::ptrdiff_t stride = stride_;
+    // All that is wanted of the table is asked for before any is waited for.
+    std::size_t i = 0;
+    for (std::size_t k = 0; k < stretch_count_; ++k) {
+      const std::uint8_t* in = row(stretches_[k].y);
+      for (; i < stretches_[k].listed_end; ++i)
+        hwy::Prefetch(cells.place(Format::color(in, stride, places_[i])));
+    }
+    std::size_t kept = 0;
+    i = 0;
+    for (std::size_t k = 0; k < stretch_count_; ++k) {
+      const std::uint8_t* in = row(stretches_[k].y);
+      for (const std::size_t end = stretches_[k].listed_end; i < end; ++i) {
+        const std::uint16_t x = places_[i];
+        const Label found = *cells.place(Format::color(in, stride, x));
         places_[kept] = x;
         labels_[kept] = found;
         kept += found != background ? 1 : 0;
       }
-      stretch.listed_end = kept;
+      stretches_[k].listed_end = kept;
     }
     listed_ = kept;
   }
