@@ -312,13 +312,13 @@ class Learner {
       double square = 0;
       for (const Color3& one : all) square += (one - mean).squaredNorm() / static_cast<double>(all.size());
       // Robots of other makers are not among those that taught.
-      constexpr double kOtherMakers = 0.09;
+      const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls shine and are shaded
       PrintColor print{};
       for (int c = 0; c < 3; ++c)
         print.shares[static_cast<std::size_t>(c)] =
             static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * std::max(0.0, mean[c]) / mean.sum()));
       print.spread = static_cast<std::uint16_t>(
-          std::lround(PrintColor::kUnit * std::sqrt(square + kOtherMakers * kOtherMakers)));
+          std::lround(PrintColor::kUnit * std::hypot(std::sqrt(square), other_makers)));
       out[label] = print;
     }
     return out;

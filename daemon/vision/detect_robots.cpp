@@ -204,8 +204,9 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
     }
   };
   search(color, 0);
-  // In dim light yellow reads as orange. So does every ball, but that has no side dots around it.
-  if (color == label::kYellow) search(label::kOrange, 1);
+  // In dim light yellow reads as orange, and where a channel is clipped. So does every ball, but that is no disc
+  // on black. Regions of side dots need not be there: in the shade green ones are as dark as carpet.
+  if (color == label::kYellow) search(label::kOrange, 0);
 }
 
 void DetectRobots::search_around(const Params& params, const Frame& frame, double x_mm, double y_mm,

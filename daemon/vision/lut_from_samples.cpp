@@ -21,11 +21,15 @@ constexpr float kToleranceShare = 0.07F, kToleranceGrey = 1.5F;
 constexpr float kLeastNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than what a sample averages
 constexpr float kNoisePerPixelNoise = 0.67F;
 constexpr float kLimit = 4;  // in tolerances
-// Most of a picture is background, so that wins when in doubt. Factors are on the distance in tolerances,
-// handicaps on its square.
 /// Light that surfaces and prints may be seen in, beside that of their samples.
 constexpr float kSurfaceDarkest = 0.5F, kSurfaceBrightest = 1.45F, kColorBrightest = 1.6F;
-constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kEdgeHandicap = 0.2F;
+// Most of a picture is background, so that wins when in doubt. Factors are on the distance in tolerances,
+// handicaps on its square.
+constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kMoreLightHandicap = 0.75F,
+                kGuessHandicap = 1, kEdgeHandicap = 0.2F;
+
+/// Shares of red, green and blue that prints of one maker differ by, and a ball from its shine.
+constexpr float kSamePrint = 0.02F, kShine = 0.06F;
 
 float brightness(const Color& color) {
   return color.sum() / 3;
@@ -133,14 +137,15 @@ class Pieces {
     if (color.maxCoeff() < kFull) return;
     for (const float more : kMoreThanSeen) {
       const Color beyond = (color.array() < kFull).select(color, more * color);
-      add(dark + 0.55F * (beyond / more - dark), beyond / more, kind);
+      add(dark + 0.55F * (beyond / more - dark), beyond / more, {1, kGuessHandicap, label});
     }
   }
   /// Channels reach their upper end one after the other, and then the hue changes.
   void add_in_more_light(const Color& color, float most, Label label) {
     constexpr float kStep = 1.15F;
     for (float light = 1; light < most; light *= kStep)
-      add(in_cube(light * color), in_cube(std::min(kStep * light, most) * color), {1, kColorHandicap, label});
+      add(in_cube(light * color), in_cube(std::min(kStep * light, most) * color),
+          {1, kMoreLightHandicap, label});
   }
   void add_background(const Color& low, const Curve& curve, const Color& high, Label label) {
     add(low, curve, high, {kBackgroundFactor, 0, label});
@@ -151,7 +156,7 @@ class Pieces {
   }
   void add_guess(const Curve& curve, Label label) {
     add(kSurfaceDarkest * curve.knots.front(), curve, in_cube(kSurfaceBrightest * curve.knots.back()),
-        {1, 2 * kColorHandicap, label});
+        {1, kGuessHandicap, label});
   }
   void add_background(const Color& from, const Color& to, Label label) {
     add(from, to, {kBackgroundFactor, 0, label});
@@ -184,11 +189,9 @@ class Pieces {
   std::vector<Piece> list_;
 };
 
-/// Whether the brightest third has another hue than the middle one.
-bool has_shine(const Curve& curve) {
-  constexpr float kSameHue = 0.06F;  // in shares
-  const auto shares = [](const Color& color) { return Color(color / std::max(color.sum(), 1.0F)); };
-  return (shares(curve.knots[1]) - shares(curve.knots.back())).norm() > kSameHue;
+/// Between shares of red, green and blue.
+float share_distance(const Color& a, const Color& b) {
+  return (a / std::max(a.sum(), 1.0F) - b / std::max(b.sum(), 1.0F)).norm();
 }
 
 /// Brightest over darkest.
@@ -223,11 +226,15 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     const Color dark = black ? black->knots.front() : Color::Zero();
     out.add_color(*curve, label);
     const float brightest = std::max(kColorBrightest, unseen);
+    const bool shines = share_distance(curve->knots[1], curve->knots.back()) > kShine;
     for (const Color& knot : curve->knots) {
       // Prints of one label differ from maker to maker: each has its own colour in less light and in more. A
       // ball's shine is not its colour in more light.
-      out.add_in_less_light(dark, dark + 0.55F * (knot / unseen - dark), knot, label);
-      if (&knot != &curve->knots.back() || !has_shine(*curve)) out.add_in_more_light(knot, brightest, label);
+      const bool is_darkest = &knot == &curve->knots.front(), is_brightest = &knot == &curve->knots.back();
+      if (is_darkest || share_distance(knot, curve->knots.front()) > kSamePrint)
+        out.add_in_less_light(dark, dark + 0.55F * (knot / unseen - dark), knot, label);
+      if (is_brightest ? !shines : shines || share_distance(knot, curve->knots.back()) > kSamePrint)
+        out.add_in_more_light(knot, brightest, label);
     }
   }
 

@@ -64,7 +64,7 @@ TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
       ColorTable again = before;
       for (const CellRun& run : *changed)
         std::fill_n(again.labels.begin() + run.begin, run.length, run.after);
-      ASSERT_TRUE(again == table) << i;
+      ASSERT_TRUE(again.labels == table.labels) << i;
     }
     ASSERT_EQ(history.done().size(), at);
     ASSERT_EQ(history.can_redo(), at + 1 < states.size());

@@ -105,7 +105,7 @@ TEST(LutCodec, SaysWhatIsWrongWithAFile) {
     return bytes;
   };
   EXPECT_THAT(error_of(changed(0, 'X')),
-              HasSubstr("a.lut: does not begin with \"SSLVLUT2\" or \"SSLVLUT1\""));
+              HasSubstr("a.lut: does not begin with \"SSLVLUT3\", \"SSLVLUT2\" or \"SSLVLUT1\""));
   EXPECT_THAT(error_of({}), HasSubstr("does not begin with"));
   EXPECT_THAT(error_of(changed(8, 4)), HasSubstr("4 bits a channel; expected 5 .. 8"));
   EXPECT_THAT(error_of(changed(10, 32)), HasSubstr("label 32; labels are 0 .. 31"));
