@@ -156,7 +156,14 @@ void ColorMargins::look_at(const Camera& camera, Look& look) {
 
 bool ColorMargins::see_surfaces(const Camera& camera, Look& look) {
   auto frame = hooks_.wait_frame(camera.id, look.version, std::chrono::milliseconds(0));
-  if (!frame || !has_colors(frame->image.format)) return false;
+  if (!frame) return false;
+  if (!has_colors(frame->image.format)) {
+    // What was seen before it sent grey images no longer holds.
+    const std::lock_guard lock(mutex_);
+    look.known->surfaces = nullptr;
+    look.known->margins.clear();
+    return false;
+  }
   look.scene = camera.scene;
   look.mask = camera.mask;
   look.version = frame->version;

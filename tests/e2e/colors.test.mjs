@@ -334,7 +334,7 @@ describe('colour tables', () => {
   it('have no margins while no carpet was seen in colour', async () => {
     await service.patch({ op: 'replace', path: '/cameras/0/source/pixel_format', value: 'mono8' });
     await service.statusBecomes(({ cameras }) => cameras[0].pixel_format === 'mono8' && cameras[0].frames > 0);
-    assert.equal((await get('colors')).margins, null);
+    await becomes(async () => (await get('colors')).margins === null, 'the margins of before are not forgotten');
     const { error } = await post('colors/edits', { commands: [{ op: 'widen_margins' }] }, 422);
     assert.match(error, /^\/commands\/0: camera 0's carpet was not seen yet/);
     await service.patch({ op: 'replace', path: '/cameras/0/source/pixel_format', value: 'uyvy' });
