@@ -71,6 +71,7 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
     : options_(with_resolved_hall(options)),
       scene_(checked(options, context)),
       lamps_(options_.hall, scene_.field),
+      banding_(options_.hall.lamps.banding.value()),
       world_(world_of(options, context)),
       renderer_(options, scene_.field, *scene_.camera, patterns),
       sensor_(options, static_cast<std::uint64_t>(options.seed) << 32 | context.camera_id),
@@ -97,8 +98,7 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
 }
 
 bool SimulatedCamera::light_changes() const {
-  return !options_.light_swing.empty() || !options_.cast_swing.empty() || lamps_.flickers() ||
-         options_.hall.lamps.banding.value() > 0;
+  return !options_.light_swing.empty() || !options_.cast_swing.empty() || lamps_.flickers() || banding_ > 0;
 }
 
 void SimulatedCamera::develop_background() {
@@ -121,16 +121,15 @@ void SimulatedCamera::follow_light(double t_s) {
   if (lamps_.flickers()) light *= lamps_.flicker(options_.seed, picture_number(options_, t_s));
   const std::array gains{static_cast<float>(light * cast), static_cast<float>(light),
                          static_cast<float>(light / cast)};
-  const double banding = options_.hall.lamps.banding.value();
-  if (gains == gains_ && banding == 0) return;
+  if (gains == gains_ && banding_ == 0) return;
   gains_ = gains;
   sensor_.set_gains(gains);
-  for (int y = 0; y < options_.height && banding > 0; ++y) {
+  for (int y = 0; y < options_.height && banding_ > 0; ++y) {
     // A shutter that opens all rows at once shows no bands; that the option asks for them is enough.
     const double read_out_s =
         1e-3 * (options_.rolling_shutter_ms > 0 ? options_.rolling_shutter_ms : kUsualReadOutMs);
     const double turns = kMainsLightHz * (t_s + read_out_s * y / options_.height);
-    sensor_.set_row_gain(y, static_cast<float>(1 + banding * std::sin(2 * std::numbers::pi * turns)));
+    sensor_.set_row_gain(y, static_cast<float>(1 + banding_ * std::sin(2 * std::numbers::pi * turns)));
   }
   develop_background();
 }

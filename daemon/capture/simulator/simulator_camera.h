@@ -58,6 +58,7 @@ class SimulatedCamera {
   SimulatorOptions options_;  // with a hall that is resolved
   Scene scene_;
   SimulatedLamps lamps_;
+  double banding_;
   SimulatedWorld world_;
   SimulatorRenderer renderer_;
   SimulatorSensor sensor_;

@@ -165,8 +165,8 @@ SimulatorRenderer::SimulatorRenderer(const SimulatorOptions& options, const Fiel
       lamps_(resolved(options.hall), field),
       carpet_(resolved(options.hall), field, lamps_),
       surroundings_(resolved(options.hall), field),
-      prints_(resolved(options.hall)) {
-  options_.hall = resolved(options.hall);
+      prints_(resolved(options.hall)),
+      shadows_(static_cast<float>(resolved(options.hall).lamps.shadows.value())) {
   if (!lamps_.even()) light_field();
 }
 
@@ -517,7 +517,6 @@ template <class List>
 void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
                                          std::size_t index, const SimulatorMotion* motion, double radius_mm,
                                          double height_mm, LightPicture& picture, Boxes& boxes) const {
-  const auto strength = static_cast<float>(options_.hall.lamps.shadows.value());
   const auto radius = static_cast<float>(radius_mm), soft = static_cast<float>(0.8 * height_mm);
   const auto& middle = (moments.front().*list)[index];
   // Half up its height, as the light from one side is gone there.
@@ -544,7 +543,7 @@ void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments
   const auto coat_of = [&](const Vec2& p, const Footprint& /*footprint*/, const Shape& /*shape*/,
                            Coat& coat) {
     const auto dark = [&](const Vec2& from, float share) {
-      return 1 - share * strength * (1 - smooth_step(radius - 0.3F * soft, radius + soft, from.norm()));
+      return 1 - share * shadows_ * (1 - smooth_step(radius - 0.3F * soft, radius + soft, from.norm()));
     };
     coat.opacity += 1 - dark(p, 0.45F) * dark(p - away[0], 0.3F) * dark(p - away[1], 0.3F);
   };
@@ -635,7 +634,7 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
       if (!box.empty()) boxes.push_back(box);
     }
   }
-  if (options_.hall.lamps.shadows.value() > 0) {
+  if (shadows_ > 0) {
     for (std::size_t i = 0; i < scene.robots.size(); ++i) {
       draw_soft_shadow(moments, &SimulatedScene::robots, i, motion_of_robot(i), field_.max_robot_radius,
                        scene.robots[i].height_mm, picture, boxes);

@@ -82,7 +82,7 @@ class SimulatorRenderer {
   void paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes, const CoatOf& coat_of,
              const MayShow& may_show, LightPicture& picture, const SimulatorMotion* motion = nullptr) const;
 
-  SimulatorOptions options_;  // with a hall that is resolved
+  SimulatorOptions options_;
   FieldSize field_;
   std::vector<FieldLine> lines_;
   std::vector<FieldArc> arcs_;
@@ -92,6 +92,7 @@ class SimulatorRenderer {
   SimulatedCarpet carpet_;
   SimulatedSurroundings surroundings_;
   SimulatedPrints prints_;
+  float shadows_;
   std::vector<Paint> lamp_grid_;  // lamps' light at every kGridPx-th pixel; empty: 1 everywhere
   int grid_width_ = 0;
 };

@@ -11,7 +11,7 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kNoiseEntries = 1U << 16;
-constexpr int kBlockPx = 8;               // of JPEG
+constexpr std::size_t kBlockPx = 8;       // of JPEG
 constexpr std::size_t kBlockPairs = 512;  // to choose from
 
 std::uint8_t added(std::uint8_t sample, std::int8_t noise) {
@@ -287,16 +287,15 @@ void SimulatorSensor::fill_block_noise() {
   for (std::size_t pair = 0; (pair + 1) * kPairPx * pixel_bytes <= entries; ++pair) {
     const std::array bright{wave(sigma), wave(sigma)};
     const Wave red = wave(sigma), blue = wave(sigma);  // V and U
-    for (int y = 0; y < kBlockPx; ++y) {
-      const double down = (y + 0.5) / kBlockPx;
+    for (std::size_t y = 0; y < kBlockPx; ++y) {
+      const double down = (static_cast<double>(y) + 0.5) / kBlockPx;
       for (std::size_t x = 0; x < kPairPx; ++x) {
         const double luma =
             bright[x / kBlockPx].at((static_cast<double>(x % kBlockPx) + 0.5) / kBlockPx, down);
         const double across = (static_cast<double>(x) + 0.5) / kPairPx;
         const double u = blue.at(across, down), v = red.at(across, down);
         const std::array rgb{luma + 1.402 * v, luma - 0.344 * u - 0.714 * v, luma + 1.772 * u};
-        std::int8_t* out =
-            block_noise_.data() + static_cast<std::size_t>(y) * entries + (pair * kPairPx + x) * pixel_bytes;
+        std::int8_t* out = block_noise_.data() + y * entries + (pair * kPairPx + x) * pixel_bytes;
         const auto entry = [](double noise) {
           return static_cast<std::int8_t>(std::clamp<long>(std::lround(noise), -127, 127));
         };
@@ -321,8 +320,9 @@ void SimulatorSensor::add_block_noise(std::uint8_t* picture) {
   const auto pair_samples = 2 * kBlockPx * static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
   std::size_t from = 0;
   for (int y = 0; y < options_.height; ++y, picture += row_samples) {
-    if (y % kBlockPx == 0) from = random_.bits() % kBlockPairs * pair_samples;
-    const std::int8_t* noise = block_noise_.data() + static_cast<std::size_t>(y % kBlockPx) * entries + from;
+    const std::size_t in_block = static_cast<std::size_t>(y) % kBlockPx;
+    if (in_block == 0) from = random_.bits() % kBlockPairs * pair_samples;
+    const std::int8_t* noise = block_noise_.data() + in_block * entries + from;
     for (std::size_t i = 0; i < row_samples; ++i) picture[i] = added(picture[i], noise[i]);
   }
 }
