@@ -43,6 +43,9 @@ struct ImageView {
   int width = 0, height = 0;
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::kMono8;
+  /// Of a camera with more than 8 bits: so many bytes behind each sample lies what the 8 bits leave of it, in
+  /// 256ths of a level. 0: nothing does. It holds for every part of the picture, too.
+  std::ptrdiff_t to_low_bits = 0;
 
   const std::uint8_t* row(int y) const { return data + y * stride_bytes; }
   bool empty() const { return data == nullptr; }

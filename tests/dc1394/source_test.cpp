@@ -63,6 +63,13 @@ TEST_F(IidcCamera, OpensTheWholeSensorInColourByItself) {
   EXPECT_EQ(fake_iidc::state_of(kGuid).speed, DC1394_ISO_SPEED_800);
 }
 
+/// Those of the fake camera's 16-bit pixels are what its 8 bits are not.
+void expect_low_bits(const ImageView& view, bool is_deep) {
+  ASSERT_EQ(view.to_low_bits, is_deep ? std::ptrdiff_t{view.width} * view.height : 0);
+  for (std::ptrdiff_t i = 0; i < view.to_low_bits; ++i)
+    ASSERT_EQ(view.data[i + view.to_low_bits], static_cast<std::uint8_t>(~view.data[i]) & 0xC0) << i;
+}
+
 struct Format {
   const char* name;
   PixelFormat arrives_as;
@@ -76,6 +83,7 @@ TEST_P(IidcFormat, ArrivesWholeWithItsColours) {
     const CapturedImage image = next_picture(*source);
     EXPECT_EQ(image.image.view().format, GetParam().arrives_as);
     expect_scene(image.image.view(), number);
+    expect_low_bits(image.image.view(), std::string_view(GetParam().name).ends_with("16"));
   }
 }
 

@@ -178,6 +178,11 @@ void paint(const Layout& layout, std::uint32_t depth, int number, unsigned char*
     };
     const auto yuv = [&](std::uint32_t x) { return to_yuv(colour(x)); };
     for (std::uint32_t x = 0; x < layout.width; ++x) {
+      // The next two bits below the upper 8 are the opposite of the first two.
+      const auto put_deep = [&](unsigned value) {
+        const unsigned deep = (value << 8 | (~value & 0xC0U)) >> (16 - depth);
+        put(deep >> 8), put(deep);
+      };
       const auto raw = [&] { return raw_sample(colour(x), layout.filter, x, y); };
       switch (layout.coding) {
         case DC1394_COLOR_CODING_YUV411:
@@ -192,10 +197,8 @@ void paint(const Layout& layout, std::uint32_t depth, int number, unsigned char*
         case DC1394_COLOR_CODING_YUV444: put(yuv(x).u), put(yuv(x).y), put(yuv(x).v); break;
         case DC1394_COLOR_CODING_RGB8: put(colour(x).r), put(colour(x).g), put(colour(x).b); break;
         case DC1394_COLOR_CODING_RAW8: put(raw()); break;
-        case DC1394_COLOR_CODING_RAW16: put(raw() << (depth - 8) >> 8), put(raw() << (depth - 8)); break;
-        case DC1394_COLOR_CODING_MONO16:
-          put(yuv(x).y << (depth - 8) >> 8), put(yuv(x).y << (depth - 8));
-          break;
+        case DC1394_COLOR_CODING_RAW16: put_deep(raw()); break;
+        case DC1394_COLOR_CODING_MONO16: put_deep(yuv(x).y); break;
         default: put(yuv(x).y);
       }
     }

@@ -31,9 +31,9 @@ void FakeV4l2::deliver(std::span<const std::uint8_t> bytes, std::uint32_t flags)
   queue_.pop_front();
   Buffer& buffer = buffers_[filled.index];
   buffer.queued = false;
-  const std::size_t count = std::min(bytes.size(), buffer.bytes.size());
-  std::copy_n(bytes.begin(), count, buffer.bytes.begin());
-  filled.bytesused = static_cast<__u32>(count);
+  const std::size_t count = std::min(bytes.size(), buffer.bytes.size() - data_offset);
+  std::copy_n(bytes.begin(), count, buffer.bytes.begin() + data_offset);
+  filled.bytesused = static_cast<__u32>(data_offset + count);
   filled.length = static_cast<__u32>(buffer.bytes.size());
   filled.flags = stamp_flags | flags;
   filled.sequence = sequence;
@@ -109,21 +109,61 @@ int FakeV4l2::call(unsigned long request, void* argument) noexcept {
   return answer(request, argument);
 }
 
+v4l2_buf_type FakeV4l2::buffer_type() const {
+  return (capabilities & V4L2_CAP_VIDEO_CAPTURE) != 0 ? V4L2_BUF_TYPE_VIDEO_CAPTURE
+                                                      : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+}
+
+bool FakeV4l2::is_of_its_kind(unsigned long request, const void* argument) const {
+  const auto type = static_cast<__u32>(buffer_type());
+  switch (request) {
+    case VIDIOC_ENUM_FMT: return static_cast<const v4l2_fmtdesc*>(argument)->type == type;
+    case VIDIOC_G_FMT:
+    case VIDIOC_S_FMT: return static_cast<const v4l2_format*>(argument)->type == type;
+    case VIDIOC_G_PARM:
+    case VIDIOC_S_PARM: return static_cast<const v4l2_streamparm*>(argument)->type == type;
+    case VIDIOC_REQBUFS: return static_cast<const v4l2_requestbuffers*>(argument)->type == type;
+    case VIDIOC_QUERYBUF:
+    case VIDIOC_QBUF:
+    case VIDIOC_DQBUF: {
+      const auto& buffer = *static_cast<const v4l2_buffer*>(argument);
+      const bool has_planes = buffer.m.planes != nullptr && buffer.length >= 1;
+      return buffer.type == type && (type == V4L2_BUF_TYPE_VIDEO_CAPTURE || has_planes);
+    }
+    case VIDIOC_STREAMON:
+    case VIDIOC_STREAMOFF: return *static_cast<const int*>(argument) == static_cast<int>(type);
+    default: return true;
+  }
+}
+
+/// Into the plane, where the device has planes.
+void FakeV4l2::fill_in(v4l2_buffer& out, const v4l2_buffer& from) const {
+  if (buffer_type() == V4L2_BUF_TYPE_VIDEO_CAPTURE) {
+    out = from;
+    return;
+  }
+  v4l2_plane* plane = out.m.planes;
+  *plane = {};
+  plane->length = from.length;
+  plane->bytesused = from.bytesused;
+  plane->data_offset = data_offset;
+  plane->m.mem_offset = from.m.offset;
+  out = from;
+  out.type = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+  out.m.planes = plane;
+  out.length = 1;
+  out.bytesused = 0;
+}
+
 int FakeV4l2::answer(unsigned long request, void* argument) {
+  if (!is_of_its_kind(request, argument)) return EINVAL;
   switch (request) {
     case VIDIOC_QUERYCAP: return describe(as<v4l2_capability>(argument));
     case VIDIOC_ENUM_FMT: return describe(as<v4l2_fmtdesc>(argument));
     case VIDIOC_ENUM_FRAMESIZES: return describe(as<v4l2_frmsizeenum>(argument));
     case VIDIOC_ENUM_FRAMEINTERVALS: return describe(as<v4l2_frmivalenum>(argument));
-    case VIDIOC_G_FMT:
-      if (format_.width == 0) {
-        format_.pixelformat = modes[0].fourcc;
-        format_.width = static_cast<__u32>(modes[0].width);
-        format_.height = static_cast<__u32>(modes[0].height);
-      }
-      as<v4l2_format>(argument).fmt.pix = format_;
-      return 0;
-    case VIDIOC_S_FMT: return set(as<v4l2_format>(argument).fmt.pix);
+    case VIDIOC_G_FMT: return get_or_set_format(false, as<v4l2_format>(argument));
+    case VIDIOC_S_FMT: return get_or_set_format(true, as<v4l2_format>(argument));
     case VIDIOC_G_PARM:
       as<v4l2_streamparm>(argument).parm.capture = {};
       as<v4l2_streamparm>(argument).parm.capture.capability = V4L2_CAP_TIMEPERFRAME;
@@ -134,8 +174,10 @@ int FakeV4l2::answer(unsigned long request, void* argument) {
     case VIDIOC_QUERYBUF: {
       auto& buffer = as<v4l2_buffer>(argument);
       if (buffer.index >= buffers_.size()) return EINVAL;
-      buffer.length = format_.sizeimage;
-      buffer.m.offset = buffer.index;
+      v4l2_buffer asked{};
+      asked.index = asked.m.offset = buffer.index;
+      asked.length = static_cast<__u32>(buffer_bytes());
+      fill_in(buffer, asked);
       return 0;
     }
     case VIDIOC_QBUF: {
@@ -147,7 +189,7 @@ int FakeV4l2::answer(unsigned long request, void* argument) {
     }
     case VIDIOC_DQBUF:
       if (filled_.empty()) return EAGAIN;
-      as<v4l2_buffer>(argument) = filled_.front();
+      fill_in(as<v4l2_buffer>(argument), filled_.front());
       filled_.pop_front();
       return 0;
     case VIDIOC_STREAMON:
@@ -211,6 +253,39 @@ int FakeV4l2::describe(v4l2_frmivalenum& out) {
   return 0;
 }
 
+int FakeV4l2::get_or_set_format(bool setting, v4l2_format& format) {
+  const bool planar = buffer_type() == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+  v4l2_pix_format pix = format_;
+  if (setting && planar) {
+    const v4l2_pix_format_mplane& wanted = format.fmt.pix_mp;
+    pix.width = wanted.width;
+    pix.height = wanted.height;
+    pix.pixelformat = wanted.pixelformat;
+    pix.field = wanted.field;
+  } else if (setting) {
+    pix = format.fmt.pix;
+  } else if (format_.width == 0) {
+    pix.pixelformat = format_.pixelformat = modes[0].fourcc;
+    pix.width = format_.width = static_cast<__u32>(modes[0].width);
+    pix.height = format_.height = static_cast<__u32>(modes[0].height);
+  }
+  if (setting) set(pix);
+  if (!planar) {
+    format.fmt.pix = pix;
+    return 0;
+  }
+  v4l2_pix_format_mplane& out = format.fmt.pix_mp;
+  out = {};
+  out.width = pix.width;
+  out.height = pix.height;
+  out.pixelformat = pix.pixelformat;
+  out.field = pix.field;
+  out.num_planes = static_cast<__u8>(planes);
+  out.plane_fmt[0].bytesperline = pix.bytesperline;
+  out.plane_fmt[0].sizeimage = pix.sizeimage;
+  return 0;
+}
+
 /// As drivers do: what there is not becomes the first that there is.
 int FakeV4l2::set(v4l2_pix_format& wanted) {
   const Mode* mode =
@@ -223,9 +298,11 @@ int FakeV4l2::set(v4l2_pix_format& wanted) {
   const bool bayer = mode->fourcc == V4L2_PIX_FMT_SRGGB8;
   const bool rgb = mode->fourcc == V4L2_PIX_FMT_RGB24;
   const bool jpeg = mode->fourcc == V4L2_PIX_FMT_MJPEG;
-  const __u32 bytes = rgb || jpeg ? 3 : grey || bayer ? 1 : 2;
+  const bool nv12 = mode->fourcc == V4L2_PIX_FMT_NV12;
+  const __u32 bytes = rgb || jpeg ? 3 : grey || bayer || nv12 ? 1 : 2;
   wanted.bytesperline = jpeg ? 0 : wanted.width * bytes + padding_bytes;
   wanted.sizeimage = (wanted.width * bytes + padding_bytes) * wanted.height;
+  if (nv12) wanted.sizeimage += wanted.sizeimage / 2;
   format_ = wanted;
   rate_hz_ = mode->rates_hz[0];
   return 0;
@@ -249,7 +326,7 @@ int FakeV4l2::allocate(v4l2_requestbuffers& request) {
     orphans_[memory] = std::move(buffer.bytes);
   }
   buffers_.assign(request.count, {});
-  for (Buffer& buffer : buffers_) buffer.bytes.resize(format_.sizeimage);
+  for (Buffer& buffer : buffers_) buffer.bytes.resize(buffer_bytes());
   queue_.clear();
   return 0;
 }

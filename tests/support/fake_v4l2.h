@@ -38,6 +38,9 @@ class FakeV4l2 final : public V4l2Device {
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<Mode> modes{{V4L2_PIX_FMT_YUYV, 64, 48, {30}}};
   std::uint32_t padding_bytes = 0;  // of each row
+  /// Of a device with V4L2_CAP_VIDEO_CAPTURE_MPLANE alone: where pictures begin in their plane, and how many
+  /// planes it says a picture has.
+  std::uint32_t data_offset = 0, planes = 1;
   std::map<std::uint32_t, Item> items{};
   std::map<unsigned long, int> failing{};  // calls and their errno
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
@@ -68,11 +71,17 @@ class FakeV4l2 final : public V4l2Device {
     bool queued = false;
   };
 
+  v4l2_buf_type buffer_type() const;
+  std::size_t buffer_bytes() const { return data_offset + format_.sizeimage; }
+  /// What a call about formats or buffers says it is about, which must be the device's own kind.
+  bool is_of_its_kind(unsigned long request, const void* argument) const;
+  void fill_in(v4l2_buffer& out, const v4l2_buffer& from) const;
   int answer(unsigned long request, void* argument);
   int describe(v4l2_capability& out);
   int describe(v4l2_fmtdesc& out);
   int describe(v4l2_frmsizeenum& out);
   int describe(v4l2_frmivalenum& out);
+  int get_or_set_format(bool setting, v4l2_format& format);
   int set(v4l2_pix_format& wanted);
   int set(v4l2_captureparm& wanted);
   int allocate(v4l2_requestbuffers& request);

@@ -96,13 +96,16 @@ ImageView view_of(const SentPicture& sent) {
           sent.format->format};
 }
 
-void unpack_pixels(const SentPicture& sent, std::uint8_t* to) {
+void unpack_pixels(const SentPicture& sent, const ImageView& layout, std::uint8_t* to) {
   const auto width = static_cast<std::size_t>(sent.width), height = static_cast<std::size_t>(sent.height);
-  if (sent.padding_bytes == 0) return sent.format->unpack(sent.data, width * height, to);
+  const auto unpack = [&](const std::uint8_t* from, std::size_t pixels, std::uint8_t* row) {
+    if (sent.format->unpack != nullptr) return sent.format->unpack(from, pixels, row);
+    sent.format->split(from, pixels, row, row + layout.to_low_bits);
+  };
+  if (sent.padding_bytes == 0) return unpack(sent.data, width * height, to);
   const std::size_t from_bytes = sent_bytes(*sent.format, width) + sent.padding_bytes;
-  const std::size_t to_bytes = width * static_cast<std::size_t>(bytes_per_pixel(sent.format->format));
-  for (std::size_t y = 0; y < height; ++y)
-    sent.format->unpack(sent.data + y * from_bytes, width, to + y * to_bytes);
+  const auto to_bytes = static_cast<std::size_t>(layout.stride_bytes);
+  for (std::size_t y = 0; y < height; ++y) unpack(sent.data + y * from_bytes, width, to + y * to_bytes);
 }
 
 class AravisSource final : public Source {
@@ -187,7 +190,7 @@ class AravisSource final : public Source {
     image.is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     image.times = times_of(buffer);
     image.whole = whole_;
-    if (sent.format->unpack != nullptr) return unpack(sent, buffer, image);
+    if (sent.format->is_copied()) return unpack(sent, buffer, image);
     {
       const std::lock_guard lock(link_->mutex);
       lease_of(buffer).link = link_;
@@ -292,8 +295,8 @@ class AravisSource final : public Source {
                    options_.socket_buffer_bytes, "packet-resend",
                    options_.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                    nullptr);
-      // The packet socket takes in what is meant for others until its filter is set, and such packets' numbers
-      // would make the camera's own pictures look late. Without buffers the library throws them away.
+      // The packet socket takes in what is meant for others until its filter is set, and such packets'
+      // numbers would make the camera's own pictures look late. Without buffers the library throws them away.
       std::this_thread::sleep_for(kForeignPackets);
     }
     for (int i = 0; i < options_.buffers; ++i) {
@@ -361,15 +364,16 @@ class AravisSource final : public Source {
   CaptureStatus unpack(const SentPicture& sent, ArvBuffer* buffer, CapturedImage& image) {
     ImageView layout{nullptr, sent.width, sent.height, 0, sent.format->format};
     layout.stride_bytes = std::ptrdiff_t{sent.width} * bytes_per_pixel(layout.format);
-    const auto picture_bytes =
-        static_cast<std::size_t>(layout.stride_bytes) * static_cast<std::size_t>(sent.height);
+    const std::ptrdiff_t plane_bytes = layout.stride_bytes * sent.height;
+    if (sent.format->split != nullptr) layout.to_low_bits = plane_bytes;
+    const auto picture_bytes = static_cast<std::size_t>(plane_bytes + layout.to_low_bits);
     if (picture_bytes > pool_bytes_) {
       pool_.emplace(static_cast<std::size_t>(options_.buffers), picture_bytes);
       pool_bytes_ = picture_bytes;
     }
     std::uint8_t* to = nullptr;
     image.image = pool_->take(layout, to);
-    if (to != nullptr) unpack_pixels(sent, to);
+    if (to != nullptr) unpack_pixels(sent, layout, to);
     arv_stream_push_buffer(stream_.get(), buffer);
     if (to != nullptr) return CaptureStatus::kImage;
     ++dropped_;  // viewers hold all our buffers

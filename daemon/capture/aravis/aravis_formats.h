@@ -14,8 +14,14 @@ namespace sslv {
 struct AravisFormat {
   ArvPixelFormat arv = 0;
   PixelFormat format{};
-  /// Makes the one into the other; null: they are the same.
+  /// Makes the one into the other.
   void (*unpack)(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to) noexcept = nullptr;
+  /// The same of more than 8 bits, whose rest goes to `low`.
+  void (*split)(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to,
+                std::uint8_t* low) noexcept = nullptr;
+
+  /// Else the camera's bytes are read where they are.
+  bool is_copied() const { return unpack != nullptr || split != nullptr; }
 };
 
 /// Null: none that we read.

@@ -104,7 +104,7 @@ class Setup {
     std::string out;
     for (guint i = 0; available && i < count; ++i) {
       const AravisFormat* format = find_aravis_format(static_cast<ArvPixelFormat>(available.get()[i]));
-      if (format != nullptr && format->unpack == nullptr)
+      if (format != nullptr && !format->is_copied())
         out += (out.empty() ? "" : ", ") + std::string(name_of(format->format));
     }
     return out.empty() ? "none that is supported" : out;

@@ -63,8 +63,9 @@ class Dc1394Source final : public Source {
 
     const auto frames = static_cast<std::size_t>(options.ring_frames);
     if (needs_unpacking(video_.coding)) {
-      pool_.emplace(frames, static_cast<std::size_t>(video_.layout.stride_bytes) *
-                                static_cast<std::size_t>(video_.layout.height));
+      const ImageView& layout = video_.layout;
+      pool_.emplace(frames,
+                    static_cast<std::size_t>(layout.stride_bytes * layout.height + layout.to_low_bits));
     }
     ring_ = std::make_shared<Ring>(std::move(handle), static_cast<std::uint32_t>(frames), label_);
     check(dc1394_video_set_transmission(camera, DC1394_ON), label_, "does not start to send");
@@ -155,7 +156,7 @@ class Dc1394Source final : public Source {
   CaptureStatus unpack_into(dc1394video_frame_t& frame, CapturedImage& image) {
     std::uint8_t* bytes = nullptr;
     image.image = pool_->take(video_.layout, bytes);
-    if (bytes != nullptr) unpack(frame, bytes);
+    if (bytes != nullptr) unpack(frame, video_.layout, bytes);
     ring_->put_back(&frame);
     if (bytes != nullptr) return CaptureStatus::kImage;
     ++dropped_;  // viewers hold all our buffers

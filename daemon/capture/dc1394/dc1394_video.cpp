@@ -320,6 +320,8 @@ class Setup {
       refuse("width and height", fmt::format("{}x{}", layout.width, layout.height),
              fmt::format("{} needs even ones", name_of(layout.format)));
     }
+    if (coding_ == DC1394_COLOR_CODING_MONO16 || coding_ == DC1394_COLOR_CODING_RAW16)
+      layout.to_low_bits = layout.stride_bytes * layout.height;
     if (coding_ == DC1394_COLOR_CODING_YUV411 && layout.width % 4 != 0)
       refuse("width", layout.width, "yuv411 needs a multiple of 4");
     video.summary = is_format7(mode_) ? fmt::format("{} {} {}x{}", mode_name(), name_in(kCodings, coding_),
@@ -371,11 +373,11 @@ bool needs_unpacking(dc1394color_coding_t coding) {
          coding == DC1394_COLOR_CODING_MONO16 || coding == DC1394_COLOR_CODING_RAW16;
 }
 
-void unpack(const dc1394video_frame_t& frame, std::uint8_t* to) noexcept {
+void unpack(const dc1394video_frame_t& frame, const ImageView& layout, std::uint8_t* to) noexcept {
   const std::size_t pixels = std::size_t{frame.size[0]} * frame.size[1];
   if (frame.color_coding == DC1394_COLOR_CODING_YUV411) return yuv411_to_uyvy(frame.image, pixels, to);
   if (frame.color_coding == DC1394_COLOR_CODING_YUV444) return yuv444_to_uyvy(frame.image, pixels, to);
-  big_endian_to_8_bit(frame.image, pixels, static_cast<int>(frame.data_depth), to);
+  split_big_endian(frame.image, pixels, static_cast<int>(frame.data_depth), to, to + layout.to_low_bits);
 }
 
 }  // namespace sslv::iidc

@@ -26,6 +26,6 @@ Video set_up_video(dc1394camera_t* camera, const Options& options, const std::st
 /// Whether pictures of this coding must be converted for the pipeline.
 bool needs_unpacking(dc1394color_coding_t coding);
 /// Converts one of those; `to` has room for the layout.
-void unpack(const dc1394video_frame_t& frame, std::uint8_t* to) noexcept;
+void unpack(const dc1394video_frame_t& frame, const ImageView& layout, std::uint8_t* to) noexcept;
 
 }  // namespace sslv::iidc

@@ -214,14 +214,16 @@ class FileSource final : public Source {
       throw std::system_error(errno, std::generic_category());
     const PixelFormat format = *options_.pixel_format;
     const std::int64_t expected = std::int64_t{options_.width} * options_.height * bytes_per_pixel(format);
-    if (status.st_size != expected) {
+    // Low bits lie behind the picture.
+    const bool is_deep = bytes_per_pixel(format) == 1 && status.st_size == 2 * expected;
+    if (status.st_size != expected && !is_deep) {
       throw std::runtime_error(fmt::format("{} bytes; expected {} ({}x{} {})", status.st_size, expected,
                                            options_.width, options_.height, name_of(format)));
     }
     std::uint8_t* pixels = nullptr;
-    Image image = pool_.take(format, options_.width, options_.height, pixels);
-    for (std::int64_t done = 0; done < expected;) {
-      const ssize_t got = ::read(file.get(), pixels + done, static_cast<std::size_t>(expected - done));
+    Image image = pool_.take(format, options_.width, options_.height, pixels, is_deep);
+    for (std::int64_t done = 0; done < status.st_size;) {
+      const ssize_t got = ::read(file.get(), pixels + done, static_cast<std::size_t>(status.st_size - done));
       if (got < 0) throw std::system_error(errno, std::generic_category());
       if (got == 0) throw std::runtime_error("has become shorter while it was read");
       done += got;

@@ -14,9 +14,9 @@ namespace sslv {
 /// A BufferPool for pictures whose size is known only once they come.
 class PicturePool {
  public:
-  /// Allocates only when a picture is larger than any before. Throws std::runtime_error when all buffers are
-  /// out.
-  Image take(PixelFormat format, int width, int height, std::uint8_t*& pixels);
+  /// Allocates only when a picture is larger than any before; low bits (`is_deep`) lie right behind it.
+  /// Throws std::runtime_error when all buffers are out.
+  Image take(PixelFormat format, int width, int height, std::uint8_t*& pixels, bool is_deep = false);
 
  private:
   std::optional<BufferPool> buffers_;

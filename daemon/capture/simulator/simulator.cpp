@@ -119,6 +119,11 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
     throw SettingsError(fmt::format("{}: width {} and height {} are not allowed; expected even ones for {}",
                                     path, options.width, options.height, name_of(options.pixel_format)));
   }
+  if (options.bits > 8 && bytes_per_pixel(options.pixel_format) != 1) {
+    throw SettingsError(
+        fmt::format("{}/bits: {} is not allowed with {}; expected 8, or a Bayer or mono format", path,
+                    options.bits, name_of(options.pixel_format)));
+  }
   const auto check_ids = [&](std::string_view count_key, int count, std::string_view first_key, int first) {
     constexpr int kIds = 16;
     if (first + count <= kIds) return;

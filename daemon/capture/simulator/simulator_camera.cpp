@@ -75,9 +75,12 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
       world_(world_of(options, context)),
       renderer_(options, scene_.field, *scene_.camera, patterns),
       sensor_(options, static_cast<std::uint64_t>(options.seed) << 32 | context.camera_id),
-      layout_{nullptr, options.width, options.height,
+      layout_{nullptr,
+              options.width,
+              options.height,
               static_cast<std::ptrdiff_t>(options.width) * bytes_per_pixel(options.pixel_format),
-              options.pixel_format},
+              options.pixel_format,
+              static_cast<std::ptrdiff_t>(sensor_.picture_bytes() - sensor_.plane_bytes())},
       background_(renderer_.background(options.placement == SimulatorPlacement::kPaths ? world_.at(0)
                                                                                        : SimulatedScene())),
       light_(background_),
@@ -155,7 +158,8 @@ void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
     for (int y = reached.top; y < reached.bottom; ++y) {
       const std::size_t at =
           static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(reached.left) * pixel_bytes;
-      std::memcpy(clean_.data() + at, clean_background_.data() + at, bytes);
+      for (std::size_t of = at; of < clean_.size(); of += sensor_.plane_bytes())
+        std::memcpy(clean_.data() + of, clean_background_.data() + of, bytes);
     }
   }
 }

@@ -24,6 +24,7 @@ inline constexpr std::array<Choice<SimulatorPlacement>, 2> kSimulatorPlacementCh
 struct SimulatorOptions {
   int width = 780, height = 580;
   PixelFormat pixel_format = PixelFormat::kUyvy;
+  int bits = 8;
   double frame_rate_hz = 60;
   int robots_yellow = 6, robots_blue = 6;
   int first_yellow_id = 0, first_blue_id = 0;
@@ -55,6 +56,8 @@ struct SimulatorOptions {
         number("width", &O::width, 2, 16384, "px", "width of the picture"),
         number("height", &O::height, 2, 16384, "px", "height of the picture"),
         choice("pixel_format", &O::pixel_format, kPixelFormatChoices, "how the camera's bytes lie"),
+        number("bits", &O::bits, 8, 16, "",
+               "of each sample, of which fits read all; more than 8 with Bayer and mono formats only"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
                "pictures a second; 0: as fast as possible"),
         number("robots_yellow", &O::robots_yellow, 0, 16, "", "yellow robots on the field"),

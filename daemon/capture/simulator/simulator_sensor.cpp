@@ -83,7 +83,7 @@ SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t 
   for (float& weight : kernel_) weight /= static_cast<float>(sum);
 
   if (options.noise_sigma > 0) {
-    const auto row_samples = picture_bytes() / static_cast<std::size_t>(options.height);
+    const auto row_samples = plane_bytes() / static_cast<std::size_t>(options.height);
     fill_noise(kNoiseEntries + row_samples);
   }
   if (options_.hall.sensor.block_noise.value() > 0) fill_block_noise();
@@ -91,6 +91,14 @@ SimulatorSensor::SimulatorSensor(const SimulatorOptions& options, std::uint64_t 
 }
 
 void SimulatorSensor::fill_noise(std::size_t entries) {
+  if (is_deep()) {
+    deep_noise_.resize(entries);
+    for (std::int16_t& e : deep_noise_) {
+      const double noise = 256 * options_.noise_sigma * random_.normal();
+      e = static_cast<std::int16_t>(std::clamp<long>(std::lround(noise), -32767, 32767));
+    }
+    return;
+  }
   noise_.resize(entries);
   const auto entry = [](double noise) {
     return static_cast<std::int8_t>(std::clamp<long>(std::lround(noise), -127, 127));
@@ -111,7 +119,7 @@ void SimulatorSensor::fill_noise(std::size_t entries) {
   }
 }
 
-std::size_t SimulatorSensor::picture_bytes() const {
+std::size_t SimulatorSensor::plane_bytes() const {
   return static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height) *
          static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
 }
@@ -146,6 +154,16 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
                                  static_cast<std::size_t>(box.left)) *
                                     static_cast<std::size_t>(pixel_bytes);
   const int width = box.right - box.left;
+  std::uint8_t* const low = is_deep() ? out + plane_bytes() : nullptr;
+  const auto put = [&](int x, float value) {
+    if (low == nullptr) {
+      out[x] = byte(value);
+    } else {  // cut, not rounded, as cameras do
+      const auto deep = static_cast<int>(256 * std::clamp(value, 0.0F, 255.0F));
+      out[x] = static_cast<std::uint8_t>(deep >> 8);
+      low[x] = static_cast<std::uint8_t>(deep);
+    }
+  };
   switch (options_.pixel_format) {
     case PixelFormat::kUyvy:
     case PixelFormat::kYuyv: {
@@ -168,7 +186,7 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
       }
       return;
     case PixelFormat::kMono8:
-      for (int x = 0; x < width; ++x, rgb += 3) out[x] = byte(FloatYuv(rgb).y);
+      for (int x = 0; x < width; ++x, rgb += 3) put(x, FloatYuv(rgb).y);
       return;
     case PixelFormat::kBayerRg8:
     case PixelFormat::kBayerGr8:
@@ -176,8 +194,7 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
     case PixelFormat::kBayerBg8: {
       const auto channels = bayer_channels(options_.pixel_format);
       const int even = channels[y % 2 == 0 ? 0 : 2], odd = channels[y % 2 == 0 ? 1 : 3];
-      for (int x = 0; x < width; ++x, rgb += 3)
-        out[x] = byte(rgb[x % 2 == 0 ? even : odd]);  // box.left is even
+      for (int x = 0; x < width; ++x, rgb += 3) put(x, rgb[x % 2 == 0 ? even : odd]);  // box.left is even
       return;
     }
   }
@@ -247,10 +264,12 @@ void SimulatorSensor::develop_blurred(const std::vector<float>& blurred, std::ui
 }
 
 void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) {
-  if (noise_.empty()) {
+  if (is_deep()) {
+    add_deep_noise(clean, noisy);
+  } else if (noise_.empty()) {
     std::memcpy(noisy, clean, picture_bytes());
   } else {
-    const auto row_samples = picture_bytes() / static_cast<std::size_t>(options_.height);
+    const auto row_samples = plane_bytes() / static_cast<std::size_t>(options_.height);
     for (int y = 0; y < options_.height; ++y) {
       const std::size_t from = random_.bits() % (kNoiseEntries / noise_unit_) * noise_unit_;
       const std::size_t at = static_cast<std::size_t>(y) * row_samples;
@@ -260,6 +279,24 @@ void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) 
   if (!block_noise_.empty()) add_block_noise(noisy);
   for (const HotSample& hot : hot_samples_) {
     noisy[hot.at] = static_cast<std::uint8_t>(std::clamp(noisy[hot.at] + hot.excess, 0, 255));
+  }
+}
+
+/// A sample has no more bits than asked for once the noise is in it.
+void SimulatorSensor::add_deep_noise(const std::uint8_t* clean, std::uint8_t* noisy) {
+  const std::size_t plane = plane_bytes();
+  const auto row_samples = static_cast<std::size_t>(options_.width);
+  const int kept = ~((1 << (16 - options_.bits)) - 1);
+  for (std::size_t row = 0; row < plane; row += row_samples) {
+    const std::int16_t* noise =
+        deep_noise_.empty() ? nullptr : deep_noise_.data() + random_.bits() % kNoiseEntries;
+    for (std::size_t i = 0; i < row_samples; ++i) {
+      const std::size_t at = row + i;
+      const int value = (clean[at] << 8 | clean[plane + at]) + (noise != nullptr ? noise[i] : 0);
+      const int sample = std::clamp(value, 0, 0xFF00) & kept;
+      noisy[at] = static_cast<std::uint8_t>(sample >> 8);
+      noisy[plane + at] = static_cast<std::uint8_t>(sample);
+    }
   }
 }
 
@@ -315,7 +352,7 @@ void SimulatorSensor::fill_block_noise() {
 }
 
 void SimulatorSensor::add_block_noise(std::uint8_t* picture) {
-  const auto row_samples = picture_bytes() / static_cast<std::size_t>(options_.height);
+  const auto row_samples = plane_bytes() / static_cast<std::size_t>(options_.height);
   const std::size_t entries = block_noise_.size() / kBlockPx;
   const auto pair_samples = 2 * kBlockPx * static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
   std::size_t from = 0;

@@ -12,14 +12,16 @@
 
 namespace sslv {
 
-/// Turns light into the bytes of a camera: lens blur, saturation, pixel format, noise, hot pixels. The bytes
-/// lie without gaps between rows.
+/// Turns light into the bytes of a camera: lens blur, saturation, pixel format, noise, bits, hot pixels. The
+/// bytes lie without gaps between rows.
 class SimulatorSensor {
  public:
   /// `stream` tells the noise of several cameras apart; its lower half says which camera this is.
   SimulatorSensor(const SimulatorOptions& options, std::uint64_t stream);
 
-  std::size_t picture_bytes() const;
+  /// With more than 8 bits a second plane as large follows the picture (ImageView::to_low_bits).
+  std::size_t plane_bytes() const;
+  std::size_t picture_bytes() const { return (is_deep() ? 2 : 1) * plane_bytes(); }
 
   /// The pixels that the light inside `box` reaches, in whole units of the pixel format.
   PixelBox reached_from(const PixelBox& box) const;
@@ -48,6 +50,7 @@ class SimulatorSensor {
     int excess;
   };
 
+  bool is_deep() const { return options_.bits > 8; }
   template <class Use>
   void blur(const LightPicture& light, const PixelBox& box, const Use& use);
   void blur_row(const LightPicture& light, const PixelBox& box, int y, float* out) const;
@@ -55,6 +58,7 @@ class SimulatorSensor {
   void fill_noise(std::size_t entries);
   void fill_block_noise();
   void place_hot_pixels(std::uint64_t stream);
+  void add_deep_noise(const std::uint8_t* clean, std::uint8_t* noisy);
   void add_block_noise(std::uint8_t* picture);
   void write_row(const float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const;
 
@@ -63,8 +67,9 @@ class SimulatorSensor {
   std::vector<float> row_gains_;
   std::vector<float> kernel_;  // one half of the blur from its middle; sums to 1 with the other half
   std::vector<float> rows_, line_;
-  std::vector<std::int8_t> noise_;  // rows take it from a random place on
-  std::size_t noise_unit_;          // which is a multiple of this
+  std::vector<std::int8_t> noise_;        // rows take it from a random place on
+  std::vector<std::int16_t> deep_noise_;  // with more than 8 bits instead; in 256ths of a level
+  std::size_t noise_unit_;                // which is a multiple of this
   SimulatorRandom random_;
   std::vector<std::int8_t> block_noise_;  // kBlockPx rows; a row of blocks takes it from a random block on
   std::vector<HotSample> hot_samples_;

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/params_json.h"
 #include "capture/buffer_pool.h"
+#include "capture/unpack.h"
 #include "capture/v4l2/v4l2_controls.h"
 #include "capture/v4l2/v4l2_format.h"
 #include "capture/v4l2/v4l2_stream.h"
@@ -75,11 +76,12 @@ class V4l2Source final : public Source {
     // First: some change what sizes and rates there are, and some can no longer be set once it delivers.
     warnings_ = apply_controls(*controls_, options_.controls);
     format_ = set_v4l2_format(
-        *device_, {options_.pixel_format, options_.width, options_.height, options_.frame_rate_hz}, label_);
+        *device_, node.buffers,
+        {options_.pixel_format, options_.width, options_.height, options_.frame_rate_hz}, label_);
     timing_.period_s = format_.period_s;
     watch_exposure();
-    if (!format_.format.pixels) start_decoder();
-    stream_ = V4l2Stream::start(device_, options_.buffers, label_);
+    if (!format_.format.pixels) make_own_buffers();
+    stream_ = V4l2Stream::start(device_, node.buffers, options_.buffers, label_);
     last_picture_ns_ = steady_ns();
   }
 
@@ -97,7 +99,7 @@ class V4l2Source final : public Source {
     if (ready.event) read_events();
     if (!ready.picture && !ready.error) return nothing_came(problem);
 
-    v4l2_buffer filled{};
+    V4l2Stream::Filled filled;
     const int error = stream_->fetch(filled);
     if (error == EAGAIN && !ready.error) return CaptureStatus::kTimeout;
     if (error != 0) {
@@ -112,7 +114,12 @@ class V4l2Source final : public Source {
       return CaptureStatus::kIncomplete;
     }
     image.times = times_of(filled);
-    return format_.format.pixels ? lend(filled, image, problem) : decompress(filled, image, problem);
+    if (format_.format.pixels) return lend(filled, image, problem);
+    const CaptureStatus status = format_.format.fourcc == V4L2_PIX_FMT_NV12
+                                     ? spread_colors(filled, image, problem)
+                                     : decompress(filled, image, problem);
+    stream_->give_back(filled);
+    return status;
   }
 
  private:
@@ -130,14 +137,20 @@ class V4l2Source final : public Source {
     return lost(problem, fmt::format("no picture for {} s", options_.silence_s));
   }
 
-  CaptureStatus lend(const v4l2_buffer& filled, CapturedImage& image, std::string& problem) {
+  /// Of a picture with so many rows of so many bytes.
+  bool is_whole(const V4l2Stream::Filled& filled, int rows, std::ptrdiff_t row_bytes,
+                std::string& problem) const {
+    const std::ptrdiff_t needed = format_.stride_bytes * (rows - 1) + row_bytes;
+    if (static_cast<std::ptrdiff_t>(filled.bytes) >= needed && filled.bytes <= filled.most) return true;
+    problem = fmt::format("{} bytes came; {}x{} {} needs {}", filled.bytes, format_.width, format_.height,
+                          format_.format.name, needed);
+    return false;
+  }
+
+  CaptureStatus lend(const V4l2Stream::Filled& filled, CapturedImage& image, std::string& problem) {
     const PixelFormat pixels = *format_.format.pixels;
-    const std::ptrdiff_t row_bytes = std::ptrdiff_t{format_.width} * bytes_per_pixel(pixels);
-    const std::ptrdiff_t needed = format_.stride_bytes * (format_.height - 1) + row_bytes;
-    if (static_cast<std::ptrdiff_t>(filled.bytesused) < needed || filled.length < filled.bytesused) {
+    if (!is_whole(filled, format_.height, std::ptrdiff_t{format_.width} * bytes_per_pixel(pixels), problem)) {
       stream_->give_back(filled);
-      problem = fmt::format("{} bytes came; {}x{} {} needs {}", filled.bytesused, format_.width,
-                            format_.height, name_of(pixels), needed);
       return CaptureStatus::kIncomplete;
     }
     image.image =
@@ -145,8 +158,29 @@ class V4l2Source final : public Source {
     return CaptureStatus::kImage;
   }
 
-  CaptureStatus decompress(const v4l2_buffer& filled, CapturedImage& image, std::string& problem) {
-    const std::span jpeg(stream_->bytes_of(filled), std::min(filled.bytesused, filled.length));
+  /// NV12 becomes uyvy.
+  CaptureStatus spread_colors(const V4l2Stream::Filled& filled, CapturedImage& image, std::string& problem) {
+    const int width = format_.width, height = format_.height;
+    if (!is_whole(filled, height + height / 2, width, problem)) return CaptureStatus::kIncomplete;
+    std::uint8_t* pixels = nullptr;
+    const ImageView layout{nullptr, width, height, std::ptrdiff_t{2} * width, PixelFormat::kUyvy};
+    Image free = own_buffers_->take(layout, pixels);
+    if (pixels == nullptr) {  // all are out
+      ++dropped_;
+      return CaptureStatus::kTimeout;
+    }
+    const std::uint8_t* luma = stream_->bytes_of(filled);
+    const std::uint8_t* colors = luma + format_.stride_bytes * height;
+    for (int y = 0; y < height; ++y) {
+      nv12_row_to_uyvy(luma + y * format_.stride_bytes, colors + y / 2 * format_.stride_bytes,
+                       static_cast<std::size_t>(width), pixels + y * layout.stride_bytes);
+    }
+    image.image = std::move(free);
+    return CaptureStatus::kImage;
+  }
+
+  CaptureStatus decompress(const V4l2Stream::Filled& filled, CapturedImage& image, std::string& problem) {
+    const std::span jpeg(stream_->bytes_of(filled), std::min(filled.bytes, filled.most));
     const ImageView layout = decoder_->layout(jpeg, problem);
     CaptureStatus status = CaptureStatus::kIncomplete;
     if (layout.width > 0 && (layout.width != format_.width || layout.height != format_.height)) {
@@ -154,7 +188,7 @@ class V4l2Source final : public Source {
                             format_.height);
     } else if (layout.width > 0) {
       std::uint8_t* pixels = nullptr;
-      Image free = decompressed_->take(layout, pixels);
+      Image free = own_buffers_->take(layout, pixels);
       if (pixels == nullptr) {  // all are out
         ++dropped_;
         status = CaptureStatus::kTimeout;
@@ -163,16 +197,15 @@ class V4l2Source final : public Source {
         status = CaptureStatus::kImage;
       }
     }
-    stream_->give_back(filled);
     return status;
   }
 
-  void start_decoder() {
+  void make_own_buffers() {
     decoder_.emplace();
     constexpr std::size_t kMostBytesPerPixel = 3;
-    decompressed_.emplace(static_cast<std::size_t>(options_.buffers),
-                          kMostBytesPerPixel * static_cast<std::size_t>(format_.width) *
-                              static_cast<std::size_t>(format_.height));
+    own_buffers_.emplace(static_cast<std::size_t>(options_.buffers),
+                         kMostBytesPerPixel * static_cast<std::size_t>(format_.width) *
+                             static_cast<std::size_t>(format_.height));
   }
 
   void count_gap(std::uint32_t sequence) {
@@ -203,7 +236,7 @@ class V4l2Source final : public Source {
     }
   }
 
-  CaptureTimes times_of(const v4l2_buffer& filled) {
+  CaptureTimes times_of(const V4l2Stream::Filled& filled) {
     timing_.stamped_at = stamped_at(filled.flags, stamps_first_bytes_);
     double stamp_s = unix_time_s();
     if (timing_.stamped_at != V4l2StampedAt::kArrival) {
@@ -222,8 +255,8 @@ class V4l2Source final : public Source {
   std::shared_ptr<V4l2Stream> stream_;
   V4l2FormatSet format_;
   V4l2Timing timing_;
-  std::optional<JpegDecoder> decoder_;  // of compressed pictures, as is the next
-  std::optional<BufferPool> decompressed_;
+  std::optional<JpegDecoder> decoder_;  // of what is not lent as it comes, as is the next
+  std::optional<BufferPool> own_buffers_;
   std::optional<std::uint32_t> last_sequence_;
   std::uint64_t dropped_ = 0;
   std::int64_t last_picture_ns_ = 0;  // steady_ns(), damaged ones too
@@ -245,7 +278,8 @@ std::vector<FoundCamera> list_v4l2(const V4l2System& system) {
     found.source = {{"backend", "v4l2"}, {"camera", known_by(node, nodes)}};
     found.model = node.model;
     found.serial = node.serial;
-    for (const V4l2Format& format : v4l2_formats_of(*node.device)) found.formats.emplace_back(format.name);
+    for (const V4l2Format& format : v4l2_formats_of(*node.device, node.buffers))
+      found.formats.emplace_back(format.name);
     out.push_back(std::move(found));
   }
   return out;

@@ -36,6 +36,39 @@ struct Size {
   int width, height;
 };
 
+/// What is of interest of a v4l2_format, whichever kind of buffers the device has.
+struct Made {
+  __u32 fourcc, width, height, field, row_bytes;
+  int planes;
+};
+
+Made made_of(const v4l2_format& format) {
+  if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
+    return {pix.pixelformat, pix.width, pix.height, pix.field, pix.plane_fmt[0].bytesperline, pix.num_planes};
+  }
+  const v4l2_pix_format& pix = format.fmt.pix;
+  return {pix.pixelformat, pix.width, pix.height, pix.field, pix.bytesperline, 1};
+}
+
+v4l2_format wish_for(v4l2_buf_type buffers, const V4l2Format& format, const Size& size) {
+  v4l2_format out{};
+  out.type = buffers;
+  const auto fill = [&](auto& pix) {
+    pix.width = static_cast<__u32>(size.width);
+    pix.height = static_cast<__u32>(size.height);
+    pix.pixelformat = format.fourcc;
+    pix.field = V4L2_FIELD_NONE;
+  };
+  if (buffers == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    fill(out.fmt.pix_mp);
+    out.fmt.pix_mp.num_planes = 1;
+  } else {
+    fill(out.fmt.pix);
+  }
+  return out;
+}
+
 double rate_hz(const v4l2_fract& interval) {
   return interval.numerator == 0 ? 0 : static_cast<double>(interval.denominator) / interval.numerator;
 }
@@ -43,31 +76,34 @@ double rate_hz(const v4l2_fract& interval) {
 /// Talks to one device; every refusal is a CaptureError that begins with the label.
 class Setup {
  public:
-  Setup(V4l2Device& device, const V4l2FormatWish& wish, const std::string& label)
-      : device_(device), wish_(wish), label_(label), formats_(v4l2_formats_of(device)) {}
+  Setup(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish, const std::string& label)
+      : device_(device),
+        buffers_(buffers),
+        wish_(wish),
+        label_(label),
+        formats_(v4l2_formats_of(device, buffers)) {}
 
   V4l2FormatSet run() {
     v4l2_format now{};
-    now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    now.type = buffers_;
     if (const int error = device_.call(VIDIOC_G_FMT, &now); error != 0)
       fail("its format cannot be read: " + errno_text(error));
-    size_ = {wish_.width > 0 ? wish_.width : static_cast<int>(now.fmt.pix.width),
-             wish_.height > 0 ? wish_.height : static_cast<int>(now.fmt.pix.height)};
+    const Made was = made_of(now);
+    size_ = {wish_.width > 0 ? wish_.width : static_cast<int>(was.width),
+             wish_.height > 0 ? wish_.height : static_cast<int>(was.height)};
     const V4l2Format format = choose();
-    now.fmt.pix = {};
-    now.fmt.pix.width = static_cast<__u32>(size_.width);
-    now.fmt.pix.height = static_cast<__u32>(size_.height);
-    now.fmt.pix.pixelformat = format.fourcc;
-    now.fmt.pix.field = V4L2_FIELD_NONE;
+    now = wish_for(buffers_, format, size_);
     if (const int error = device_.call(VIDIOC_S_FMT, &now); error != 0)
       refuse("pixel_format", format.name, error == EBUSY ? "another program uses it" : errno_text(error));
-    return checked(format, now.fmt.pix);
+    return checked(format, made_of(now));
   }
 
  private:
-  V4l2FormatSet checked(const V4l2Format& format, const v4l2_pix_format& made) {
-    if (made.pixelformat != format.fourcc)
-      refuse("pixel_format", format.name, fmt::format("the camera made it {}", letters_of(made.pixelformat)));
+  V4l2FormatSet checked(const V4l2Format& format, const Made& made) {
+    if (made.fourcc != format.fourcc)
+      refuse("pixel_format", format.name, fmt::format("the camera made it {}", letters_of(made.fourcc)));
+    if (made.planes != 1)
+      refuse("pixel_format", format.name, fmt::format("the camera puts it into {} planes", made.planes));
     const Size size{static_cast<int>(made.width), static_cast<int>(made.height)};
     const auto is_other = [](int wanted, int got) { return wanted > 0 && wanted != got; };
     if (is_other(wish_.width, size.width) || is_other(wish_.height, size.height)) {
@@ -79,10 +115,14 @@ class Setup {
                                           V4L2_FIELD_INTERLACED_BT};
     if (std::find(kWhole.begin(), kWhole.end(), made.field) == kWhole.end())
       fail("it delivers half pictures, every second row (interlaced)");
-    if (format.pixels && !is_valid_size(*format.pixels, size.width, size.height))
+    // Of NV12 the row of Y; its colours' rows are as long.
+    const bool is_nv12 = format.fourcc == V4L2_PIX_FMT_NV12;
+    const PixelFormat becomes = format.pixels.value_or(PixelFormat::kUyvy);
+    const bool suits = is_valid_size(becomes, size.width, size.height) && (!is_nv12 || size.height % 2 == 0);
+    if ((format.pixels || is_nv12) && !suits)
       refuse("pixel_format", format.name, fmt::format("{}x{} does not suit it", size.width, size.height));
-    const int row_bytes = format.pixels ? size.width * bytes_per_pixel(*format.pixels) : 0;
-    return {format, size.width, size.height, std::max<std::ptrdiff_t>(row_bytes, made.bytesperline),
+    const int row_bytes = format.pixels ? size.width * bytes_per_pixel(becomes) : is_nv12 ? size.width : 0;
+    return {format, size.width, size.height, std::max<std::ptrdiff_t>(row_bytes, made.row_bytes),
             set_rate(format)};
   }
 
@@ -129,7 +169,7 @@ class Setup {
   /// Returns the time between pictures.
   double set_rate(const V4l2Format& format) {
     v4l2_streamparm parameters{};
-    parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    parameters.type = buffers_;
     v4l2_captureparm& capture = parameters.parm.capture;
     const bool readable = device_.call(VIDIOC_G_PARM, &parameters) == 0;
     if (wish_.frame_rate_hz) {
@@ -191,6 +231,7 @@ class Setup {
   }
 
   V4l2Device& device_;
+  const v4l2_buf_type buffers_;
   const V4l2FormatWish& wish_;
   const std::string& label_;
   const std::vector<V4l2Format> formats_;
@@ -199,12 +240,12 @@ class Setup {
 
 }  // namespace
 
-std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device) {
+std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device, v4l2_buf_type buffers) {
   std::vector<V4l2Format> out;
   for (__u32 i = 0;; ++i) {
     v4l2_fmtdesc description{};
     description.index = i;
-    description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    description.type = buffers;
     if (device.call(VIDIOC_ENUM_FMT, &description) != 0) break;
     if (const V4l2Format* format = format_of(description.pixelformat)) out.push_back(*format);
   }
@@ -214,8 +255,9 @@ std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device) {
   return out;
 }
 
-V4l2FormatSet set_v4l2_format(V4l2Device& device, const V4l2FormatWish& wish, const std::string& label) {
-  return Setup(device, wish, label).run();
+V4l2FormatSet set_v4l2_format(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish,
+                              const std::string& label) {
+  return Setup(device, buffers, wish, label).run();
 }
 
 }  // namespace sslv

@@ -21,11 +21,11 @@ namespace sslv {
 struct V4l2Format {
   std::string_view name;              // in settings
   std::uint32_t fourcc;               // the kernel's name
-  std::optional<PixelFormat> pixels;  // none: a compressed picture
+  std::optional<PixelFormat> pixels;  // none: what comes must be made into one first
 };
 
 /// The best first: colour before grey, what is ready to use before what must be decompressed.
-inline constexpr std::array<V4l2Format, 10> kV4l2Formats{{
+inline constexpr std::array<V4l2Format, 11> kV4l2Formats{{
     {"uyvy", V4L2_PIX_FMT_UYVY, PixelFormat::kUyvy},
     {"yuyv", V4L2_PIX_FMT_YUYV, PixelFormat::kYuyv},
     {"bayer_rg8", V4L2_PIX_FMT_SRGGB8, PixelFormat::kBayerRg8},
@@ -34,6 +34,7 @@ inline constexpr std::array<V4l2Format, 10> kV4l2Formats{{
     {"bayer_bg8", V4L2_PIX_FMT_SBGGR8, PixelFormat::kBayerBg8},
     {"rgb24", V4L2_PIX_FMT_RGB24, PixelFormat::kRgb24},
     {"bgr24", V4L2_PIX_FMT_BGR24, PixelFormat::kBgr24},
+    {"nv12", V4L2_PIX_FMT_NV12, std::nullopt},
     {"mjpeg", V4L2_PIX_FMT_MJPEG, std::nullopt},
     {"mono8", V4L2_PIX_FMT_GREY, PixelFormat::kMono8},
 }};
@@ -62,11 +63,12 @@ struct V4l2FormatSet {
   double period_s = 0;  // between pictures; 0: the device does not say
 };
 
-/// Those of ours that the device has.
-std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device);
+/// Those of ours that the device has. `buffers` is its kind of buffers, as in V4l2Node.
+std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device, v4l2_buf_type buffers);
 
 /// Throws CaptureError, beginning with `label`, with what the device has when it refuses. "auto" takes the
 /// format with which the device is fast enough, or fastest when no rate is wished for.
-V4l2FormatSet set_v4l2_format(V4l2Device& device, const V4l2FormatWish& wish, const std::string& label);
+V4l2FormatSet set_v4l2_format(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish,
+                              const std::string& label);
 
 }  // namespace sslv

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <linux/videodev2.h>
 
 namespace sslv {
 namespace {
@@ -83,8 +82,11 @@ Opened open_node(const V4l2System& system, const std::string& path) {
     return {std::nullopt, "no video device: " + errno_text(error)};
   const auto capabilities = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps
                                                                                   : capability.capabilities;
-  constexpr __u32 kNeeded = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
-  if ((capabilities & kNeeded) != kNeeded) return {std::nullopt, "this device delivers no pictures"};
+  const bool captures = (capabilities & V4L2_CAP_VIDEO_CAPTURE) != 0;
+  const bool captures_planes = (capabilities & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0;
+  if (!(captures || captures_planes) || (capabilities & V4L2_CAP_STREAMING) == 0)
+    return {std::nullopt, "this device delivers no pictures"};
+  if (!captures) node.buffers = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   node.model = text_of(capability.card);
   node.driver = text_of(capability.driver);
   node.bus = text_of(capability.bus_info);

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <linux/videodev2.h>
+
 namespace sslv {
 
 /// Where video devices are found and how they are opened; a test has its own.
@@ -25,6 +27,7 @@ struct V4l2Node {
   std::string serial;              // of USB; empty: none
   std::vector<std::string> links;  // names in /dev/v4l/by-id and by-path
   std::shared_ptr<V4l2Device> device;
+  v4l2_buf_type buffers = V4L2_BUF_TYPE_VIDEO_CAPTURE;  // or ..._MPLANE, as the device has it
 };
 
 /// All, opened, by their numbers. What cannot be opened is left out.

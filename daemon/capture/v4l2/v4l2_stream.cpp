@@ -3,6 +3,7 @@
 
 #include "capture/source.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -11,19 +12,37 @@
 namespace sslv {
 namespace {
 
-v4l2_buffer empty_buffer(std::uint32_t index) {
-  v4l2_buffer out{};
-  out.index = index;
-  out.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  out.memory = V4L2_MEMORY_MMAP;
-  return out;
-}
+/// A buffer as the kernel's calls take it. That of a multi-planar device has its bytes in planes, of which it
+/// has one here; it must stay where it is.
+struct KernelBuffer {
+  KernelBuffer(v4l2_buf_type type, std::uint32_t index) {
+    buffer.index = index;
+    buffer.type = type;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    if (type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+      buffer.length = 1;
+      buffer.m.planes = &plane;
+    }
+  }
+  KernelBuffer(const KernelBuffer&) = delete;
+  KernelBuffer& operator=(const KernelBuffer&) = delete;
+
+  bool is_planar() const { return buffer.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
+  std::size_t length() const { return is_planar() ? plane.length : buffer.length; }
+  std::size_t bytes_used() const { return is_planar() ? plane.bytesused : buffer.bytesused; }
+  /// Where the picture begins; bytes_used() counts from the buffer's own beginning.
+  std::size_t data_offset() const { return is_planar() ? plane.data_offset : 0; }
+  std::uint32_t map_offset() const { return is_planar() ? plane.m.mem_offset : buffer.m.offset; }
+
+  v4l2_buffer buffer{};
+  v4l2_plane plane{};
+};
 
 /// Returns how many there are now.
-int request_buffers(V4l2Device& device, int& count) {
+int request_buffers(V4l2Device& device, v4l2_buf_type type, int& count) {
   v4l2_requestbuffers request{};
   request.count = static_cast<__u32>(count);
-  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.type = type;
   request.memory = V4L2_MEMORY_MMAP;
   const int error = device.call(VIDIOC_REQBUFS, &request);
   count = static_cast<int>(request.count);
@@ -32,12 +51,12 @@ int request_buffers(V4l2Device& device, int& count) {
 
 }  // namespace
 
-std::shared_ptr<V4l2Stream> V4l2Stream::start(std::shared_ptr<V4l2Device> device, int buffers,
-                                              const std::string& label) {
-  std::shared_ptr<V4l2Stream> stream(new V4l2Stream(std::move(device)));
+std::shared_ptr<V4l2Stream> V4l2Stream::start(std::shared_ptr<V4l2Device> device, v4l2_buf_type type,
+                                              int buffers, const std::string& label) {
+  std::shared_ptr<V4l2Stream> stream(new V4l2Stream(std::move(device), type));
   stream->map_buffers(buffers, label);
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (const int error = stream->device_->call(VIDIOC_STREAMON, &type); error != 0) {
+  int started = type;
+  if (const int error = stream->device_->call(VIDIOC_STREAMON, &started); error != 0) {
     // ENOSPC is how a USB bus says that another camera has taken its time.
     throw CaptureError(
         fmt::format("camera \"{}\": does not start: {}", label,
@@ -56,42 +75,50 @@ void V4l2Stream::map_buffers(int wanted, const std::string& label) {
     throw CaptureError(fmt::format("camera \"{}\": {}: {}", label, what, errno_text(error)));
   };
   int count = wanted;
-  if (const int error = request_buffers(*device_, count); error == EBUSY) {
+  if (const int error = request_buffers(*device_, type_, count); error == EBUSY) {
     throw CaptureError(fmt::format("camera \"{}\": another program uses it", label));
   } else if (error != 0) {
     fail("no buffers", error);
   }
   buffers_.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    v4l2_buffer asked = empty_buffer(static_cast<std::uint32_t>(i));
-    if (const int error = device_->call(VIDIOC_QUERYBUF, &asked); error != 0) fail("no buffers", error);
-    std::uint8_t* memory = device_->map(asked.length, asked.m.offset);
+    KernelBuffer asked(type_, static_cast<std::uint32_t>(i));
+    if (const int error = device_->call(VIDIOC_QUERYBUF, &asked.buffer); error != 0)
+      fail("no buffers", error);
+    std::uint8_t* memory = device_->map(asked.length(), asked.map_offset());
     if (memory == nullptr) fail("no buffers", errno);
-    buffers_.push_back({memory, asked.length, asked.index});
-    if (const int error = queue(asked.index); error != 0) fail("does not take its buffers", error);
+    buffers_.push_back({memory, asked.length(), asked.buffer.index});
+    if (const int error = queue(asked.buffer.index); error != 0) fail("does not take its buffers", error);
   }
 }
 
 void V4l2Stream::stop() noexcept {
   if (stopped_.exchange(true)) return;
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  device_->call(VIDIOC_STREAMOFF, &type);
+  int stopped = type_;
+  device_->call(VIDIOC_STREAMOFF, &stopped);
   // Those that are still lent live on as orphans (Linux 4.20); nobody is kept from the device by them.
   int none = 0;
-  request_buffers(*device_, none);
+  request_buffers(*device_, type_, none);
 }
 
-int V4l2Stream::fetch(v4l2_buffer& filled) noexcept {
-  filled = empty_buffer(0);
-  const int error = device_->call(VIDIOC_DQBUF, &filled);
-  return error == 0 && filled.index >= buffers_.size() ? EIO : error;
+int V4l2Stream::fetch(Filled& filled) noexcept {
+  KernelBuffer fetched(type_, 0);
+  if (const int error = device_->call(VIDIOC_DQBUF, &fetched.buffer); error != 0) return error;
+  const v4l2_buffer& buffer = fetched.buffer;
+  if (buffer.index >= buffers_.size()) return EIO;
+  const std::size_t size = buffers_[buffer.index].size;
+  filled = {buffer.index, buffer.sequence, buffer.flags, buffer.timestamp};
+  filled.offset = std::min(fetched.data_offset(), size);
+  filled.bytes = std::max(fetched.bytes_used(), filled.offset) - filled.offset;
+  filled.most = size - filled.offset;
+  return 0;
 }
 
-Image V4l2Stream::lend(const v4l2_buffer& filled, ImageView layout) noexcept {
+Image V4l2Stream::lend(const Filled& filled, ImageView layout) noexcept {
   Buffer& buffer = buffers_[filled.index];
   buffer.keeps = shared_from_this();
   ++lent_;
-  layout.data = buffer.memory;
+  layout.data = bytes_of(filled);
   return {layout, nullptr, &buffer, &take_back};
 }
 
@@ -105,8 +132,8 @@ void V4l2Stream::take_back(void* /*owner*/, void* lent) noexcept {
 
 int V4l2Stream::queue(std::uint32_t index) noexcept {
   if (stopped_) return 0;
-  v4l2_buffer buffer = empty_buffer(index);
-  const int error = device_->call(VIDIOC_QBUF, &buffer);
+  KernelBuffer buffer(type_, index);
+  const int error = device_->call(VIDIOC_QBUF, &buffer.buffer);
   if (error != 0 && !stopped_) queue_error_ = error;
   return error;
 }

@@ -20,9 +20,10 @@ namespace sslv {
 /// open for them.
 class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
  public:
-  /// Maps and queues the buffers and starts the device. Throws CaptureError, beginning with `label`.
-  static std::shared_ptr<V4l2Stream> start(std::shared_ptr<V4l2Device> device, int buffers,
-                                           const std::string& label);
+  /// Maps and queues as many buffers and starts the device. `type` is that of the device's buffers; pictures
+  /// lie in one plane. Throws CaptureError, beginning with `label`.
+  static std::shared_ptr<V4l2Stream> start(std::shared_ptr<V4l2Device> device, v4l2_buf_type type,
+                                           int buffers, const std::string& label);
   ~V4l2Stream();
   V4l2Stream(const V4l2Stream&) = delete;
   V4l2Stream& operator=(const V4l2Stream&) = delete;
@@ -30,12 +31,23 @@ class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
   /// Ends the delivery and makes the device free for another opening. May block on dead hardware.
   void stop() noexcept;
 
+  /// A filled buffer.
+  struct Filled {
+    std::uint32_t index = 0, sequence = 0;
+    std::uint32_t flags = 0;  // V4L2_BUF_FLAG_...
+    timeval timestamp{};
+    std::size_t offset = 0;           // where the picture begins
+    std::size_t bytes = 0, most = 0;  // of the picture, as the device says, and of what is behind `offset`
+  };
+
   /// Fetches a filled buffer, which then must be lent or given back. 0, or the errno; EAGAIN: there is none.
-  int fetch(v4l2_buffer& filled) noexcept;
-  const std::uint8_t* bytes_of(const v4l2_buffer& filled) const { return buffers_[filled.index].memory; }
+  int fetch(Filled& filled) noexcept;
+  const std::uint8_t* bytes_of(const Filled& filled) const {
+    return buffers_[filled.index].memory + filled.offset;
+  }
   /// `layout` says how the picture lies; its data may be null.
-  Image lend(const v4l2_buffer& filled, ImageView layout) noexcept;
-  void give_back(const v4l2_buffer& filled) noexcept { queue(filled.index); }
+  Image lend(const Filled& filled, ImageView layout) noexcept;
+  void give_back(const Filled& filled) noexcept { queue(filled.index); }
 
   /// The device has at least one buffer to fill.
   bool can_deliver() const { return lent_ < buffers_.size(); }
@@ -50,12 +62,14 @@ class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
     std::shared_ptr<V4l2Stream> keeps{};  // while lent: the memory stays
   };
 
-  explicit V4l2Stream(std::shared_ptr<V4l2Device> device) : device_(std::move(device)) {}
+  V4l2Stream(std::shared_ptr<V4l2Device> device, v4l2_buf_type type)
+      : device_(std::move(device)), type_(type) {}
   void map_buffers(int wanted, const std::string& label);
   int queue(std::uint32_t index) noexcept;
   static void take_back(void* owner, void* lent) noexcept;
 
   const std::shared_ptr<V4l2Device> device_;
+  const v4l2_buf_type type_;
   std::vector<Buffer> buffers_;
   std::atomic<bool> stopped_{false};
   std::atomic<std::size_t> lent_{0};

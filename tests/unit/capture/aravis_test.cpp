@@ -7,6 +7,7 @@
 #include "net/network_cards.h"
 #include "support/allocation_count.h"
 #include "support/gige_server.h"
+#include "vision/disc_fit.h"
 
 #include <algorithm>
 #include <atomic>
@@ -121,7 +122,16 @@ GigeServer::Pack packed_p(std::size_t bits) {
   };
 }
 
-TEST_F(Gige, DeeperPixelsAreReadAsTheirUpperEightBits) {
+/// What packed_p() and its like put below the upper eight bits.
+void expect_low_bits(const ImageView& view, std::size_t bits) {
+  ASSERT_NE(view.to_low_bits, 0);
+  const std::uint8_t* low = view.data + view.to_low_bits;
+  const std::size_t low_bits = bits - 8;
+  for (std::size_t i = 0; i < 320 * 240; ++i)
+    ASSERT_EQ(low[i], (i & ((1U << low_bits) - 1)) << (8 - low_bits)) << "byte " << i;
+}
+
+TEST_F(Gige, DeeperPixelsKeepAllTheirBits) {
   const auto twelve_unpacked = [](const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed) {
     for (std::size_t i = 0; i < count; ++i) {
       packed[2 * i] = static_cast<std::uint8_t>(pixels[i] << 4 | (i & 15));
@@ -131,24 +141,53 @@ TEST_F(Gige, DeeperPixelsAreReadAsTheirUpperEightBits) {
   const auto gige_packed = [](const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed) {
     for (std::size_t i = 0; i < count; i += 2) {
       packed[i / 2 * 3] = pixels[i];
-      packed[i / 2 * 3 + 1] = static_cast<std::uint8_t>(i);
+      packed[i / 2 * 3 + 1] = static_cast<std::uint8_t>((i & 15) | ((i + 1) & 15) << 4);
       packed[i / 2 * 3 + 2] = pixels[i + 1];
     }
   };
-  const std::vector<std::pair<std::uint32_t, GigeServer::Pack>> formats{
-      {0x01100011, twelve_unpacked},  // BayerRG12
-      {0x010a0058, packed_p(10)},     // BayerRG10p
-      {0x010c0059, packed_p(12)},     // BayerRG12p
-      {0x010c002b, gige_packed},      // BayerRG12Packed
+  struct Sent {
+    std::uint32_t format;
+    std::size_t bits;
+    GigeServer::Pack pack;
   };
-  for (const auto& [format, pack] : formats) {
+  const std::vector<Sent> formats{
+      {0x01100011, 12, twelve_unpacked},  // BayerRG12
+      {0x010a0058, 10, packed_p(10)},     // BayerRG10p
+      {0x010c0059, 12, packed_p(12)},     // BayerRG12p
+      {0x010c002b, 12, gige_packed},      // BayerRG12Packed
+  };
+  for (const auto& [format, bits, pack] : formats) {
     server_->send_packed(format, pack);
     const auto source = open({{"buffers", 3}});
     for (int i = 0; i < 10; ++i) {
       const CapturedImage image = next_picture(*source);
       ASSERT_EQ(image.image.view().format, PixelFormat::kBayerRg8) << std::hex << format;
       expect_our_pixels(image.image.view());
+      expect_low_bits(image.image.view(), bits);
     }
+  }
+}
+
+TEST_F(Gige, LowBitsOfACameraReachTheFits) {
+  // A disc of .75 levels above its ground of 50, for which 8 bits say 50 everywhere.
+  constexpr double kU = 160, kV = 120, kRadiusPx = 6;
+  server_->send_packed(0x01100011, [](const std::uint8_t*, std::size_t count, std::uint8_t* packed) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const double du = static_cast<double>(i % 320) - kU, dv = static_cast<double>(i / 320) - kV;
+      const int value = 50 * 16 + (std::hypot(du, dv) < kRadiusPx ? 12 : 0);
+      packed[2 * i] = static_cast<std::uint8_t>(value);
+      packed[2 * i + 1] = static_cast<std::uint8_t>(value >> 8);
+    }
+  });
+  const auto source = open();
+  const CapturedImage image = next_picture(*source);
+  const PlanePatch patch{{kU, kV}, {0, 0}, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0};  // a millimetre each pixel
+  DiscMeter meter;
+  const DiscFit fit = fit_disc(meter.measure(image.image.view(), patch, {0, 0, kRadiusPx, 4}, {}, 0.3));
+  ASSERT_TRUE(fit.ok);
+  for (std::size_t color = 0; color < 3; ++color) {
+    EXPECT_NEAR(fit.contrast[color], 0.75, 0.1);
+    EXPECT_NEAR(fit.color[color], 50.75, 0.1);
   }
 }
 

@@ -203,6 +203,21 @@ TEST_F(Files, ReadsRawFramesAsTheyAre) {
   EXPECT_EQ(std::string(view.data, view.data + 64), bytes);
 }
 
+TEST_F(Files, LowBitsMayFollowARawFrame) {
+  std::string bytes;
+  for (int i = 0; i < 64; ++i) bytes.push_back(static_cast<char>(i * 5));
+  write("a.raw", bytes.substr(0, 32));
+  write("b.raw", bytes);
+  const Json options{{"pixel_format", "bayer_rg8"}, {"width", 8}, {"height", 4}};
+  const auto source = open(folder_.string(), options);
+  EXPECT_EQ(next(*source).image.image.view().to_low_bits, 0);
+  const Taken taken = next(*source);
+  ASSERT_EQ(taken.status, CaptureStatus::kImage) << taken.problem;
+  const ImageView& view = taken.image.image.view();
+  EXPECT_EQ(view.to_low_bits, 32);
+  EXPECT_EQ(std::string(view.data, view.data + 64), bytes);
+}
+
 TEST_F(Files, NamesARawFrameOfTheWrongSize) {
   write("frame.raw", std::string(63, 'x'));
   EXPECT_THAT(all_of(*open(folder_.string(), kRawOptions)),

@@ -3,6 +3,7 @@
 
 #include "image/color.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -173,6 +174,54 @@ TEST(SimulatorSensor, YuvNoiseIsThatOfTheColoursItIsMixedFrom) {
     EXPECT_NEAR(std::sqrt(v / units), 4.65, 0.1);
     EXPECT_NEAR(y_u / units, -9.4, 1.2);  // blue pulls U up and the others, most of Y, pull it down
     EXPECT_NEAR(y_y / units, 0, 1.5);
+  }
+}
+
+TEST(SimulatorSensor, DeepPixelsCarryWhatEightBitsLeave) {
+  LightPicture light = even_light(0, 0, 0);
+  for (int x = 0; x < kSide; ++x)
+    light.at(x, 0)[0] = static_cast<std::uint16_t>(10 * LightPicture::kPerGrey + 2 * x);
+  SimulatorOptions options = options_of(PixelFormat::kBayerRg8);
+  options.bits = 12;
+  SimulatorSensor sensor(options, 0);
+  const std::size_t plane = sensor.plane_bytes();
+  ASSERT_EQ(sensor.picture_bytes(), 2 * plane);
+  const auto clean = developed(options, light);
+  std::vector<std::uint8_t> picture(clean.size());
+  sensor.add_noise(clean.data(), picture.data());
+  for (std::size_t x = 0; x < kSide; x += 2) {
+    const double level = 10 + static_cast<double>(x) / 32;
+    EXPECT_EQ(picture[x], 10) << x;
+    EXPECT_EQ(picture[plane + x], static_cast<int>(16 * (level - 10)) * 16) << x;
+  }
+}
+
+TEST(SimulatorSensor, NoiseOfDeepPixelsIsFinerThanALevel) {
+  SimulatorOptions options = options_of(PixelFormat::kMono8);
+  options.width = options.height = 128;
+  options.bits = 12;
+  options.noise_sigma = 0.3;
+  SimulatorSensor sensor(options, 0);
+  const std::size_t plane = sensor.plane_bytes();
+  std::vector<std::uint8_t> clean(2 * plane, 100), noisy(clean.size());
+  sensor.add_noise(clean.data(), noisy.data());
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < plane; ++i) {
+    const double off = noisy[i] + noisy[plane + i] / 256.0 - (100 + 100 / 256.0);
+    sum += off;
+    squares += off * off;
+  }
+  const auto count = static_cast<double>(plane);
+  EXPECT_NEAR(sum / count, -1.0 / 32, 0.01);
+  EXPECT_NEAR(std::sqrt(squares / count), 0.3, 0.01);
+  // White stays white, black stays black.
+  for (const int level : {0, 255}) {
+    std::fill_n(clean.begin(), plane, static_cast<std::uint8_t>(level));
+    std::fill_n(clean.begin() + static_cast<std::ptrdiff_t>(plane), plane, std::uint8_t{0});
+    sensor.add_noise(clean.data(), noisy.data());
+    const auto kept = std::count_if(noisy.begin(), noisy.begin() + static_cast<std::ptrdiff_t>(plane),
+                                    [&](std::uint8_t value) { return value == level; });
+    EXPECT_GT(kept, static_cast<long>(plane) * (level == 0 ? 95 : 45) / 100) << level;
   }
 }
 

@@ -153,6 +153,8 @@ TEST(Simulator, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(error_of({{"wdith", 3}}).substr(0, 44), "/cameras/0/source/wdith: no such parameter; ");
   EXPECT_EQ(error_of({{"width", 781}}),
             "/cameras/0/source: width 781 and height 580 are not allowed; expected even ones for uyvy");
+  EXPECT_EQ(error_of({{"bits", 12}}),
+            "/cameras/0/source/bits: 12 is not allowed with uyvy; expected 8, or a Bayer or mono format");
   EXPECT_EQ(error_of({{"width", 781}, {"pixel_format", "rgb24"}}), "no error");
   EXPECT_EQ(error_of({{"robots_blue", 7}, {"first_blue_id", 10}}),
             "/cameras/0/source/robots_blue: 7 is not allowed with first_blue_id 10; expected ids up to 15");

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 /// A big camera of which a test says what comes when.
 struct BigCamera {
   static constexpr int kWidth = 64, kHeight = 48;
-  std::array<std::uint8_t, kWidth * kHeight> pixels{};
+  std::array<std::uint8_t, 2 * kWidth * kHeight> pixels{};  // low bits behind the picture
   std::mutex mutex;
   std::condition_variable changed;
   std::optional<CaptureStatus> coming;
@@ -54,8 +54,9 @@ struct BigCamera {
         const auto give_back = [](void* owner, void*) noexcept {
           ++static_cast<BigCamera*>(owner)->given_back;
         };
-        image.image = Image({camera_.pixels.data(), kWidth, kHeight, kWidth, PixelFormat::kMono8}, &camera_,
-                            nullptr, give_back);
+        image.image =
+            Image({camera_.pixels.data(), kWidth, kHeight, kWidth, PixelFormat::kMono8, kWidth * kHeight},
+                  &camera_, nullptr, give_back);
         image.times.t_capture_s = 7;
         image.whole = camera_.whole;
       } else {
@@ -103,6 +104,8 @@ TEST_F(Tile, TilesOfOneCameraShareItsBuffer) {
   ASSERT_EQ(next(*right, b), CaptureStatus::kImage);
   EXPECT_EQ(a.image.view().data, camera_.pixels.data());
   EXPECT_EQ(b.image.view().data, camera_.pixels.data() + 10 * BigCamera::kWidth + 32);
+  EXPECT_EQ(b.image.view().to_low_bits, BigCamera::kWidth * BigCamera::kHeight)
+      << "as far behind as in the whole";
   EXPECT_EQ(b.image.view().width, 32);
   EXPECT_EQ(b.image.view().height, 20);
   EXPECT_EQ(b.image.view().stride_bytes, BigCamera::kWidth);

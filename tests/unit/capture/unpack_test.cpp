@@ -25,34 +25,54 @@ TEST(Unpack, TwoPixelsOfYuv444GetTheirMeanColour) {
   EXPECT_EQ(to, (Bytes{15, 1, 151, 2, 255, 3, 1, 4}));
 }
 
-TEST(Unpack, SixteenBitsKeepTheUpperEightOfTheirDepth) {
+TEST(Unpack, ARowOfNv12TakesTheColoursOfItsPairOfRows) {
+  const Bytes luma{1, 2, 3, 4}, colors{10, 20, 30, 40};  // U V U V
+  Bytes to(8);
+  nv12_row_to_uyvy(luma.data(), colors.data(), 4, to.data());
+  EXPECT_EQ(to, (Bytes{10, 1, 20, 2, 30, 3, 40, 4}));
+}
+
+/// What `split` makes of `from`: each pixel's upper 8 bits and, in 256ths, the rest.
+template <class Split>
+std::vector<int> split_values(std::size_t pixels, const Split& split) {
+  Bytes to(pixels), low(pixels);
+  split(to.data(), low.data());
+  std::vector<int> out;
+  for (std::size_t i = 0; i < pixels; ++i) out.push_back(to[i] << 8 | low[i]);
+  return out;
+}
+
+using Values = std::vector<int>;
+
+TEST(Unpack, SixteenBitsAreSplitBelowTheUpperEightOfTheirDepth) {
   const Bytes from{0xAB, 0xCD, 0x0F, 0xF0, 0x00, 0x10};
-  Bytes to(3);
-  big_endian_to_8_bit(from.data(), 3, 16, to.data());
-  EXPECT_EQ(to, (Bytes{0xAB, 0x0F, 0x00}));
-  big_endian_to_8_bit(from.data() + 2, 2, 12, to.data());
-  EXPECT_EQ(to, (Bytes{0xFF, 0x01, 0x00}));
-  const Bytes low{0x00, 0x7F};
-  big_endian_to_8_bit(low.data(), 1, 8, to.data());
-  EXPECT_EQ(to[0], 0x7F);
+  const auto split = [&](const std::uint8_t* at, int depth_bits) {
+    return [=](std::uint8_t* to, std::uint8_t* low) { split_big_endian(at, 2, depth_bits, to, low); };
+  };
+  EXPECT_EQ(split_values(2, split(from.data(), 16)), (Values{0xABCD, 0x0FF0}));
+  EXPECT_EQ(split_values(2, split(from.data() + 2, 12)), (Values{0xFF00, 0x0100}));
+  const Bytes ten{0x03, 0xFF, 0x02, 0x01};
+  EXPECT_EQ(split_values(2, split(ten.data(), 10)), (Values{0xFFC0, 0x8040}));
+  const Bytes eight{0x00, 0x7F, 0x00, 0xFF};
+  EXPECT_EQ(split_values(2, split(eight.data(), 8)), (Values{0x7F00, 0xFF00}));
 }
 
 TEST(Unpack, MoreThanTheDepthIsWhite) {
   const Bytes from{0x10, 0x00};
-  Bytes to(1);
-  big_endian_to_8_bit(from.data(), 1, 12, to.data());
-  EXPECT_EQ(to[0], 255);
+  EXPECT_EQ(split_values(1, [&](std::uint8_t* to,
+                                std::uint8_t* low) { split_big_endian(from.data(), 1, 12, to, low); }),
+            Values{0xFFF0});
 }
 
 TEST(Unpack, TheLowByteMayComeFirst) {
-  const Bytes from{0xCD, 0xAB, 0xF0, 0x0F, 0x00, 0x10};
-  Bytes to(3);
-  little_endian_to_8_bit(from.data(), 3, 16, to.data());
-  EXPECT_EQ(to, (Bytes{0xAB, 0x0F, 0x10}));
-  little_endian_to_8_bit(from.data(), 3, 12, to.data());
-  EXPECT_EQ(to, (Bytes{0xFF, 0xFF, 0xFF}));
-  little_endian_to_8_bit(from.data() + 2, 1, 12, to.data());
-  EXPECT_EQ(to[0], 0xFF);
+  const Bytes from{0xCD, 0xAB, 0xF1, 0x0F, 0x00, 0x10};
+  const auto split = [&](int depth_bits) {
+    return [=, &from](std::uint8_t* to, std::uint8_t* low) {
+      split_little_endian(from.data(), 3, depth_bits, to, low);
+    };
+  };
+  EXPECT_EQ(split_values(3, split(16)), (Values{0xABCD, 0x0FF1, 0x1000}));
+  EXPECT_EQ(split_values(3, split(12)), (Values{0xFFF0, 0xFF10, 0xFFF0}));
 }
 
 /// Pixels one after the other, the lowest bit of each first.
@@ -65,22 +85,30 @@ Bytes packed_p(const std::vector<int>& values, std::size_t bits) {
   return out;
 }
 
-TEST(Unpack, PackedPixelsKeepTheirUpperEightBits) {
+TEST(Unpack, PackedPixelsKeepAllTheirBits) {
   // Six: a group and a half of "10p".
-  const std::vector<int> ten{0x2AF, 0x155, 0x3FF, 0x000, 0x1C3, 0x23D};
+  const Values ten{0x2AF, 0x155, 0x3FF, 0x000, 0x1C3, 0x23D};
   Bytes from = packed_p(ten, 10);
-  Bytes to(6);
-  packed_10p_to_8_bit(from.data(), 6, to.data());
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(to[i], ten[i] >> 2) << i;
+  from.resize(8);  // no more is sent, and no more may be read
+  const Values tens = split_values(
+      6, [&](std::uint8_t* to, std::uint8_t* low) { split_packed_10p(from.data(), 6, to, low); });
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(tens[i], ten[i] << 6) << i;
 
-  const std::vector<int> twelve{0xABC, 0x123, 0xFFF, 0x00F, 0xF10, 0x7E8};
+  const Values twelve{0xABC, 0x123, 0xFFF, 0x00F, 0xF10};
   from = packed_p(twelve, 12);
-  packed_12p_to_8_bit(from.data(), 6, to.data());
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(to[i], twelve[i] >> 4) << i;
+  from.resize(8);
+  const Values twelves = split_values(
+      5, [&](std::uint8_t* to, std::uint8_t* low) { split_packed_12p(from.data(), 5, to, low); });
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(twelves[i], twelve[i] << 4) << i;
 
-  const Bytes gige{0xAB, 0x3C, 0x12, 0xFF, 0x0F, 0x00};
-  gige_packed_to_8_bit(gige.data(), 4, to.data());
-  EXPECT_EQ((Bytes{to.begin(), to.begin() + 4}), (Bytes{0xAB, 0x12, 0xFF, 0x00}));
+  const Bytes gige{0xAB, 0x3C, 0x12, 0xFF, 0x02, 0x00};
+  EXPECT_EQ(split_values(4, [&](std::uint8_t* to,
+                                std::uint8_t* low) { split_gige_packed_12(gige.data(), 4, to, low); }),
+            (Values{0xABC0, 0x1230, 0xFF20, 0x0000}));
+  // Two bits each in the lower half and in the upper half of the byte between.
+  EXPECT_EQ(split_values(4, [&](std::uint8_t* to,
+                                std::uint8_t* low) { split_gige_packed_10(gige.data(), 4, to, low); }),
+            (Values{0xAB00, 0x12C0, 0xFF80, 0x0000}));
 }
 
 }  // namespace

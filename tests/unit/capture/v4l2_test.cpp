@@ -254,6 +254,105 @@ TEST_F(V4l2, MotionJpegIsRead) {
   EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "32x48 pixels came instead of 64x48");
 }
 
+/// Cameras of embedded boards: only the multi-planar calls, with one plane for what we take.
+constexpr std::uint32_t kPlanar = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+
+TEST_F(V4l2, ADeviceWithPlanesLendsItsBuffersToo) {
+  const auto camera = plug_in(0, "1", "");
+  camera->capabilities = kPlanar;
+  camera->modes = {{V4L2_PIX_FMT_UYVY, 64, 48, {30}}, {V4L2_PIX_FMT_SRGGB8, 64, 48, {60}}};
+  camera->padding_bytes = 32;
+  camera->data_offset = 64;
+  auto source = open({{"buffers", 3}, {"frame_rate_hz", 60}});
+  for (int i = 1; i < 20; ++i) {
+    camera->deliver(static_cast<std::uint8_t>(i));
+    const CapturedImage image = next_picture(*source);
+    const ImageView view = image.image.view();
+    EXPECT_EQ(view.format, PixelFormat::kBayerRg8);
+    EXPECT_EQ(view.stride_bytes, 64 + 32);
+    EXPECT_EQ(view.data[0], i);
+    EXPECT_EQ(view.row(47)[63], i);
+  }
+  EXPECT_EQ(camera->queued(), 3U);
+  // Bytes are counted from where the picture begins.
+  camera->deliver(std::vector<std::uint8_t>(100));
+  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "100 bytes came; 64x48 bayer_rg8 needs 4576");
+  source.reset();
+  EXPECT_FALSE(camera->streams());
+  EXPECT_EQ(camera->mapped(), 0U);
+  EXPECT_EQ(list_v4l2(system_).at(0).formats, (std::vector<std::string>{"uyvy", "bayer_rg8"}));
+}
+
+TEST_F(V4l2, MotionJpegInAPlaneIsRead) {
+  const auto camera = plug_in(0, "1", "");
+  camera->capabilities = kPlanar;
+  camera->modes = {{V4L2_PIX_FMT_MJPEG, 64, 48, {30}}};
+  camera->data_offset = 16;
+  const auto source = open();
+  const std::vector<std::uint8_t> grey(64 * 48 * 2, 128);
+  JpegEncoder encoder;
+  camera->deliver(encoder.encode({grey.data(), 64, 48, 64 * 2, PixelFormat::kUyvy}, 64, 90));
+  EXPECT_EQ(next_picture(*source).image.view().row(47)[127], 128);
+}
+
+TEST_F(V4l2, Nv12BecomesUyvy) {
+  for (const std::uint32_t capabilities :
+       {std::uint32_t{V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING}, kPlanar}) {
+    const auto camera = plug_in(0, "1", "");
+    camera->capabilities = capabilities;
+    camera->modes = {{V4L2_PIX_FMT_NV12, 8, 4, {30}}};
+    camera->padding_bytes = 4;
+    const auto source = open({{"buffers", 3}});
+    std::vector<std::uint8_t> bytes(12 * 6);
+    for (int y = 0; y < 4; ++y) {
+      for (int x = 0; x < 8; ++x) {
+        bytes[static_cast<std::size_t>(12 * y + x)] = static_cast<std::uint8_t>(10 * y + x);
+        bytes[static_cast<std::size_t>(12 * (4 + y / 2) + x)] =
+            static_cast<std::uint8_t>(100 + 50 * (y / 2) + x);
+      }
+    }
+    camera->deliver(bytes);
+    const CapturedImage image = next_picture(*source);
+    const ImageView view = image.image.view();
+    EXPECT_EQ(view.format, PixelFormat::kUyvy);
+    EXPECT_EQ(camera->queued(), 3U);  // ours is a copy
+    for (int y = 0; y < 4; ++y) {
+      for (int x = 0; x < 8; ++x) {
+        EXPECT_EQ(view.row(y)[2 * x], 100 + 50 * (y / 2) + x);
+        EXPECT_EQ(view.row(y)[2 * x + 1], 10 * y + x);
+      }
+    }
+    camera->deliver(std::span(bytes).first(12 * 5));
+    EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "60 bytes came; 8x4 nv12 needs 68");
+    std::vector<CapturedImage> held;
+    for (int i = 0; i < 2; ++i) {
+      camera->deliver(bytes);
+      held.push_back(next_picture(*source));
+    }
+    camera->deliver(bytes);
+    problem_of(*source, CaptureStatus::kTimeout);  // all of ours are out
+    EXPECT_EQ(source->dropped(), 1U);
+    camera->modes = {{V4L2_PIX_FMT_NV12, 8, 5, {30}}};
+    EXPECT_THAT(refusal({{"pixel_format", "nv12"}}), HasSubstr("nv12 refused: 8x5 does not suit it"));
+  }
+}
+
+TEST_F(V4l2, APictureInSeveralPlanesIsRefused) {
+  const auto camera = plug_in(0, "1", "A1");
+  camera->capabilities = kPlanar;
+  camera->planes = 2;
+  EXPECT_EQ(refusal({{"camera", "A1"}}),
+            "camera \"A1\": pixel_format yuyv refused: the camera puts it into 2 planes");
+}
+
+TEST_F(V4l2, ADeviceWithBothKindsOfCallsIsAskedWithoutPlanes) {
+  const auto camera = plug_in(0, "1", "");
+  camera->capabilities = kPlanar | V4L2_CAP_VIDEO_CAPTURE;
+  const auto source = open();
+  camera->deliver(7);
+  EXPECT_EQ(next_picture(*source).image.view().data[0], 7);
+}
+
 // ---- loss
 
 TEST_F(V4l2, AnUnpluggedCameraIsLostAtOnce) {
