@@ -10,7 +10,8 @@ void forget_results(Frame& frame) {
   frame.labels.width = frame.labels.height = 0;
   frame.runs.width = frame.runs.height = 0;
   frame.runs.runs.clear();
-  frame.runs.capped = false;
+  frame.runs.flood = {};
+  frame.runs.cut.clear();
   frame.regions.regions.clear();
   frame.regions.begin = {};
   frame.regions.capped = false;
@@ -35,8 +36,13 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   forget_results(frame);
   setup->pipeline->run(frame, setup->world, sink_, setup->parameters);
 
-  frames_.fetch_add(1, std::memory_order_relaxed);
-  if (frame.runs.capped || frame.regions.capped || frame.robots.capped || frame.balls.capped)
+  const std::uint64_t frames = frames_.fetch_add(1, std::memory_order_relaxed) + 1;
+  const bool is_flooded = frame.runs.flood.blocks > 0;
+  if (is_flooded) {
+    flood_.store(frame.runs.flood, std::memory_order_relaxed);
+    flood_frame_.store(frames, std::memory_order_release);
+  }
+  if (is_flooded || frame.regions.capped || frame.robots.capped || frame.balls.capped)
     capped_.fetch_add(1, std::memory_order_relaxed);
   robots_.store(static_cast<std::uint32_t>(frame.robots.robots.size()), std::memory_order_relaxed);
   balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
@@ -50,9 +56,16 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
 }
 
 CameraPipeline::Counters CameraPipeline::counters() const {
-  return {frames_.load(std::memory_order_relaxed), capped_.load(std::memory_order_relaxed),
-          unseen_.load(std::memory_order_relaxed), robots_.load(std::memory_order_relaxed),
-          balls_.load(std::memory_order_relaxed)};
+  // The flood's frame first: no later one than `frames` then.
+  const std::uint64_t flood_frame = flood_frame_.load(std::memory_order_acquire);
+  const std::uint64_t frames = frames_.load(std::memory_order_relaxed);
+  return {.frames = frames,
+          .capped = capped_.load(std::memory_order_relaxed),
+          .unseen = unseen_.load(std::memory_order_relaxed),
+          .robots = robots_.load(std::memory_order_relaxed),
+          .balls = balls_.load(std::memory_order_relaxed),
+          .flood = flood_.load(std::memory_order_relaxed),
+          .frames_since_flood = frames - flood_frame};
 }
 
 }  // namespace sslv

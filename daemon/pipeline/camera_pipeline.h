@@ -28,6 +28,8 @@ class CameraPipeline {
     std::uint64_t capped = 0;             // of them flagged: a list hit its cap
     std::uint64_t unseen = 0;             // of them not offered to viewers, who held all of the ring
     std::uint32_t robots = 0, balls = 0;  // in the newest frame
+    Flood flood;                          // the newest one, and how many frames ago it was
+    std::uint64_t frames_since_flood = 0;
   };
 
   /// `sink` must outlive this.
@@ -61,6 +63,9 @@ class CameraPipeline {
   std::uint32_t next_number_ = 0;
   std::atomic<std::uint64_t> frames_{0}, capped_{0}, unseen_{0};
   std::atomic<std::uint32_t> robots_{0}, balls_{0};
+  std::atomic<Flood> flood_{Flood{}};
+  static_assert(std::atomic<Flood>::is_always_lock_free);
+  std::atomic<std::uint64_t> flood_frame_{0};
 };
 
 }  // namespace sslv

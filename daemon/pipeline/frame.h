@@ -36,11 +36,17 @@ struct Frame {
 /// What the admin has set up for one camera, swapped as a whole between frames.
 struct World {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Lut> lut;  // as it is in today's light
-  std::shared_ptr<const Mask> mask;
+  std::shared_ptr<const Lut> lut;    // as it is in today's light
+  std::shared_ptr<const Mask> mask;  // as the admin drew it
   std::shared_ptr<const PatternTable> patterns;
   std::shared_ptr<const Lut> accepted_lut{};  // what `lut` follows the light from; the same when it does not
   std::shared_ptr<const LabelSet> labels{};
+  std::shared_ptr<const FieldView> field_view{};  // null: not calibrated, or all of the picture is looked at
+  std::shared_ptr<const Mask> stage_mask{};       // `mask` and `field_view`; null: `mask`
+
+  /// What stages look at. Learning, margins and exposure look at all that the admin leaves: a calibration
+  /// may be wrong.
+  const Mask& looked_at() const { return stage_mask ? *stage_mask : *mask; }
 };
 
 /// A part's name in error messages and its place in Frame.

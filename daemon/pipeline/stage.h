@@ -111,7 +111,7 @@ struct Feed<const Lut&> {
 };
 template <>
 struct Feed<const Mask&> {
-  static const Mask& get(const Inputs& in) { return *in.world.mask; }
+  static const Mask& get(const Inputs& in) { return in.world.looked_at(); }
   static void declare(PartSet&, PartSet&) {}
 };
 template <>

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSamplesPerFrame = 64;
 constexpr int kSamplesAtOnce = 1'024;  // when nothing is known yet
-// The boxes of a new table are grown anew after so many frames, then after twice as many, and so on: the
+// The boxes of a new table are grown again after so many frames, then after twice as many, and so on: the
 // light that they have seen by then is more and more of all there is.
 constexpr int kFirstFramesBetween = 8, kMostFramesBetween = 1'024;
 constexpr int kBins = BackgroundFollower::kBins, kStep = 256 / kBins;
@@ -176,8 +176,9 @@ Label BackgroundFollower::commonest_label(const LutTable& yuv) const {
 }
 
 /// Takes over what boxes may hold.
-void BackgroundFollower::take_table(const Lut& lut, PixelFormat format) {
-  background_.label = commonest_label(lut.yuv());
+void BackgroundFollower::take_table(const Lut& lut, PixelFormat format, Label label) {
+  background_.label = label;
+  background_.boxes = 0;
   find_uniform_blocks(lut.yuv(), background_.label, yuv_blocks_.data());
   if (is_yuv422(format) || format == PixelFormat::kMono8) {
     background_.blocks = yuv_blocks_;
@@ -192,29 +193,34 @@ bool BackgroundFollower::in_background(const Bins& bins) const {
   return (yuv_blocks_[static_cast<std::size_t>(bins[0] * kBins + bins[1])] >> bins[2] & 1) != 0;
 }
 
-void BackgroundFollower::grow() {
+void BackgroundFollower::begin_growth() {
+  growth_.goes_on = true;
+  growth_.is_first = background_.boxes == 0;
+  growth_.boxes = 0;
+  growth_.all = std::min(sampled_, kSamples);
+  const auto end = samples_.begin() + static_cast<std::ptrdiff_t>(growth_.all);
+  growth_.left_count =
+      static_cast<std::size_t>(std::copy_if(samples_.begin(), end, growth_.left.begin(),
+                                            [this](const Bins& bins) { return in_background(bins); }) -
+                               growth_.left.begin());
+}
+
+/// The next one, around what most of the samples that are left share.
+void BackgroundFollower::grow_box() {
   // A test that fewer pass costs more than it saves.
   constexpr std::size_t kLeastShare = 500;  // one in so many
-  constexpr std::size_t kLookedAt = 256;    // samples are enough to grow towards
+  constexpr std::size_t kLookedAt = 128;    // samples are enough to grow towards
   constexpr int kSeeds = 3;                 // of which the best box is taken
 
-  background_.boxes = 0;
-  std::array<Bins, kSamples> left;  // samples that could be in a box and are in none
-  const std::size_t all = std::min(sampled_, kSamples);
-  std::size_t count = static_cast<std::size_t>(
-      std::copy_if(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(all), left.begin(),
-                   [this](const Bins& bins) { return in_background(bins); }) -
-      left.begin());
-  while (background_.boxes < Background::kMostBoxes && count * kLeastShare > all) {
-    const std::span<Bins> rest(left.data(), count);
+  const std::span<Bins> rest(growth_.left.data(), growth_.left_count);
+  Box best{};
+  std::size_t most = 0;
+  if (growth_.boxes < Background::kMostBoxes && rest.size() * kLeastShare > growth_.all) {
     std::array<Bins, kLookedAt> room;
-    const std::span<Bins> some(room.data(), std::min(count, kLookedAt));
-    for (std::size_t i = 0; i < some.size(); ++i) some[i] = rest[i * count / some.size()];
-    const auto grown_from = [&](const Bins& seed) { return BoxGrower(yuv_blocks_.data(), seed).grow(some); };
-    Box best{};
-    std::size_t most = 0;
+    const std::span<Bins> some(room.data(), std::min(rest.size(), kLookedAt));
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = rest[i * rest.size() / some.size()];
     const auto try_seed = [&](const Bins& seed) {
-      const Box box = grown_from(seed);
+      const Box box = BoxGrower(yuv_blocks_.data(), seed).grow(some);
       const auto inside = static_cast<std::size_t>(
           std::count_if(rest.begin(), rest.end(), [&](const Bins& bins) { return box.contains(bins); }));
       if (inside <= most) return;
@@ -232,16 +238,21 @@ void BackgroundFollower::grow() {
       middle[k] = (*at)[k];
     }
     if (in_background(middle)) try_seed(middle);
-    if (most * kLeastShare <= all) break;
-    count = static_cast<std::size_t>(
+  }
+  growth_.goes_on = most * kLeastShare > growth_.all;
+  if (growth_.goes_on) {
+    growth_.left_count = static_cast<std::size_t>(
         std::remove_if(rest.begin(), rest.end(), [&](const Bins& bins) { return best.contains(bins); }) -
         rest.begin());
-    ColorBox& colors = background_.box[background_.boxes++];
+    ColorBox& colors = growth_.box[growth_.boxes++];
     for (std::size_t k = 0; k < 3; ++k) {
       colors.low[k] = static_cast<std::uint8_t>(best.sides[k][0] * kStep);
       colors.high[k] = static_cast<std::uint8_t>(best.sides[k][1] * kStep + kStep - 1);
     }
   }
+  if (growth_.goes_on && !growth_.is_first) return;
+  background_.boxes = growth_.boxes;
+  background_.box = growth_.box;
 }
 
 const Background& BackgroundFollower::follow(const ImageView& image, const Lut& lut,
@@ -251,10 +262,12 @@ const Background& BackgroundFollower::follow(const ImageView& image, const Lut& 
   if (is_new) frames_between_ = kFirstFramesBetween;
   if (is_new || ++age_ >= frames_between_) {
     if (!is_new) frames_between_ = std::min(2 * frames_between_, kMostFramesBetween);
-    take_table(lut, image.format);
-    grow();
+    const Label label = commonest_label(lut.yuv());
+    if (is_new || label != background_.label) take_table(lut, image.format, label);
+    begin_growth();
     age_ = 0;
   }
+  if (growth_.goes_on) grow_box();
   return background_;
 }
 

@@ -38,10 +38,9 @@ struct BackgroundUse {
 };
 
 /// Follows the commonest colours of a camera's pictures and keeps boxes around them that are as large as
-/// their one label allows. It looks at a few pixels of a frame and grows the boxes anew for another table,
-/// when they no longer fit, and now and then, in a fraction of a millisecond; so it needs no thread, and the
-/// same pictures always give the same boxes. What they are changes the time a picture takes, never what is
-/// found in it.
+/// their one label allows. It looks at a few pixels of a frame and grows the boxes again for another table and
+/// now and then, one in each frame, in some ten microseconds; so it needs no thread, and the same pictures
+/// always give the same boxes. What they are changes the time a picture takes, never what is found in it.
 class BackgroundFollower {
  public:
   /// To be called before each picture. Allocates nothing.
@@ -59,8 +58,9 @@ class BackgroundFollower {
   void sample(const ImageView& image, const Mask& mask, int count);
   int random(int below);
   bool in_background(const Bins& bins) const;
-  void take_table(const Lut& lut, PixelFormat format);
-  void grow();
+  void take_table(const Lut& lut, PixelFormat format, Label label);
+  void begin_growth();
+  void grow_box();
   Label commonest_label(const LutTable& yuv) const;
 
   Background background_;
@@ -73,6 +73,15 @@ class BackgroundFollower {
   std::uint32_t random_ = 1;
   int age_ = 0, frames_between_ = 0;  // frames since the boxes were grown, and until they are again
   int frames_without_first_ = 0;      // for which the first box was not tried alone
+
+  /// Boxes that are still being grown, one in each frame.
+  struct Growth {
+    bool goes_on = false, is_first = false;  // first: of a new table, so that each box is used at once
+    std::size_t boxes = 0;
+    std::array<ColorBox, Background::kMostBoxes> box;
+    std::array<Bins, kSamples> left;  // samples that could be in a box and are in none yet
+    std::size_t left_count = 0, all = 0;
+  } growth_;
 };
 
 }  // namespace sslv

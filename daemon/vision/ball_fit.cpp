@@ -13,13 +13,16 @@
 namespace sslv {
 namespace {
 
-constexpr double kMarginMm = 9;  // ring of carpet around the ball
+/// Ring of carpet around the ball. Where pixels are larger than the usual, its width grows by so much for
+/// each millimetre more, or it would hold no samples. Colour of YUV pictures is twice as wide and would bring
+/// in what lies further out: there one pixel must do.
+constexpr double kMarginMm = 9, kUsualPixelMm = 6.1, kMarginGrows = 1.7;
 constexpr double kWanderMm = 5;  // samples are read for a centre this far from the start
 constexpr int kPasses = 4;
 /// With less of the ball in view, whatever there is fits.
 constexpr double kLeastVisible = 0.3;
 /// Fewer values than this, of all planes together, fit anything.
-constexpr int kLeastValues = 12;
+constexpr int kLeastValues = 6;
 constexpr double kLeastVariance = 0.5;
 constexpr double kMostStepMm = 8, kSmallStepMm = 0.6;
 /// A start this far off is followed by another.
@@ -28,8 +31,18 @@ constexpr double kFarMm = 4;
 constexpr float kOddCarpet = 4.5F;
 constexpr float kLeastSpread = 2.5F;
 constexpr float kOddReachPx = 1.2F;
+constexpr double kLeastClear = 0.5;  // share of the ring that should be left
 /// One side of a ball differs from its middle by about this share of its contrast.
 constexpr float kShading = 0.3F;
+/// PlaneSamples::keep of a sample that a robot hides.
+constexpr float kHidden = -1;
+/// And of one that is unlike the model: a highlight, a shadow. It counts only in what is left unexplained.
+constexpr float kUnlikeModel = -0.5F;
+/// Such differ by so many times the usual difference, and by that share of the contrast; at the silhouette,
+/// where the place counts, nothing does.
+constexpr float kUnlike = 3, kUnlikeShare = 0.12F, kUnlikeFrom = 0.3F;
+/// Among fewer samples of a plane nothing stands out, nor in Bayer pictures.
+constexpr std::size_t kLeastOfPlane = 28;
 /// Shading by direction is a small part of the light: priors in units of one grey level squared.
 constexpr double kShadePrior = 0.5;
 
@@ -79,6 +92,7 @@ class Median {
     ++counts_[static_cast<std::uint8_t>(value)];
     ++total_;
   }
+  std::size_t count() const { return total_; }
   float get() const {
     std::size_t below = 0, value = 0;
     while (below + counts_[value] <= total_ / 2) below += counts_[value++];
@@ -89,6 +103,11 @@ class Median {
   std::array<std::uint16_t, 256> counts_{};
   std::size_t total_ = 0;
 };
+
+double margin_mm(double mm_per_px, bool yuv) {
+  return yuv ? std::max(kMarginMm, mm_per_px)
+             : kMarginMm + kMarginGrows * std::max(0.0, mm_per_px - kUsualPixelMm);
+}
 
 float as_float(double value) {
   return static_cast<float>(value);
@@ -117,6 +136,9 @@ struct BallFitter::Look {
   BallTemplate ball;
   std::size_t groups = 0;
   int around = 0;
+  /// Of each plane, in their order: weights of the model's columns from kCover on, and the contrast.
+  std::array<std::array<float, 5>, 3> weights{};
+  std::array<float, 3> contrast{};
 };
 
 BallFitter::BallFitter() {
@@ -147,7 +169,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
   const auto ray = frame.camera.ray(look.patch.pixel);
   if (!ray) return false;
   const Eigen::Vector3d n = ray->normalized();
-  const double outer_mm = frame.radius_mm + kMarginMm;
+  const double outer_mm = frame.radius_mm + margin_mm(look.patch.mm_per_px(), look.planes.yuv);
   BallTemplate& ball = look.ball;
   ball = {kernel_patch(look.patch),
           0,
@@ -191,7 +213,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
       const bool hidden = std::any_of(hiding.begin(), hiding.end(), [&](const Hides& hides) {
         return hides.at(look.patch.field_mm + look.patch.to_plane(u, v), frame.radius_mm);
       });
-      if (hidden) samples.keep[i] = 0;
+      if (hidden) samples.keep[i] = kHidden;
       if (r2 < radius2) {
         on_ball += samples.planes;
         visible += hidden ? 0 : samples.planes;
@@ -245,22 +267,176 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
   }
   if (!odd.empty()) {
     // In all planes, with their neighbours, which are half of what they are.
-    clear = 0;
-    for (std::size_t g = 0; g < look.groups; ++g) {
-      Group& group = *groups_[g];
-      PlaneSamples& samples = group.samples;
-      const float reach_px = kOddReachPx + static_cast<float>(look.planes.groups[g].front().step_x);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(samples.count); ++i) {
-        const bool is_odd = std::any_of(odd.begin(), odd.end(), [&](const Odd& other) {
-          const float du = samples.u[i] - other.u, dv = samples.v[i] - other.v;
-          return du * du + dv * dv < reach_px * reach_px;
-        });
-        if (is_odd) samples.keep[i] = 0;
+    const auto is_odd = [&](std::size_t g, std::size_t i, bool narrow) {
+      const PlaneSamples& samples = groups_[g]->samples;
+      const SampleGrid& grid = look.planes.groups[g].front();
+      const float reach_px = kOddReachPx + (narrow ? grid.wide_px : static_cast<float>(grid.step_x));
+      return std::any_of(odd.begin(), odd.end(), [&](const Odd& other) {
+        const float du = samples.u[i] - other.u, dv = samples.v[i] - other.v;
+        return du * du + dv * dv < reach_px * reach_px;
+      });
+    };
+    const auto count_clear = [&](const auto& is_clear) {
+      int count = 0;
+      for (std::size_t g = 0; g < look.groups; ++g) {
+        for (const std::uint16_t i : groups_[g]->ring.all()) count += is_clear(g, i) ? 1 : 0;
       }
-      for (const std::uint16_t i : group.ring.all()) clear += samples.keep[i] != 0 ? 1 : 0;
+      return count;
+    };
+    // In Bayer pictures samples of a colour are so far apart that with their next ones hardly any may be
+    // left.
+    const bool narrow = look.groups == 3 && count_clear([&](std::size_t g, std::size_t i) {
+                                              return !is_odd(g, i, false);
+                                            }) < kLeastClear * look.around;
+    for (std::size_t g = 0; g < look.groups; ++g) {
+      PlaneSamples& samples = groups_[g]->samples;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(samples.count); ++i) {
+        if (is_odd(g, i, narrow)) samples.keep[i] = std::min(samples.keep[i], 0.0F);
+      }
     }
+    clear = count_clear([&](std::size_t g, std::size_t i) { return groups_[g]->samples.keep[i] > 0; });
   }
   out.clear_share = look.around > 0 ? static_cast<double>(clear) / look.around : 0;
+}
+
+/// Where a sample lies on the ball's model.
+struct BallFitter::Place {
+  float nx, ny;  // direction from the centre, as it is on the plane; its length is that of the ray's distance
+  float z;       // -1: outside the blurred silhouette, 1: inside
+  float slope;   // change of its cover with the radius, 1 / mm
+  std::array<float, 5> column;  // the model's columns from kCover on
+
+  /// False for what lies outside the ball's surroundings. `sigma_*2`: squared blur of a sample, pixels.
+  bool look_up(const BallTemplate& ball, float u, float v, float sigma_x2, float sigma_y2) {
+    const KernelPatch& patch = ball.patch;
+    const float x = u * (patch.xu + patch.xuu * u + patch.xuv * v) + v * (patch.xv + patch.xvv * v) - ball.x;
+    const float y = u * (patch.yu + patch.yuu * u + patch.yuv * v) + v * (patch.yv + patch.yvv * v) - ball.y;
+    const float gx = ball.mxx * x + ball.mxy * y, gy = ball.mxy * x + ball.myy * y;
+    const float r2 = std::max(gx * x + gy * y, 1e-6F);
+    if (!(r2 < ball.outer_radius * ball.outer_radius)) return false;
+    const float r = std::sqrt(r2);
+    nx = gx / r, ny = gy / r;
+    const float right = patch.xu * nx + patch.yu * ny, down = patch.xv * nx + patch.yv * ny;
+    const float s2 = sigma_x2 * right * right + sigma_y2 * down * down + 1e-6F;
+    const float half_mm = 3 * std::sqrt(s2);
+    z = std::clamp((ball.radius - s2 * 0.5F / ball.radius - r) / half_mm, -1.0F, 1.0F);
+    const float z2 = z * z, w = 1 - z2;
+    const float cover = 0.5F + z * (35.0F / 32) * (1 + z2 * (-1 + z2 * (0.6F - z2 / 7)));
+    slope = 35.0F / 32 * w * w * w / half_mm;
+    const float up = std::sqrt(std::max(0.0F, 1 - r2 / (ball.radius * ball.radius)));
+    column = {cover, cover * x / ball.radius, cover * y / ball.radius, cover * up, 1};
+    return true;
+  }
+  /// What the model leaves of a value.
+  float left(const std::array<float, 5>& weights, float value) const {
+    for (std::size_t a = 0; a < column.size(); ++a) value -= weights[a] * column[a];
+    return value;
+  }
+};
+
+/// A highlight on the ball or its shadow beside it would pull at its place.
+int BallFitter::leave_out_unlike(const Look& look) noexcept {
+  int count = 0;
+  Place place{};
+  std::size_t first = 0;
+  for (std::size_t g = 0; g < look.groups; ++g) {
+    PlaneSamples& samples = groups_[g]->samples;
+    const auto planes = static_cast<std::size_t>(samples.planes);
+    const float wide_px = look.planes.groups[g].front().wide_px;
+    const float sigma_x2 = look.ball.blur_px * look.ball.blur_px + wide_px * wide_px / 12;
+    const float sigma_y2 = look.ball.blur_px * look.ball.blur_px + 1.0F / 12;
+    for (std::size_t p = 0; p < planes; ++p) {
+      const auto& weights = look.weights[first + p];
+      Median lefts;
+      const auto n = static_cast<std::size_t>(samples.count);
+      for (std::size_t i = 0; i < n; ++i) {
+        if (samples.keep[i] > 0 && place.look_up(look.ball, samples.u[i], samples.v[i], sigma_x2, sigma_y2))
+          lefts.add(std::min(255.0F, std::abs(place.left(weights, samples.value[p][i]))));
+      }
+      if (lefts.count() < kLeastOfPlane) continue;
+      const float limit =
+          std::max({kUnlike * 1.48F * (lefts.get() + 0.5F), kUnlikeShare * std::abs(look.contrast[first + p]),
+                    kUnlike * kLeastSpread});
+      for (std::size_t i = 0; i < n; ++i) {
+        if (!(samples.keep[i] > 0) ||
+            !place.look_up(look.ball, samples.u[i], samples.v[i], sigma_x2, sigma_y2))
+          continue;
+        if (std::abs(place.z) > kUnlikeFrom && std::abs(place.left(weights, samples.value[p][i])) > limit) {
+          samples.keep[i] = kUnlikeModel;
+          ++count;
+        }
+      }
+    }
+    first += planes;
+  }
+  return count;
+}
+
+/// What the samples say that the model has no room for.
+void BallFitter::judge(const Look& look, BallFit& out) const noexcept {
+  constexpr std::size_t kSectors = 8, kHarmonics = 6;
+  float outside = 0, left2 = 0, kept = 0, values = 0;
+  std::array<float, kSectors> sector{}, sector_weight{};
+  std::array<float, kHarmonics> along{}, length2{};
+  const BallTemplate& ball = look.ball;
+  Place place{};
+  std::size_t first = 0;  // plane of the group
+  for (std::size_t g = 0; g < look.groups; ++g) {
+    const PlaneSamples& samples = groups_[g]->samples;
+    const auto planes = static_cast<std::size_t>(samples.planes);
+    const float wide_px = look.planes.groups[g].front().wide_px;
+    const float sigma_x2 = ball.blur_px * ball.blur_px + wide_px * wide_px / 12;
+    const float sigma_y2 = ball.blur_px * ball.blur_px + 1.0F / 12;
+    float energy = 0;
+    for (std::size_t p = 0; p < planes; ++p) energy += look.contrast[first + p] * look.contrast[first + p];
+    for (std::size_t i = 0; i < static_cast<std::size_t>(samples.count); ++i) {
+      if (samples.keep[i] == kHidden) continue;
+      if (!place.look_up(ball, samples.u[i], samples.v[i], sigma_x2, sigma_y2)) continue;
+      const float nx = place.nx, ny = place.ny;
+      const float length = std::sqrt(nx * nx + ny * ny), c = nx / length, s = ny / length;
+      const float c2 = c * c - s * s, d2 = 2 * c * s, c3 = c * c2 - s * d2, d3 = s * c2 + c * d2;
+      const std::array<float, kHarmonics> wave{c2, d2, c3, d3, c2 * c2 - d2 * d2, 2 * c2 * d2};
+      float projected = 0;
+      for (std::size_t p = 0; p < planes; ++p) {
+        const auto& weight = look.weights[first + p];
+        const float value = samples.value[p][i];
+        projected += look.contrast[first + p] * (value - weight[4]);
+        if (!(samples.keep[i] > 0 || samples.keep[i] == kUnlikeModel)) continue;
+        const float left = place.left(weight, value);
+        left2 += left * left;
+        ++values;
+        if (samples.keep[i] == kUnlikeModel) continue;
+        for (std::size_t k = 0; k < kHarmonics; ++k) {
+          const float pull = weight[0] * place.slope * wave[k];
+          along[k] += pull * left;
+          length2[k] += pull * pull;
+        }
+      }
+      if (samples.keep[i] > 0 || samples.keep[i] == kUnlikeModel) kept += energy;
+      if (place.z <= -0.8F) {
+        outside += energy;
+        const float angle = std::atan2(ny, nx) * (0.5F / 3.14159265F) + 0.5F;
+        const auto at = std::min(kSectors - 1, static_cast<std::size_t>(angle * kSectors));
+        sector[at] += std::clamp(projected, -energy, 1.5F * energy);
+        sector_weight[at] += energy;
+      }
+    }
+    first += planes;
+  }
+  for (std::size_t k = 0; k < kSectors; ++k) {
+    const float slack = outside / (2 * kSectors);
+    out.most_alike = std::max(out.most_alike, static_cast<double>(sector[k] / (sector_weight[k] + slack)));
+  }
+  out.misfit = kept > 0 ? std::sqrt(left2 / kept) : 1;
+  double squares = 0, variance = 0;
+  const double left_variance = std::max(1.0, static_cast<double>(left2 / std::max(1.0F, values)));
+  for (std::size_t k = 0; k < kHarmonics; ++k) {
+    const double known = static_cast<double>(length2[k]) + left_variance / 25;  // prior: 5 mm
+    squares += static_cast<double>(along[k] * along[k]) / (known * known);
+    variance += left_variance / known;
+  }
+  out.out_of_round_mm = std::sqrt(squares);
+  out.out_of_round_sigma_mm = std::sqrt(variance);
 }
 
 BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexcept {
@@ -275,6 +451,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
 
   using Columns = Eigen::Matrix<double, 5, 1>;
   std::array<double, 3> contrast{}, color{};
+  bool trimmed = false;
   for (int pass = 1; pass <= kPasses; ++pass) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();  // x, y, radius
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
@@ -318,6 +495,8 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
         const double edge = s[0];
         contrast[next] = edge + 0.7 * s[kShadeUp - kCover];
         color[next] = contrast[next] + s[kGround - kCover];
+        for (int a = 0; a < 5; ++a) look.weights[next][static_cast<std::size_t>(a)] = as_float(s[a]);
+        look.contrast[next] = as_float(contrast[next]);
         Eigen::Matrix3d moves;
         for (int a = 0; a < 3; ++a) {
           for (int b = 0; b < 3; ++b) moves(a, b) = product(a, b);
@@ -340,6 +519,13 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     out.moved_mm = std::hypot(ball.x, ball.y);
     const bool too_far = !(out.moved_mm < kWanderMm);
     if (length_mm > kSmallStepMm && pass < kPasses && !too_far) continue;
+    if (!trimmed && !too_far && look.groups < 3) {
+      trimmed = true;
+      if (leave_out_unlike(look) > 0) {
+        pass = kPasses - 2;  // two more
+        continue;
+      }
+    }
 
     out.ok = true;
     out.x_mm = x_mm + ball.x;
@@ -352,6 +538,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     const auto difference = look.planes.yuv ? rgb_of_yuv_contrast(contrast) : contrast;
     out.contrast =
         Eigen::Vector3d(difference.data()).norm() / std::max(1.0, Eigen::Vector3d(out.color.data()).norm());
+    judge(look, out);
     return out;
   }
   return out;

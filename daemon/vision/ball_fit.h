@@ -23,6 +23,13 @@ struct BallFit {
   double visible_share = 0;       // of the ball's own samples: not hidden by a robot
   std::array<double, 3> color{};  // red, green and blue of its middle
   double contrast = 0;  // difference of that from the carpet's, as a share of it (lengths of vectors)
+  double misfit = 1;    // root mean square of what the model leaves of the samples, over the contrast
+  /// Mean colour of what lies outside the silhouette in the worst of eight directions; 0: carpet, 1: ball.
+  double most_alike = 0;
+  /// Root of the summed squares of its outline's second to fourth harmonics: what ellipses, triangles and
+  /// squares have.
+  double out_of_round_mm = 0;
+  double out_of_round_sigma_mm = 0;
 };
 
 /// Fits the picture of a ball on the carpet: the silhouette of a sphere (by each sample's ray's distance from
@@ -48,9 +55,12 @@ class BallFitter {
 
  private:
   struct Look;
+  struct Place;
   BallFit fit_from(const Frame& frame, double x_mm, double y_mm) noexcept;
   bool read(const Frame& frame, Look& look, BallFit& out) noexcept;
   void leave_out_odd(const Look& look, BallFit& out) noexcept;
+  int leave_out_unlike(const Look& look) noexcept;
+  void judge(const Look& look, BallFit& out) const noexcept;
 
   struct Group;  // planes that share their samples' places
   std::array<std::unique_ptr<Group>, 3> groups_;

@@ -41,14 +41,36 @@ double distance_unless_purer(const Shares& seen, const Shares& known) {
 
 }  // namespace
 
+std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
+                                const std::array<double, 3>& shares) noexcept {
+  constexpr double kMostTimes = 2;  // with no limit, white that shines would be of any colour
+  double along = 0, length2 = 0;
+  bool any_clipped = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (color[i] >= kClippedGrey) {
+      any_clipped = true;
+      continue;
+    }
+    along += std::max(0.0, contrast[i]) * shares[i];
+    length2 += shares[i] * shares[i];
+  }
+  std::array<double, 3> out = contrast;
+  if (!any_clipped || length2 <= 0) return out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (color[i] >= kClippedGrey && contrast[i] > 0)
+      out[i] = std::clamp(along / length2 * shares[i], contrast[i], kMostTimes * contrast[i]);
+  }
+  return out;
+}
+
 ColorName name_color(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                      const Lut& lut, std::span<const Label> allowed) noexcept {
   ColorName out;
-  const Shares seen = shares_of(contrast);
+  const auto seen_as = [&](Label label) { return shares_of(unclipped(contrast, color, lut.shares(label))); };
   double best = 1e9, second = 1e9;
   Label best_color = label::kClear, second_color = label::kClear;
   for (const Label label : allowed) {
-    const double distance = squared_distance(seen, lut.shares(label));
+    const double distance = squared_distance(seen_as(label), lut.shares(label));
     if (distance < best) {
       second = best;
       second_color = best_color;
@@ -62,12 +84,15 @@ ColorName name_color(const std::array<double, 3>& contrast, const std::array<dou
   out.color = best_color;
   out.margin = 1;
   constexpr double kLeastSpread = 0.02;
-  out.off = distance_unless_purer(seen, lut.shares(best_color)) /
+  out.off = distance_unless_purer(seen_as(best_color), lut.shares(best_color)) /
             std::max(lut.share_spread(best_color), kLeastSpread);
   if (second_color != label::kClear) {
     // Along the line between the two: 0 in its middle, 1 at the best one.
     const double apart = squared_distance(lut.shares(best_color), lut.shares(second_color));
-    out.margin = apart > 0 ? (second - best) / apart : 0;
+    // A clipped colour may lie just at one of the two, and nearer to the other than these to each other.
+    constexpr double kLeastApart = 0.2;
+    const double both = std::max(std::sqrt(best) + std::sqrt(second), kLeastApart);
+    out.margin = apart > 0 ? (second - best) / std::min(apart, both * both) : 0;
   }
   const auto byte = [](double value) {
     return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));

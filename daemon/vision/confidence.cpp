@@ -11,6 +11,42 @@ double logistic(double x) {
   return std::isfinite(x) ? 1 / (1 + std::exp(-std::clamp(x, -30.0, 30.0))) : 0;
 }
 
+/// Of its picture as a whole: what a sphere explains of it, and what the region is like.
+double looks_like_ball(const BallEvidence& e) {
+  const double unexplained = std::clamp(1 - e.r2, std::exp(-4.0), 1.0);
+  const double hidden = std::clamp(1 - e.visible_share, 0.0, 0.6);
+  const double area = std::log(std::max(e.area_ratio, 1e-3));
+  const double contrast = std::clamp(e.contrast / 0.35, 0.05, 1.0);
+  // In weak light and in Bayer pictures noise leaves much of a true ball unexplained: its colour counts then,
+  // unless the region is more than a ball, whose place would be wrong.
+  const double orange =
+      e.is_orange ? std::clamp(0.6 - e.color_off, 0.0, 0.6) * std::clamp(1 - 8 * area, 0.0, 1.0) : 0;
+  return -0.6 - 2.9 * std::log(unexplained) - 1.55 * std::log(1 + e.radius_off * e.radius_off) -
+         2.7 * e.moved_share - 10 * std::max(area, 0.0) + 1.9 * std::min(area, 0.0) +
+         6 * std::min(area + 0.6, 0.0) - 2.2 * (1 - e.clear_share) + 11.5 * hidden -
+         6.8 * std::clamp(e.color_off - 1, 0.0, 4.0) - (e.is_orange ? 0 : 1.7) + 6 * std::log(contrast) +
+         4 * orange;
+}
+
+/// Of what a sphere leaves unexplained, of its outline and place.
+double is_shaped_like_ball(const BallEvidence& e) {
+  const double rough = std::log(std::clamp(e.misfit, 0.05, 2.0));
+  const double very_rough = std::max(0.0, rough - std::log(0.3));
+  const double out_of_round = std::log(1 + e.out_of_round * e.out_of_round);
+  const double radius_off = std::log(1 + e.radius_off * e.radius_off);
+  const double unsure = std::log(std::clamp(e.radius_sigma, 0.01, 1.0));
+  const double area = std::log(std::max(e.area_ratio, 1e-3));
+  const double too_large = std::clamp(area, 0.0, 2.0), too_small = std::clamp(-area, 0.0, 2.5);
+  const double hidden = std::clamp(1 - e.visible_share, 0.0, 0.6);
+  const double contrast = std::log(std::clamp(e.contrast / 0.35, 0.05, 1.5));
+  // What lies off the field is likelier a thing of the hall than a ball.
+  const double outside = std::clamp((e.outside_mm - 40) / 100, 0.0, 1.0);
+  return 4.1 - 1.04 * rough - 1.05 * very_rough - 5.2 * out_of_round - 1.69 * radius_off - 1.27 * unsure -
+         5.18 * too_large - 3.29 * too_small + 4.5 * hidden - 2.50 * std::clamp(e.color_off - 0.3, 0.0, 3.0) -
+         (e.is_orange ? 0 : 3.82) + 3.18 * contrast - 2.11 * std::clamp(e.most_alike - 0.3, 0.0, 1.0) -
+         5.36 * outside;
+}
+
 }  // namespace
 
 double confidence_of(const RobotEvidence& e) noexcept {
@@ -20,19 +56,8 @@ double confidence_of(const RobotEvidence& e) noexcept {
 }
 
 double confidence_of(const BallEvidence& e) noexcept {
-  const double unexplained = std::clamp(1 - e.r2, std::exp(-4.0), 1.0);
-  const double hidden = std::clamp(1 - e.visible_share, 0.0, 0.6);
-  const double area = std::log(std::max(e.area_ratio, 1e-3));
-  const double contrast = std::clamp(e.contrast / 0.35, 0.05, 1.0);
-  // In weak light and in Bayer pictures noise leaves much of a true ball unexplained: its colour counts then,
-  // unless the region is more than a ball, whose place would be wrong.
-  const double orange =
-      e.is_orange ? std::clamp(0.6 - e.color_off, 0.0, 0.6) * std::clamp(1 - 8 * area, 0.0, 1.0) : 0;
-  return logistic(-0.6 - 2.9 * std::log(unexplained) - 1.55 * std::log(1 + e.radius_off * e.radius_off) -
-                  2.7 * e.moved_share - 10 * std::max(area, 0.0) + 1.9 * std::min(area, 0.0) +
-                  6 * std::min(area + 0.6, 0.0) - 2.2 * (1 - e.clear_share) + 11.5 * hidden -
-                  6.8 * std::clamp(e.color_off - 1, 0.0, 4.0) - (e.is_orange ? 0 : 1.7) +
-                  6 * std::log(contrast) + 4 * orange);
+  const double picture = looks_like_ball(e), shape = is_shaped_like_ball(e);
+  return std::isfinite(picture) ? logistic(std::min(shape, picture)) : 0;
 }
 
 }  // namespace sslv

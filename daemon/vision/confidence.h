@@ -18,15 +18,20 @@ double confidence_of(const RobotEvidence& evidence) noexcept;
 
 /// What speaks for a region being a ball.
 struct BallEvidence {
-  double r2 = 0;           // as BallFit
-  double contrast = 1;     // as BallFit
-  double radius_off = 0;   // distance of the best radius from the true one, over 3 % of it and its deviation
-  double moved_share = 0;  // distance between region and fit over the radius
-  double area_ratio = 1;   // the region's area over that of the ball's visible part
-  double clear_share = 1;  // as BallFit
+  double r2 = 0;            // as BallFit
+  double moved_share = 0;   // distance between region and fit over the radius
+  double clear_share = 1;   // as BallFit
+  double misfit = 1;        // as BallFit
+  double out_of_round = 0;  // its outline's harmonics over 3.5 % of the radius and their deviation
+  double radius_off = 0;    // distance of the best radius from the true one, over 8 % of it and its deviation
+  double radius_sigma = 1;  // that deviation over the radius
+  double area_ratio = 1;    // the region's area over that of the ball's visible part
   double visible_share = 1;  // as BallFit
   bool is_orange = true;     // no other of the table's colours is nearer to the fitted one
   double color_off = 0;      // as ColorName
+  double contrast = 0;       // as BallFit
+  double most_alike = 0;     // as BallFit
+  double outside_mm = 0;     // how far outside the lines and goals it lies; less than 0: inside
 };
 double confidence_of(const BallEvidence& evidence) noexcept;
 

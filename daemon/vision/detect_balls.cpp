@@ -37,10 +37,37 @@ bool lies_on_one(const std::vector<Robot>& robots, const CameraModel& camera, co
   return false;
 }
 
+/// How far outside the touch and goal lines; less than 0: inside. The goals belong to the field.
+double outside_mm(const FieldSize& field, const Eigen::Vector2d& place_mm) {
+  const double beyond_x = std::abs(place_mm.x()) - field.field_length / 2.0;
+  const double beyond_y = std::abs(place_mm.y()) - field.field_width / 2.0;
+  const bool in_goal = beyond_x < field.goal_depth && std::abs(place_mm.y()) < field.goal_width / 2.0;
+  return in_goal ? std::min(0.0, beyond_x) : std::max(beyond_x, beyond_y);
+}
+
+/// How much coarser the segmentation's cells are than those whose regions the confidence was fitted to; 0:
+/// not much.
+double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen::Vector2d& pixel,
+                  double radius_mm) {
+  // Of the radius: Bayer quads in pictures of 0.18 and 0.12 px/mm. Up to the latter balls have a region that
+  // says enough, and five fits for each would cost too much in a hall full of orange things.
+  constexpr double kUsual = 0.55, kCoarse = 0.75;
+  const double cell_mm = (is_bayer(image.format) ? 2 : 1) * std::sqrt(camera.mm2_per_px(pixel, radius_mm));
+  return cell_mm > kCoarse * radius_mm ? cell_mm - kUsual * radius_mm : 0;
+}
+
+/// Of the radius; in spreads of the ball's colour.
+constexpr double kUnsure = 0.35, kOffColor = 0.5;
+/// With less of it in sight a ball is hidden; other starts lie so many radii to each side.
+constexpr double kHidden = 0.95, kLeastVisible = 0.4, kAside = 0.35;
+/// What is remembered looks at least so much like a ball.
+constexpr double kPerhaps = 0.02;
+
 }  // namespace
 
-void DetectBalls::process(const Params& params, const Scene& scene, const Lut& lut, const Image& image,
-                          const RegionList& regions, const RobotList& robots, BallList& out) noexcept {
+void DetectBalls::process(const Params& params, const Scene& scene, const Lut& lut, const FrameInfo& info,
+                          const Image& image, const RegionList& regions, const RobotList& robots,
+                          BallList& out) noexcept {
   out.balls.clear();
   out.capped = false;
   if (!scene.camera || image.view().empty()) return;
@@ -55,29 +82,62 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
 
   const BallFitter::Frame frame{image.view(),    camera,         radius_mm,     robots.robots,
                                 robot_radius_mm, robot_front_mm, params.blur_px};
+  memory_.begin(info.times.t_capture_s);
   int fits = 0;
-  for (const Region& region : regions.of(label::kOrange)) {
+  const auto look_at = [&](const Region& region) {
     const Eigen::Vector2d pixel(region.x_px, region.y_px);
     const double ratio = region.area_px * camera.mm2_per_px(pixel, radius_mm) / true_area_mm2;
-    if (!(ratio >= params.min_area_ratio && ratio <= params.max_area_ratio)) continue;
+    if (!(ratio >= params.min_area_ratio && ratio <= params.max_area_ratio)) return;
     // Cut off on two sides, too little is left to tell where its middle is.
     const bool in_corner = (region.left == 0 || region.right + 1 >= image.view().width) &&
                            (region.top == 0 || region.bottom + 1 >= image.view().height);
-    if (in_corner) continue;
+    if (in_corner) return;
     const auto place = camera.unproject(pixel, radius_mm);
-    if (!place || std::abs(place->x()) > max_x_mm || std::abs(place->y()) > max_y_mm) continue;
+    if (!place || std::abs(place->x()) > max_x_mm || std::abs(place->y()) > max_y_mm) return;
     if (lies_on_one(robots.robots, camera, pixel, robot_radius_mm, robot_front_mm, params.on_robot_mm))
-      continue;
+      return;
     if (++fits > params.max_fits) {
       out.capped = true;
-      break;
+      return;
     }
-    const BallFit fit = fitter_.fit(frame, place->x(), place->y());
-    if (!fit.ok) continue;
-    const double confidence = confidence_of(evidence_of(fit, lut, radius_mm, ratio));
-    if (confidence < params.min_confidence) continue;
+    const double coarse_mm = coarser_mm(camera, image.view(), pixel, radius_mm);
+    BallFit fit;
+    BallEvidence evidence;
+    double confidence = 0;
+    const auto try_from = [&](double x_mm, double y_mm) {
+      BallFit other = fitter_.fit(frame, x_mm, y_mm);
+      if (!fit.ok) fit.visible_share = other.visible_share;
+      if (!other.ok) return;
+      other.moved_mm = std::hypot(other.x_mm - place->x(), other.y_mm - place->y());
+      const BallEvidence says = evidence_of(other, scene, lut, ratio, coarse_mm);
+      // In a few samples nearly anything is round: there the colour must tell.
+      const bool unlike =
+          coarse_mm > 0 && (!says.is_orange || says.color_off > kOffColor || says.radius_sigma > kUnsure);
+      const double likely = unlike ? 0 : confidence_of(says);
+      if (fit.ok && likely <= confidence) return;
+      fit = other;
+      evidence = says;
+      confidence = likely;
+    };
+    try_from(place->x(), place->y());
+    // The region's place may be nearer to the silhouette than to the middle: where cells are large, and where
+    // a robot hides the other half.
+    const bool is_hidden =
+        fit.visible_share > 0 && fit.visible_share < kHidden && confidence < params.min_confidence;
+    if (coarse_mm > 0 || is_hidden) {
+      const double aside_mm = coarse_mm > 0 ? coarse_mm / 2 : kAside * radius_mm;
+      for (const double x : {-aside_mm, aside_mm}) {
+        for (const double y : {-aside_mm, aside_mm}) try_from(place->x() + x, place->y() + y);
+      }
+      if (is_hidden && !(evidence.is_orange && fit.visible_share > kLeastVisible)) return;
+    }
+    if (!fit.ok) return;
+    // Also what is not reported: in other light it may look more like a ball.
+    if (confidence < std::min(params.min_confidence, kPerhaps)) return;
+    const bool is_furniture = memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm);
+    if (is_furniture || confidence < params.min_confidence) return;
     const auto fitted = camera.project({fit.x_mm, fit.y_mm, radius_mm});
-    if (!fitted) continue;
+    if (!fitted) return;
     // Of several regions of one ball, the best fit counts.
     const Ball ball{fit.x_mm, fit.y_mm, fitted->x(), fitted->y(), region.area_px, confidence};
     const auto same = std::find_if(out.balls.begin(), out.balls.end(), [&](const Ball& other) {
@@ -88,6 +148,18 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     } else if (same->confidence < confidence) {
       *same = ball;
     }
+  };
+  for (const Region& region : regions.of(label::kOrange)) {
+    if (out.capped) break;
+    look_at(region);
+  }
+  // A ball that fills no cell of its own mixes with the carpet to yellow.
+  const Eigen::Vector2d middle(image.view().width / 2.0, image.view().height / 2.0);
+  if (coarser_mm(camera, image.view(), middle, radius_mm) > 0) {
+    for (const Region& region : regions.of(label::kYellow)) {
+      if (out.capped) break;
+      look_at(region);
+    }
   }
   std::sort(out.balls.begin(), out.balls.end(),
             [](const Ball& a, const Ball& b) { return a.confidence > b.confidence; });
@@ -96,19 +168,32 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
   }
 }
 
-BallEvidence DetectBalls::evidence_of(const BallFit& fit, const Lut& lut, double radius_mm,
-                                      double area_ratio) {
+BallEvidence DetectBalls::evidence_of(const BallFit& fit, const Scene& scene, const Lut& lut,
+                                      double area_ratio, double coarser_mm) {
+  const double radius_mm = scene.field.ball_radius;
   BallEvidence e;
   e.r2 = fit.r2;
-  e.contrast = fit.contrast;
-  e.radius_off = std::abs(fit.radius_mm - radius_mm) / std::hypot(0.08 * radius_mm, fit.radius_sigma_mm);
-  e.moved_share = fit.moved_mm / radius_mm;
-  e.area_ratio = area_ratio / std::max(0.1, fit.visible_share);
+  e.moved_share = std::max(0.0, fit.moved_mm - coarser_mm) / radius_mm;
   e.clear_share = fit.clear_share;
+  e.misfit = fit.misfit;
+  e.out_of_round =
+      fit.out_of_round_mm / std::hypot(0.035 * radius_mm, fit.out_of_round_sigma_mm, 0.1 * coarser_mm);
+  e.radius_off = std::abs(fit.radius_mm - radius_mm) / std::hypot(0.08 * radius_mm, fit.radius_sigma_mm);
+  e.radius_sigma = fit.radius_sigma_mm / radius_mm;
+  e.area_ratio = area_ratio / std::max(0.1, fit.visible_share);
+  // Cells at the silhouette are half ball, half carpet.
+  if (e.area_ratio < 1) e.area_ratio = std::min(1.0, e.area_ratio + coarser_mm / radius_mm);
   e.visible_share = fit.visible_share;
   const ColorName name = name_color(fit.color, fit.color, lut, kLikeBalls);
-  e.is_orange = name.color == label::kOrange && name.margin > 0;
+  // Of balls that fill no cell the table has seen mixtures with the carpet only, and knows not their own
+  // colour.
+  constexpr double kSameColor = 0.25;
+  const bool same_color = coarser_mm > 0 && name.off < kSameColor;
+  e.is_orange = name.color == label::kOrange && (name.margin > 0 || same_color);
   e.color_off = name.off;
+  e.contrast = fit.contrast;
+  e.most_alike = fit.most_alike;
+  e.outside_mm = outside_mm(scene.field, {fit.x_mm, fit.y_mm});
   return e;
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "base/params.h"
+#include "image/frame_info.h"
 #include "image/image.h"
 #include "vision/ball_fit.h"
+#include "vision/ball_memory.h"
 #include "vision/confidence.h"
 #include "vision/detections.h"
 #include "vision/lut.h"
@@ -15,8 +17,9 @@
 namespace sslv {
 
 /// Finds balls: regions of the ball's colour say where to look; what there is, is read from the picture's own
-/// samples by fitting a sphere (BallFitter). Size, roundness, colour and surroundings give the confidence. What
-/// lies on a robot's top is part of its pattern; what a robot hides of a ball is left out of the fit.
+/// samples by fitting a sphere (BallFitter). Size, roundness, colour and surroundings give the confidence.
+/// What lies on a robot's top is part of its pattern; what a robot hides of a ball is left out of the fit.
+/// What stands off the field since it was first seen is furniture and not reported (BallMemory).
 class DetectBalls {
  public:
   struct Params {
@@ -36,28 +39,35 @@ class DetectBalls {
                  "largest region looked at, as a multiple of a ball's true area"),
           number("max_outside_mm", &Params::max_outside_mm, 0.0, 10'000.0, "mm",
                  "how far outside the touch and goal lines a ball may lie"),
-          number("on_robot_mm", &Params::on_robot_mm, -100.0, 100.0, "mm",
-                 "a region further than this inside a robot's outline is part of the robot; less than 0: also "
-                 "what is so near outside"),
+          number(
+              "on_robot_mm", &Params::on_robot_mm, -100.0, 100.0, "mm",
+              "a region further than this inside a robot's outline is part of the robot; less than 0: also "
+              "what is so near outside"),
           number("min_confidence", &Params::min_confidence, 0.0, 1.0, "", "balls below it are not reported"),
           number("max_balls", &Params::max_balls, 1, 1'000, "", "report at most so many, the best ones"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
-          number("max_fits", &Params::max_fits, 1, 100'000, "",
-                 "looks at no more regions than this in one picture, the largest ones (some 5 us each); frames "
-                 "that had more to look at are counted"),
+          number(
+              "max_fits", &Params::max_fits, 1, 100'000, "",
+              "looks at no more regions than this in one picture, the largest ones (some 10 us each, up to "
+              "five times that where a ball is small or hidden); frames "
+              "that had more to look at are counted"),
       };
     }
   };
 
   /// Without a calibrated camera, or in a picture without colours, the result is empty.
-  void process(const Params& params, const Scene& scene, const Lut& lut, const Image& image,
-               const RegionList& regions, const RobotList& robots, BallList& balls) noexcept;
+  void process(const Params& params, const Scene& scene, const Lut& lut, const FrameInfo& info,
+               const Image& image, const RegionList& regions, const RobotList& robots,
+               BallList& balls) noexcept;
 
-  /// `area_ratio` is the region's area over that of a ball.
-  static BallEvidence evidence_of(const BallFit& fit, const Lut& lut, double radius_mm, double area_ratio);
+  /// `area_ratio` is the region's area over that of a ball; `coarser_mm`: how much wider the segmentation's
+  /// cells are than those that the confidence was fitted to.
+  static BallEvidence evidence_of(const BallFit& fit, const Scene& scene, const Lut& lut, double area_ratio,
+                                  double coarser_mm = 0);
 
  private:
   BallFitter fitter_;
+  BallMemory memory_;
 };
 
 }  // namespace sslv

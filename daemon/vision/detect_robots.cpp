@@ -23,7 +23,7 @@ constexpr double kLeastMargin = 0.05;
 /// sticker, a hand.
 /// The two teams' colours lie further apart than two side dots' may, and yellow turns to orange in dim light.
 constexpr double kMostOff = 1.6, kMostCenterOff = 2.5;
-constexpr int kFewPasses = 2, kManyPasses = 5;
+constexpr int kFewPasses = 4, kManyPasses = 6;
 constexpr double kDuplicateShare = 0.25;
 /// What was seen in the last pictures is the same robot within these.
 constexpr double kSamePlaceMm = 60, kSameHeadingRad = 0.5;
@@ -62,6 +62,10 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   const Frame frame{image.view(), *scene.camera, patterns, lut, params.blur_px};
   const double now_s = info.times.t_capture_s;
   memory_.forget(now_s, params.memory_ms * 1e-3);
+  rows_ = RowTimes(params.rolling_shutter_ms * 1e-3, info.whole, image.view().height);
+  expected_.clear();
+  for (const RobotMemory::Entry& entry : memory_.entries())
+    expected_.push_back(expected_in_picture(frame, scene, entry, now_s));
 
   double dots_height_mm = std::numeric_limits<double>::quiet_NaN();
   for (const Team team : {Team::kYellow, Team::kBlue}) {
@@ -79,10 +83,36 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
     dots_height_mm = height_mm;
     search_from_side_dots(params, frame, height_mm);
   }
-  search_from_memory(params, frame, scene, mask, now_s);
-  choose(params, frame, scene, now_s, out);
+  search_from_memory(params, frame, scene, mask);
+  choose(params, frame, scene, out);
   out.capped = !time_left(params);
-  if (params.memory_ms > 0) memory_.remember(out, now_s);
+  if (params.memory_ms == 0) return;
+  memory_.remember(out, now_s, rows_);
+  if (rows_.rolls()) memory_.move_to_frame(out);
+}
+
+DetectRobots::Expected DetectRobots::expected_in_picture(const Frame& frame, const Scene& scene,
+                                                         const RobotMemory::Entry& entry,
+                                                         double now_s) const {
+  Expected out{entry.at(now_s), Eigen::Vector2d::Zero()};
+  if (!rows_.rolls()) return out;
+  const auto pixel = frame.camera.project({out.pose.x_mm, out.pose.y_mm, scene.height_of(entry.team)});
+  if (pixel) out.pose = entry.at(now_s + rows_.delay_s(pixel->y()));
+  out.mm_per_row = Eigen::Vector2d(entry.x_mm_s, entry.y_mm_s) * rows_.s_per_row();
+  return out;
+}
+
+Eigen::Vector2d DetectRobots::mm_per_row_at(const PatternPose& pose) const {
+  double least_mm = kSamePlaceMm;
+  Eigen::Vector2d out = Eigen::Vector2d::Zero();
+  if (!rows_.rolls()) return out;
+  for (const Expected& expected : expected_) {
+    const double away_mm = distance(expected.pose.x_mm - pose.x_mm, expected.pose.y_mm - pose.y_mm);
+    if (away_mm >= least_mm) continue;
+    least_mm = away_mm;
+    out = expected.mm_per_row;
+  }
+  return out;
 }
 
 void DetectRobots::collect_dots(const Params& params, const Frame& frame, double height_mm,
@@ -204,8 +234,8 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
     }
   };
   search(color, 0);
-  // In dim light yellow reads as orange, and where a channel is clipped. So does every ball, but that is no disc
-  // on black. Regions of side dots need not be there: in the shade green ones are as dark as carpet.
+  // In dim light yellow reads as orange, and where a channel is clipped. So does every ball, but that is no
+  // disc on black. Regions of side dots need not be there: in the shade green ones are as dark as carpet.
   if (color == label::kYellow) search(label::kOrange, 0);
 }
 
@@ -278,10 +308,11 @@ void DetectRobots::search_from_side_dots(const Params& params, const Frame& fram
 }
 
 void DetectRobots::search_from_memory(const Params& params, const Frame& frame, const Scene& scene,
-                                      const Mask& mask, double now_s) {
-  for (const RobotMemory::Entry& entry : memory_.entries()) {
+                                      const Mask& mask) {
+  for (std::size_t i = 0; i < expected_.size(); ++i) {
     if (!time_left(params)) return;
-    const PatternPose expected = entry.at(now_s);
+    const RobotMemory::Entry& entry = memory_.entries()[i];
+    const PatternPose expected = expected_[i].pose;
     const bool found = std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
       return distance(candidate.fit.pose.x_mm - expected.x_mm, candidate.fit.pose.y_mm - expected.y_mm) <
              kSamePlaceMm;
@@ -305,7 +336,7 @@ void DetectRobots::search_from_memory(const Params& params, const Frame& frame, 
 DetectRobots::Candidate DetectRobots::examine(const Params& params, const Frame& frame,
                                               const PatternPose& start, double height_mm, int most_passes) {
   Candidate out{};
-  out.fit = fitter_.fit(frame, start, height_mm, most_passes);
+  out.fit = fitter_.fit(frame, start, height_mm, most_passes, mm_per_row_at(start));
   out.height_mm = height_mm;
   if (out.fit.seen == 0 || out.fit.rms_mm > params.max_rms_mm) return out;
   const auto is_proven = [](const PatternDotFit& dot, double most_off) {
@@ -342,8 +373,7 @@ void DetectRobots::keep(const PatternTable& patterns, const Candidate& candidate
   if (candidate.proven_dots == all) explain_dots(patterns, candidate);
 }
 
-void DetectRobots::choose(const Params& params, const Frame& frame, const Scene& scene, double now_s,
-                          RobotList& out) {
+void DetectRobots::choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& out) {
   const PatternTable& patterns = frame.patterns;
   const std::size_t sides = patterns.dots.size();
   order_.clear();
@@ -375,7 +405,8 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
     if (shares) continue;
     const auto remembered = std::find_if(
         memory_.entries().begin(), memory_.entries().end(), [&](const RobotMemory::Entry& entry) {
-          const PatternPose expected = entry.at(now_s);
+          const PatternPose& expected =
+              expected_[static_cast<std::size_t>(&entry - memory_.entries().data())].pose;
           const PatternPose& pose = candidate->fit.pose;
           return (!candidate->team || *candidate->team == entry.team) &&
                  distance(expected.x_mm - pose.x_mm, expected.y_mm - pose.y_mm) < kSamePlaceMm &&

@@ -12,6 +12,7 @@
 #include "vision/patterns.h"
 #include "vision/regions.h"
 #include "vision/robot_memory.h"
+#include "vision/row_times.h"
 
 #include <array>
 #include <cstddef>
@@ -19,6 +20,8 @@
 #include <optional>
 #include <tuple>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace sslv {
 
@@ -40,6 +43,7 @@ class DetectRobots {
     double min_confidence = 0.6;
     Duplicates duplicates = Duplicates::kDrop;
     double memory_ms = 100;
+    double rolling_shutter_ms = 0;
     double blur_px = 0.55;
     int max_work = 3000;
     static constexpr auto fields() {
@@ -56,8 +60,13 @@ class DetectRobots {
               "a second robot with the id of another of its team: drop it, or keep it with a quarter of its "
               "confidence"),
           number("memory_ms", &Params::memory_ms, 0.0, 2000.0, "ms",
-                 "how long a robot's last place helps to find it again; it never changes where it is "
-                 "reported. 0: each picture by itself"),
+                 "how long a robot's last place helps to find it again; it changes where it is reported "
+                 "only with a rolling shutter. 0: each picture by itself"),
+          number(
+              "rolling_shutter_ms", &Params::rolling_shutter_ms, 0.0, 100.0, "ms",
+              "time from the exposure of the picture's first row to that of its last, when one follows the "
+              "other; robots are then reported where they were at the frame's time, that of the middle row, "
+              "by their speed in the last pictures (needs memory_ms). 0: all rows at once"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
           number(
               "max_work", &Params::max_work, 100, 1'000'000, "",
@@ -104,19 +113,30 @@ class DetectRobots {
   void search_around(const Params& params, const Frame& frame, double x_mm, double y_mm, double height_mm,
                      int least_matched);
   void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);
-  void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, const Mask& mask,
-                          double now_s);
+  void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, const Mask& mask);
   bool time_left(const Params& params) const { return fitter_.work() + work_ < params.max_work; }
+
+  /// A robot of the last pictures where the row that shows it should see it now.
+  struct Expected {
+    PatternPose pose;
+    Eigen::Vector2d mm_per_row;  // how much further it is in each row than in the one above
+  };
+  Expected expected_in_picture(const Frame& frame, const Scene& scene, const RobotMemory::Entry& entry,
+                               double now_s) const;
+  /// How much further what is there moves from row to row.
+  Eigen::Vector2d mm_per_row_at(const PatternPose& pose) const;
 
   /// Fits the pattern and judges it.
   Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
                     int most_passes);
   void keep(const PatternTable& patterns, const Candidate& candidate);
-  void choose(const Params& params, const Frame& frame, const Scene& scene, double now_s, RobotList& robots);
+  void choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& robots);
 
   PatternFitter fitter_;
   double work_ = 0;  // besides that of the fitter, in the same measure
   RobotMemory memory_;
+  RowTimes rows_;                        // of this picture
+  std::vector<Expected> expected_;       // in this picture, for each entry of the memory
   std::vector<Dot> dots_;                // by x
   std::vector<std::uint8_t> explained_;  // of each region: a robot found already has it as a side dot
   std::vector<Candidate> candidates_;

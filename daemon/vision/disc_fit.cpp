@@ -14,7 +14,7 @@ namespace {
 /// A noise variance below this is that of rounding and of what the model leaves out.
 constexpr double kLeastVariance = 0.5;
 /// Samples, and covered ones of them, without which a plane says nothing.
-constexpr double kLeastSamples = 3, kLeastCovered = 0.5;
+constexpr double kLeastSamples = 3, kLeastCovered = 0.25;
 
 /// What one plane says besides the centre.
 struct PlaneFit {
@@ -29,7 +29,10 @@ bool fit_plane(const DiscMeasure::Plane& s, PlaneFit& fit, DiscFit::Plane& plane
   fit.contrast = (s.tv * s.n - s.v * s.t) / det;
   fit.ground = (s.v * s.tt - s.tv * s.t) / det;
   const double left = std::max(0.0, s.vv - fit.contrast * s.tv - fit.ground * s.v);
-  plane = {fit.contrast, det / s.n, left, std::max(1.0, s.n - 4)};
+  plane.contrast = fit.contrast;
+  plane.spread = det / s.n;
+  plane.left = left;
+  plane.free = std::max(1.0, s.n - 4);
   fit.variance = std::max(left / plane.free, kLeastVariance);
   fit.total = std::max(0.0, s.vv - s.v * s.v / s.n) / fit.variance;
   fit.explained = fit.total - left / fit.variance;
@@ -38,12 +41,17 @@ bool fit_plane(const DiscMeasure::Plane& s, PlaneFit& fit, DiscFit::Plane& plane
     return std::array{(with_t * s.n - with_one * s.t) / det, (with_one * s.tt - with_t * s.t) / det};
   };
   const auto ex = eliminate(s.xt, s.x), ey = eliminate(s.yt, s.y);
-  const double weight = fit.contrast / fit.variance;
-  out.n00 += weight * fit.contrast * (s.xx - s.xt * ex[0] - s.x * ex[1]);
-  out.n01 += weight * fit.contrast * (s.xy - s.xt * ey[0] - s.x * ey[1]);
-  out.n11 += weight * fit.contrast * (s.yy - s.yt * ey[0] - s.y * ey[1]);
-  out.g0 += weight * (s.xv - fit.contrast * s.xt - fit.ground * s.x);
-  out.g1 += weight * (s.yv - fit.contrast * s.yt - fit.ground * s.y);
+  const double a = fit.contrast, weight = 1 / fit.variance;
+  plane.n00 = a * a * (s.xx - s.xt * ex[0] - s.x * ex[1]);
+  plane.n01 = a * a * (s.xy - s.xt * ey[0] - s.x * ey[1]);
+  plane.n11 = a * a * (s.yy - s.yt * ey[0] - s.y * ey[1]);
+  plane.g0 = a * (s.xv - a * s.xt - fit.ground * s.x);
+  plane.g1 = a * (s.yv - a * s.yt - fit.ground * s.y);
+  out.n00 += weight * plane.n00;
+  out.n01 += weight * plane.n01;
+  out.n11 += weight * plane.n11;
+  out.g0 += weight * plane.g0;
+  out.g1 += weight * plane.g1;
   return true;
 }
 

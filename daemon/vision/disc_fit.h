@@ -55,6 +55,8 @@ struct DiscFit {
     double spread = 0;    // inverse variance of that, over one sample's: how many samples it is worth
     double left = 0;      // sum of squares that is left unexplained
     double free = 0;      // samples beyond the model's own numbers
+    // What this plane adds to information and gradient, times the variance of one sample's noise.
+    double n00 = 0, n01 = 0, n11 = 0, g0 = 0, g1 = 0;
   };
   std::array<Plane, 3> planes;
   bool ok = false;  // there were samples enough

@@ -32,16 +32,26 @@ HWY_INLINE Vector InverseSqrt(Vector x) {
 
 /// Values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from `bytes`, the
 /// first sample's group of bytes. (Gather instructions would do the same, but are slow where CPUs have had to
-/// be mended.)
-template <int kPlanes>
-HWY_INLINE void LoadValues(const SampleGrid& grid, const std::uint8_t* HWY_RESTRICT bytes, std::size_t at,
-                           PlaneSamples& samples) {
+/// be mended.) kDeep: what lies `to_low_bits` behind belongs to it.
+template <int kPlanes, bool kDeep>
+HWY_INLINE void LoadValues(const SampleGrid& grid, const std::uint8_t* HWY_RESTRICT bytes,
+                           std::ptrdiff_t to_low_bits, std::size_t at, PlaneSamples& samples) {
   const Floats d;
   const hn::RebindToSigned<Floats> di;
   const auto store = [&](auto integers, std::size_t plane) {
     hn::StoreU(hn::ConvertTo(d, integers), d, samples.value[plane].data() + at);
   };
-  if constexpr (kPlanes == 1) {  // every second byte
+  if constexpr (kDeep) {
+    static_assert(kPlanes == 1);
+    const hn::Rebind<std::uint16_t, Floats> d16;
+    const auto upper = hn::LoadU(d16, reinterpret_cast<const std::uint16_t*>(bytes));
+    const auto lower = hn::LoadU(d16, reinterpret_cast<const std::uint16_t*>(bytes + to_low_bits));
+    const auto first = hn::Set(d16, 255);
+    const auto value = grid.offset[0] == 0 ? hn::Or(hn::ShiftLeft<8>(upper), hn::And(lower, first))
+                                           : hn::Or(hn::AndNot(first, upper), hn::ShiftRight<8>(lower));
+    hn::StoreU(hn::Mul(hn::ConvertTo(d, hn::PromoteTo(di, value)), hn::Set(d, 1.0F / 256)), d,
+               samples.value[0].data() + at);
+  } else if constexpr (kPlanes == 1) {  // every second byte
     const hn::Rebind<std::uint16_t, Floats> d16;
     const auto pairs = hn::LoadU(d16, reinterpret_cast<const std::uint16_t*>(bytes));
     store(
@@ -60,7 +70,7 @@ HWY_INLINE void LoadValues(const SampleGrid& grid, const std::uint8_t* HWY_RESTR
   }
 }
 
-template <int kPlanes>
+template <int kPlanes, bool kDeep>
 void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
                 const SampleGrid& grid, PlaneSamples& samples) {
   const Floats d;
@@ -92,7 +102,8 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   // which the next row overwrites.
   const int widest = std::min(kPixels, up((2 * std::sqrt(chord2) + 1) * per_x) + 1);
   const int vectors = (widest + lanes - 1) / lanes;
-  std::uint8_t copy[4 * (kPixels + PlaneSamples::kPad)];
+  constexpr std::ptrdiff_t kCopyBytes = 4 * (kPixels + PlaneSamples::kPad);
+  std::uint8_t copy[(kDeep ? 2 : 1) * kCopyBytes];
   const Vector step_u = hn::Set(d, static_cast<float>(grid.step_x * lanes));
   const Vector ramp_u = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<float>(grid.step_x)));
   const std::ptrdiff_t row_bytes = std::ptrdiff_t{image.width} * bytes_per_pixel(image.format);
@@ -126,9 +137,15 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
     if (begin >= end || count + vectors * lanes > PlaneSamples::kMax) continue;
     const int row_y = grid.first_y + row * grid.step_y;
     const std::uint8_t* bytes = image.row(row_y) + std::ptrdiff_t{begin} * grid.bytes_per_step;
+    std::ptrdiff_t to_low_bits = image.to_low_bits;
     const std::ptrdiff_t wanted = std::ptrdiff_t{vectors} * lanes * grid.bytes_per_step;
     if (image_end - bytes < wanted) {  // whole vectors would reach beyond the picture
-      std::memcpy(copy, bytes, static_cast<std::size_t>(image_end - bytes));
+      const auto left = static_cast<std::size_t>(image_end - bytes);
+      std::memcpy(copy, bytes, left);
+      if constexpr (kDeep) {
+        std::memcpy(copy + kCopyBytes, bytes + to_low_bits, left);
+        to_low_bits = kCopyBytes;
+      }
       bytes = copy;
     }
     const Vector v = hn::Set(d, static_cast<float>(row_y) - patch.v0);
@@ -138,7 +155,7 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
       hn::StoreU(u, d, samples.u.data() + at);
       hn::StoreU(v, d, samples.v.data() + at);
       u = hn::Add(u, step_u);
-      LoadValues<kPlanes>(grid, bytes + i * grid.bytes_per_step, at, samples);
+      LoadValues<kPlanes, kDeep>(grid, bytes + i * grid.bytes_per_step, to_low_bits, at, samples);
     }
     count += end - begin;
   }
@@ -153,10 +170,13 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
 
 void ReadSamples(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
                  const SampleGrid& grid, PlaneSamples& samples) {
+  const bool is_deep = image.to_low_bits != 0;
   switch (grid.planes) {
-    case 1: return ReadPlanes<1>(patch, x, y, radius, image, grid, samples);
-    case 2: return ReadPlanes<2>(patch, x, y, radius, image, grid, samples);
-    default: return ReadPlanes<3>(patch, x, y, radius, image, grid, samples);
+    case 1:
+      return is_deep ? ReadPlanes<1, true>(patch, x, y, radius, image, grid, samples)
+                     : ReadPlanes<1, false>(patch, x, y, radius, image, grid, samples);
+    case 2: return ReadPlanes<2, false>(patch, x, y, radius, image, grid, samples);
+    default: return ReadPlanes<3, false>(patch, x, y, radius, image, grid, samples);
   }
 }
 

@@ -9,11 +9,12 @@
 
 namespace sslv {
 
-// Written once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs on.
+// Written once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs
+// on.
 
-/// Samples of up to three colour planes lie on a grid: every step_x (step_y) pixels from first_x (first_y) on.
-/// A plane's byte stands at its offset in the bytes_per_step of a sample. One plane
-/// has every second byte, two have two of every four, three have all.
+/// Samples of up to three colour planes lie on a grid: every step_x (step_y) pixels from first_x (first_y)
+/// on. A plane's byte stands at its offset in the bytes_per_step of a sample. One plane has every second
+/// byte, two have two of every four, three have all.
 struct SampleGrid {
   int first_x, first_y, step_x, step_y;
   int bytes_per_step;
@@ -40,8 +41,9 @@ struct KernelPatch {
   float u0, v0;  // the patch's pixel
 };
 
-/// Reads a grid's samples in and around the circle (x, y, radius) of the plane and adds them to `samples`, which
-/// must hold none, or those of a grid with as many planes.
+/// Reads a grid's samples in and around the circle (x, y, radius) of the plane and adds them to `samples`,
+/// which must hold none, or those of a grid with as many planes. The values are levels of 8 bits, with
+/// fractions where the picture has low bits (of one plane's grids).
 void read_samples(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
                   const SampleGrid& grid, PlaneSamples& samples) noexcept;
 
@@ -72,8 +74,8 @@ struct BallTemplate {
   float blur_px, wide_px;
 };
 
-/// The columns of a ball's model: the changes of T as the ball moves by 1 mm in x and y and as its radius grows by
-/// 1 mm; T itself, and shaded by the surface's direction x, y and up; one.
+/// The columns of a ball's model: the changes of T as the ball moves by 1 mm in x and y and as its radius
+/// grows by 1 mm; T itself, and shaded by the surface's direction x, y and up; one.
 enum BallColumn { kMoveX, kMoveY, kGrow, kCover, kShadeX, kShadeY, kShadeUp, kGround, kBallColumns };
 struct BallSums {
   std::array<std::array<float, kBallColumns>, kBallColumns> products{};  // lower triangle: [i][j], j <= i

@@ -7,10 +7,13 @@ void FindRuns::process(const Params& params, const LabelImage& labels, RunList& 
   out.width = labels.width;
   out.height = labels.height;
   out.cell_px = labels.cell_px;
-  out.runs.reserve(static_cast<std::size_t>(params.max_runs));
-  out.runs.clear();
-  out.capped = false;
-  const auto max_runs = static_cast<std::size_t>(params.max_runs);
+  flood_cut_.begin(labels.width, labels.height);
+  const std::size_t room = FloodCut::room(labels.width, labels.height, 0);
+  if (room_ < room) {
+    found_ = std::make_unique_for_overwrite<Run[]>(room);
+    room_ = room;
+  }
+  FloodCut::Band band{found_.get()};
   for (int y = 0; y < labels.height; ++y) {
     const Label* row = labels.row(y);
     for (int x = 0; x < labels.width;) {
@@ -20,14 +23,13 @@ void FindRuns::process(const Params& params, const LabelImage& labels, RunList& 
         ++x;
       } while (x < labels.width && row[x] == label);
       if (label == label::kClear) continue;
-      if (out.runs.size() == max_runs) {
-        out.capped = true;
-        return;
-      }
-      out.runs.push_back({static_cast<std::uint16_t>(y), static_cast<std::uint16_t>(begin),
-                          static_cast<std::uint16_t>(x), label});
+      band.runs[band.count++] = {static_cast<std::uint16_t>(y), static_cast<std::uint16_t>(begin),
+                                 static_cast<std::uint16_t>(x), label};
     }
+    const bool ends_strip = (y + 1) % FloodCut::kBlockCells == 0 || y + 1 == labels.height;
+    if (ends_strip || band.count - band.noted >= FloodCut::kNoteAfter) flood_cut_.note(band, ends_strip);
   }
+  flood_cut_.finish(std::span(&band, 1), static_cast<std::size_t>(params.max_runs), out);
 }
 
 }  // namespace sslv

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/label_picture.h"
 
+#include "vision/flood_cut.h"
+
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 
 namespace sslv {
@@ -14,6 +18,24 @@ void fill(std::uint8_t* begin, const std::uint8_t* end, Rgb color) {
   }
 }
 
+/// The first of the labels that were cut, as a pattern that nothing else looks like.
+void draw_floods(const RunList& runs, std::uint8_t* picture, const LabelSet& labels) {
+  constexpr int kBlock = FloodCut::kBlockCells;
+  const int across = (runs.width + kBlock - 1) / kBlock;
+  for (std::size_t i = 0; i < runs.cut.size(); ++i) {
+    if (runs.cut[i] == 0) continue;
+    // Of blocks that were cut whole, "clear" would be the first.
+    const std::uint32_t cut = runs.cut[i] & ~(1U << label::kClear);
+    const Rgb color = labels.color(static_cast<Label>(std::countr_zero(cut)));
+    const int left = static_cast<int>(i) % across * kBlock, top = static_cast<int>(i) / across * kBlock;
+    for (int y = top; y < std::min(top + kBlock, runs.height); y += 2) {
+      std::uint8_t* const row = picture + std::ptrdiff_t{3} * runs.width * y;
+      for (int x = left; x < std::min(left + kBlock, runs.width); x += 2)
+        fill(row + std::ptrdiff_t{3} * x, row + std::ptrdiff_t{3} * (x + 1), color);
+    }
+  }
+}
+
 }  // namespace
 
 ImageView draw_label_picture(const RunList& runs, std::vector<std::uint8_t>& buffer, const LabelSet& labels) {
@@ -24,6 +46,7 @@ ImageView draw_label_picture(const RunList& runs, std::vector<std::uint8_t>& buf
     std::uint8_t* const row = buffer.data() + run.y * stride_bytes;
     fill(row + 3 * run.x_begin, row + 3 * run.x_end, labels.color(run.label));
   }
+  draw_floods(runs, buffer.data(), labels);
   return {buffer.data(), runs.width, runs.height, stride_bytes, PixelFormat::kRgb24};
 }
 

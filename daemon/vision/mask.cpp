@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/mask.h"
 
+#include "vision/field_view.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,9 +61,38 @@ void add_intervals(std::vector<Edge>& edges, bool include_all, std::vector<Inter
   if (inside && begin < kMaxSide) intervals.push_back({static_cast<std::uint16_t>(begin), kMaxSide});
 }
 
+/// Keeps of the intervals from `first` on what the row's band has, too.
+void limit_to(const FieldView& view, int row_px, int cell_px, std::size_t first,
+              std::vector<Interval>& intervals) {
+  const auto band_index = static_cast<std::size_t>(row_px / FieldView::kBandPx);
+  if (band_index >= view.bands.size()) return;
+  std::vector<Interval> band;
+  for (const Interval& one : view.bands[band_index])
+    band.push_back(
+        {static_cast<std::uint16_t>(one.begin / cell_px), static_cast<std::uint16_t>(one.end / cell_px)});
+  if (view.width_px < kMaxSide)
+    band.push_back({static_cast<std::uint16_t>(view.width_px / cell_px), kMaxSide});
+  const std::vector<Interval> whole(intervals.begin() + static_cast<std::ptrdiff_t>(first), intervals.end());
+  intervals.resize(first);
+  for (const Interval& a : whole) {
+    for (const Interval& b : band) {
+      const Interval both{std::max(a.begin, b.begin), std::min(a.end, b.end)};
+      if (both.begin < both.end) intervals.push_back(both);
+    }
+  }
+}
+
 }  // namespace
 
 Mask::Mask(const MaskSettings& settings) {
+  add_rows(settings, nullptr);
+}
+
+Mask::Mask(const MaskSettings& settings, const FieldView& view) {
+  add_rows(settings, &view);
+}
+
+void Mask::add_rows(const MaskSettings& settings, const FieldView* view) {
   if (settings.include.empty()) rest_.push_back(kWholeRow);
 
   double bottom_px = -1;
@@ -70,6 +101,7 @@ Mask::Mask(const MaskSettings& settings) {
       for (const auto& point : polygon.points) bottom_px = std::max(bottom_px, point[1]);
     }
   }
+  if (view) bottom_px = std::max(bottom_px, static_cast<double>(view->bands.size()) * FieldView::kBandPx - 1);
   const int rows_px = static_cast<int>(std::clamp(bottom_px + 1, 0.0, double{kMaxSide}));
 
   std::vector<double> crossings;
@@ -84,7 +116,9 @@ Mask::Mask(const MaskSettings& settings) {
         add_edges(polygon, centre_y, cell_px, false, crossings, edges);
       for (const MaskPolygon& polygon : settings.exclude)
         add_edges(polygon, centre_y, cell_px, true, crossings, edges);
+      const std::size_t first = rows.intervals.size();
       add_intervals(edges, settings.include.empty(), rows.intervals);
+      if (view) limit_to(*view, y * cell_px, cell_px, first, rows.intervals);
       rows.begin.push_back(static_cast<std::uint32_t>(rows.intervals.size()));
     }
   }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,13 @@ struct MaskPolygon {
 /// Which part of the picture is looked at.
 struct MaskSettings {
   std::vector<MaskPolygon> include, exclude;
+  std::optional<double> beyond_boundary = 0;
   static constexpr auto fields() {
     return std::tuple{
+        number("beyond_boundary", &MaskSettings::beyond_boundary, 0.0, 100'000.0, "mm",
+               "how far beyond the field's boundary a calibrated camera still looks; empty (null): at all of "
+               "the "
+               "picture"),
         list("include", &MaskSettings::include,
              "only what lies in one of these polygons is looked at; none: everything"),
         list("exclude", &MaskSettings::exclude, "what lies in one of these polygons is not looked at"),
@@ -33,7 +39,10 @@ struct MaskSettings {
   }
 };
 
-/// MaskSettings as intervals of rows, for pictures of any size. Immutable.
+struct FieldView;
+
+/// Polygons of MaskSettings as intervals of rows, for pictures of any size, and a camera's view of its field.
+/// Immutable.
 class Mask {
  public:
   /// Cells [begin, end) of a row.
@@ -45,6 +54,8 @@ class Mask {
   /// Everything is looked at.
   Mask() : Mask(MaskSettings{}) {}
   explicit Mask(const MaskSettings& settings);
+  /// Only what `view` has, too (vision/field_view.h).
+  Mask(const MaskSettings& settings, const FieldView& view);
 
   /// The cells of row `y` that are looked at: ascending, disjoint, none empty, to be cut off at the picture's
   /// right edge. cell_px is 1, or 2 for the quads of a Bayer picture; what counts is the cell's centre.
@@ -66,6 +77,7 @@ class Mask {
 
  private:
   static constexpr double kMostPx = 16'383;
+  void add_rows(const MaskSettings& settings, const FieldView* view);
   struct Rows {
     std::vector<Interval> intervals;
     std::vector<std::uint32_t> begin;  // intervals begin[y] .. begin[y + 1] are those of row y

@@ -15,21 +15,34 @@ namespace {
 
 // Thresholds of "there is a disc". The contrast of an empty place is some two or three of its deviations.
 constexpr double kLeastSignificance = 8, kLeastR2 = 0.2;
+/// Seen from a poor start, as where cells are large, much of what a disc leaves is no noise but its place
+/// being wrong.
+constexpr double kLeastSignificanceFirst = 3.5;
 /// Below this a sample's variance is that of rounding.
 constexpr double kLeastVariance = 0.5;
 /// Dots this far from their place are something else: while the pose is still coming, and in the end.
 constexpr double kFarFirstMm = 10, kFarMm = 8;
-/// Steps larger than these are followed by another.
-constexpr double kSmallStepMm = 3, kSmallTurnRad = 0.05;
+/// Steps larger than these are followed by another. Edges that are more blurred than the lens alone explains,
+/// as when the robot moves, tell less than the whole way at once.
+constexpr double kSmallStepMm = 1, kSmallTurnRad = 0.02;
+constexpr double kSmearedStepMm = 0.1, kSmearedTurnRad = 0.002, kSharpR2 = 0.97;
 constexpr double kMostStepMm = 12, kMostTurnRad = 0.25;
-/// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred.
-constexpr double kRimMm = 12, kFrontRimMm = 7;
+/// Where a cell of the segmentation is large, regions know places only to this share of it: starts may be so
+/// far off, whatever the limits above.
+constexpr double kCellReach = 0.7;
+/// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred (by so many
+/// sigmas). The dots' edges lie there too, so each millimetre that is left out costs accuracy; ahead of the
+/// front there is mostly the robot's own dark wall. Where pixels are large, there would be none left.
+constexpr double kRimMm = 3, kRimSigmas = 1.5, kMostRimMm = 12;
+constexpr double kFrontRimMm = 2, kFrontRimSigmas = 0.8, kMostFrontRimMm = 7;
 /// Ring around a disc that is looked at: so many pixels, within these limits and half of the gap between
 /// dots.
 constexpr double kMarginPx = 2, kLeastMarginMm = 8, kMostMarginMm = 20;
 /// The top is black all over: what the other dots' surroundings say counts like so many samples of one's own.
 /// It matters where a dot is but a few pixels large.
 constexpr double kGroundWeight = 4;
+/// What all dots together say about noise counts like so many samples of each dot's own.
+constexpr double kCommonSamples = 40;
 
 /// A place's three values in the picture's own colours, from the nearest samples.
 bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<float, 3>& out) {
@@ -62,6 +75,11 @@ bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<
   return true;
 }
 
+/// The larger of a limit and what regions may be off.
+double reach_mm(double limit_mm, const ImageView& image, const PlanePatch& patch) {
+  return std::max(limit_mm, kCellReach * (is_bayer(image.format) ? 2 : 1) * patch.mm_per_px());
+}
+
 /// Noise of one sample of each plane: what all discs together leave unexplained. That of one disc, of a dozen
 /// samples, may be small by chance.
 std::array<double, 3> common_variances(std::span<const DiscFit> discs) {
@@ -86,15 +104,18 @@ ExpectedDisc disc_at(const PatternTable& patterns, const PlanePatch& patch, cons
 
 }  // namespace
 
-PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double height_mm,
-                              int most_passes) noexcept {
+PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double height_mm, int most_passes,
+                              const Eigen::Vector2d& mm_per_row) noexcept {
   const PatternTable& patterns = frame.patterns;
   const std::size_t sides = patterns.dots.size();
   PatternFit out;
   out.pose = start;
-  const auto patch =
+  auto patch =
       plane_patch(frame.camera, {start.x_mm, start.y_mm}, height_mm, patterns.reach_mm + kMostMarginMm);
   if (!patch) return out;
+  // What a row shows is put back to where it was when the row of the start was exposed.
+  patch->xv -= mm_per_row.x();
+  patch->yv -= mm_per_row.y();
 
   Eigen::Vector3d moved = Eigen::Vector3d::Zero();  // x, y, angle since the start
   // Of each dot, the centre first.
@@ -102,10 +123,16 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
   std::array<DiscMeasure, PatternTable::kMaxDots + 1> measures;
   std::array<DiscFit, PatternTable::kMaxDots + 1> discs;
   const auto dot_at = [](std::size_t i) { return i == 0 ? PatternFit::kCenter : i - 1; };
+  const double edge_mm = patch->mm_per_px() * std::sqrt(frame.blur_px * frame.blur_px + 1.0 / 12);
+  const double outline_mm = patterns.top_radius_mm - std::min(kRimMm + kRimSigmas * edge_mm, kMostRimMm);
+  const double front_mm =
+      patterns.top_front_mm - std::min(kFrontRimMm + kFrontRimSigmas * edge_mm, kMostFrontRimMm);
+  const double far_first_mm = reach_mm(kFarFirstMm, frame.image, *patch);
+  const double most_step_mm = reach_mm(kMostStepMm, frame.image, *patch);
+  const bool starts_poorly = far_first_mm > kFarFirstMm;
   for (int pass = 1;; ++pass) {
     const double angle = start.angle_rad + moved.z(), c = std::cos(angle), s = std::sin(angle);
-    const DiscOutline outline{
-        moved.x(), moved.y(), c, s, patterns.top_radius_mm - kRimMm, patterns.top_front_mm - kFrontRimMm};
+    const DiscOutline outline{moved.x(), moved.y(), c, s, outline_mm, front_mm};
     arms[0] = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i <= sides; ++i) {
       double diameter_mm = patterns.center_diameter_mm;
@@ -124,6 +151,10 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     out.seen = 0;
+    double seen_r2 = 0;
+    bool all_sure = true;
+    const double least_significance =
+        starts_poorly && pass == 1 ? kLeastSignificanceFirst : kLeastSignificance;
     for (std::size_t i = 0; i <= sides; ++i) {
       for (std::size_t p = 0; p < 3; ++p) measures[i].planes[p].add_ground(ground[p], kGroundWeight);
       discs[i] = fit_disc(measures[i]);
@@ -141,19 +172,31 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
       seen.r2 = disc.r2;
       seen.snr = std::sqrt(signal);
       const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
-      seen.seen = disc.ok && brightness > 0 && significance > kLeastSignificance * kLeastSignificance &&
+      seen.seen = disc.ok && brightness > 0 && significance > least_significance * least_significance &&
                   disc.r2 > kLeastR2;
       if (!seen.seen) continue;
       const auto [dx, dy] = disc.offset_mm();
-      seen.seen = dx * dx + dy * dy < kFarFirstMm * kFarFirstMm;
+      seen.seen = dx * dx + dy * dy < far_first_mm * far_first_mm;
       if (!seen.seen) continue;
+      all_sure = all_sure && significance > kLeastSignificance * kLeastSignificance;
       ++out.seen;
-      Eigen::Matrix2d information;
-      information << disc.n00, disc.n01, disc.n01, disc.n11;
+      seen_r2 += seen.r2;
+      // How much a plane's samples scatter is not known from one dot's few of them.
+      Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+      Eigen::Vector2d pull = Eigen::Vector2d::Zero();
+      for (std::size_t p = 0; p < 3; ++p) {
+        const DiscFit::Plane& plane = disc.planes[p];
+        const double weight = (plane.free + kCommonSamples) / (plane.left + kCommonSamples * variances[p]);
+        information(0, 0) += weight * plane.n00;
+        information(0, 1) += weight * plane.n01;
+        information(1, 1) += weight * plane.n11;
+        pull += weight * Eigen::Vector2d(plane.g0, plane.g1);
+      }
+      information(1, 0) = information(0, 1);
       Eigen::Matrix<double, 2, 3> by_pose;
       by_pose << 1, 0, -arms[i].y(), 0, 1, arms[i].x();
       normal += by_pose.transpose() * information * by_pose;
-      gradient += by_pose.transpose() * Eigen::Vector2d(disc.g0, disc.g1);
+      gradient += by_pose.transpose() * pull;
     }
     if (out.seen < 3) {
       out.seen = 0;
@@ -161,11 +204,13 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     }
     Eigen::Vector3d step = normal.ldlt().solve(gradient);
     const double length_mm = step.head<2>().norm();
-    if (length_mm > kMostStepMm) step.head<2>() *= kMostStepMm / length_mm;
+    if (length_mm > most_step_mm) step.head<2>() *= most_step_mm / length_mm;
     step.z() = std::clamp(step.z(), -kMostTurnRad, kMostTurnRad);
     moved += step;
-    const bool small = length_mm < kSmallStepMm && std::abs(step.z()) < kSmallTurnRad;
-    if (!small && pass < most_passes) continue;
+    const bool sharp = seen_r2 > kSharpR2 * out.seen;
+    const bool small = length_mm < (sharp ? kSmallStepMm : kSmearedStepMm) &&
+                       std::abs(step.z()) < (sharp ? kSmallTurnRad : kSmearedTurnRad);
+    if (!(small && all_sure) && pass < most_passes) continue;
 
     // What each dot says about itself, seen from the final pose.
     double squares = 0, sum_r2 = 0;
@@ -206,6 +251,8 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
                 std::remainder(start.angle_rad + moved.z(), 2 * std::numbers::pi)};
     out.pixel_x = out.dots[PatternFit::kCenter].pixel_x;
     out.pixel_y = out.dots[PatternFit::kCenter].pixel_y;
+    out.pose.x_mm += mm_per_row.x() * (out.pixel_y - patch->pixel.y());
+    out.pose.y_mm += mm_per_row.y() * (out.pixel_y - patch->pixel.y());
     out.px_per_mm = 1 / patch->mm_per_px();
     return out;
   }
@@ -216,24 +263,37 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
   const PatternTable& patterns = frame.patterns;
   const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.center_diameter_mm);
   if (!patch) return {};
-  Eigen::Vector2d moved = Eigen::Vector2d::Zero();
-  Center out;
-  for (int pass = 0; pass < 2; ++pass) {
-    const DiscFit disc = fit_disc(
-        meter_.measure(frame.image, *patch, disc_at(patterns, *patch, moved, patterns.center_diameter_mm), {},
-                       frame.blur_px));
-    work_ += 1;
-    const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
-    if (!disc.ok || brightness <= 0 || disc.r2 < kLeastR2) return out;
-    const auto [dx, dy] = disc.offset_mm();
-    Eigen::Vector2d step(dx, dy);
-    if (step.norm() > kMostStepMm) step *= kMostStepMm / step.norm();
-    moved += step;
+  const double most_step_mm = reach_mm(kMostStepMm, frame.image, *patch);
+  double best_r2 = 0;
+  Center best;
+  const auto fit_from = [&](const Eigen::Vector2d& start) {
+    Eigen::Vector2d moved = start;
+    double r2 = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+      const DiscFit disc = fit_disc(
+          meter_.measure(frame.image, *patch, disc_at(patterns, *patch, moved, patterns.center_diameter_mm),
+                         {}, frame.blur_px));
+      work_ += 1;
+      const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
+      if (!disc.ok || brightness <= 0 || disc.r2 < kLeastR2) return;
+      const auto [dx, dy] = disc.offset_mm();
+      Eigen::Vector2d step(dx, dy);
+      if (step.norm() > most_step_mm) step *= most_step_mm / step.norm();
+      moved += step;
+      r2 = disc.r2;
+    }
+    if (!(r2 > best_r2 && moved.norm() < most_step_mm)) return;
+    best_r2 = r2;
+    best = {true, x_mm + moved.x(), y_mm + moved.y()};
+  };
+  fit_from(Eigen::Vector2d::Zero());
+  if (best.seen || most_step_mm <= kMostStepMm) return best;
+  // A dot of hardly two cells: from its region's place there may be no way to its own.
+  const double aside_mm = most_step_mm / 2;
+  for (const double x : {-aside_mm, aside_mm}) {
+    for (const double y : {-aside_mm, aside_mm}) fit_from({x, y});
   }
-  out.seen = moved.norm() < kMostStepMm;
-  out.x_mm = x_mm + moved.x();
-  out.y_mm = y_mm + moved.y();
-  return out;
+  return best;
 }
 
 std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,

@@ -56,8 +56,11 @@ class PatternFitter {
   };
 
   /// Starts at `start`, which should be good to some 5 mm; up to `most_passes` Gauss-Newton steps, fewer when
-  /// they have become small. Nothing (seen = 0) when fewer than three dots are there.
-  PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int most_passes) noexcept;
+  /// they have become small. Nothing (seen = 0) when fewer than three dots are there. With a rolling shutter
+  /// the pattern is `mm_per_row` further in each row of the picture than in the one above; its pose is that
+  /// in the row of its centre.
+  PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int most_passes,
+                 const Eigen::Vector2d& mm_per_row = Eigen::Vector2d::Zero()) noexcept;
 
   /// The centre dot alone.
   struct Center {

@@ -28,11 +28,22 @@ struct Run {
   Label label;
 };
 
+/// Where a label had so many runs that it was cut (FloodCut): the frame is flagged. Places are in blocks of
+/// FloodCut::kBlockCells cells. As small as an atomic.
+struct alignas(8) Flood {
+  std::uint16_t blocks = 0;     // it was cut from so many; 0: there was no flood
+  Label label = label::kClear;  // that which was cut from most blocks; "clear": all labels were
+  std::uint8_t cell_px = 1;
+  std::uint8_t left = 0, top = 0, right = 0, bottom = 0;  // box around the blocks, inclusive
+};
+
 struct RunList {
   int width = 0, height = 0;  // cells of the label image
   int cell_px = 1;
   std::vector<Run> runs;  // in reading order
-  bool capped = false;    // the cap was hit: rows below the last run are missing, the frame is flagged
+  Flood flood;            // of what is missing
+  /// By block (FloodCut), row by row: a bit for each label that was cut there. Empty: there was no flood.
+  std::vector<std::uint32_t> cut;
 };
 
 /// Connected cells of one label.

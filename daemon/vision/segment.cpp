@@ -5,46 +5,54 @@
 
 namespace sslv {
 
+/// Makes parts of the picture for the threads.
+void Segment::share_out(int threads, const RunList& picture) {
+  if (!workers_ || workers_->threads() != threads - 1) {
+    workers_ = std::make_unique<Workers>(threads - 1);
+    // Several parts a thread: who wakes late or meets a crowd of runs takes fewer.
+    parts_.resize(threads == 1 ? 1 : static_cast<std::size_t>(4 * threads));
+    found_.resize(parts_.size());
+  }
+  const auto count = static_cast<int>(parts_.size());
+  const int blocks = (picture.height + FloodCut::kBlockCells - 1) / FloodCut::kBlockCells;
+  for (int i = 0; i < count; ++i) {
+    Part& part = parts_[static_cast<std::size_t>(i)];
+    part.row_begin = blocks * i / count * FloodCut::kBlockCells;
+    part.row_end = std::min(blocks * (i + 1) / count * FloodCut::kBlockCells, picture.height);
+    const std::size_t room =
+        FloodCut::room(picture.width, std::max(0, part.row_end - part.row_begin), kMostPendingRuns);
+    if (part.room < room) {
+      part.runs = std::make_unique_for_overwrite<Run[]>(room);  // what is never written is never in memory
+      part.room = room;
+    }
+  }
+}
+
 void Segment::process(const Params& params, const Lut& lut, const Mask& mask, const Image& image,
                       RunList& runs, RegionList& regions) noexcept {
   const ImageView& view = image.view();
   runs.cell_px = is_bayer(view.format) ? 2 : 1;
   runs.width = view.width / runs.cell_px;
   runs.height = view.height / runs.cell_px;
-
-  if (!workers_ || workers_->threads() != params.threads - 1) {
-    workers_ = std::make_unique<Workers>(params.threads - 1);
-    // Several bands a thread: who wakes late or meets a crowd of runs takes fewer.
-    bands_.resize(params.threads == 1 ? 1 : static_cast<std::size_t>(4 * params.threads));
-  }
-  const auto max_runs = static_cast<std::size_t>(params.runs.max_runs);
-  const std::size_t room = max_runs + static_cast<std::size_t>(runs.width);
-  for (Band& band : bands_) {
-    if (band.room >= room) continue;
-    band.runs = std::make_unique_for_overwrite<Run[]>(room);  // what is never written is never in memory
-    band.room = room;
-  }
+  share_out(params.threads, runs);
+  flood_cut_.begin(runs.width, runs.height);
 
   const Background& background = background_.follow(view, lut, mask);
-  const auto bands = static_cast<int>(bands_.size());
-  workers_->run(bands, [&](int i) {
-    Band& band = bands_[static_cast<std::size_t>(i)];
-    band.found = search_runs({view, &lut, &mask, &background, runs.height * i / bands,
-                              runs.height * (i + 1) / bands, max_runs, band.runs.get()});
+  workers_->run(static_cast<int>(parts_.size()), [&](int i) {
+    Part& part = parts_[static_cast<std::size_t>(i)];
+    FloodCut::Band& found = found_[static_cast<std::size_t>(i)];
+    found = {part.runs.get()};
+    part.use =
+        search_runs({view, &lut, &mask, &background, part.row_begin, part.row_end, &flood_cut_, &found});
   });
 
-  runs.runs.reserve(max_runs);
-  runs.runs.clear();
-  runs.capped = false;
   BackgroundUse use;
-  for (const Band& band : bands_) {
-    const std::size_t taken = std::min(band.found.runs, max_runs - runs.runs.size());
-    runs.runs.insert(runs.runs.end(), band.runs.get(), band.runs.get() + taken);
-    runs.capped |= taken < band.found.runs;
-    use.blocks += band.found.use.blocks;
-    use.odd_blocks += band.found.use.odd_blocks;
+  for (const Part& part : parts_) {
+    use.blocks += part.use.blocks;
+    use.odd_blocks += part.use.odd_blocks;
   }
   background_.note(use);
+  flood_cut_.finish(found_, static_cast<std::size_t>(params.runs.max_runs), runs);
   find_regions_.process(params.regions, runs, regions);
 }
 

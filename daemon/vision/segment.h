@@ -7,6 +7,7 @@
 #include "vision/background.h"
 #include "vision/find_regions.h"
 #include "vision/find_runs.h"
+#include "vision/flood_cut.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
 #include "vision/regions.h"
@@ -38,15 +39,20 @@ class Segment {
                RegionList& regions) noexcept;
 
  private:
-  /// A part of the picture's rows and the runs found there.
-  struct Band {
+  void share_out(int threads, const RunList& picture);
+
+  /// Some rows of the picture, and memory for what is found there.
+  struct Part {
+    int row_begin = 0, row_end = 0;  // of cells
     std::unique_ptr<Run[]> runs;
     std::size_t room = 0;
-    RunSearchResult found;
+    BackgroundUse use;
   };
 
   BackgroundFollower background_;
-  std::vector<Band> bands_;
+  FloodCut flood_cut_;
+  std::vector<Part> parts_;
+  std::vector<FloodCut::Band> found_;  // in each part
   std::unique_ptr<Workers> workers_;
   FindRegions find_regions_;
 };

@@ -30,6 +30,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kBlock = 64;
 /// Blocks looked at together, also a bit each.
 constexpr int kGroup = 64;
+static_assert(kBlock == FloodCut::kBlockCells && kGroup == 64);
 /// Bytes ahead of which memory is asked for.
 constexpr std::size_t kPrefetchAhead = 6 * 1024;
 constexpr std::size_t kCacheLine = 64;
@@ -44,6 +45,12 @@ HWY_INLINE std::uint64_t bits_of(D d, Mask mask) {
   std::uint64_t bits = 0;
   hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
   return bits;
+}
+
+/// 64 of a row of bits, from number `first` on. There is a word to read after the last one.
+HWY_INLINE std::uint64_t bits_from(const std::uint64_t* words, int first) {
+  const std::uint64_t *word = words + first / 64, low = word[0] >> first % 64;
+  return first % 64 == 0 ? low : low | word[1] << (64 - first % 64);
 }
 
 /// Writes the runs of a row.
@@ -81,6 +88,17 @@ struct RunWriter {
     }
     next = expected;
     begun = ended = end;
+  }
+  /// Neighbouring cells of one label.
+  HWY_INLINE void add_cells(int x_begin, int x_end, Label label) {
+    const auto key = [label](int x) { return static_cast<std::uint32_t>(x) << 8 | label; };
+    if (key(x_begin) == next) {
+      runs[begun - 1].x_end = static_cast<std::uint16_t>(x_end);
+    } else {
+      runs[begun++] = {y, static_cast<std::uint16_t>(x_begin), static_cast<std::uint16_t>(x_end), label};
+    }
+    next = key(x_end);
+    ended = begun;
   }
   HWY_INLINE void end_cells() { next = kNone; }
 };
@@ -337,29 +355,34 @@ class Search {
         boxes_(*search.background),
 #endif
         background_(search.background->label),
-        out_{search.runs} {
+        out_{search.found->runs} {
   }
 
-  RunSearchResult run() {
-    for (int y = search_.row_begin; y < search_.row_end && !is_full(); ++y) {
+  BackgroundUse run() {
+    for (int y = search_.row_begin; y < search_.row_end; ++y) {
       for (const sslv::Mask::Interval interval : search_.mask->row(y, Format::kRows)) {
         const int end = std::min<int>(interval.end, width_);
         if (interval.begin < end) search_stretch(y, interval.begin, end);
       }
+      const bool ends_strip = (y + 1) % FloodCut::kBlockCells == 0 || y + 1 == search_.row_end;
+      if (ends_strip || out_.begun - search_.found->noted >= FloodCut::kNoteAfter) note(ends_strip);
     }
-#if HWY_TARGET != HWY_SCALAR
-    finish_stretches();
-#endif
-    result_.runs = out_.begun;
-    return result_;
+    return use_;
   }
 
  private:
   HWY_INLINE const std::uint8_t* row(int y) const {
     return search_.image.row(y * Format::kRows);
   }
-  HWY_INLINE bool is_full() const {
-    return out_.begun > search_.max_runs;
+
+  /// Tells of the runs found so far, and lets go of those that flood.
+  void note(bool ends_strip) {
+#if HWY_TARGET != HWY_SCALAR
+    finish_stretches();
+#endif
+    search_.found->count = out_.begun;
+    search_.flood_cut->note(*search_.found, ends_strip);
+    out_.begun = out_.ended = search_.found->count;
   }
 
   /// Cells [begin, end) of a row.
@@ -388,24 +411,74 @@ class Search {
   };
   // Candidates of several rows are looked up together: the table's memory is waited for only once.
   static constexpr std::size_t kMostStretches = 16, kManyListed = 1024;
+  // So many of a block's cells are candidates that it is faster to look up all of them.
+  static constexpr int kDense = 20;
+  static_assert(2 * (kManyListed + kGroup * kBlock) + kMostStretches <= kMostPendingRuns);
 
   void search_blocks(int y, int begin, int end) {
     const std::uint8_t* in = row(y);
     const int last = (end + kBlock - 1) / kBlock;
+    const std::uint64_t* cut_whole = search_.flood_cut->cut_whole(y / FloodCut::kBlockCells);
     for (int group = begin / kBlock; group < last; group += kGroup) {
       // All blocks go through one step before any goes through the next: steps without branches overlap.
       const int blocks = std::min(kGroup, last - group);
-      const std::uint64_t odd = odd_blocks(in, group, blocks);
+      const std::uint64_t odd = odd_blocks(in, group, blocks) & ~bits_from(cut_whole, group);
       std::uint64_t candidates[kGroup];
-      const std::uint64_t mixed = find_candidates(in, group, blocks, odd, begin, end, candidates);
-      list_candidates(group, mixed, candidates);
-      result_.use.blocks += static_cast<std::size_t>(blocks);
-      result_.use.odd_blocks += static_cast<std::size_t>(std::popcount(odd));
+      std::uint64_t dense = 0;
+      const std::uint64_t mixed = find_candidates(in, group, blocks, odd, begin, end, candidates, dense);
+      use_.blocks += static_cast<std::size_t>(blocks);
+      use_.odd_blocks += static_cast<std::size_t>(std::popcount(odd));
+      std::uint64_t left = mixed;
+      for (; dense != 0; dense &= dense - 1) {
+        const int i = std::countr_zero(dense);
+        const std::uint64_t before = (std::uint64_t{1} << i) - 1;
+        list_candidates(group, left & before, candidates);
+        left &= ~before & ~(std::uint64_t{1} << i);
+        const int from = std::max((group + i) * kBlock, begin), to = std::min((group + i + 1) * kBlock, end);
+        add_stretch({y, begin, from, listed_, true});
+        finish_stretches();
+        write_block(y, from, to);
+        begin = to;
+      }
+      list_candidates(group, left, candidates);
       if (listed_ < kManyListed && group + kGroup < last) continue;
       const int done = std::min((group + kGroup) * kBlock, end);
-      stretches_[stretch_count_++] = {y, begin, done, listed_, done < end};
+      add_stretch({y, begin, done, listed_, done < end});
       begin = done;
       if (listed_ >= kManyListed || stretch_count_ == kMostStretches) finish_stretches();
+    }
+  }
+
+  HWY_INLINE void add_stretch(const Stretch& stretch) {
+    stretches_[stretch_count_++] = stretch;
+  }
+
+  /// Looks up all of cells [begin, end) of a row, of one block, and writes their runs. All before them have
+  /// been written.
+  void write_block(int y, int begin, int end) {
+    const Cells cells = cells_;
+    const std::uint8_t* in = row(y);
+    const std::ptrdiff_t stride = stride_;
+    const int count = end - begin;
+    alignas(64) Label labels[1 + kBlock];  // and one before
+    Label* label = labels + 1;
+    for (int i = 0; i < count; ++i)
+      label[i] = *cells.place(Format::color(in, stride, static_cast<std::size_t>(begin + i)));
+    labels[0] = static_cast<Label>(~label[0]);
+    std::fill(label + count, label + kBlock, label[count - 1]);
+    const Bytes d;
+    std::uint64_t begins = 0;
+    for (int i = 0; i < kBlock; i += kLanes)
+      begins |= bits_of(d, hn::Ne(hn::LoadU(d, label + i), hn::LoadU(d, labels + i))) << i;
+    out_.y = static_cast<std::uint16_t>(y);
+    while (begins != 0) {
+      const int i = std::countr_zero(begins);
+      begins &= begins - 1;
+      if (background_ != label::kClear) {
+        out_.set(begin + i, label[i]);
+      } else if (label[i] != label::kClear) {
+        out_.add_cells(begin + i, begin + (begins != 0 ? std::countr_zero(begins) : count), label[i]);
+      }
     }
   }
 
@@ -449,14 +522,16 @@ class Search {
   }
 
   /// For each of the `odd` blocks from number `first` on, one bit for each of its cells in [begin, end):
-  /// whether it is outside all boxes. Tells which blocks have such cells.
+  /// whether it is outside all boxes. Tells which blocks have such cells, and `dense` which have many.
   HWY_INLINE std::uint64_t find_candidates(const std::uint8_t* in, int first, int count, std::uint64_t odd,
-                                           int begin, int end, std::uint64_t* candidates) const {
-    std::uint64_t mixed = 0;
+                                           int begin, int end, std::uint64_t* candidates,
+                                           std::uint64_t& dense) const {
+    std::uint64_t mixed = 0, many = 0;
     const auto find = [&](int i, const std::uint8_t* block) HWY_ATTR {
       prefetch(block);
       candidates[i] = boxes_.outside(block, stride_);
       mixed |= static_cast<std::uint64_t>(candidates[i] != 0) << i;
+      many |= static_cast<std::uint64_t>(std::popcount(candidates[i]) >= kDense) << i;
     };
     if (std::popcount(odd) == count) {
       const int whole = std::min(count, width_ / kBlock - first);
@@ -477,6 +552,7 @@ class Search {
       candidates[i] &= ~std::uint64_t{0} << (from - at) & ~std::uint64_t{0} >> (kBlock - (to - at));
       if (candidates[i] == 0) mixed &= ~(std::uint64_t{1} << i);
     }
+    dense = many & mixed;
     return mixed;
   }
 
@@ -504,7 +580,7 @@ class Search {
     drop_background();
     look_up();
     std::size_t begin = 0;
-    for (std::size_t i = 0; i < stretch_count_ && !is_full(); ++i) {
+    for (std::size_t i = 0; i < stretch_count_; ++i) {
       write_runs(stretches_[i], begin);
       begin = stretches_[i].listed_end;
     }
@@ -588,10 +664,10 @@ class Search {
 #endif
   const Label background_;
   RunWriter out_;
-  RunSearchResult result_;
+  BackgroundUse use_;
 };
 
-RunSearchResult SearchRuns(const RunSearch& search) {
+BackgroundUse SearchRuns(const RunSearch& search) {
   switch (search.image.format) {
     case PixelFormat::kUyvy: return Search<Yuv422<1>>(search).run();
     case PixelFormat::kYuyv: return Search<Yuv422<0>>(search).run();
@@ -637,7 +713,7 @@ HWY_EXPORT(SearchRuns);
 HWY_EXPORT(FindUniformBlocks);
 HWY_EXPORT(Target);
 
-RunSearchResult search_runs(const RunSearch& search) noexcept {
+BackgroundUse search_runs(const RunSearch& search) noexcept {
   return HWY_DYNAMIC_DISPATCH(SearchRuns)(search);
 }
 

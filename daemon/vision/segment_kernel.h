@@ -3,6 +3,7 @@
 
 #include "image/image.h"
 #include "vision/background.h"
+#include "vision/flood_cut.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
 #include "vision/regions.h"
@@ -20,18 +21,17 @@ struct RunSearch {
   const Mask* mask;
   const Background* background;
   int row_begin, row_end;  // rows of cells
-  std::size_t max_runs;    // the search ends with the row in which there are more
-  Run* runs;               // room for max_runs and one more row of them
+  FloodCut* flood_cut;     // is told of the runs, and tells where none are wanted any more
+  FloodCut::Band* found;   // with room for kMostPendingRuns besides
 };
 
-struct RunSearchResult {
-  std::size_t runs = 0;
-  BackgroundUse use;
-};
+/// Runs of many rows are found at once: up to so many besides those of one row.
+inline constexpr std::size_t kMostPendingRuns = 12 * 1'024;
 
 /// Finds the runs of the labelled picture without making it, just as Threshold and FindRuns would. Written
 /// once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs on.
-RunSearchResult search_runs(const RunSearch& search) noexcept;
+/// Blocks from which all labels are cut (FloodCut) are passed over once that is known.
+BackgroundUse search_runs(const RunSearch& search) noexcept;
 
 /// Writes one bit for each block of the table, `c` innermost in 64 bits: whether all of it has that label.
 void find_uniform_blocks(const LutTable& table, Label label, std::uint64_t* uniform) noexcept;

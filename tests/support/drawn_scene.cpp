@@ -4,7 +4,6 @@
 #include "base/params_json.h"
 #include "capture/simulator/simulator_renderer.h"
 #include "vision/lut_from_samples.h"
-#include "vision/segment.h"
 
 #include <algorithm>
 #include <array>
@@ -95,6 +94,12 @@ CameraCalibration oblique_camera() {
   const Eigen::Vector3d t = -(q * eye);
   c.q0 = q.x(), c.q1 = q.y(), c.q2 = q.z(), c.q3 = q.w();
   c.tx = t.x(), c.ty = t.y(), c.tz = t.z();
+  return c;
+}
+
+CameraCalibration wide_camera(double times) {
+  CameraCalibration c = overhead_camera();
+  c.focal_length /= times;
   return c;
 }
 
@@ -247,11 +252,16 @@ const Image& DrawnScene::image() {
   return *image_;
 }
 
+void DrawnScene::use_single_cells() {
+  segmentation_.regions.min_cells = 1;
+  regions_.reset();
+}
+
 const RegionList& DrawnScene::regions() {
   const Image& picture = image();
   if (!regions_) {
     RunList runs;
-    Segment().process({}, lut(), Mask(), picture, runs, regions_.emplace());
+    Segment().process(segmentation_, lut(), Mask(), picture, runs, regions_.emplace());
   }
   return *regions_;
 }
@@ -273,7 +283,7 @@ RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const Detect
 BallList DrawnScene::balls(const DetectBalls::Params& params) {
   BallList out;
   const RegionList& found = regions();
-  DetectBalls().process(params, scene_, lut(), image(), found, robots(), out);
+  DetectBalls().process(params, scene_, lut(), {}, image(), found, robots(), out);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "vision/detect_balls.h"
 #include "vision/detect_robots.h"
 #include "vision/regions.h"
+#include "vision/segment.h"
 
 #include <cstdint>
 #include <functional>
@@ -23,6 +24,8 @@ namespace sslv {
 CameraCalibration overhead_camera();
 /// The same, tilted by 30 degrees: its optical axis meets the floor there.
 CameraCalibration oblique_camera();
+/// overhead_camera() with a wider lens: a pixel is as many times larger.
+CameraCalibration wide_camera(double times);
 
 /// A camera without vignette. Its pictures are as large as overhead_camera()'s.
 SimulatorOptions plain_options(PixelFormat format = PixelFormat::kUyvy, double noise_sigma = 2);
@@ -57,6 +60,8 @@ class DrawnScene {
   /// What the detectors are told; a test may change it.
   Scene& scene() { return scene_; }
   void use_lut(std::shared_ptr<const Lut> lut);
+  /// Regions of one cell count, too.
+  void use_single_cells();
   const Lut& lut() { return *lut_pointer(); }
   const std::shared_ptr<const Lut>& lut_pointer();
   /// Its buffer ends with the picture's last byte, so that a sanitizer sees who reads beyond.
@@ -88,6 +93,7 @@ class DrawnScene {
   std::shared_ptr<const Lut> lut_;  // made when it is needed
   std::unique_ptr<std::uint8_t[]> bytes_;
   std::optional<Image> image_;
+  Segment::Params segmentation_;
   std::optional<RegionList> regions_;
 };
 

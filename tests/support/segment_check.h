@@ -11,6 +11,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -80,7 +81,10 @@ inline std::string difference(const PlainSegmentation& plain, const RunList& run
   if (plain.runs.width != runs.width || plain.runs.height != runs.height ||
       plain.runs.cell_px != runs.cell_px)
     return "size of the runs' picture";
-  if (plain.runs.capped != runs.capped) return "runs.capped";
+  const Flood &was = plain.runs.flood, &is = runs.flood;
+  if (std::tie(was.blocks, was.label, was.cell_px, was.left, was.top, was.right, was.bottom) !=
+      std::tie(is.blocks, is.label, is.cell_px, is.left, is.top, is.right, is.bottom))
+    return "runs.flood";
   const auto same_run = [](const Run& a, const Run& b) {
     return a.y == b.y && a.x_begin == b.x_begin && a.x_end == b.x_end && a.label == b.label;
   };

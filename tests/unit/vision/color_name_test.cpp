@@ -41,6 +41,27 @@ TEST_F(ColorNames, APrintHasItsNameInAnyLight) {
   }
 }
 
+TEST_F(ColorNames, ClippedChannelsMayHaveBeenBrighter) {
+  const auto clipped = [&](Label label, double light, std::span<const Label> allowed) {
+    const Rgb print = paint_color(label);
+    const Color color{std::min(255.0, print.r * light), std::min(255.0, print.g * light),
+                      std::min(255.0, print.b * light)};
+    return name_color({color[0] - kTop[0] * light, color[1] - kTop[1] * light, color[2] - kTop[2] * light},
+                      color, drawn_.lut(), allowed);
+  };
+  for (const double light : {1.3, 1.6, 2.0, 2.5}) {
+    for (const auto allowed : {std::span<const Label>(kSides), std::span<const Label>(kTeams)}) {
+      for (const Label label : allowed) {
+        SCOPED_TRACE(testing::Message() << label::kNames[label] << " in light " << light);
+        const ColorName found = clipped(label, light, allowed);
+        EXPECT_EQ(found.color, label);
+        EXPECT_GT(found.margin, 0.4);
+        EXPECT_LT(found.off, 1.6);
+      }
+    }
+  }
+}
+
 TEST_F(ColorNames, OnlyAllowedNamesAreGiven) {
   EXPECT_EQ(name(paint_color(label::kOrange), 1, kTeams).color, label::kYellow);
   EXPECT_EQ(name(paint_color(label::kCyan), 1, kTeams).color, label::kBlue);

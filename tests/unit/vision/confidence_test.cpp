@@ -18,10 +18,13 @@ const RobotEvidence kGoodRobot{10, 0.3, 0.95, 0.97, 0};
 BallEvidence good_ball() {
   BallEvidence e;
   e.r2 = 0.98;
-  e.contrast = 0.8;
-  e.radius_off = 0.3;
   e.moved_share = 0.05;
+  e.misfit = 0.08;
+  e.out_of_round = 0.4;
+  e.radius_off = 0.3;
+  e.radius_sigma = 0.02;
   e.color_off = 0.2;
+  e.contrast = 0.8;
   return e;
 }
 
@@ -62,12 +65,17 @@ TEST(Confidence, OfARobotFollowsWhatSpeaksForIt) {
 TEST(Confidence, OfABallFollowsWhatSpeaksForIt) {
   EXPECT_GT(confidence_of(good_ball()), 0.95);
   expect_monotone(good_ball(), &BallEvidence::r2, {-1, 0, 0.2, 0.5, 0.8, 0.95, 0.999, 1, 1.1}, true, "r2");
+  expect_monotone(good_ball(), &BallEvidence::moved_share, {0, 0.1, 0.3, 1, 5}, false, "moved_share");
+  expect_monotone(good_ball(), &BallEvidence::clear_share, {0, 0.3, 0.7, 1}, true, "clear_share");
+  expect_monotone(good_ball(), &BallEvidence::misfit, {-1, 0, 0.05, 0.1, 0.3, 1, 5}, false, "misfit");
+  expect_monotone(good_ball(), &BallEvidence::out_of_round, {0, 0.5, 1, 3, 10, 100}, false, "out_of_round");
   expect_monotone(good_ball(), &BallEvidence::contrast, {0, 0.1, 0.3, 0.7, 1, 2}, true, "contrast");
   expect_monotone(good_ball(), &BallEvidence::radius_off, {0, 0.5, 1, 3, 10, 100}, false, "radius_off");
-  expect_monotone(good_ball(), &BallEvidence::moved_share, {0, 0.1, 0.3, 1, 5}, false, "moved_share");
+  expect_monotone(good_ball(), &BallEvidence::radius_sigma, {0, 0.01, 0.05, 0.3, 2}, false, "radius_sigma");
   expect_monotone(good_ball(), &BallEvidence::area_ratio, {0, 0.1, 0.5, 1}, true, "area_ratio up to one");
   expect_monotone(good_ball(), &BallEvidence::area_ratio, {1, 1.2, 2, 5, 100}, false, "area_ratio from one");
-  expect_monotone(good_ball(), &BallEvidence::clear_share, {0, 0.3, 0.7, 1}, true, "clear_share");
+  expect_monotone(good_ball(), &BallEvidence::most_alike, {-1, 0, 0.3, 0.7, 1, 2}, false, "most_alike");
+  expect_monotone(good_ball(), &BallEvidence::outside_mm, {-1000, 0, 50, 150, 1000}, false, "outside_mm");
   expect_monotone(good_ball(), &BallEvidence::color_off, {0, 0.05, 0.1, 0.3, 1, 2, 5, 100}, false,
                   "color_off");
   BallEvidence yellow = good_ball();
@@ -87,9 +95,10 @@ TEST(Confidence, IsANumberWhateverTheEvidence) {
       EXPECT_TRUE(confidence >= 0 && confidence <= 1) << confidence << " of " << value;
     }
     for (const auto field :
-         {&BallEvidence::r2, &BallEvidence::contrast, &BallEvidence::radius_off, &BallEvidence::moved_share,
-          &BallEvidence::area_ratio, &BallEvidence::clear_share, &BallEvidence::visible_share,
-          &BallEvidence::color_off}) {
+         {&BallEvidence::r2, &BallEvidence::moved_share, &BallEvidence::clear_share, &BallEvidence::misfit,
+          &BallEvidence::out_of_round, &BallEvidence::radius_off, &BallEvidence::radius_sigma,
+          &BallEvidence::area_ratio, &BallEvidence::visible_share, &BallEvidence::color_off,
+          &BallEvidence::contrast, &BallEvidence::most_alike, &BallEvidence::outside_mm}) {
       BallEvidence e = good_ball();
       e.*field = value;
       const double confidence = confidence_of(e);
@@ -106,7 +115,7 @@ TEST(Confidence, NotANumberSpeaksForNothing) {
   robot.rms_mm = kNan;
   EXPECT_EQ(confidence_of(robot), 0);
   BallEvidence ball = good_ball();
-  ball.moved_share = kNan;
+  ball.misfit = kNan;
   EXPECT_EQ(confidence_of(ball), 0);
 }
 

@@ -7,6 +7,7 @@
 #include "vision/segment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -123,6 +124,19 @@ TEST_P(DetectRobotsIn, EveryIdOfBothTeamsAtAnyHeading) {
     const auto found = drawn.robots().robots;
     expect_all(found, drawn, 0.5, 0.5);
     for (const Robot& robot : found) EXPECT_GT(robot.confidence, 0.95) << name_of(robot);
+  }
+}
+
+TEST_P(DetectRobotsIn, DotsOfTwoCells) {
+  std::mt19937 random(5);
+  // 0.08 pixels to a millimetre. Of Bayer quads, that is half.
+  DrawnScene drawn(plain_options(GetParam(), 4), wide_camera(2.08));
+  drawn.use_single_cells();
+  for (int round = 0; round < 4; ++round) {
+    SCOPED_TRACE(round);
+    drawn.clear();
+    add_all_robots(drawn, random);
+    expect_all(drawn.robots().robots, drawn, is_bayer(GetParam()) ? 1.5 : 1, 1.5);
   }
 }
 
@@ -367,6 +381,44 @@ TEST(DetectRobots, MemoryFades) {
   EXPECT_THAT(found_after(0.016, 0), IsEmpty());
   EXPECT_THAT(found_after(-1, 100), IsEmpty()) << "time went back";
   EXPECT_THAT(found_after(0, 100), IsEmpty()) << "time stood still";
+}
+
+TEST(DetectRobots, WithARollingShutterRobotsAreReportedWhereTheyWereAtTheFramesTime) {
+  // Two robots drive by at 1 m/s, one high up in the picture and one far down.
+  DetectRobots detector;
+  DetectRobots::Params params;
+  params.rolling_shutter_ms = 20;
+  const std::array starts{Eigen::Vector2d(600, -900), Eigen::Vector2d(1900, 800)};
+  const Eigen::Vector2d speed_mm_s(800, -600);
+  for (int frame = 0; frame < 4; ++frame) {
+    const double t_s = 0.016 * frame;
+    DrawnScene drawn;
+    double earliest_s = 0, latest_s = 0;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      Eigen::Vector2d seen = starts[i] + t_s * speed_mm_s;
+      for (int round = 0; round < 4; ++round) {
+        const double y = drawn.scene().camera->project({seen.x(), seen.y(), 140})->y();
+        const double delay_s = (y - 289.5) / 579 * 0.02;
+        seen = starts[i] + (t_s + delay_s) * speed_mm_s;
+        earliest_s = std::min(earliest_s, delay_s);
+        latest_s = std::max(latest_s, delay_s);
+      }
+      drawn.add_robot(Team::kBlue, static_cast<int>(i), seen.x(), seen.y(), 0.5);
+    }
+    EXPECT_LT(earliest_s, -0.003);
+    EXPECT_GT(latest_s, 0.003);
+    const auto robots = drawn.robots_by(detector, 100 + t_s, params).robots;
+    ASSERT_THAT(robots, SizeIs(2));
+    for (const Robot& robot : robots) {
+      const Eigen::Vector2d there = starts[static_cast<std::size_t>(robot.id)] + t_s * speed_mm_s;
+      const double off_mm = std::hypot(robot.x_mm - there.x(), robot.y_mm - there.y());
+      if (frame == 0) {
+        EXPECT_GT(off_mm, 3) << "its speed is not known";
+      } else {
+        EXPECT_LT(off_mm, 0.5);
+      }
+    }
+  }
 }
 
 TEST(DetectRobots, MemoryOfOneRobotIsNotTakenForAnother) {
@@ -634,8 +686,8 @@ class Confetti {
     std::mt19937 random(seed);
     constexpr std::array kLabels{label::kOrange, label::kYellow, label::kBlue,  label::kPink,
                                  label::kGreen,  label::kWhite,  label::kBlack, label::kField};
-    for (std::size_t y = 0; y < 580; y += 4) {
-      for (std::size_t x = 0; x < 780; x += 4) {
+    for (std::size_t y = 0; y < 580; y += 8) {
+      for (std::size_t x = 0; x < 780; x += 8) {
         const Rgb c = paint_color(kLabels[random() % kLabels.size()]);
         for (std::size_t i = 0; i < 16; ++i) {
           std::uint8_t* out = bytes_.data() + ((y + i / 4) * 780 + x + i % 4) * 3;

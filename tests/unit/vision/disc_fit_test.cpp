@@ -49,9 +49,9 @@ struct Disc {
 class DiscPicture {
  public:
   DiscPicture(PixelFormat format, int width, int height, const std::vector<Disc>& discs, double noise,
-              unsigned stream = 1, int padding = 0) {
+              unsigned stream = 1, int padding = 0, int bits = 8, double brightness = 1) {
     SimulatorOptions options = plain_options(format, 0);
-    options.width = width, options.height = height;
+    options.width = width, options.height = height, options.bits = bits;
     SimulatorSensor sensor(options, 0);
     LightPicture light(width, height);
     for (int y = 0; y < height; ++y) {
@@ -60,7 +60,7 @@ class DiscPicture {
         for (const Disc& disc : discs) share += share_of(disc, x, y);
         for (std::size_t c = 0; c < 3; ++c) {
           light.at(x, y)[c] = static_cast<std::uint16_t>(
-              LightPicture::kPerGrey * (kGround[c] + share * (kInk[c] - kGround[c])) + 0.5);
+              LightPicture::kPerGrey * brightness * (kGround[c] + share * (kInk[c] - kGround[c])) + 0.5);
         }
       }
     }
@@ -71,13 +71,14 @@ class DiscPicture {
     for (std::uint8_t& pixel : pixels)
       pixel = static_cast<std::uint8_t>(std::clamp(std::round(pixel + noise * normal(random)), 0.0, 255.0));
     const int row_bytes = width * bytes_per_pixel(format), stride = row_bytes + padding;
-    const int bytes = stride * (height - 1) + row_bytes;
+    const int rows = bits > 8 ? 2 * height : height;  // the low bits behind the others
+    const int bytes = stride * (rows - 1) + row_bytes;
     bytes_ = std::make_unique<std::uint8_t[]>(static_cast<std::size_t>(bytes));
     std::fill_n(bytes_.get(), bytes, std::uint8_t{255});
-    for (int y = 0; y < height; ++y)
+    for (int y = 0; y < rows; ++y)
       std::copy_n(pixels.data() + std::ptrdiff_t{y} * row_bytes, row_bytes,
                   bytes_.get() + std::ptrdiff_t{y} * stride);
-    view_ = {bytes_.get(), width, height, stride, format};
+    view_ = {bytes_.get(), width, height, stride, format, bits > 8 ? std::ptrdiff_t{stride} * height : 0};
   }
   const ImageView& view() const { return view_; }
 
@@ -136,6 +137,22 @@ TEST_P(DiscFitIn, TheCentreIsAsGoodAsTheFitSays) {
   EXPECT_LT(far, 25);
 }
 
+TEST_P(DiscFitIn, ItsPlanesAddUp) {
+  const DiscPicture shown(GetParam(), 64, 64, {{32.2, 31.7, kRadiusMm / kMmPerPx}}, 4);
+  DiscMeter meter;
+  const DiscFit fit =
+      fit_disc(meter.measure(shown.view(), flat_patch(32, 32), {0, 0, kRadiusMm, kMarginMm}, {}, kBlurPx));
+  ASSERT_TRUE(fit.ok);
+  double n00 = 0, g1 = 0;
+  for (const DiscFit::Plane& plane : fit.planes) {
+    const double variance = plane.left / plane.free;
+    n00 += plane.n00 / variance;
+    g1 += plane.g1 / variance;
+  }
+  EXPECT_NEAR(n00, fit.n00, 1e-6 * fit.n00);
+  EXPECT_NEAR(g1, fit.g1, 1e-6 * std::abs(fit.g1) + 1e-9);
+}
+
 TEST_P(DiscFitIn, TellsTheColourAndThatThereIsADisc) {
   const DiscPicture shown(GetParam(), 40, 40, {{19.3, 20.6, kRadiusMm / kMmPerPx}}, 4);
   DiscMeter meter;
@@ -154,6 +171,45 @@ TEST_P(DiscFitIn, TellsTheColourAndThatThereIsADisc) {
       fit_disc(meter.measure(shown.view(), flat_patch(8, 32), {0, 0, kRadiusMm, kMarginMm}, {}, kBlurPx));
   EXPECT_LT(none.r2, 0.4) << "on the bare ground";
   EXPECT_LT(significance(none), 15);
+}
+
+/// In light so weak that a dot stands out by a third of a level of 8 bits.
+TEST(DiscFitOfDeepPixels, SeesWhatEightBitsDoNotShow) {
+  constexpr double kBrightness = 0.002;
+  for (const PixelFormat format :
+       {PixelFormat::kBayerRg8, PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8}) {
+    SCOPED_TRACE(std::string(name_of(format)));
+    const DiscPicture shown(format, 40, 40, {{19.3, 20.6, kRadiusMm / kMmPerPx}}, 0, 1, 5, 16, kBrightness);
+    for (const std::int64_t target : cpu_targets()) {
+      const OnlyTarget only(target);
+      SCOPED_TRACE(name_of_target(target));
+      DiscMeter meter;
+      const auto fit_of = [&](const ImageView& view) {
+        return fit_disc(
+            meter.measure(view, flat_patch(19.3, 20.6), {0, 0, kRadiusMm, kMarginMm}, {}, kBlurPx));
+      };
+      const DiscFit fit = fit_of(shown.view());
+      ASSERT_TRUE(fit.ok);
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(fit.contrast[c], kBrightness * (kInk[c] - kGround[c]), 0.03) << c;
+      EXPECT_GT(fit.r2, 0.95);
+      ImageView cut = shown.view();
+      cut.to_low_bits = 0;
+      EXPECT_EQ(fit_of(cut).r2, 0);
+    }
+  }
+}
+
+TEST(DiscFitOfDeepPixels, ReadsNothingOutsideThePicture) {
+  for (const std::int64_t target : cpu_targets()) {
+    const OnlyTarget only(target);
+    DiscMeter meter;
+    const DiscPicture shown(PixelFormat::kBayerRg8, 6, 4, {}, 0, 1, 0, 12);
+    for (const double u : {0.0, 5.0, 8.0}) {
+      for (const double v : {0.0, 3.0, 6.0})
+        meter.measure(shown.view(), flat_patch(u, v), {0, 0, 20, kMarginMm}, {}, kBlurPx);
+    }
+  }
 }
 
 TEST_P(DiscFitIn, AllInstructionSetsGiveTheSameSums) {

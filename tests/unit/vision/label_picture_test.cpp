@@ -20,7 +20,7 @@ TEST(LabelPicture, EveryCellHasTheColorOfItsLabel) {
   std::mt19937 random(1);
   std::vector<std::uint8_t> buffer;
   // The second picture is smaller: nothing of the first may be left in the buffer.
-  for (const auto& [width, height] : {std::pair{37, 23}, std::pair{16, 9}}) {
+  for (const auto& [width, height] : {std::pair{37, 10}, std::pair{16, 9}}) {
     LabelImage labels{width, height, 2, {}};
     for (int i = 0; i < width * height; ++i)
       labels.labels.push_back(static_cast<Label>(random() % label::kCount));
@@ -41,15 +41,29 @@ TEST(LabelPicture, EveryCellHasTheColorOfItsLabel) {
 
 TEST(LabelPicture, WithoutRunsItIsClear) {
   std::vector<std::uint8_t> buffer(1000, 255);
-  const ImageView picture = draw_label_picture({4, 2, 1, {}, false}, buffer);
+  const ImageView picture = draw_label_picture({4, 2, 1, {}, {}, {}}, buffer);
   for (int y = 0; y < 2; ++y) {
     for (int x = 0; x < 4; ++x) EXPECT_EQ(pixel(picture, x, y), label::kDisplayColors[label::kClear]);
   }
 }
 
+TEST(LabelPicture, ShowsWhatWasCutBecauseItFloods) {
+  LabelImage labels{128, 64, 1, std::vector<Label>(128 * 64)};
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; x += 2) labels.row(y)[x] = label::kPink;
+  }
+  RunList runs;
+  FindRuns().process({}, labels, runs);
+  std::vector<std::uint8_t> buffer;
+  const ImageView picture = draw_label_picture(runs, buffer);
+  EXPECT_EQ(pixel(picture, 62, 62), label::kDisplayColors[label::kPink]);
+  EXPECT_EQ(pixel(picture, 62, 63), label::kDisplayColors[label::kClear]);
+  EXPECT_EQ(pixel(picture, 64, 0), label::kDisplayColors[label::kClear]);
+}
+
 TEST(LabelPicture, OwnLabelsHaveTheirColours) {
   std::vector<std::uint8_t> buffer;
-  const RunList runs{2, 1, 1, {{0, 0, 1, 12}, {0, 1, 2, 13}}, false};
+  const RunList runs{2, 1, 1, {{0, 0, 1, 12}, {0, 1, 2, 13}}, {}, {}};
   const ImageView picture = draw_label_picture(runs, buffer, LabelSet({{12, "purple", "#8020c0"}}, ""));
   EXPECT_EQ(pixel(picture, 0, 0), (Rgb{0x80, 0x20, 0xc0}));
   EXPECT_EQ(pixel(picture, 1, 0), LabelSet::built_in().color(13)) << "without a name";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/robot_memory.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -38,6 +39,42 @@ TEST(RobotMemory, ThenWhereItDrives) {
   EXPECT_NEAR(expected.x_mm, 160, 1e-6);
   EXPECT_NEAR(expected.y_mm, -290, 1e-6);
   EXPECT_NEAR(expected.angle_rad, 0.8, 1e-6);
+}
+
+TEST(RobotMemory, WithARollingShutterARobotWasElsewhereAtTheFramesTime) {
+  // Rows 0 to 100 are exposed from 10 ms before the frame's time to 10 ms after.
+  const RowTimes rows(0.02, {}, 101);
+  EXPECT_NEAR(rows.delay_s(50), 0, 1e-12);
+  EXPECT_NEAR(rows.delay_s(75), 0.005, 1e-12);
+  const auto place = [](double t) {  // speeds up
+    return std::array{1000 * t + 2000 * t * t, -500 * t, 3 * t};
+  };
+  RobotMemory memory;
+  for (int frame = 0; frame < 4; ++frame) {
+    const double now_s = 10 + 0.016 * frame, row = 100 - 10 * frame;
+    const auto seen = place(now_s + rows.delay_s(row) - 10), there = place(now_s - 10);
+    RobotList robots{{robot_at(Team::kBlue, 4, seen[0], seen[1], seen[2])}};
+    robots.robots[0].pixel_y = row;
+    memory.remember(robots, now_s, rows);
+    memory.move_to_frame(robots);
+    const Robot& moved = robots.robots[0];
+    if (frame == 0) {
+      EXPECT_EQ(moved.x_mm, seen[0]) << "its speed is not known";
+      continue;
+    }
+    EXPECT_NEAR(moved.x_mm, there[0], frame == 1 ? 0.5 : 1e-6);
+    EXPECT_NEAR(moved.y_mm, there[1], 1e-6);
+    EXPECT_NEAR(moved.orientation_rad, there[2], 1e-9);
+  }
+}
+
+TEST(RobotMemory, ATileKnowsWhichRowsOfTheWholePictureItHas) {
+  const WholePicture whole{200, 101, 0, 40};
+  const RowTimes rows(0.02, whole, 50);
+  EXPECT_NEAR(rows.delay_s(10), 0, 1e-12);
+  EXPECT_NEAR(rows.s_per_row(), 0.0002, 1e-12);
+  EXPECT_FALSE(RowTimes().rolls());
+  EXPECT_EQ(RowTimes().delay_s(1000), 0);
 }
 
 TEST(RobotMemory, TurnsTheShortWay) {
