@@ -164,6 +164,7 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look) {
     look.known->margins.clear();
     return false;
   }
+  const bool is_another_view = look.scene != camera.scene || look.mask != camera.mask;
   look.scene = camera.scene;
   look.mask = camera.mask;
   look.version = frame->version;
@@ -180,6 +181,10 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look) {
   // A dark or covered camera shows no carpet: what was known of it still holds.
   if (surfaces->total(SurfaceKind::kCarpet) == 0) return true;
   auto margins = table_margins(*camera.lut, *surfaces);
+  // What was seen before stays while it says the same: a promise that was made on it is then kept.
+  if (const auto before = this->margins(camera.id, *camera.lut);
+      !is_another_view && before && about_same(*before, margins))
+    return true;
   const std::lock_guard lock(mutex_);
   look.known->surfaces = std::move(surfaces);
   look.known->margins = std::move(margins);

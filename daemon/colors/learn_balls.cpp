@@ -16,9 +16,16 @@ constexpr double kBlurPx = 0.55;
 // Of red, green and blue in a ball's colour. By print orange has .64, .29, .07, but balls shine, and cameras
 // see them paler.
 constexpr double kLeastRed = 0.38, kMostBlue = 0.27, kLeastGreenPerRed = 0.15;
-constexpr double kMostGreenPerRed = 0.9, kOfYellows = 0.9;
+constexpr double kMostGreenPerRed = 0.75, kOfYellows = 0.9;
+// Where red is clipped there is more of it than that, as in a ball under a lamp.
+constexpr double kClippedRed = 250, kMostGreenPerClippedRed = 0.9;
 constexpr double kCarpetAlike = 0.1;  // in shares
+/// How far a worn or shining place of the carpet may be from its colour towards white.
+constexpr double kMostWorn = 0.8;
 constexpr double kLeastR2 = 0.6, kMostRadiusOff = 0.25, kLeastClear = 0.4, kLeastVisible = 0.9;
+/// Of an outline's harmonics, over 3.5 % of the radius and their deviation: cones and hands have more, balls
+/// in hard halls up to 1.9.
+constexpr double kMostOutOfRound = 2, kRoundShare = 0.035;
 constexpr double kOneColor = 0.06;     // in shares
 constexpr double kOutsideMm = 0;       // of the lines
 constexpr double kRobotReachMm = 100;  // nothing nearer to a robot's middle is a ball
@@ -32,6 +39,13 @@ bool is_warm(const Color3& color, double most_green_per_red) {
 /// How far from grey, towards orange.
 double depth_of(const Color3& color) {
   return (color[0] - color[2]) / std::max(1.0, color.sum());
+}
+
+/// Whether something lies on the carpet, which may be so worn, shine or have a line there. All in shares.
+bool is_carpet(const Color3& around, const Color3& carpet, const Color3& white, double most_worn) {
+  const Color3 to_white = white - carpet;
+  const double worn = (around - carpet).dot(to_white) / std::max(1e-6, to_white.squaredNorm());
+  return (around - carpet - std::clamp(worn, 0.0, most_worn) * to_white).norm() < kCarpetAlike;
 }
 
 /// The colours of what lies well within a ball, those with most colour first.
@@ -84,9 +98,9 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   };
   // As the camera sees it or as it would be in white light: what is known of it is not exact.
   const auto is_ball_colored = [&](const Color3& color) {
+    const double most = color[0] < kClippedRed ? kMostGreenPerRed : kMostGreenPerClippedRed;
     const auto limit = [&](const Color3& yellow) {
-      return b.yellow ? std::min(kMostGreenPerRed, kOfYellows * yellow[1] / std::max(yellow[0], 1e-6))
-                      : kMostGreenPerRed;
+      return b.yellow ? std::min(most, kOfYellows * yellow[1] / std::max(yellow[0], 1e-6)) : most;
     };
     const Color3 yellow = b.yellow.value_or(Color3::Zero());
     return is_warm(color, limit(yellow)) || is_warm(in_white_light(color), limit(in_white_light(yellow)));
@@ -113,7 +127,10 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
          find_spots(picture, radius_px, b.search.noise_grey[frame], SpotsOf::kAnyColor, kMostSpots)) {
       if (b.search.stop.stop_requested()) return out;
       if (!is_ball_colored(body_of(colors_within(fine, spot.pixel, radius_px)))) continue;
-      if ((shares_of(spot.around) - b.carpet_shares).norm() > kCarpetAlike) continue;
+      // Beside the field grey is a floor.
+      if (!is_carpet(shares_of(spot.around), b.carpet_shares, b.white_shares,
+                     b.on_field_only ? kMostWorn : 0))
+        continue;
       const bool on_robot = std::any_of(b.robots.begin(), b.robots.end(), [&](const SeenRobot& robot) {
         return robot.frame == frame &&
                std::hypot(robot.pixel_x - spot.pixel.x(), robot.pixel_y - spot.pixel.y()) <
@@ -129,6 +146,9 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
       if (!fit.ok || fit.r2 < kLeastR2 || fit.clear_share < kLeastClear || fit.visible_share < kLeastVisible)
         continue;
       if (std::abs(fit.radius_mm - radius_mm) > std::max(kMostRadiusOff * radius_mm, 2 * fit.radius_sigma_mm))
+        continue;
+      if (fit.out_of_round_mm >
+          kMostOutOfRound * std::hypot(kRoundShare * radius_mm, fit.out_of_round_sigma_mm))
         continue;
       const auto pixel = b.camera.project({fit.x_mm, fit.y_mm, radius_mm});
       if (!pixel) continue;
@@ -158,8 +178,14 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
     });
     if (!twin) kept.push_back(ball);
   }
-  // Brown, beige and skin are paler than a ball's orange.
-  const auto likely = [](const SeenBall& ball) { return ball.r2 + 2 * depth_of(ball.body); };
+  // Brown, beige and skin are paler than a ball's orange; what is deeper is no more of a ball, and red has
+  // less green between its red and its blue.
+  const auto likely = [&](const SeenBall& ball) {
+    constexpr double kDeep = 0.4, kLeastGreen = 0.2;
+    const Color3 white = in_white_light(ball.body);
+    const double green = (white[1] - white[2]) / std::max(1e-6, white[0] - white[2]);
+    return ball.r2 + 2 * std::min(depth_of(ball.body), kDeep) - 2 * std::max(0.0, kLeastGreen - green);
+  };
   const auto best = std::max_element(
       kept.begin(), kept.end(),
       [&](const SeenBall& one, const SeenBall& other) { return likely(one) < likely(other); });

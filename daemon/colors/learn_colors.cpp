@@ -437,13 +437,15 @@ class Learner {
   /// How bright a robot is lit: its dots' contrast, over that of prints in white light.
   double light_of(const SeenRobot& robot, const std::vector<Label>& labels) {
     std::vector<double> ratios;
+    const auto contrast_of = [&](std::size_t i) {
+      return unclipped_contrast(robot.dots[i], dots_.shares.at(labels[i]));
+    };
     for (std::size_t i = 0; i < robot.dots.size(); ++i)
-      ratios.push_back(robot.dots[i].contrast.sum() / std::max(1.0, print_contrast(labels[i]).sum()));
+      ratios.push_back(contrast_of(i).sum() / std::max(1.0, print_contrast(labels[i]).sum()));
     std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
                      ratios.end());
     const double light = std::max(0.01, ratios[ratios.size() / 2]);
-    for (std::size_t i = 0; i < robot.dots.size(); ++i)
-      lit_[labels[i]].emplace_back(light, robot.dots[i].contrast);
+    for (std::size_t i = 0; i < robot.dots.size(); ++i) lit_[labels[i]].emplace_back(light, contrast_of(i));
     return light;
   }
   std::optional<Color3> mean_contrast(Label label) const {

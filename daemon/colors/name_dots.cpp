@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "colors/name_dots.h"
 
+#include "vision/color_name.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -35,15 +39,43 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-std::size_t nearest(const std::vector<Color3>& means, const Color3& color) {
-  const auto at = std::min_element(means.begin(), means.end(), [&](const Color3& a, const Color3& b) {
-    return (a - color).squaredNorm() < (b - color).squaredNorm();
-  });
-  return static_cast<std::size_t>(at - means.begin());
+double distance(const SeenDot& dot, const Color3& shares) {
+  return (shares_of(unclipped_contrast(dot, shares)) - shares).norm();
+}
+
+std::size_t nearest(const std::vector<Color3>& means, const SeenDot& dot) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    const double away = distance(dot, means[k]);
+    if (away >= least) continue;
+    least = away;
+    best = k;
+  }
+  return best;
+}
+
+/// Medians of those that nothing clips; where these are few, of the dimmest third, which is clipped least.
+Color3 typical_shares(std::vector<const SeenDot*> dots) {
+  const auto is_clipped = [](const SeenDot* dot) { return dot->color.maxCoeff() >= kClippedGrey; };
+  const auto clipped = std::stable_partition(dots.begin(), dots.end(), std::not_fn(is_clipped));
+  const auto whole = static_cast<std::size_t>(clipped - dots.begin()), third = (dots.size() + 2) / 3;
+  if (whole < third) {
+    std::sort(dots.begin(), dots.end(),
+              [](const SeenDot* a, const SeenDot* b) { return a->contrast.sum() < b->contrast.sum(); });
+  }
+  dots.resize(std::max(whole, third));
+  Color3 out;
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    std::vector<double> values;
+    for (const SeenDot* dot : dots) values.push_back(shares_of(dot->contrast)[c]);
+    out[c] = median(std::move(values));
+  }
+  return out;
 }
 
 /// One run of k-means, with medians, from some of the colours. Returns the sum of all distances.
-double group_from(std::span<const Color3> colors, std::vector<Color3> starts, Groups& out) {
+double group_from(std::span<const SeenDot> colors, std::vector<Color3> starts, Groups& out) {
   const std::size_t count = starts.size();
   out.means = std::move(starts);
   out.of.assign(colors.size(), 0);
@@ -51,17 +83,15 @@ double group_from(std::span<const Color3> colors, std::vector<Color3> starts, Gr
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < colors.size(); ++i) out.of[i] = nearest(out.means, colors[i]);
     for (std::size_t k = 0; k < count; ++k) {
-      for (int c = 0; c < 3; ++c) {
-        std::vector<double> values;
-        for (std::size_t i = 0; i < colors.size(); ++i) {
-          if (out.of[i] == k) values.push_back(colors[i][c]);
-        }
-        if (!values.empty()) out.means[k][c] = median(std::move(values));
+      std::vector<const SeenDot*> members;
+      for (std::size_t i = 0; i < colors.size(); ++i) {
+        if (out.of[i] == k) members.push_back(&colors[i]);
       }
+      if (!members.empty()) out.means[k] = typical_shares(std::move(members));
     }
   }
   std::vector<double> off;
-  for (std::size_t i = 0; i < colors.size(); ++i) off.push_back((colors[i] - out.means[out.of[i]]).norm());
+  for (std::size_t i = 0; i < colors.size(); ++i) off.push_back(distance(colors[i], out.means[out.of[i]]));
   const double sum = std::accumulate(off.begin(), off.end(), 0.0);
   out.spread = median(std::move(off));
   return sum;
@@ -69,7 +99,7 @@ double group_from(std::span<const Color3> colors, std::vector<Color3> starts, Gr
 
 /// The best of some runs, so that one odd colour does not make a group. The same colours give the same
 /// groups.
-Groups group(std::span<const Color3> colors, std::size_t count) {
+Groups group(std::span<const SeenDot> colors, std::size_t count) {
   constexpr int kRuns = 24;
   Groups best;
   double least = std::numeric_limits<double>::infinity();
@@ -78,7 +108,7 @@ Groups group(std::span<const Color3> colors, std::size_t count) {
     std::vector<Color3> starts;
     for (std::size_t k = 0; k < count; ++k) {
       random = random * 1664525 + 1013904223;
-      starts.push_back(colors[(random >> 8) % colors.size()]);
+      starts.push_back(shares_of(colors[(random >> 8) % colors.size()].contrast));
     }
     Groups one;
     const double sum = group_from(colors, std::move(starts), one);
@@ -90,7 +120,7 @@ Groups group(std::span<const Color3> colors, std::size_t count) {
 }
 
 /// As many groups as there are, `most` at most.
-Groups distinct_groups(std::span<const Color3> colors, std::size_t most) {
+Groups distinct_groups(std::span<const SeenDot> colors, std::size_t most) {
   for (std::size_t count = std::min(most, colors.size()); count > 1; --count) {
     Groups out = group(colors, count);
     double apart = std::numeric_limits<double>::infinity();
@@ -220,19 +250,24 @@ Color3 shares_of(const Color3& contrast) {
   return sum > 1e-6 ? Color3(positive / sum) : Color3::Constant(1.0 / 3);
 }
 
+Color3 unclipped_contrast(const SeenDot& dot, const Color3& shares) {
+  const auto array = [](const Color3& color) { return std::array{color[0], color[1], color[2]}; };
+  const auto out = unclipped(array(dot.contrast), array(dot.color), array(shares));
+  return {out[0], out[1], out[2]};
+}
+
 NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patterns,
                     std::span<const ColorSample> guide) {
   NamedDots out;
   Color3 black = Color3::Zero();
-  std::vector<Color3> centers, sides;
+  std::vector<SeenDot> centers, sides;
   for (const SeenRobot& robot : robots) {
     black += robot.black / static_cast<double>(robots.size());
-    for (std::size_t i = 0; i < robot.dots.size(); ++i)
-      (i == 0 ? centers : sides).push_back(shares_of(robot.dots[i].contrast));
+    for (std::size_t i = 0; i < robot.dots.size(); ++i) (i == 0 ? centers : sides).push_back(robot.dots[i]);
   }
   struct Kind {
     const char* what;
-    std::span<const Color3> colors;
+    std::span<const SeenDot> colors;
     std::span<const Label> labels;
     Groups groups;
     std::vector<Label> names;
@@ -285,6 +320,7 @@ NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patte
   }
   for (const Kind& kind : kinds) {
     for (const Label label : kind.labels) {
+      if (const auto shares = seen.find(label); shares != seen.end()) out.shares[label] = shares->second;
       if (seen.contains(label) || std::find(out.unseen.begin(), out.unseen.end(), label) != out.unseen.end())
         continue;
       out.unseen.push_back(label);

@@ -6,6 +6,7 @@
 #include "vision/lut_from_samples.h"
 #include "vision/patterns.h"
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,11 +21,16 @@ Color3 print_color(Label label);
 /// changes.
 Color3 shares_of(const Color3& contrast);
 
+/// A dot's contrast to black. Clipped channels may have been brighter: they are as near to these shares as
+/// they may have been.
+Color3 unclipped_contrast(const SeenDot& dot, const Color3& shares);
+
 /// The labels of robots' dots.
 struct NamedDots {
   std::string problem;  // as LearntColors
   std::vector<std::string> notes;
   std::vector<std::vector<Label>> labels;  // of each robot: the centre's, then those of the side dots
+  std::map<Label, Color3> shares;          // of those that were seen: of the dots' contrast to black
   std::vector<Label> unseen;               // of the table's colours
   Color3 gains = Color3::Ones();           // of red, green and blue: the light's and the camera's cast
 };

@@ -35,6 +35,7 @@ struct Place {
   std::size_t frame;
   int cell_x, cell_y;  // of the small picture
   Color3 color, shares;
+  std::optional<std::array<Color3, 2>> beside;  // shares on both its sides, where it is as narrow as a line
 };
 
 /// Where most shares lie, to a fiftieth.
@@ -103,9 +104,16 @@ std::vector<Place> find_places(const SurfaceSearch& search) {
           const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
           return (one || other) && (!one || goes_on(here, *one)) && (!other || goes_on(here, *other));
         };
-        if (!alike(away, 0) && !alike(0, away)) continue;
+        const bool across = alike(away, 0), along = alike(0, away);
+        if (!across && !along) continue;
         if (is_left_out(picture.pixel_of(x, y))) continue;
-        out.push_back({frame, x, y, here, shares_of(here)});
+        Place place{frame, x, y, here, shares_of(here), {}};
+        if (across != along) {
+          const int dx = across ? 0 : away, dy = across ? away : 0;
+          const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
+          if (one && other) place.beside = {shares_of(*one), shares_of(*other)};
+        }
+        out.push_back(std::move(place));
       }
     }
   }
@@ -187,17 +195,78 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
       std::max<std::uint32_t>(2, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
   // The few places that shine are not what the range is about.
   constexpr double kShine = 0.01, kShineMore = 1.06;
+  // Over-exposed carpet looks like dots: where a channel is clipped, no more than the margin that is wanted.
+  constexpr double kBrightestClipped = 1 + kWantedMargin + 0.02;
   const double bright = std::max(1, brightness_above(colors, total, kShine));
   for (const auto& [color, count] : colors) {
     if (count < least) continue;
+    const Rgb rgb = to_rgb(color);
+    const double clips_at = 255.0 / std::max({rgb.r, rgb.g, rgb.b, std::uint8_t{1}});
+    const double brightest = std::min(range.brightest, std::max(kBrightestClipped, clips_at));
     const double most =
-        std::max(kShineMore, range.brightest * std::min(1.0, bright / std::max<double>(1, color.y)));
+        std::max(kShineMore, brightest * std::min(1.0, bright / std::max<double>(1, color.y)));
     constexpr double kStep = 1.015;
     for (double factor = range.darkest; factor < most; factor *= kStep) out.add(in_light(color, factor));
     out.add(in_light(color, most));
   }
   return out;
 }
+
+/// A surface's chroma per level of luma: it stays when the light changes, unless a channel is clipped.
+class Hue {
+ public:
+  Hue(const SurfaceColors& surfaces, SurfaceKind kind) : noise_sigma_(surfaces.noise_sigma) {
+    const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
+    double luma = 0, count = 0;
+    std::array<double, 2> sums{};
+    for (const auto& color : colors) {
+      if (is_clipped(color.color)) continue;
+      const auto chroma = chroma_of(color.color);
+      for (std::size_t c = 0; c < 2; ++c) sums[c] += color.count * chroma[c];
+      luma += static_cast<double>(color.count) * color.color.y;
+      count += color.count;
+    }
+    if (luma <= 0) return;
+    mean_luma_ = luma / count;
+    std::array<double, 2> squares{};
+    for (std::size_t c = 0; c < 2; ++c) per_luma_[c] = sums[c] / luma;
+    for (const auto& color : colors) {
+      if (is_clipped(color.color)) continue;
+      const auto chroma = chroma_of(color.color);
+      for (std::size_t c = 0; c < 2; ++c)
+        squares[c] += color.count * square(chroma[c] - per_luma_[c] * color.color.y) / count;
+    }
+    // Colours are counted in bins; what that adds is no texture.
+    constexpr double kBin = 256.0 / SurfaceColors::kSide, kBinVariance = kBin * kBin / 12;
+    for (std::size_t c = 0; c < 2; ++c)
+      texture_[c] = std::sqrt(std::max(0.0, squares[c] - kBinVariance)) / mean_luma_;
+  }
+  /// So many sigmas of its texture and of a pixel's noise lie between a colour and the surface in whatever
+  /// light; 0 where light changes hues.
+  double sigmas_from(Yuv color) const {
+    if (mean_luma_ <= 0 || is_clipped(color)) return 0;
+    const auto chroma = chroma_of(color);
+    double sigmas2 = 0;
+    for (std::size_t c = 0; c < 2; ++c) {
+      const double variance = square(noise_sigma_[c + 1]) + square(per_luma_[c] * noise_sigma_[0]) +
+                              square(texture_[c] * color.y);
+      sigmas2 += square(chroma[c] - per_luma_[c] * color.y) / variance;
+    }
+    return std::sqrt(sigmas2);
+  }
+
+ private:
+  static constexpr double square(double value) { return value * value; }
+  static std::array<double, 2> chroma_of(Yuv color) { return {color.u - 128.0, color.v - 128.0}; }
+  static bool is_clipped(Yuv color) {
+    constexpr int kFull = 235;
+    const Rgb rgb = to_rgb(color);
+    return std::max({rgb.r, rgb.g, rgb.b}) > kFull;
+  }
+  std::array<double, 2> per_luma_{}, texture_{};  // of U and V
+  double mean_luma_ = 0;
+  std::array<double, 3> noise_sigma_;
+};
 
 /// Normally distributed, with sigma 1 in each direction; always the same.
 std::vector<std::array<double, 3>> noise_samples() {
@@ -252,12 +321,18 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
         return search.on_carpet(place.frame,
                                 search.pictures[place.frame].finest().pixel_of(place.cell_x, place.cell_y));
       });
-  const auto is_carpet = [&](const Place& place) {
-    return carpet && (place.shares - *carpet).norm() < kCarpetAlike;
+  const auto like_carpet = [&](const Color3& shares) {
+    return carpet && (shares - *carpet).norm() < kCarpetAlike;
   };
-  const auto floor = commonest(places, [&](const Place& place) { return !is_carpet(place); });
+  const auto is_carpet = [&](const Place& place) { return like_carpet(place.shares); };
+  // White lines may have the colour of a grey floor, but have carpet on both sides.
+  const auto is_line = [&](const Place& place) {
+    return place.beside && like_carpet((*place.beside)[0]) && like_carpet((*place.beside)[1]);
+  };
+  const auto floor =
+      commonest(places, [&](const Place& place) { return !is_carpet(place) && !is_line(place); });
   const auto is_floor = [&](const Place& place) {
-    return floor && (place.shares - *floor).norm() < kFloorAlike;
+    return floor && (place.shares - *floor).norm() < kFloorAlike && !is_line(place);
   };
   const auto floor_places = std::count_if(
       places.begin(), places.end(), [&](const Place& place) { return !is_carpet(place) && is_floor(place); });
@@ -300,13 +375,17 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
   const Taken carpet = taken_by(surfaces, SurfaceKind::kCarpet, range),
               floor = taken_by(surfaces, SurfaceKind::kFloor, range),
               other = taken_by(surfaces, SurfaceKind::kOther, range);
+  const Hue carpet_hue(surfaces, SurfaceKind::kCarpet);
+  // Six pixels in a thousand lie beyond, whatever their hue: fewer than make a flood have the label's.
+  constexpr double kOtherHueSigmas = 3.2;
   std::size_t changed = 0;
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
     Label& label = table.labels[cell];
     if (label == label::kClear || is_surface_label(label)) continue;
     const Yuv color = table.color_of(cell);
-    const bool taken = carpet.has(color) || ((floor.has(color) || other.has(color)) && !keep(label, color));
-    if (!taken) continue;
+    const bool in_carpet = carpet.has(color);
+    if (!in_carpet && !floor.has(color) && !other.has(color)) continue;
+    if ((!in_carpet || carpet_hue.sigmas_from(color) > kOtherHueSigmas) && keep(label, color)) continue;
     label = label::kClear;
     ++changed;
   }
@@ -366,6 +445,19 @@ std::optional<LeastMargin> least_of(std::span<const LabelMargin> margins) {
     }
   }
   return least;
+}
+
+bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b) {
+  constexpr double kAlike = 1.05;
+  const auto alike = [](const std::optional<double>& one, const std::optional<double>& other, double limit) {
+    const double ratio = one.value_or(limit) / other.value_or(limit);
+    return ratio < kAlike && ratio > 1 / kAlike;
+  };
+  return std::ranges::equal(a, b, [&](const LabelMargin& one, const LabelMargin& other) {
+    return one.label == other.label && one.surface == other.surface &&
+           alike(one.brighter, other.brighter, LabelMargin::kMostFactor) &&
+           alike(one.darker, other.darker, 1 / LabelMargin::kMostFactor);
+  });
 }
 
 std::string margin_text(std::string_view surface, std::string_view label, double change) {

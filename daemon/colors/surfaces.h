@@ -95,9 +95,10 @@ struct ClearRange {
 };
 
 /// Makes cells clear that surfaces have, or would have in more or less light. The carpet takes cells from any
-/// label. Floor and other surfaces take no cell that `keep` names (a colour of the cell's label that was seen
-/// on a robot or ball): an orange board does not make the ball's colour clear. Labels field, white and black
-/// stay. Returns the number of cells changed.
+/// label, unless `keep` names the cell (a colour of its label that was seen on a robot or ball) and its hue
+/// is none of the carpet's: blue in the shade is as dark as carpet in the shade, and still blue. Floor and
+/// other surfaces take no cell that `keep` names: an orange board does not make the ball's colour clear.
+/// Labels field, white and black stay. Returns the number of cells changed.
 std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, const ClearRange& range,
                            const std::function<bool(Label, Yuv)>& keep);
 
@@ -122,6 +123,9 @@ struct LabelMargin {
 /// do. Values of pixels are taken to grow with the light; cameras with a gamma have more margin than that.
 inline constexpr double kFloodShare = 0.004;
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces);
+
+/// Whether margins differ by no more than noise and flicker make of them from frame to frame.
+bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);
 
 /// Every margin shall be as large: lamps differ by that much over a field, and from day to day.
 inline constexpr double kWantedMargin = 0.30;

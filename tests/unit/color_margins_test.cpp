@@ -142,6 +142,33 @@ TEST_F(ColorMarginsTest, FollowsTheTableThatIsPutInForce) {
   EXPECT_EQ(frames_asked_, 1);
 }
 
+TEST_F(ColorMarginsTest, KeepsWhatItSawWhileItSaysTheSame) {
+  DrawnScene again(plain_options());
+  again.expose_again();
+  const ImageView steady = again.image().view();
+  SimulatorOptions darker = plain_options();
+  darker.light = 0.6;
+  DrawnScene evening(darker);
+  lut_ = green_from(drawn_, to_yuv(paint_color(label::kField)).y * 13 / 10);
+  std::atomic<int> shown = 0;
+  ColorMargins::Hooks asked = hooks();
+  asked.wait_frame = [&, pictures = std::array{picture_, steady, evening.image().view()}](
+                         int, std::uint64_t newer_than, milliseconds) -> std::optional<LentFrame> {
+    ++frames_asked_;
+    return LentFrame{newer_than + 1, nullptr, pictures[static_cast<std::size_t>(shown.load())], 100, {}};
+  };
+  ColorMargins margins(asked, {milliseconds(1), milliseconds(1)});
+  wait_until("surfaces", [&] { return margins.surfaces(7) != nullptr; });
+  const auto surfaces = margins.surfaces(7);
+  shown = 1;  // other noise
+  const int before = frames_asked_;
+  wait_until("looks", [&] { return frames_asked_ >= before + 3; });
+  EXPECT_EQ(margins.surfaces(7), surfaces);
+  shown = 2;
+  wait_until("other surfaces", [&] { return margins.surfaces(7) != surfaces; });
+  EXPECT_GT(brighter(margins.newest_margins(7), label::kGreen), 1.5);
+}
+
 TEST_F(ColorMarginsTest, LooksAgainWhenTheSceneChanges) {
   ColorMargins margins(hooks(), kOnce);
   wait_until("surfaces", [&] { return margins.surfaces(7) != nullptr; });

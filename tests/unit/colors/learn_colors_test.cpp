@@ -178,6 +178,7 @@ TEST(LearnColors, WrongThingsTeachNothing) {
   drawn.add_thing({Shape::kRectangle, label::kYellow, 300, 400, 0.4, 105, 148});  // a card
   drawn.add_thing({Shape::kEllipse, label::kPink, 1700, 600, 0.2, 500, 350});     // a bag
   drawn.add_thing({Shape::kEllipse, paint::kBrown, 600, 700, 0, 43, 43});         // another ball
+  drawn.add_thing({Shape::kEllipse, paint::kRed, 600, -300, 0, 43, 43});          // a marker
   drawn.cover(2300, 1000, 1200, 300, {235, 110, 30});                             // a shirt
   drawn.add_ball(1200, 2140);                                                     // beside the field
   const LearntColors with = learn_colors(task_of(drawn));
@@ -194,6 +195,35 @@ TEST(LearnColors, WrongThingsTeachNothing) {
     EXPECT_NEAR(a->mean.b, b->mean.b, 4) << label::kNames[label];
   }
   expect_finds_others(with, plain_options());
+}
+
+/// What cones, hands and boards look like from above.
+TEST(LearnColors, OrangeThingsOfABallsSizeThatAreNotRoundTeachNoOrange) {
+  using Shape = SimulatedDistractor::Shape;
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8}) {
+    SCOPED_TRACE(name_of(format));
+    DrawnScene drawn(plain_options(format));
+    add_teams(drawn, 0);
+    drawn.add_thing({Shape::kRectangle, label::kOrange, 300, 400, 0.4, 40, 40});
+    drawn.add_thing({Shape::kEllipse, label::kOrange, 1500, 700, 0.9, 48, 34});
+    const LearntColors learnt = learn_colors(task_of(drawn));
+    for (const auto& ball : learnt.balls)
+      ADD_FAILURE() << "no ball at pixel " << ball.pixel_x << ", " << ball.pixel_y;
+  }
+}
+
+TEST(LearnColors, WhatIsTooGreenForOrangeTeachesNone) {
+  DrawnScene drawn;
+  add_teams(drawn, 0, 0, 8);  // without yellow dots to compare with
+  drawn.cover(900, 600, 0, 21, {200, 177, 60});
+  EXPECT_TRUE(learn_colors(task_of(drawn)).balls.empty());
+}
+
+TEST(LearnColors, OrangeThatIsClippedMayLookGreener) {
+  DrawnScene drawn;
+  add_teams(drawn, 0, 0, 8);
+  drawn.cover(900, 600, 0, 21, {255, 204, 80});  // nobody knows how red it is
+  EXPECT_EQ(learn_colors(task_of(drawn)).balls.size(), 1u);
 }
 
 TEST(LearnColors, WhatTheMaskHidesDoesNotTeach) {

@@ -36,6 +36,29 @@ TEST(NameDots, NamesGroupsUnderAnyCast) {
   }
 }
 
+TEST(NameDots, ClippedChannelsMayHaveBeenBrighter) {
+  std::vector<SeenRobot> robots;
+  std::vector<Labels> expected;
+  for (const double light : {1.2, 1.6, 2.2, 2.8}) {
+    for (const Labels& labels : {kYellowMixed, kBlueMixed}) {
+      SeenRobot robot = robot_of(labels, Color3::Constant(light));
+      for (SeenDot& dot : robot.dots) {
+        dot.color = dot.color.cwiseMin(255);
+        dot.contrast = dot.color - robot.black;
+      }
+      robots.push_back(robot);
+      expected.push_back(labels);
+    }
+  }
+  const NamedDots named = name_dots(robots, league_patterns(), {});
+  ASSERT_EQ(named.problem, "");
+  EXPECT_EQ(named.labels, expected);
+  for (const auto& [label, shares] : named.shares) {
+    const Color3 printed = shares_of(print_color(label) - print_color(label::kBlack));
+    EXPECT_LT((shares - printed).norm(), 0.08) << label::kNames[label];
+  }
+}
+
 TEST(NameDots, NamesTheOnlyTeamByTheSideDots) {
   const std::vector<SeenRobot> robots{robot_of(kBlueMixed, {1.3, 1, 0.7}),
                                       robot_of(kBluePink, {1.3, 1, 0.7})};

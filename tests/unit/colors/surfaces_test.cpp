@@ -183,6 +183,26 @@ TEST(Surfaces, TheCarpetTakesFromAnyLabelOthersNoneThatIsToBeKept) {
   EXPECT_EQ(kept.of(carpet), label::kClear);
 }
 
+TEST(Surfaces, TheCarpetTakesNothingToBeKeptOfAnotherHue) {
+  const Hall hall;
+  const SurfaceColors surfaces = see(hall);
+  const auto cleared = [&](bool keep) {
+    ColorTable table = table_of([](Yuv) { return label::kBlue; });
+    const auto is_bluer = [](Label, Yuv c) { return c.u - 128 > -0.13 * c.y; };  // carpet has -.17
+    clear_surfaces(table, surfaces, {}, [&](Label label, Yuv c) { return keep && is_bluer(label, c); });
+    return Lut(table);
+  };
+  const Lut kept = cleared(true), all = cleared(false);
+  // Carpet in the shade, and what is as dark and so much bluer that noise does not explain it.
+  const Yuv carpet = to_yuv({33, 72, 39});
+  const Yuv bluer{carpet.y, static_cast<std::uint8_t>(carpet.u + 8), carpet.v};
+  EXPECT_EQ(all.of_yuv(bluer.y, bluer.u, bluer.v), label::kClear);
+  EXPECT_EQ(kept.of_yuv(bluer.y, bluer.u, bluer.v), label::kBlue);
+  EXPECT_EQ(kept.of_yuv(carpet.y, carpet.u, carpet.v), label::kClear);
+  for (const double light : {0.5, 0.7, 1.0, 1.3, 1.5})
+    EXPECT_LT(share_with(label::kBlue, kept, hall, SurfaceKind::kCarpet, light), kFloodShare) << light;
+}
+
 TEST(Surfaces, LeaveFieldWhiteAndBlackAlone) {
   const SurfaceColors surfaces = see(Hall());
   for (const Label label : {label::kField, label::kWhite, label::kBlack}) {
@@ -205,6 +225,18 @@ TEST(Surfaces, DotsAreNoneAndLinesAreNeitherCarpetNorFloor) {
     EXPECT_FALSE(reach_of(surfaces, kind, kAsSeen)(to_yuv(kWhite))) << name_of(kind);
   EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kCarpet, kAsSeen)(to_yuv(kCarpet)));
   EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kFloor)));
+}
+
+TEST(Surfaces, LinesAreNoFloorOfTheirColour) {
+  constexpr Rgb kGrey{120, 120, 120};
+  Hall hall;
+  hall.add_box(Hall::kFloorFrom, 0, Hall::kWidth, Hall::kHeight, kGrey);
+  hall.add_box(20, 120, Hall::kFloorFrom - 20, 126, kWhite);
+  const SurfaceColors surfaces = see(hall);
+  constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};
+  EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kGrey)));
+  EXPECT_FALSE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kWhite)));
+  EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kOther, kAsSeen)(to_yuv(kWhite)));
 }
 
 TEST(Surfaces, WhatIsLeftOutIsNone) {
@@ -236,6 +268,18 @@ TEST(Surfaces, TheLeastMarginIsTheNearestEitherWay) {
   EXPECT_EQ(least->label, label::kGreen);
   EXPECT_EQ(least->surface, SurfaceKind::kFloor);
   EXPECT_NEAR(least->change, -0.3, 1e-9);
+}
+
+TEST(Surfaces, MarginsAreTheSameWithinNoise) {
+  const std::vector<LabelMargin> seen{{label::kGreen, SurfaceKind::kCarpet, 1.20, {}}};
+  const auto same_as = [&](LabelMargin other) { return about_same(seen, std::vector{other}); };
+  EXPECT_TRUE(same_as({label::kGreen, SurfaceKind::kCarpet, 1.18, 1 / 2.45}));
+  EXPECT_FALSE(same_as({label::kGreen, SurfaceKind::kCarpet, 1.10, {}}));
+  EXPECT_FALSE(same_as({label::kGreen, SurfaceKind::kCarpet, {}, {}}));
+  EXPECT_FALSE(same_as({label::kGreen, SurfaceKind::kCarpet, 1.20, 0.9}));
+  EXPECT_FALSE(same_as({label::kGreen, SurfaceKind::kFloor, 1.20, {}}));
+  EXPECT_FALSE(same_as({label::kPink, SurfaceKind::kCarpet, 1.20, {}}));
+  EXPECT_FALSE(about_same(seen, {}));
 }
 
 TEST(Surfaces, MarginsInWords) {
