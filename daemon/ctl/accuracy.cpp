@@ -2,6 +2,7 @@
 #include "ctl/accuracy.h"
 
 #include "capture/simulator/simulator_camera.h"
+#include "ctl/accuracy_bound.h"
 #include "ctl/accuracy_colors.h"
 #include "ctl/accuracy_trial.h"
 #include "ctl/no_sink.h"
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -73,6 +75,48 @@ void add_frame(Reliability& reliability, const Frame& frame, const Json& truth) 
   }
 }
 
+// ---- bounds
+
+/// Sums up the bounds of robots that are wholly in sight.
+class BoundSum {
+ public:
+  void add(const SimulatedCamera& camera, const SimulatorOptions& source, const BoundPicture& picture,
+           const Json& truth, double t_s) {
+    if (source.noise_sigma == 0 || source.rolling_shutter_ms > 0) return;
+    constexpr int kMoments = 8;  // of an exposure
+    const int moments = source.exposure_ms > 0 ? kMoments : 1;
+    std::vector<SimulatedScene> scenes;
+    for (int i = 0; i < moments; ++i)
+      scenes.push_back(camera.scene_at(t_s + ((i + 0.5) / moments - 0.5) * source.exposure_ms * 1e-3));
+    std::vector<BoundPose> poses;
+    for (const Json& robot : truth.at("robots")) {
+      if (!robot.at("visible").get<bool>()) continue;
+      poses.clear();
+      for (const SimulatedScene& scene : scenes) {
+        for (const SimulatedRobot& there : scene.robots) {
+          if (there.id != robot.at("id") || (there.team == Team::kBlue) != (robot.at("team") == "blue"))
+            continue;
+          poses.push_back({there.x_mm, there.y_mm, there.orientation_rad, there.height_mm});
+        }
+      }
+      const auto bound = robot_bound(picture, poses);
+      if (!bound) continue;
+      ++robots_;
+      position_mm2_ += bound->position_mm * bound->position_mm;
+      orientation_rad2_ += bound->orientation_rad * bound->orientation_rad;
+    }
+  }
+  AccuracyBound bound() const {
+    if (robots_ == 0) return {};
+    const auto n = static_cast<double>(robots_);
+    return {robots_, std::sqrt(position_mm2_ / n), std::sqrt(orientation_rad2_ / n) * 180 / std::numbers::pi};
+  }
+
+ private:
+  std::size_t robots_ = 0;
+  double position_mm2_ = 0, orientation_rad2_ = 0;
+};
+
 // ---- one trial
 
 /// What was found in all halls, and what is true there: as score() reads them.
@@ -80,6 +124,7 @@ struct TrialResult {
   std::string detections, truth;
   std::vector<AccuracyRow::Stretch> film;
   std::vector<std::string> problems;  // why no colours were learnt
+  BoundSum bounds;
 };
 
 /// A table of clicks, or a learnt one; an empty one with a problem.
@@ -111,6 +156,7 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
   std::vector<std::uint8_t> picture(camera.picture_bytes());
   ImageView view = camera.layout();
   view.data = picture.data();
+  if (condition.cut_to_8_bits) view.to_low_bits = 0;
   NoSink sink;
   CameraPipeline pipeline(0, sink, setup);
   LightFollower follower(setup.world.lut);
@@ -134,6 +180,11 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
     found.update(detections_json(frame.robots, frame.balls));
     const Json expected = camera.truth(name, t_s);
     add_frame(reliability, frame, expected);
+    const SimulatorOptions& source = trial.source;
+    result.bounds.add(
+        camera, source,
+        {view, *setup.world.scene->camera, *setup.world.patterns, source.blur_sigma_px, source.noise_sigma},
+        expected, t_s);
     stretch.detections += found.dump() + '\n';
     stretch.truth += expected.dump() + '\n';
     if (is_film && i % look_frames == 0) {
@@ -157,8 +208,8 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
   }
 }
 
-std::vector<std::string> failures_of(const Score& score, const std::vector<AccuracyRow::Stretch>& film,
-                                     const AccuracyLimits& limits) {
+std::vector<std::string> failures_of(const AccuracyRow& row, const AccuracyLimits& limits) {
+  const Score& score = row.score;
   std::vector<std::string> out;
   const auto at_least = [&](std::string_view what, double value, const std::optional<double>& least,
                             std::size_t expected) {
@@ -183,7 +234,11 @@ std::vector<std::string> failures_of(const Score& score, const std::vector<Accur
   at_least("ball_precision", score.balls.precision(), limits.ball_precision, score.balls.expected);
   at_most("ball_rms_mm", score.ball_position_mm.rms, limits.ball_rms_mm);
   at_most("false_balls_in_100", false_balls_in_100(score), limits.false_balls_in_100);
-  for (const AccuracyRow::Stretch& part : film) {
+  if (const auto ratio = row.position_over_bound())
+    at_most("position_over_bound", *ratio, limits.position_over_bound);
+  if (const auto ratio = row.orientation_over_bound())
+    at_most("orientation_over_bound", *ratio, limits.orientation_over_bound);
+  for (const AccuracyRow::Stretch& part : row.film) {
     const auto from = fmt::format("from second {:g} on: ", part.begin_s);
     at_least(from + "recall", part.robots.recall(), limits.worst_recall, part.robots.expected);
     at_least(from + "ball_recall", part.balls.recall(), limits.worst_ball_recall, part.balls.expected);
@@ -217,8 +272,9 @@ AccuracyRow run_trial(const Trial& trial, const AccuracyCondition& condition, in
                   trial.px_per_mm,
                   score(detected, expected, scoring),
                   std::move(result.problems),
-                  std::move(result.film)};
-  const auto worse = failures_of(row.score, row.film, trial.limits);
+                  std::move(result.film),
+                  result.bounds.bound()};
+  const auto worse = failures_of(row, trial.limits);
   row.failures.insert(row.failures.end(), worse.begin(), worse.end());
   return row;
 }
@@ -228,6 +284,16 @@ AccuracyRow run_trial(const Trial& trial, const AccuracyCondition& condition, in
 double false_balls_in_100(const Score& score) {
   return 100 * static_cast<double>(score.balls.invented) /
          static_cast<double>(std::max<std::size_t>(1, score.frames_compared));
+}
+
+std::optional<double> AccuracyRow::position_over_bound() const {
+  if (bound.robots == 0 || score.robot_position_mm.count == 0) return std::nullopt;
+  return score.robot_position_mm.rms / bound.position_mm;
+}
+
+std::optional<double> AccuracyRow::orientation_over_bound() const {
+  if (bound.robots == 0 || score.robot_orientation_deg.count == 0) return std::nullopt;
+  return score.robot_orientation_deg.rms / bound.orientation_deg;
 }
 
 bool AccuracyReport::passed() const {

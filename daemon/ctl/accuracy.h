@@ -45,6 +45,7 @@ struct AccuracyLimits {
   std::optional<double> ball_recall, ball_precision, ball_rms_mm;
   std::optional<double> false_balls_in_100;
   std::optional<double> worst_recall, worst_ball_recall;
+  std::optional<double> position_over_bound, orientation_over_bound;
   static constexpr auto fields() {
     using L = AccuracyLimits;
     return std::tuple{
@@ -62,6 +63,10 @@ struct AccuracyLimits {
         number("worst_recall", &L::worst_recall, 0.0, 1.0, "",
                "least recall of robots in any five seconds of a film"),
         number("worst_ball_recall", &L::worst_ball_recall, 0.0, 1.0, "", "the same of balls"),
+        number("position_over_bound", &L::position_over_bound, 1.0, 1000.0, "",
+               "largest error of position, as a multiple of the least one that the samples allow"),
+        number("orientation_over_bound", &L::orientation_over_bound, 1.0, 1000.0, "",
+               "the same of orientation"),
     };
   }
 };
@@ -89,6 +94,7 @@ struct AccuracyCondition {
   Json teams = Json::object();
   Json stages = Json::object();
   double min_ball_share = 1;
+  bool cut_to_8_bits = false;
   std::optional<int> frames;
   std::optional<double> film_hz;
   FollowLightParams follow_light;
@@ -114,6 +120,7 @@ struct AccuracyCondition {
         object("stages", &C::stages, "parameters of the stages"),
         number("min_ball_share", &C::min_ball_share, 0.0, 1.0, "",
                "a ball of which less is in sight need not be found"),
+        flag("cut_to_8_bits", &C::cut_to_8_bits, "pictures of more bits are cut to 8, for comparison"),
         number("frames", &C::frames, 1, 100'000, "", "pictures; null: as many as the field says"),
         number("film_hz", &C::film_hz, 1.0, 1000.0, "Hz",
                "pictures follow each other like this, and the colours were clicked at before light_swing and "
@@ -155,6 +162,12 @@ struct AccuracySuite {
 /// Reads a suite and checks all of it. Throws SettingsError, beginning with the file's name and the key.
 AccuracySuite read_accuracy_suite(const std::string& file);
 
+/// Root mean squares of the Cramer-Rao bounds (accuracy_bound.h) of the robots that are to be found.
+struct AccuracyBound {
+  std::size_t robots = 0;  // 0: no bound is known, as without noise and with a rolling shutter
+  double position_mm = 0, orientation_deg = 0;
+};
+
 /// What became of one condition in one pixel format.
 struct AccuracyRow {
   std::string condition, pixel_format;
@@ -170,6 +183,11 @@ struct AccuracyRow {
     LightChange change{};  // that the table had in the end
   };
   std::vector<Stretch> film{};
+  AccuracyBound bound{};
+
+  /// Errors as multiples of their bounds; none without one, or with nothing found.
+  std::optional<double> position_over_bound() const;
+  std::optional<double> orientation_over_bound() const;
 };
 
 /// Detected balls with nothing at their place, in as many of 100 frames.

@@ -81,8 +81,12 @@ Table film_table(const AccuracyReport& report) {
 
 std::string accuracy_text(const AccuracyReport& report, bool markdown) {
   Table table{{"condition", "format", "table", "px/mm", "robots", "recall", "wrong id", "false", "robot mm",
-               "degrees", "balls", "ball recall", "precision", "ball mm", "false balls in 100", ""}};
+               "degrees", "mm / bound", "degrees / bound", "balls", "ball recall", "precision", "ball mm",
+               "false balls in 100", ""}};
   std::string failures;
+  const auto ratio = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.2f}", *value) : "-";
+  };
   for (const AccuracyRow& row : report.rows) {
     const Score& s = row.score;
     table.push_back(
@@ -91,6 +95,7 @@ std::string accuracy_text(const AccuracyReport& report, bool markdown) {
          std::to_string(s.robots.wrong_id), std::to_string(s.robots.invented),
          number_or_dash(s.robot_position_mm.count, s.robot_position_mm.rms, 3),
          number_or_dash(s.robot_orientation_deg.count, s.robot_orientation_deg.rms, 3),
+         ratio(row.position_over_bound()), ratio(row.orientation_over_bound()),
          std::to_string(s.balls.expected), number_or_dash(s.balls.expected, s.balls.recall(), 4),
          number_or_dash(s.balls.found + s.balls.wrong_id + s.balls.invented, s.balls.precision(), 4),
          number_or_dash(s.ball_position_mm.count, s.ball_position_mm.rms, 3),
@@ -129,7 +134,11 @@ Json accuracy_json(const AccuracyReport& report) {
              {"colors", name_of(row.colors)},
              {"px_per_mm", row.px_per_mm},
              {"false_balls_in_100", false_balls_in_100(row.score)},
+             {"position_over_bound", nullptr},
+             {"orientation_over_bound", nullptr},
              {"failures", row.failures}};
+    if (const auto value = row.position_over_bound()) one["position_over_bound"] = *value;
+    if (const auto value = row.orientation_over_bound()) one["orientation_over_bound"] = *value;
     one.update(score_json(row.score));
     rows.push_back(std::move(one));
   }

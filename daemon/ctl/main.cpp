@@ -42,6 +42,7 @@ void add_commands(CommandLine& line) {
   add_bench(line);
   add_simulate(line);
   add_score(line);
+  add_annotate(line);
   add_calibrate(line);
   add_learn_colours(line);
   add_passwd(line);

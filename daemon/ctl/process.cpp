@@ -8,10 +8,12 @@
 
 #include <chrono>
 #include <ostream>
+#include <vector>
 
 namespace sslv {
 int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
-                      std::ostream& out, std::ostream& problems) {
+                      const std::function<void(const std::string& name, const Frame&)>& use,
+                      std::ostream& problems) {
   const CameraSettings& camera = config.cameras.at(camera_index);
   const std::string path = "/cameras/" + std::to_string(camera_index);
   CameraSetup setup;
@@ -37,14 +39,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
     switch (input->next(captured, problem, std::chrono::seconds(10))) {
       case CaptureStatus::kImage: {
         const std::string name = captured.name;
-        const Frame& frame = pipeline.process(std::move(captured.image), captured.times);
-        Json line{{"frame", name}};
-        line.update(detections_json(frame.robots, frame.balls));
-        line["timing_us"] = Json::object();
-        for (std::size_t i = 0; i < frame.stage_ns.size(); ++i) {
-          line["timing_us"][camera.stack[i]] = static_cast<double>(frame.stage_ns[i]) * 1e-3;
-        }
-        out << line.dump() << '\n';
+        use(name, pipeline.process(std::move(captured.image), captured.times));
         break;
       }
       case CaptureStatus::kIncomplete:
@@ -56,6 +51,20 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
       case CaptureStatus::kLost: throw CaptureError(problem);
     }
   }
+}
+
+int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
+                      std::ostream& out, std::ostream& problems) {
+  const std::vector<std::string>& stack = config.cameras.at(camera_index).stack;
+  const auto write = [&](const std::string& name, const Frame& frame) {
+    Json line{{"frame", name}};
+    line.update(detections_json(frame.robots, frame.balls));
+    line["timing_us"] = Json::object();
+    for (std::size_t i = 0; i < frame.stage_ns.size(); ++i)
+      line["timing_us"][stack[i]] = static_cast<double>(frame.stage_ns[i]) * 1e-3;
+    out << line.dump() << '\n';
+  };
+  return process_recording(config, camera_index, options, write, problems);
 }
 
 }  // namespace sslv

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "config.h"
+#include "pipeline/frame.h"
 
+#include <functional>
 #include <iosfwd>
 #include <string>
 
@@ -15,8 +17,13 @@ struct ProcessOptions {
 };
 
 /// Runs the camera's stack over recorded input in one thread, without a daemon: the same frames give the same
-/// detections. Writes one JSON object a line for each frame. Frames that cannot be read are named on
-/// `problems` and skipped. Returns how many were. Throws SettingsError and CaptureError.
+/// detections. Hands each frame to `use`, with its name. Frames that cannot be read are named on `problems`
+/// and skipped. Returns how many were. Throws SettingsError and CaptureError.
+int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
+                      const std::function<void(const std::string& name, const Frame&)>& use,
+                      std::ostream& problems);
+
+/// The same, writing one JSON object a line for each frame.
 int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
                       std::ostream& out, std::ostream& problems);
 

@@ -25,6 +25,7 @@ struct Thing {
 };
 struct FrameThings {
   std::vector<Thing> robots, balls;
+  bool checked = true;  // of the truth only
 };
 using Frames = std::map<std::string, FrameThings>;
 
@@ -41,6 +42,7 @@ FrameThings things_of(const Json& line) {
   for (const Json& ball : line.at("balls")) {
     out.balls.push_back({"", 0, ball.at("x"), ball.at("y"), 0, visible_share_of(ball)});
   }
+  out.checked = line.value("checked", true);
   return out;
 }
 
@@ -159,6 +161,7 @@ Score score(std::istream& detections, std::istream& truth, const ScoreOptions& o
       continue;
     }
     ++out.frames_compared;
+    if (!expected.checked) out.frames_not_checked.push_back(frame);
     for (const Pair& pair :
          count(found->second.robots, expected.robots, options.min_robot_share, out.robots)) {
       position_mm.push_back(pair.distance_mm);
@@ -190,6 +193,7 @@ Json score_json(const Score& score) {
   return {{"frames_compared", score.frames_compared},
           {"frames_without_detections", score.frames_without_detections},
           {"frames_without_truth", score.frames_without_truth},
+          {"frames_not_checked", score.frames_not_checked},
           {"robots", json_of(score.robots)},
           {"robot_position_mm", json_of(score.robot_position_mm)},
           {"robot_orientation_deg", json_of(score.robot_orientation_deg)},
@@ -205,6 +209,7 @@ std::string score_text(const Score& score) {
   };
   name_missing(score.frames_without_detections, "detections");
   name_missing(score.frames_without_truth, "truth");
+  name_missing(score.frames_not_checked, "a person's look at their truth");
   out += fmt::format("\n{:<22}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}\n", "", "expected", "found", "wrong id",
                      "invented", "recall", "precision");
   const auto count_row = [&](std::string_view name, const FoundCounts& c) {

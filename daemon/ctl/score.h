@@ -39,6 +39,7 @@ struct FoundCounts {
 struct Score {
   std::size_t frames_compared = 0;
   std::vector<std::string> frames_without_detections, frames_without_truth;  // not compared
+  std::vector<std::string> frames_not_checked;  // compared with what no person has looked at
   FoundCounts robots, balls;
   ErrorStatistics robot_position_mm, robot_orientation_deg, ball_position_mm;
 };
@@ -46,8 +47,8 @@ struct Score {
 /// Compares detections with the truth, both one JSON object a line as `process` and `simulate` write them, by
 /// frame name. A detection stands for the true robot of its team, or ball, nearest to it within 100 mm;
 /// nearest pairs go first. How much of a true thing shows is its "visible_share", where that is missing 1 or
-/// 0 after "visible". Throws std::runtime_error, naming stream and line, for what is not such a line or a
-/// frame that comes twice.
+/// 0 after "visible"; "checked" is false while no person has looked at what the detector said. Throws
+/// std::runtime_error, naming stream and line, for what is not such a line or a frame that comes twice.
 Score score(std::istream& detections, std::istream& truth, const ScoreOptions& options = {});
 
 /// The same for two files; throws std::runtime_error as well when one cannot be read.

@@ -28,7 +28,10 @@ void write_file(const std::filesystem::path& file, std::string_view head, std::s
 void simulate(const SimulateOptions& options) {
   constexpr double kDefaultRateHz = 60;
   SimulatorOptions source = simulator_options(options.source, "/source");
-  if (!options.raw) source.pixel_format = PixelFormat::kRgb24;
+  if (!options.raw) {
+    source.pixel_format = PixelFormat::kRgb24;
+    source.bits = 8;
+  }
   const double rate_hz = source.frame_rate_hz > 0 ? source.frame_rate_hz : kDefaultRateHz;
   SimulatedCamera camera(source, options.context, league_patterns());
 

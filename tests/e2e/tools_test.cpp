@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl over files: simulate, process, score, and a real photo; and what it asks a running daemon.
+#include "base/params_json.h"
 #include "e2e/running_daemon.h"
+#include "geometry/camera_model.h"
 #include "support/test_data.h"
 
 #include <cmath>
@@ -174,6 +176,88 @@ TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
   EXPECT_LT(score["ball_position_mm"]["max"], 3);
 }
 
+/// Someone who has two pictures of a hall and knows what is in them makes their truth and scores with it.
+TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
+  const std::string settings = settings_with("{}"), truth = folder_.file("truth.jsonl");
+  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "2", "--start", "1000", "--output",
+            folder_.file("hall")});
+  const auto annotate = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{SSLV_CTL,  "annotate",           "--settings", settings,
+                                 "--input", folder_.file("hall"), "--truth",    truth};
+    all.insert(all.end(), words.begin(), words.end());
+    return run_to_end(all);
+  };
+  const auto lines_of = [](const std::string& file) {
+    std::map<std::string, Json> lines;
+    std::istringstream text(text_of(file));
+    for (std::string line; std::getline(text, line);) lines[Json::parse(line)["frame"]] = Json::parse(line);
+    return lines;
+  };
+  const auto scored = [&](const std::string& against) {
+    const auto run = run_to_end({SSLV_CTL, "score", "--json", "--detections", against, "--truth", truth});
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return Json::parse(run.output);
+  };
+
+  // The draft: what the detector finds, with a page for each picture.
+  const auto first = annotate({});
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_THAT(first.output, AllOf(HasSubstr("2 of 2 pictures not checked yet"),
+                                  HasSubstr("truth_pages/frame_000000.html")));
+  EXPECT_THAT(text_of(folder_.file("truth_pages/frame_000000.html")),
+              AllOf(HasSubstr("data:image/jpeg;base64,"), HasSubstr("\"frame_000001.html\"")));
+  const Json draft = lines_of(truth).at("frame_000000");
+  ASSERT_GE(draft["robots"].size(), 2U);
+
+  // It says more than is true, less than is true, and a wrong id.
+  const Json lost = draft["robots"][0], renamed = draft["robots"][1];
+  EXPECT_EQ(annotate({"--remove", "1"}).exit_code, 78);  // of which picture?
+  const auto corrected = annotate({"--frame", "frame_000000", "--remove", lost["number"].dump(), "--id",
+                                   renamed["number"].dump(), "15", "--ball", "30", "30"});
+  ASSERT_EQ(corrected.exit_code, 0) << corrected.output;
+  const std::string hall = folder_.file("detections.jsonl");
+  must_run({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("hall"), "--output", hall});
+  Json score = scored(hall);
+  EXPECT_EQ(score["robots"]["invented"], 1);
+  EXPECT_EQ(score["robots"]["wrong_id"], 1);
+  EXPECT_EQ(score["balls"]["expected"].get<int>() - score["balls"]["found"].get<int>(), 1);
+  EXPECT_EQ(score["frames_not_checked"], Json::array({"frame_000000", "frame_000001"}));
+
+  // Put right again by hand: the lost robot by two pixels, its middle and a place that it looks towards.
+  const Json ball = lines_of(truth).at("frame_000000")["balls"].back();
+  const CameraModel camera(
+      params_from_json<CameraCalibration>(demo_settings(1)["cameras"][0]["calibration"], ""));
+  const double turn = lost["orientation"], reach_mm = 80;
+  const auto front = camera.project({lost["x"].get<double>() + reach_mm * std::cos(turn),
+                                     lost["y"].get<double>() + reach_mm * std::sin(turn), lost["height"]});
+  const auto mended = annotate({"--frame", "frame_000000", "--remove", ball["number"].dump(), "--id",
+                                renamed["number"].dump(), renamed["id"].dump(), "--robot", lost["team"],
+                                lost["id"].dump(), lost["pixel_x"].dump(), lost["pixel_y"].dump(),
+                                std::to_string(front->x()), std::to_string(front->y())});
+  ASSERT_EQ(mended.exit_code, 0) << mended.output;
+  EXPECT_THAT(mended.output, HasSubstr("by hand"));
+  ASSERT_EQ(annotate({"--checked"}).exit_code, 0);
+  score = scored(hall);
+  for (const char* kind : {"robots", "balls"}) {
+    EXPECT_EQ(score[kind]["recall"], 1.0) << kind;
+    EXPECT_EQ(score[kind]["precision"], 1.0) << kind;
+  }
+  EXPECT_EQ(score["frames_not_checked"], Json::array());
+  EXPECT_LT(score["robot_position_mm"]["max"], 0.01);
+  EXPECT_LT(score["robot_orientation_deg"]["max"], 0.01);
+
+  // What is refused leaves the file as it is.
+  const std::string before = text_of(truth);
+  EXPECT_THAT(annotate({"--frame", "frame_000000", "--remove", "99"}).output, HasSubstr("has no mark 99"));
+  EXPECT_THAT(annotate({"--frame", "no"}).output, HasSubstr("has no picture \"no\""));
+  EXPECT_EQ(text_of(truth), before);
+  // A truth that another program wrote has no marks, and is not written over.
+  const auto simulated = run_to_end({SSLV_CTL, "annotate", "--settings", settings, "--input",
+                                     folder_.file("hall"), "--truth", folder_.file("hall/truth.jsonl")});
+  EXPECT_EQ(simulated.exit_code, 78);
+  EXPECT_THAT(simulated.output, HasSubstr("is not of a file that `annotate` wrote"));
+}
+
 TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
   // A part of `./run accuracy`, with the limits that stand in the suite.
   const auto run =
@@ -295,6 +379,8 @@ TEST(Completion, OffersTheCommandsAndOptionsOfAPlace) {
   EXPECT_EQ(completed({"sett"}), "settings\n");
   EXPECT_EQ(completed({"settings", "s"}), "set schema\n");
   EXPECT_EQ(completed({"settings", "import", "--d"}), "--dry-run\n");
+  EXPECT_EQ(completed({"annotate", "--pa"}), "--pages\n");
+  EXPECT_EQ(completed({"score", "--min"}), "--min-robot-share --min-ball-share\n");
   EXPECT_EQ(completed({"--da"}), "--daemon\n");
   EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // the value of an option is no command
   EXPECT_EQ(completed({"snapshot", "--output", "sta"}), "\n");     // left to the shell: a file

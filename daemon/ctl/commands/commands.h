@@ -36,6 +36,7 @@ void add_process(CommandLine& line);
 void add_bench(CommandLine& line);
 void add_simulate(CommandLine& line);
 void add_score(CommandLine& line);
+void add_annotate(CommandLine& line);
 
 void add_calibrate(CommandLine& line);  // with a daemon or without
 void add_learn_colours(CommandLine& line);

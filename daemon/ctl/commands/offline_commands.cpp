@@ -29,6 +29,7 @@ void add_process(CommandLine& line) {
   CLI::App* command =
       line.app.add_subcommand("process", "run a camera's stack over recorded input, without a daemon");
   o->choice.add_to(command);
+  o->choice.add_lut_to(command);
   command->add_option("--input", o->input, "picture, raw frame, video, or a folder of pictures or raw frames")
       ->required();
   o->raw.add_to(command);
@@ -57,6 +58,7 @@ void add_bench(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand("bench", "time every stage on simulated or given frames");
   o->choice.add_to(command);
+  o->choice.add_lut_to(command);
   command->add_option("--input", o->input, "frames to use instead of simulated ones");
   o->raw.add_to(command);
   command->add_option("--frames", o->frames, "simulated frames of each kind")
@@ -126,7 +128,8 @@ void add_score(CommandLine& line) {
       "score", "compare detections with the truth, or run a suite of conditions and compare them all");
   CLI::Option* detections =
       command->add_option("--detections", o->detections_file, "file that `process` wrote");
-  CLI::Option* truth = command->add_option("--truth", o->truth_file, "truth.jsonl that `simulate` wrote");
+  CLI::Option* truth =
+      command->add_option("--truth", o->truth_file, "truth file that `simulate` or `annotate` wrote");
   CLI::Option* suite =
       command->add_option("--suite", o->suite_file, "file of conditions, such as tests/golden/accuracy.json");
   detections->needs(truth);

@@ -14,9 +14,19 @@ void CameraChoice::add_to(CLI::App* command) {
   command->add_option("--camera", camera_id, "id of the camera in it")->capture_default_str();
 }
 
+void CameraChoice::add_lut_to(CLI::App* command) {
+  command->add_option("--lut", lut_file, "colour table (.lut) to use instead of that of the settings");
+}
+
 Config CameraChoice::config() const {
   try {
-    return read_config(up_to_date(read_json_file(settings_file), settings_migrations()));
+    Config config = read_config(up_to_date(read_json_file(settings_file), settings_migrations()));
+    if (!lut_file.empty()) {
+      ColorSettings& colors = config.cameras[index_in(config)].colors;
+      colors.table.clear();
+      colors.lut_file = lut_file;
+    }
+    return config;
   } catch (const SettingsError& error) {
     const std::string what = error.what();
     throw SettingsError(what.starts_with(settings_file) ? what : settings_file + ": " + what);

@@ -14,8 +14,10 @@ namespace sslv {
 struct CameraChoice {
   std::string settings_file;
   int camera_id = 0;
+  std::string lut_file;  // empty: the camera's own colours
 
   void add_to(CLI::App* command);
+  void add_lut_to(CLI::App* command);
   /// These throw SettingsError, beginning with the file's name.
   Config config() const;
   std::size_t index_in(const Config& config) const;

@@ -116,6 +116,21 @@ TEST_F(Accuracy, AHallWhereNothingIsLearntIsARowThatFailsAndSaysWhy) {
   EXPECT_GT(report.rows[1].score.robots.found, 0U);
 }
 
+TEST_F(Accuracy, InWeakLightTwelveBitsAreMoreExactThanEight) {
+  Json& deep = suite_["conditions"][0];
+  deep["pixel_formats"] = {"bayer_rg8"};
+  deep["px_per_mm"] = 0.2;
+  deep["source"] = {{"bits", 12}, {"light", 0.1}, {"noise_sigma", 0.15}};
+  deep["must"] = {{"recall", 1}};
+  suite_["conditions"].push_back(deep);
+  suite_["conditions"][1]["name"] = "cut";
+  suite_["conditions"][1]["cut_to_8_bits"] = true;
+  const AccuracyReport report = run_accuracy_suite(read(), {{}, 12});
+  ASSERT_EQ(report.rows.size(), 2U);
+  EXPECT_TRUE(report.passed());
+  EXPECT_LT(report.rows[0].score.robot_position_mm.rms, 0.92 * report.rows[1].score.robot_position_mm.rms);
+}
+
 TEST_F(Accuracy, CountsFalseBallsInAHundredPictures) {
   Score score;
   score.frames_compared = 40;
