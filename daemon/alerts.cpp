@@ -107,10 +107,15 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
          camera_page(camera));
   }
   if (minute.capped > 0) {
+    const std::string what = camera.flood.empty() ? "too much to look at" : camera.flood;
     warn("frames_capped",
-         fmt::format("Camera {}: {} of {} pictures of the last minute had too much to look at", camera.id,
-                     minute.capped, minute.all()),
-         "Its colour table labels too much of the picture: narrow the colours, or mask what is not field.",
+         fmt::format("Camera {}: {}, in {} of {} pictures of the last minute", camera.id, what, minute.capped,
+                     minute.all()),
+         camera.flood.empty() ? "Its colour table labels too much of the picture: narrow the colours, or "
+                                "mask what is not field."
+                              : "There nothing of that colour is seen. Learn the colours again, widen their "
+                                "margins, or mask that "
+                                "part if it is not field.",
          fmt::format("#/colors/{}", camera.id));
   }
   if (!camera.exposure) return;

@@ -43,6 +43,7 @@ struct CameraFacts {
     static constexpr double kMost = LabelMargin::kMostFactor - 1;
   };
   std::optional<Margin> least_margin{};
+  std::string flood{};  // in the last minute: "green floods the picture between ..."; empty: none
 
   static constexpr std::size_t kLastSeconds = 10;
 };

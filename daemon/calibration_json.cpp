@@ -158,6 +158,15 @@ Json figures_json(const CalibrationReport& report) {
   return out;
 }
 
+Json field_view_json(const FieldView* view) {
+  Json hidden = Json::array();
+  if (view) {
+    for (const PixelRectangle& one : hidden_by(*view))
+      hidden.push_back({one.left_px, one.top_px, one.width_px, one.height_px});
+  }
+  return {{"hidden", std::move(hidden)}};
+}
+
 Json named_points_json(const FieldSize& field, LinesMeasured measured) {
   Json out = Json::array();
   const auto curves = painted_curves(field, measured);

@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "base/params_json.h"
 #include "calibration/calibrate.h"
+#include "vision/field_view.h"
 
 #include <array>
 #include <optional>
@@ -94,6 +95,9 @@ Json figures_json(const CalibrationReport& report);
 
 /// As a request names it.
 const char* name_of(LinesMeasured measured);
+
+/// {"hidden": [[left, top, width, height], ...]}; null: nothing is.
+Json field_view_json(const FieldView* view);
 
 /// The points of the field that a request may name, with the places of their paint's middle.
 Json named_points_json(const FieldSize& field, LinesMeasured measured);

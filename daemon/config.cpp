@@ -4,6 +4,7 @@
 #include "base/params_json.h"
 #include "cameras.h"
 #include "pipeline/pipeline.h"
+#include "vision/field_view.h"
 
 #include <cerrno>
 #include <cstring>
@@ -130,6 +131,11 @@ World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut>
   World world{std::move(scene),    std::move(lut), std::make_shared<const Mask>(camera.mask),
               std::move(patterns), nullptr,        labels};
   world.accepted_lut = world.lut;
+  if (world.scene->camera && camera.mask.beyond_boundary) {
+    world.field_view =
+        std::make_shared<const FieldView>(field_view(*world.scene, *camera.mask.beyond_boundary));
+    world.stage_mask = std::make_shared<const Mask>(camera.mask, *world.field_view);
+  }
   return world;
 }
 

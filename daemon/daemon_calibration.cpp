@@ -42,6 +42,11 @@ Json json_of(const std::optional<P>& params) {
 }  // namespace
 
 void Daemon::add_calibration_to(WebHost& host) {
+  host.field_view = [this](std::uint32_t id) {
+    const auto running = camera(id);
+    if (!running) throw HttpError(404, fmt::format("no camera {}", id));
+    return field_view_json(running->pipeline().setup()->world.field_view.get());
+  };
   host.calibration = [this](std::uint32_t id) { return calibration(static_cast<int>(id)); };
   host.start_calibration = [this](std::uint32_t id, const Json& request, bool force, const std::string& who) {
     return start_calibration(static_cast<int>(id), request, force, who);

@@ -485,7 +485,7 @@ void Daemon::add_colors_to(WebHost& web_host) {
     const auto& lut = after ? report->learnt.lut : report->before;
     if (!lut) throw HttpError(404, "nothing was learnt");
     const auto& still = *learning_picture(*report, picture).picture;
-    return labelled(still.view, *lut, *world_of(id).mask);
+    return labelled(still.view, *lut, world_of(id).looked_at());
   };
   host.pixels = [this, number](std::uint32_t id, const PixelWish& wish) { return pixels(number(id), wish); };
   host.take_still = [this, number](std::uint32_t id) { return take_still(number(id)); };
@@ -494,7 +494,7 @@ void Daemon::add_colors_to(WebHost& web_host) {
   };
   host.still_labels = [this, number, world_of](std::uint32_t id, int still) {
     const World world = world_of(id);
-    return labelled(look(number(id), still).picture.image, *world.lut, *world.mask);
+    return labelled(look(number(id), still).picture.image, *world.lut, world.looked_at());
   };
 }
 

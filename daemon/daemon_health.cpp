@@ -8,6 +8,7 @@
 #include "metrics.h"
 #include "net/network_cards.h"
 #include "status.h"
+#include "vision/flood_cut.h"
 
 #include <algorithm>
 #include <cmath>
@@ -179,7 +180,11 @@ HealthInput Daemon::health_input(const Config& config,
     const int id = settings->id;
     const auto place = std::find_if(config.cameras.begin(), config.cameras.end(),
                                     [&](const CameraSettings& one) { return one.id == id; });
-    const auto scene = camera->pipeline().setup()->world.scene;
+    const auto setup = camera->pipeline().setup();
+    const auto scene = setup->world.scene;
+    const auto last_minute = monitor_.timeline().sum(id, 60);
+    const auto counters = camera->pipeline().counters();
+    const bool is_flooded = counters.flood.blocks > 0 && counters.frames_since_flood <= last_minute.frames;
     input.cameras.push_back(
         {.id = id,
          .place = static_cast<std::size_t>(place - config.cameras.begin()),
@@ -189,10 +194,12 @@ HealthInput Daemon::health_input(const Config& config,
          .calibration = scene->camera ? std::optional(scene->camera->calibration()) : std::nullopt,
          .field_changed_since_calibrated = stale->contains(id),
          .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
-         .last_minute = monitor_.timeline().sum(id, 60),
+         .last_minute = last_minute,
          .last_seconds = monitor_.timeline().sum(id, CameraFacts::kLastSeconds),
          .exposure = monitor_.exposure(id),
-         .least_margin = least_margin(id, *camera->pipeline().setup()->world.labels)});
+         .least_margin = least_margin(id, *setup->world.labels),
+         .flood = is_flooded ? flood_text(counters.flood, setup->world.labels->name(counters.flood.label))
+                             : std::string()});
   }
   return input;
 }

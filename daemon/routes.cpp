@@ -44,6 +44,7 @@ std::span<const Route> routes() {
       {"GET", R"(/api/cameras/(\d+)/colors/learning/pictures/(\d+))", get_learning_picture},
       {"GET", R"(/api/cameras/(\d+)/controls)", get_controls},
       {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", set_control},
+      {"GET", R"(/api/cameras/(\d+)/field_view)", get_field_view},
       {"GET", R"(/api/cameras/(\d+)/calibration)", get_calibration},
       {"POST", R"(/api/cameras/(\d+)/calibration)", start_calibration,
        Needs::kChange},  // which looks at the match lock itself

@@ -58,6 +58,11 @@ fs::path temporary_of(const fs::path& file) {
   return file.string() + ".new";
 }
 
+/// That a file lies in: of "here.json", the present one.
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
 /// What root makes in the service's folder must be the service's.
 void give_to_owner_of(const fs::path& folder, int fd) {
   struct stat about {};
@@ -69,7 +74,7 @@ void write_all(const fs::path& file, const std::string& content, unsigned permis
   FileDescriptor out(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, permissions));
   if (out.get() < 0) fail("write", file);
-  give_to_owner_of(file.parent_path(), out.get());
+  give_to_owner_of(folder_of(file), out.get());
   for (std::size_t written = 0; written < content.size();) {
     const ssize_t n = ::write(out.get(), content.data() + written, content.size() - written);
     if (n < 0 && errno == EINTR) continue;
@@ -120,7 +125,7 @@ Json read_json_file(const fs::path& file) {
 void write_file_durably(const fs::path& file, const std::string& content, unsigned permissions,
                         const fs::path& previous) {
   // Before all else: without it nothing could be promised.
-  const FileDescriptor folder(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor folder(::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() < 0) fail("write", temporary_of(file));
   const Temporary temporary(temporary_of(file));
   write_all(temporary.file(), content, permissions);

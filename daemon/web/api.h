@@ -49,6 +49,7 @@ void set_control(const WebHost& host, const httplib::Request& request, httplib::
 void get_sources(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 
 // api_calibration.cpp: the path holds the camera's id
+void get_field_view(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void get_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void start_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);
 void cancel_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response);

@@ -34,6 +34,10 @@ bool take_force(Json& body) {
 
 }  // namespace
 
+void get_field_view(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
+  set_json(response, host.field_view(path_camera(host, request)));
+}
+
 void get_calibration(const WebHost& host, const httplib::Request& request, httplib::Response& response) {
   set_json(response, host.calibration(path_camera(host, request)));
 }

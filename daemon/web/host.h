@@ -167,6 +167,8 @@ struct WebHost {
   /// Calibration of a camera; each answers with its state. All but the first may throw HttpError: 404 no such
   /// camera, 409 not in this state, 423 not while the game runs, unless `force`; and what patch_settings
   /// throws.
+  /// What lies too far beyond the field for the camera to look at.
+  std::function<Json(std::uint32_t camera_id)> field_view;
   std::function<Json(std::uint32_t camera_id)> calibration;
   std::function<Json(std::uint32_t camera_id, const Json& request, bool force, const std::string& who)>
       start_calibration;

@@ -109,6 +109,22 @@ describe('the interface as docs/openapi.json says', () => {
     await becomes('/api/checks', (value) => value.go);
   });
 
+  it('tells what a calibrated camera does not look at', async () => {
+    const hiddenPx = async () => (await ask('get', '/api/cameras/{camera}/field_view')).hidden.reduce((sum, [, , width, height]) => sum + width * height, 0);
+    const path = '/cameras/0/mask/beyond_boundary';
+    const usual = await hiddenPx();
+    await service.patch({ op: 'replace', path, value: 100 });
+    const less = await hiddenPx();
+    assert.ok(less < usual && usual < 780 * 580 / 2, `${less} px after ${usual}`);
+    await service.patch({ op: 'replace', path, value: null });
+    assert.equal(await hiddenPx(), 0);
+    const refused = await ask('patch', '/api/settings', { body: [{ op: 'replace', path, value: -1 }], expect: 422 });
+    assert.match(refused.error, /\/cameras\/0\/mask\/beyond_boundary: -1 is not allowed/);
+    await service.patch({ op: 'replace', path, value: 0 });
+    assert.equal(await hiddenPx(), usual);
+    await ask('get', '/api/cameras/{camera}/field_view', { parameters: { camera: 9 }, expect: 404 });
+  });
+
   it('is watched', async () => {
     assert.match((await ask('get', '/metrics')).toString(), /^# HELP sslv_build_info /);
     assert.equal((await ask('get', '/healthz')).toString(), 'ok\n');

@@ -457,6 +457,25 @@ describe('colour tables', () => {
     for (const state of seen) assert.ok(allowed.includes(state), `${state} is none of ${allowed}`);
   });
 
+  it('that flood say which colour and where, and robots are found all the same', async () => {
+    await service.patch({ op: 'replace', path: '/cameras/0/source/noise_sigma', value: 20 });
+    const { still, width, height } = await post('stills', undefined, 201);
+    const { mean } = await get(`pixels?x=${Math.round(width * 0.03)}&y=${Math.round(height * 0.5)}&width=9&height=9&still=${still}`);
+    // Half of the noise on the carpet is green from now on.
+    const at = [Math.round(mean[0]) + 40, Math.round(mean[1]), Math.round(mean[2])];
+    await edit({ op: 'paint', label: 'green', shape: 'box', at, radius: [40, 60, 60], over: 'clear' });
+    const alert = await becomes(async () => {
+      const { alerts } = await (await fetch(service.address('api/alerts'))).json();
+      return alerts.find(({ id }) => id === 'frames_capped');
+    }, 'nobody says that a colour floods');
+    assert.match(alert.title, /^Camera 0: green floods the picture between \(\d+, \d+\) and \(\d+, \d+\) px/);
+    assert.equal(alert.page, '#/colors/0');
+    await becomes(async () => (await detections()).robots >= pictureRobots / 2, 'robots are not found');
+    await post('colors/undo');
+    await service.patch({ op: 'replace', path: '/cameras/0/source/noise_sigma', value: service.settings.cameras[0].source.noise_sigma ?? 2 });
+    await becomes(async () => (await detections()).robots === pictureRobots, 'robots are not found again');
+  });
+
   it('are kept small on disk', () => {
     const folder = join(service.folder, 'state/tables');
     const files = readdirSync(folder).filter((name) => name.endsWith('.lut'));

@@ -247,6 +247,21 @@ describe('calibration page', () => {
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
       await click(byId('delete-polygon'));
       await untilSaved(async () => (await mask()).include.length === 0);
+
+      // The hall beyond the boundary is left out automatically, as far as the admin says.
+      const row = '[data-testid="setting-/cameras/0/mask/beyond_boundary"]';
+      const hiddenPx = async () => (await get('api/cameras/0/field_view')).hidden.reduce((sum, [, , width, height]) => sum + width * height, 0);
+      const shown = () => page.locator(byId('beyond')).getAttribute('d');
+      const [usual, drawn] = [await hiddenPx(), await shown()];
+      await page.locator(`${row} input[type="number"], ${row} input[inputmode]`).first().fill('100');
+      await page.keyboard.press('Enter');
+      await untilSaved(async () => (await mask()).beyond_boundary === 100);
+      assert.ok(await hiddenPx() < usual, 'less is left out');
+      await untilSaved(async () => await shown() !== drawn);
+      await patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value: null });
+      assert.equal(await hiddenPx(), 0);
+      await untilSaved(async () => await shown() === '');
+      await patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value: 0 });
     }));
 
     for (const mode of ['calibrate', 'together', 'masks']) {

@@ -102,10 +102,13 @@ describe('the camera page', () => {
 
   it('hatches what the mask leaves out, and nothing else', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
     await picturesGoOn(page, 0);
-    assert.equal(await page.locator(byId('overlay-mask')).count(), 0, 'no mask yet');
+    // A calibrated camera automatically leaves out what lies beyond its field.
+    await page.waitForSelector(byId('overlay-beyond'), { state: 'attached' });
+    await patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value: null });
+    await page.waitForSelector(byId('overlay-mask'), { state: 'detached' });
     const include = [[100, 50], [700, 50], [700, 500], [100, 500]];
     const exclude = [[300, 200], [400, 200], [400, 300], [300, 300]];
-    await patch({ op: 'add', path: '/cameras/0/mask', value: { include: [{ points: include }], exclude: [{ points: exclude }] } });
+    await patch({ op: 'add', path: '/cameras/0/mask', value: { include: [{ points: include }], exclude: [{ points: exclude }], beyond_boundary: null } });
     await page.waitForSelector(byId('overlay-mask'), { state: 'attached' });
     await setLayers(page, { detections: false, lines: false });
     await freezePicture(page);
@@ -127,8 +130,10 @@ describe('the camera page', () => {
     places.forEach(({ at, out }, i) => assert.equal(!withMask[i].equals(without[i]), out, `at ${at} it is ${out ? '' : 'not '}to be hatched`));
     await press(page, 'mask');
     await page.waitForSelector(byId('overlay-mask'), { state: 'attached' });
-    await patch({ op: 'remove', path: '/cameras/0/mask' });
+    await patch({ op: 'replace', path: '/cameras/0/mask', value: { include: [], exclude: [], beyond_boundary: null } });
     await page.waitForSelector(byId('overlay-mask'), { state: 'detached' });
+    await patch({ op: 'remove', path: '/cameras/0/mask' });
+    await page.waitForSelector(byId('overlay-beyond'), { state: 'attached' });
   }));
 
   it('marks exactly the pixels that are too bright or too dark', withPage(DESKTOP, '#/camera/0', {}, async (page) => {

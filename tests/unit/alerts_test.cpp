@@ -84,6 +84,18 @@ TEST_F(Alerts, AreNoneWhenAllIsWell) {
   EXPECT_THAT(kinds(), IsEmpty());
 }
 
+TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
+  CameraFacts& camera = input_.cameras[1];
+  camera.last_minute = {60, 3600, 0, 0, 120};
+  EXPECT_EQ(only_alert().title, "Camera 1: too much to look at, in 120 of 3600 pictures of the last minute");
+  camera.flood = "green floods the picture between (0, 64) and (1279, 511) px";
+  EXPECT_EQ(only_alert().id, "frames_capped");
+  EXPECT_EQ(
+      only_alert().title,
+      "Camera 1: green floods the picture between (0, 64) and (1279, 511) px, in 120 of 3600 pictures of the "
+      "last minute");
+}
+
 TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   CameraFacts& camera = input_.cameras[0];
   camera.health.state = CameraState::kLost;

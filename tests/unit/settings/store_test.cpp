@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/store.h"
 
+#include "settings/state_folder.h"
 #include "support/failing_disk.h"
+#include "support/temporary_folder.h"
 
 #include <fstream>
 #include <iterator>
@@ -395,6 +397,15 @@ TEST_F(Store, WhatTheDiskMayNotKeepIsTakenBackThere) {
   EXPECT_EQ(open().current().settings["a"], 7) << "disk and memory agree";
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state_), {}), 2);
   EXPECT_EQ(set(store, "a", 9).revision, 4u);
+}
+
+TEST(WriteFileDurably, TakesANameWithoutAFolder) {
+  const test::TemporaryFolder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  EXPECT_NO_THROW(write_file_durably("here.json", "{}"));
+  std::filesystem::current_path(before);
+  EXPECT_EQ(read_json_file(folder.path() / "here.json"), Json::object());
 }
 
 TEST_F(Store, AStateFolderThatCannotBeIsNamedAndMadeOnceItCan) {

@@ -63,6 +63,7 @@ export type ColorEdited = Schemas['ColorEdited'];
 export type ColorImport = Schemas['ColorImport'];
 export type LightState = Schemas['LightState'];
 export type Still = Schemas['Still'];
+export type FieldView = Schemas['FieldView'];
 export type Pixels = Schemas['Pixels'];
 export type LearningState = Schemas['LearningState'];
 export type LearningReport = Schemas['LearningReport'];

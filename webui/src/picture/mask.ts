@@ -12,20 +12,35 @@ export interface MaskSettings {
   exclude: MaskPolygon[];
 }
 
+/** Left, top, width and height, px; pixels' edges, not their centres. */
+export type Rectangle = [number, number, number, number];
+
 export interface MaskPaths {
   /** Only what lies in one of these is looked at; none: everything. */
   include: string[];
   exclude: string[];
+  /** What lies too far beyond the field; '': nothing. */
+  beyond: string;
 }
 
 const round = (value: number) => Math.round(value * 10) / 10;
 
+/** A rectangle's corners as a polygon of pixel centres has them. */
+const cornersOf = ([left, top, width, height]: Rectangle): MaskPolygon => {
+  const [x1, y1, x2, y2] = [left - 0.5, top - 0.5, left + width - 0.5, top + height - 0.5];
+  return { points: [[x1, y1], [x2, y1], [x2, y2], [x1, y2]] };
+};
+
+/** As SVG draws them over a picture that is not turned. */
+export const rectanglesPath = (rectangles: Rectangle[]): string => rectangles.map(([left, top, width, height]) => `M${left} ${top}h${width}v${height}h${-width}Z`).join('');
+
 /** null when nothing is left out. */
-export function maskPaths(mask: MaskSettings | null | undefined, picture: Size, turn: Turn): MaskPaths | null {
-  if (!mask || mask.include.length + mask.exclude.length === 0) return null;
+export function maskPaths(mask: MaskSettings | null | undefined, hidden: Rectangle[], picture: Size, turn: Turn): MaskPaths | null {
+  const { include, exclude } = mask ?? { include: [], exclude: [] };
+  if (include.length + exclude.length + hidden.length === 0) return null;
   const path = ({ points }: MaskPolygon) => {
     const corners = points.map(([x, y]) => turnPixel(turn, picture, { x, y }));
     return `M${corners.map(({ x, y }) => `${round(x)} ${round(y)}`).join('L')}Z`;
   };
-  return { include: mask.include.map(path), exclude: mask.exclude.map(path) };
+  return { include: include.map(path), exclude: exclude.map(path), beyond: hidden.map((one) => path(cornersOf(one))).join('') };
 }

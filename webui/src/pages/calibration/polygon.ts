@@ -12,6 +12,7 @@ export interface Polygon {
 export interface Mask {
   include: Polygon[];
   exclude: Polygon[];
+  beyond_boundary?: number | null;
 }
 
 export const FEWEST_CORNERS = 3;

@@ -17,7 +17,7 @@ export const layerList: readonly Layer[] = [
   { name: 'detections', title: 'Detections', key: '1', isOn: true, what: 'Robots with their heading, and balls, as found in this very frame.' },
   { name: 'lines', title: 'Field lines', key: '2', isOn: true, what: 'The lines of the field where the calibration puts them: they should cover the painted ones.' },
   { name: 'regions', title: 'Regions', key: '3', isOn: false, what: 'Connected pixels of one label, each in its label’s colour; the largest 500.' },
-  { name: 'mask', title: 'Mask', key: '4', isOn: true, what: 'Hatched: not looked at. A camera without a mask looks at all of its picture.' },
+  { name: 'mask', title: 'Mask', key: '4', isOn: true, what: 'Hatched: not looked at, because the mask hides it or it lies too far beyond the field.' },
   { name: 'over', title: 'Over-exposed', key: '5', isOn: false, what: 'Pixels of the shown picture with red, green or blue at 250 or more of 255: their colour is lost.' },
   { name: 'under', title: 'Under-exposed', key: '6', isOn: false, what: 'Pixels of the shown picture with red, green and blue at 6 or less of 255.' },
   { name: 'labels', title: 'Labels', key: '7', isOn: false, what: 'Instead of the camera’s picture: what the colour table makes of each pixel.' },
