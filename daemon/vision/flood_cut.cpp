@@ -46,12 +46,14 @@ bool FloodCut::count(const Run& run) {
   const std::size_t label = run.label % label::kMost;
   for (std::size_t block = first; block <= last; ++block) {
     if (is_cut(block, run.label)) continue;
-    ++sums_[block];
-    if (++counts_[block][label] > kMostOfLabel) {
+    Sums& sums = sums_[block];
+    ++sums.all;
+    if (++counts_[block][label] <= kMostCounted) ++sums.counted;
+    if (counts_[block][label] > kMostOfLabel) {
       cut_[block] |= 1U << label;
       cuts = true;
     }
-    if (sums_[block] > kMostOfAll) {
+    if (sums.all > kMostOfAll || sums.counted > kMostNoise) {
       cut_[block] = kAllLabels;
       const std::size_t across = block % static_cast<std::size_t>(blocks_across_);
       const std::size_t down = block / static_cast<std::size_t>(blocks_across_);
@@ -73,10 +75,10 @@ std::size_t FloodCut::drop_cut(Run* runs, std::size_t begin, std::size_t end) co
 
 void FloodCut::note(Band& band, bool ends_strip) noexcept {
   // So few are no flood, whatever block they are in, and mostly they are few.
-  if (!band.is_counted && band.count - band.strip > static_cast<std::size_t>(kMostOfLabel)) {
+  if (!band.is_counted && band.count - band.strip > static_cast<std::size_t>(kMostNoise)) {
     const auto row = static_cast<std::size_t>(band.runs[band.strip].y / kBlockCells);
     const auto across = static_cast<std::size_t>(blocks_across_);
-    std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(row * across), across, std::uint16_t{0});
+    std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(row * across), across, Sums{});
     for (std::size_t block = row * across; block < (row + 1) * across; ++block) counts_[block].fill(0);
     is_counted_[row] = 1;
     band.is_counted = true;
@@ -126,7 +128,7 @@ void FloodCut::cut_fullest(std::span<const Band> bands, std::size_t max_runs) {
     if (is_counted_[row] != 0) continue;
     for (std::size_t block = row * across; block < (row + 1) * across; ++block) {
       counts_[block].fill(0);
-      sums_[block] = 0;
+      sums_[block] = {};
     }
   }
   for (const Band& band : bands) {

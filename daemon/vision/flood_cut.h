@@ -15,18 +15,21 @@ namespace sslv {
 
 /// Takes from a picture's runs what floods, so that the rest of the picture is found, in bounded time.
 ///
-/// The picture is looked at in blocks of 64 x 64 cells. In each of them a label may have 256 runs, as far as
-/// they lie in the block: no robots stand so densely. A label with more is cut from that block: its cells
-/// there count as clear. Where labels have more than 384 runs together, of each no more than 257 counted,
-/// nothing can be told from anything: all labels are cut. When what is left is still more than the cap of
-/// the whole picture, the fullest pairs of block and label are cut until the rest fits.
+/// The picture is looked at in blocks of 64 x 64 cells. In each of them a label may have 768 runs, as far as
+/// they lie in the block. Robots that stand as densely as the rules allow have some 100; what is beyond that
+/// is speckle, as of green in dim light, among which dots are still found. A label with more is cut from that
+/// block: its cells there count as clear. Where four labels or more have speckle (more than 240 runs
+/// together, of each no more than 64 counted), or all together have more than 1024 runs, nothing can be told
+/// from anything: all labels are cut. When what is left is still more than the cap of the whole picture, the
+/// fullest pairs of block and label are cut until the rest fits.
 ///
 /// Which runs are cut depends only on the picture's labels, not on the order of work: whoever has found
 /// the runs of some rows may ask already then what will be cut in any case.
 class FloodCut {
  public:
   static constexpr int kBlockCells = 64;
-  static constexpr int kMostOfLabel = 256, kMostOfAll = 384;  // runs in a block
+  static constexpr int kMostOfLabel = 768, kMostOfAll = 1024;  // runs in a block
+  static constexpr int kMostCounted = 64, kMostNoise = 240;    // of a label; of all as far as counted
 
   /// Runs that were found in a band of rows, from the top down. A band begins and ends between blocks, or at
   /// the picture's edge.
@@ -77,8 +80,11 @@ class FloodCut {
 
   int blocks_across_ = 0, blocks_down_ = 0, words_ = 0;  // words_: of whole_, for a row of blocks
   // By block, row by row:
-  std::vector<std::uint32_t> cut_;                               // a bit for each label
-  std::vector<std::uint16_t> sums_;                              // of runs, as far as they count together
+  std::vector<std::uint32_t> cut_;  // a bit for each label
+  struct Sums {
+    std::uint16_t all, counted;  // runs
+  };
+  std::vector<Sums> sums_;                                       // of each block
   std::vector<std::array<std::uint16_t, label::kMost>> counts_;  // of runs, where they were counted
   std::vector<std::uint8_t> is_counted_;                         // by row of blocks
   std::vector<std::uint64_t> whole_;

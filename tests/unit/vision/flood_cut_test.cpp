@@ -5,6 +5,7 @@
 #include "vision/find_runs.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <random>
 #include <tuple>
@@ -80,6 +81,22 @@ TEST(FloodCut, LeavesAloneWhatIsDenseButNoFlood) {
   EXPECT_EQ(runs.flood.blocks, 1);
 }
 
+TEST(FloodCut, LeavesDotsAmongSpeckle) {
+  // As in a dim light: three labels in a tenth of a block's cells each.
+  LabelImage picture = clear_picture(kBlock, kBlock);
+  std::mt19937 random(1);
+  for (int y = 0; y < kBlock; ++y) {
+    for (int x = 0; x < kBlock; ++x) {
+      const auto one = random() % 30;
+      if (one < 3) picture.row(y)[x] = std::array{label::kGreen, label::kBlue, label::kYellow}[one];
+    }
+  }
+  fill(picture, 20, 20, 9, 9, label::kPink);
+  const RunList runs = runs_of(picture);
+  EXPECT_EQ(runs.flood.blocks, 0);
+  EXPECT_GT(runs.runs.size(), 300U);
+}
+
 TEST(FloodCut, CutsAllLabelsWhereNothingCanBeTold) {
   LabelImage picture = clear_picture(2 * kBlock, kBlock);
   std::mt19937 random(1);
@@ -127,8 +144,11 @@ std::vector<std::tuple<int, int, int, int>> plainly(LabelImage picture, std::siz
         ++counts[{block_of(x, y), label}];
     }
   }
-  std::map<int, int> sums;
-  for (const auto& [key, count] : counts) sums[key.first] += std::min(count, FloodCut::kMostOfLabel + 1);
+  std::map<int, int> sums, noise;
+  for (const auto& [key, count] : counts) {
+    sums[key.first] += std::min(count, FloodCut::kMostOfLabel + 1);
+    noise[key.first] += std::min(count, FloodCut::kMostCounted);
+  }
   const auto all_runs = [&] {
     std::vector<std::tuple<int, int, int, int>> runs;
     for (int y = 0; y < picture.height; ++y) {
@@ -150,7 +170,8 @@ std::vector<std::tuple<int, int, int, int>> plainly(LabelImage picture, std::siz
     }
   };
   const auto floods = [&](int block, Label label) {
-    return counts[{block, label}] > FloodCut::kMostOfLabel || sums[block] > FloodCut::kMostOfAll;
+    return counts[{block, label}] > FloodCut::kMostOfLabel || sums[block] > FloodCut::kMostOfAll ||
+           noise[block] > FloodCut::kMostNoise;
   };
   cut(floods);
   auto runs = all_runs();
