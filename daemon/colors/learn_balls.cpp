@@ -26,6 +26,8 @@ constexpr double kLeastR2 = 0.6, kMostRadiusOff = 0.25, kLeastClear = 0.4, kLeas
 /// Of an outline's harmonics, over 3.5 % of the radius and their deviation: cones and hands have more, balls
 /// in hard halls up to 1.9.
 constexpr double kMostOutOfRound = 2, kRoundShare = 0.035;
+/// BallFitter::rectangle_gain(): balls have less than nothing, tape has more.
+constexpr double kMostLikeTape = -0.05;
 constexpr double kOneColor = 0.06;     // in shares
 constexpr double kOutsideMm = 0;       // of the lines
 constexpr double kRobotReachMm = 100;  // nothing nearer to a robot's middle is a ball
@@ -150,6 +152,8 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
       if (fit.out_of_round_mm >
           kMostOutOfRound * std::hypot(kRoundShare * radius_mm, fit.out_of_round_sigma_mm))
         continue;
+      const double like_tape = fitter.rectangle_gain(to_fit, fit);
+      if (like_tape > kMostLikeTape) continue;
       const auto pixel = b.camera.project({fit.x_mm, fit.y_mm, radius_mm});
       if (!pixel) continue;
       const std::vector<Color3> within = colors_within(fine, *pixel, radius_px);

@@ -38,9 +38,10 @@ struct BackgroundUse {
 };
 
 /// Follows the commonest colours of a camera's pictures and keeps boxes around them that are as large as
-/// their one label allows. It looks at a few pixels of a frame and grows the boxes again for another table and
-/// now and then, one in each frame, in some ten microseconds; so it needs no thread, and the same pictures
-/// always give the same boxes. What they are changes the time a picture takes, never what is found in it.
+/// their one label allows. It looks at a few pixels of a frame and grows the boxes again for another table
+/// and now and then, one in each frame, in some ten microseconds; so it needs no thread, and the same
+/// pictures always give the same boxes. What they are changes the time a picture takes, never what is found
+/// in it.
 class BackgroundFollower {
  public:
   /// To be called before each picture. Allocates nothing.

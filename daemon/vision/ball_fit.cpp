@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -127,6 +128,7 @@ struct BallFitter::Group {
     std::span<const std::uint16_t> all() const { return std::span(at).first(count); }
   };
   Places core, rim, ring;  // on the ball, just outside its silhouette, around it
+  RectangleSamples flat;
 };
 
 /// One start of a fit.
@@ -141,7 +143,7 @@ struct BallFitter::Look {
   std::array<float, 3> contrast{};
 };
 
-BallFitter::BallFitter() {
+BallFitter::BallFitter() : look_(std::make_unique<Look>()) {
   for (auto& group : groups_) group = std::make_unique<Group>();
 }
 BallFitter::~BallFitter() = default;
@@ -439,12 +441,75 @@ void BallFitter::judge(const Look& look, BallFit& out) const noexcept {
   out.out_of_round_sigma_mm = std::sqrt(variance);
 }
 
+double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noexcept {
+  // At its own place, so that what lies around is looked up for that.
+  if (!fit_from(frame, found.x_mm, found.y_mm).ok) return 0;
+  const Look& look = *look_;
+  const BallTemplate& ball = look.ball;
+  Place place{};
+  std::array<double, 3> left2{};
+  std::array<RectangleSamples*, 3> groups{};
+  std::size_t first = 0;
+  for (std::size_t g = 0; g < look.groups; ++g) {
+    const PlaneSamples& samples = groups_[g]->samples;
+    RectangleSamples& flat = groups_[g]->flat;
+    groups[g] = &flat;
+    flat.count = 0;
+    flat.planes = static_cast<std::size_t>(samples.planes);
+    const float wide_px = look.planes.groups[g].front().wide_px;
+    const float sigma_x2 = ball.blur_px * ball.blur_px + wide_px * wide_px / 12;
+    const float sigma_y2 = ball.blur_px * ball.blur_px + 1.0F / 12;
+    const KernelPatch& patch = ball.patch;
+    const auto covariance = [&](float a_u, float a_v, float b_u, float b_v) {
+      return static_cast<double>(sigma_x2 * a_u * b_u + sigma_y2 * a_v * b_v);
+    };
+    flat.blur_mm2 = {{{covariance(patch.xu, patch.xv, patch.xu, patch.xv),
+                       covariance(patch.xu, patch.xv, patch.yu, patch.yv)},
+                      {covariance(patch.xu, patch.xv, patch.yu, patch.yv),
+                       covariance(patch.yu, patch.yv, patch.yu, patch.yv)}}};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(samples.count); ++i) {
+      const bool is_unlike = samples.keep[i] == kUnlikeModel;
+      if (!(samples.keep[i] > 0 || is_unlike) || flat.count == RectangleSamples::kMost) continue;
+      const float u = samples.u[i], v = samples.v[i];
+      if (!place.look_up(ball, u, v, sigma_x2, sigma_y2)) continue;
+      // A highlight is no help to either.
+      if (is_unlike && place.z > 0) continue;
+      flat.x[flat.count] = u * (patch.xu + patch.xuu * u + patch.xuv * v) + v * (patch.xv + patch.xvv * v);
+      flat.y[flat.count] = u * (patch.yu + patch.yuu * u + patch.yuv * v) + v * (patch.yv + patch.yvv * v);
+      for (std::size_t p = 0; p < flat.planes; ++p) {
+        const float value = samples.value[p][i], left = place.left(look.weights[first + p], value);
+        flat.value[p][flat.count] = value;
+        left2[first + p] += static_cast<double>(left * left);
+      }
+      ++flat.count;
+    }
+    first += flat.planes;
+  }
+  // As large as the ball's picture.
+  const double half_mm = std::sqrt(std::numbers::pi) / 2 * frame.radius_mm;
+  fit_rectangle({static_cast<double>(ball.x), static_cast<double>(ball.y), half_mm, half_mm, 0},
+                std::span(groups).first(look.groups));
+  double sum = 0, count = 0;
+  first = 0;
+  for (std::size_t g = 0; g < look.groups; ++g) {
+    const auto n = static_cast<double>(groups[g]->count);
+    for (std::size_t p = 0; p < groups[g]->planes && n > 0; ++p) {
+      sum +=
+          n * std::log((left2[first + p] / n + kLeastVariance) / (groups[g]->left2[p] / n + kLeastVariance));
+      count += n;
+    }
+    first += groups[g]->planes;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
 BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexcept {
   BallFit out;
   const double reach_mm = frame.radius_mm + kMarginMm + kWanderMm;
   const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, frame.radius_mm, reach_mm);
   if (!patch) return out;
-  Look look{*patch, sample_planes(frame.image.format), {}, 0, 0};
+  Look& look = *look_;
+  look = {*patch, sample_planes(frame.image.format), {}, 0, 0};
   if (!read(frame, look, out)) return out;
   leave_out_odd(look, out);
   BallTemplate& ball = look.ball;

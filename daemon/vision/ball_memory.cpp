@@ -29,7 +29,7 @@ void BallMemory::begin(double now_s) noexcept {
   count_ = static_cast<std::size_t>(end - entries_.begin());
 }
 
-bool BallMemory::see(double x_mm, double y_mm, double outside_mm) noexcept {
+BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm) noexcept {
   const auto begin = entries_.begin(), end = begin + count_;
   const auto distance_mm = [&](const Entry& entry) {
     return std::hypot(entry.x_mm - x_mm, entry.y_mm - y_mm);
@@ -40,7 +40,7 @@ bool BallMemory::see(double x_mm, double y_mm, double outside_mm) noexcept {
   if (known != end) {
     if (known->seen_s < now_s_) ++known->pictures;
     known->seen_s = now_s_;
-    return is_off_field && !known->is_ball && known->pictures > kStandsAfter;
+    return {is_off_field && !known->is_ball && known->pictures > kStandsAfter, known->pictures > 1};
   }
   Entry now{x_mm, y_mm, x_mm, y_mm, now_s_, now_s_, 1, !is_off_field};
   Entry* before = nullptr;
@@ -62,7 +62,7 @@ bool BallMemory::see(double x_mm, double y_mm, double outside_mm) noexcept {
   } else {
     *std::min_element(begin, end, [](const Entry& a, const Entry& b) { return a.seen_s < b.seen_s; }) = now;
   }
-  return false;
+  return {};
 }
 
 }  // namespace sslv

@@ -12,8 +12,12 @@ class BallMemory {
  public:
   /// To be called before a picture's sightings. Forgets all when time has gone back.
   void begin(double now_s) noexcept;
-  /// Something there looks like a ball, or might. True when it is known as furniture.
-  bool see(double x_mm, double y_mm, double outside_mm) noexcept;
+  struct Known {
+    bool as_furniture = false;
+    bool at_rest = false;  // it was there in the last pictures, too
+  };
+  /// Something there looks like a ball, or might.
+  Known see(double x_mm, double y_mm, double outside_mm) noexcept;
 
  private:
   static constexpr std::size_t kMost = 64;

@@ -7,6 +7,15 @@
 namespace sslv {
 namespace {
 
+/// How far its region's area counts. One that is too large may have taken in what is mixed at the rim: where
+/// a sphere of a known radius explains nearly all and nothing around is like it, that is all.
+double area_counts(const BallEvidence& e) {
+  const auto share = [](double x) { return std::clamp(x, 0.0, 1.0); };
+  return 0.25 + 0.75 * std::max({share(e.most_alike / 0.4), share(e.radius_off - 1),
+                                 share((e.radius_sigma - 0.1) / 0.1), share((0.9 - e.clear_share) / 0.3),
+                                 share((0.85 - e.r2) / 0.2)});
+}
+
 double logistic(double x) {
   return std::isfinite(x) ? 1 / (1 + std::exp(-std::clamp(x, -30.0, 30.0))) : 0;
 }
@@ -22,7 +31,7 @@ double looks_like_ball(const BallEvidence& e) {
   const double orange =
       e.is_orange ? std::clamp(0.6 - e.color_off, 0.0, 0.6) * std::clamp(1 - 8 * area, 0.0, 1.0) : 0;
   return -0.6 - 2.9 * std::log(unexplained) - 1.55 * std::log(1 + e.radius_off * e.radius_off) -
-         2.7 * e.moved_share - 10 * std::max(area, 0.0) + 1.9 * std::min(area, 0.0) +
+         2.7 * e.moved_share - 10 * area_counts(e) * std::max(area, 0.0) + 1.9 * std::min(area, 0.0) +
          6 * std::min(area + 0.6, 0.0) - 2.2 * (1 - e.clear_share) + 11.5 * hidden -
          6.8 * std::clamp(e.color_off - 1, 0.0, 4.0) - (e.is_orange ? 0 : 1.7) + 6 * std::log(contrast) +
          4 * orange;
@@ -39,12 +48,18 @@ double is_shaped_like_ball(const BallEvidence& e) {
   const double too_large = std::clamp(area, 0.0, 2.0), too_small = std::clamp(-area, 0.0, 2.5);
   const double hidden = std::clamp(1 - e.visible_share, 0.0, 0.6);
   const double contrast = std::log(std::clamp(e.contrast / 0.35, 0.05, 1.5));
+  // Half a ball beside a robot is no rounder than a piece of tape, and where neither says much of the
+  // picture, as of a ball that shines, the better one means nothing.
+  const double tape = std::clamp((e.visible_share - 0.7) / 0.25, 0.0, 1.0) *
+                      std::clamp((0.3 - e.misfit) / 0.1, 0.0, 1.0) *
+                      (e.is_bayer ? 10 * std::clamp(e.tape_gain + 0.05, 0.0, 1.0)
+                                  : 20 * std::clamp(e.tape_gain + 0.1, 0.0, 1.0));
   // What lies off the field is likelier a thing of the hall than a ball.
   const double outside = std::clamp((e.outside_mm - 40) / 100, 0.0, 1.0);
   return 4.1 - 1.04 * rough - 1.05 * very_rough - 5.2 * out_of_round - 1.69 * radius_off - 1.27 * unsure -
-         5.18 * too_large - 3.29 * too_small + 4.5 * hidden - 2.50 * std::clamp(e.color_off - 0.3, 0.0, 3.0) -
-         (e.is_orange ? 0 : 3.82) + 3.18 * contrast - 2.11 * std::clamp(e.most_alike - 0.3, 0.0, 1.0) -
-         5.36 * outside;
+         5.18 * area_counts(e) * too_large - 3.29 * too_small + 4.5 * hidden -
+         2.50 * std::clamp(e.color_off - 0.3, 0.0, 3.0) - (e.is_orange ? 0 : 3.82) + 3.18 * contrast -
+         2.11 * std::clamp(e.most_alike - 0.3, 0.0, 1.0) - 5.36 * outside - tape;
 }
 
 }  // namespace

@@ -32,6 +32,9 @@ struct BallEvidence {
   double contrast = 0;       // as BallFit
   double most_alike = 0;     // as BallFit
   double outside_mm = 0;     // how far outside the lines and goals it lies; less than 0: inside
+  /// As BallFitter::rectangle_gain(); balls have less. By default nothing is known.
+  double tape_gain = -1;
+  bool is_bayer = false;  // the planes' samples are half as dense
 };
 double confidence_of(const BallEvidence& evidence) noexcept;
 

@@ -2,6 +2,7 @@
 #include "vision/detect_balls.h"
 
 #include "vision/color_name.h"
+#include "vision/cut_off.h"
 
 #include <algorithm>
 #include <array>
@@ -65,9 +66,9 @@ constexpr double kPerhaps = 0.02;
 
 }  // namespace
 
-void DetectBalls::process(const Params& params, const Scene& scene, const Lut& lut, const FrameInfo& info,
-                          const Image& image, const RegionList& regions, const RobotList& robots,
-                          BallList& out) noexcept {
+void DetectBalls::process(const Params& params, const Scene& scene, const Lut& lut, const Mask& mask,
+                          const FrameInfo& info, const Image& image, const RegionList& regions,
+                          const RobotList& robots, BallList& out) noexcept {
   out.balls.clear();
   out.capped = false;
   if (!scene.camera || image.view().empty()) return;
@@ -91,7 +92,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     // Cut off on two sides, too little is left to tell where its middle is.
     const bool in_corner = (region.left == 0 || region.right + 1 >= image.view().width) &&
                            (region.top == 0 || region.bottom + 1 >= image.view().height);
-    if (in_corner) return;
+    if (in_corner || is_cut_off(region, image.view(), mask)) return;
     const auto place = camera.unproject(pixel, radius_mm);
     if (!place || std::abs(place->x()) > max_x_mm || std::abs(place->y()) > max_y_mm) return;
     if (lies_on_one(robots.robots, camera, pixel, robot_radius_mm, robot_front_mm, params.on_robot_mm))
@@ -134,8 +135,16 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     if (!fit.ok) return;
     // Also what is not reported: in other light it may look more like a ball.
     if (confidence < std::min(params.min_confidence, kPerhaps)) return;
-    const bool is_furniture = memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm);
-    if (is_furniture || confidence < params.min_confidence) return;
+    const BallMemory::Known known = memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm);
+    if (known.as_furniture || confidence < params.min_confidence) return;
+    // A ball that moves is as long as tape. In a few pixels its corners do not show.
+    constexpr double kLargePixel = 0.47;  // of the radius
+    if (known.at_rest && std::sqrt(camera.mm2_per_px(pixel, radius_mm)) < kLargePixel * radius_mm) {
+      evidence.tape_gain = fitter_.rectangle_gain(frame, fit);
+      evidence.is_bayer = is_bayer(image.view().format);
+      confidence = confidence_of(evidence);
+      if (confidence < params.min_confidence) return;
+    }
     const auto fitted = camera.project({fit.x_mm, fit.y_mm, radius_mm});
     if (!fitted) return;
     // Of several regions of one ball, the best fit counts.

@@ -9,6 +9,7 @@
 #include "vision/confidence.h"
 #include "vision/detections.h"
 #include "vision/lut.h"
+#include "vision/mask.h"
 #include "vision/regions.h"
 
 #include <tuple>
@@ -56,8 +57,8 @@ class DetectBalls {
   };
 
   /// Without a calibrated camera, or in a picture without colours, the result is empty.
-  void process(const Params& params, const Scene& scene, const Lut& lut, const FrameInfo& info,
-               const Image& image, const RegionList& regions, const RobotList& robots,
+  void process(const Params& params, const Scene& scene, const Lut& lut, const Mask& mask,
+               const FrameInfo& info, const Image& image, const RegionList& regions, const RobotList& robots,
                BallList& balls) noexcept;
 
   /// `area_ratio` is the region's area over that of a ball; `coarser_mm`: how much wider the segmentation's

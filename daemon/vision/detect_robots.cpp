@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/detect_robots.h"
 
+#include "vision/cut_off.h"
+
 #include <algorithm>
 #include <bitset>
 #include <cmath>
@@ -40,12 +42,14 @@ double disc_area_mm2(double diameter_mm) {
 }
 
 /// The blob's place on the plane z = height if its area there suits a dot of this size.
-std::optional<Eigen::Vector2d> place_of(const Region& region, const CameraModel& camera, double height_mm,
-                                        double area_mm2, const DetectRobots::Params& params) {
+std::optional<Eigen::Vector2d> place_of(const Region& region, const PatternFitter::Frame& frame,
+                                        const Mask& mask, double height_mm, double area_mm2,
+                                        const DetectRobots::Params& params) {
   const Eigen::Vector2d pixel(region.x_px, region.y_px);
-  const double ratio = region.area_px * camera.mm2_per_px(pixel, height_mm) / area_mm2;
+  const double ratio = region.area_px * frame.camera.mm2_per_px(pixel, height_mm) / area_mm2;
   if (!(ratio >= params.min_area_ratio && ratio <= params.max_area_ratio)) return std::nullopt;
-  return camera.unproject(pixel, height_mm);
+  if (is_cut_off(region, frame.image, mask)) return std::nullopt;
+  return frame.camera.unproject(pixel, height_mm);
 }
 
 }  // namespace
@@ -71,15 +75,15 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const double height_mm = scene.height_of(team);
     const bool same_dots = height_mm == dots_height_mm;
-    if (!same_dots) collect_dots(params, frame, height_mm, regions);
+    if (!same_dots) collect_dots(params, frame, height_mm, mask, regions);
     dots_height_mm = height_mm;
-    search_from_centers(params, frame, team, height_mm, regions);
+    search_from_centers(params, frame, team, height_mm, mask, regions);
   }
   // Whatever side dots are left: robots whose centre dot no region shows.
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const double height_mm = scene.height_of(team);
     if (team == Team::kBlue && height_mm == scene.height_of(Team::kYellow)) break;
-    if (height_mm != dots_height_mm) collect_dots(params, frame, height_mm, regions);
+    if (height_mm != dots_height_mm) collect_dots(params, frame, height_mm, mask, regions);
     dots_height_mm = height_mm;
     search_from_side_dots(params, frame, height_mm);
   }
@@ -115,7 +119,7 @@ Eigen::Vector2d DetectRobots::mm_per_row_at(const PatternPose& pose) const {
   return out;
 }
 
-void DetectRobots::collect_dots(const Params& params, const Frame& frame, double height_mm,
+void DetectRobots::collect_dots(const Params& params, const Frame& frame, double height_mm, const Mask& mask,
                                 const RegionList& regions) {
   dots_.clear();
   // Dots of different sizes are all taken for the mean one here: the areas' limits are wide.
@@ -124,7 +128,7 @@ void DetectRobots::collect_dots(const Params& params, const Frame& frame, double
     area_mm2 += disc_area_mm2(dot.diameter_mm) / static_cast<double>(frame.patterns.dots.size());
   for (const Label label : frame.patterns.side_colors) {
     for (const Region& region : regions.of(label)) {
-      const auto place = place_of(region, frame.camera, height_mm, area_mm2, params);
+      const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
       if (place)
         dots_.push_back({place->x(), place->y(), static_cast<std::size_t>(&region - regions.regions.data())});
     }
@@ -222,12 +226,12 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
 }
 
 void DetectRobots::search_from_centers(const Params& params, const Frame& frame, Team team, double height_mm,
-                                       const RegionList& regions) {
+                                       const Mask& mask, const RegionList& regions) {
   const Label color = frame.patterns.team_colors[static_cast<std::size_t>(team)];
   const double area_mm2 = disc_area_mm2(frame.patterns.center_diameter_mm);
   const auto search = [&](Label label, int least_matched) {
     for (const Region& region : regions.of(label)) {
-      const auto place = place_of(region, frame.camera, height_mm, area_mm2, params);
+      const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
       if (!place) continue;
       if (!time_left(params)) return;
       search_around(params, frame, place->x(), place->y(), height_mm, least_matched);

@@ -104,12 +104,13 @@ class DetectRobots {
   };
   using Frame = PatternFitter::Frame;
 
-  void collect_dots(const Params& params, const Frame& frame, double height_mm, const RegionList& regions);
+  void collect_dots(const Params& params, const Frame& frame, double height_mm, const Mask& mask,
+                    const RegionList& regions);
   std::vector<Dot>::iterator first_dot_right_of(double x_mm);
   void explain_dots(const PatternTable& patterns, const Candidate& found);
   Start arrange(const PatternTable& patterns, double x_mm, double y_mm);
   void search_from_centers(const Params& params, const Frame& frame, Team team, double height_mm,
-                           const RegionList& regions);
+                           const Mask& mask, const RegionList& regions);
   void search_around(const Params& params, const Frame& frame, double x_mm, double y_mm, double height_mm,
                      int least_matched);
   void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);

@@ -62,9 +62,15 @@ struct Key {
   bool needed;
 };
 constexpr std::array kKeys{
-    Key{"//", false},           Key{"name", true},          Key{"center_diameter_mm", true},
-    Key{"dot_diameter_mm", true}, Key{"dots", true},          Key{"codes", true},
-    Key{"team_colors", false},  Key{"top_radius_mm", false}, Key{"top_front_mm", false},
+    Key{"//", false},
+    Key{"name", true},
+    Key{"center_diameter_mm", true},
+    Key{"dot_diameter_mm", true},
+    Key{"dots", true},
+    Key{"codes", true},
+    Key{"team_colors", false},
+    Key{"top_radius_mm", false},
+    Key{"top_front_mm", false},
 };
 
 void check_keys(const Json& json, const std::string& path) {
@@ -102,7 +108,8 @@ std::vector<PatternDot> dots_of(const Json& dots, double diameter_mm, const std:
   for (std::size_t i = 0; i < dots.size(); ++i) {
     const std::string here = fmt::format("{}/{}", path, i);
     const Json& dot = dots[i];
-    if (!dot.is_array() || dot.size() < 2 || dot.size() > 3) refuse(here, dot, "[x, y] or [x, y, diameter] in mm");
+    if (!dot.is_array() || dot.size() < 2 || dot.size() > 3)
+      refuse(here, dot, "[x, y] or [x, y, diameter] in mm");
     out.push_back({millimetres(dot[0], here + "/0", -500, 500), millimetres(dot[1], here + "/1", -500, 500),
                    dot.size() == 3 ? millimetres(dot[2], here + "/2", 1, 500) : diameter_mm});
   }
@@ -118,8 +125,9 @@ void measure(PatternTable& table, const std::string& path) {
     const double out_mm = std::hypot(dot.x_mm, dot.y_mm) + dot.diameter_mm / 2;
     table.reach_mm = std::max(table.reach_mm, out_mm);
     if (out_mm > table.top_radius_mm || dot.x_mm + dot.diameter_mm / 2 > table.top_front_mm) {
-      throw SettingsError(fmt::format("{}/dots/{}: stands over the rim of the top (top_radius_mm {}, top_front_mm {})",
-                                      path, i, table.top_radius_mm, table.top_front_mm));
+      throw SettingsError(
+          fmt::format("{}/dots/{}: stands over the rim of the top (top_radius_mm {}, top_front_mm {})", path,
+                      i, table.top_radius_mm, table.top_front_mm));
     }
     for (std::size_t j = 0; j <= i; ++j) {
       const PatternDot& other = j == 0 ? center : table.dots[j - 1];

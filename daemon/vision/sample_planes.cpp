@@ -37,8 +37,8 @@ std::array<double, 3> rgb_of_yuv_color(const std::array<double, 3>& c) {
 
 KernelPatch kernel_patch(const PlanePatch& p) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  return {f(p.xu),  f(p.xv),  f(p.xuu), f(p.xuv), f(p.xvv),         f(p.yu),
-          f(p.yv),  f(p.yuu), f(p.yuv), f(p.yvv), f(p.pixel.x()), f(p.pixel.y())};
+  return {f(p.xu), f(p.xv),  f(p.xuu), f(p.xuv), f(p.xvv),       f(p.yu),
+          f(p.yv), f(p.yuu), f(p.yuv), f(p.yvv), f(p.pixel.x()), f(p.pixel.y())};
 }
 
 }  // namespace sslv

@@ -196,8 +196,8 @@ void bench_stages(const std::shared_ptr<const Lut>& lut) {
                               Image(pictures[i].view, nullptr, nullptr, nullptr), regions[i], robots[i]);
       });
       const double balls_us = median_us(pictures.size(), [&](std::size_t i) {
-        stages.balls.process({}, scene, *lut, {}, Image(pictures[i].view, nullptr, nullptr, nullptr), regions[i],
-                             robots[i], stages.ball_list);
+        stages.balls.process({}, scene, *lut, Mask(), {}, Image(pictures[i].view, nullptr, nullptr, nullptr),
+                             regions[i], robots[i], stages.ball_list);
         found_balls = static_cast<double>(stages.ball_list.balls.size());
       });
       for (const RobotList& list : robots)
@@ -241,7 +241,7 @@ void bench_hostile(const std::shared_ptr<const Lut>& lut) {
                             stages.robot_list);
     });
     const double balls_us = median_us(1, [&](std::size_t) {
-      stages.balls.process({}, scene, *lut, {}, image, regions, stages.robot_list, stages.ball_list);
+      stages.balls.process({}, scene, *lut, Mask(), {}, image, regions, stages.robot_list, stages.ball_list);
     });
     std::printf("%-28s%10zu%14.0f%14.0f%8zu%8s\n", fmt::format("every {} px", pitch_px).c_str(),
                 regions.regions.size(), robots_us, balls_us, stages.robot_list.robots.size(),

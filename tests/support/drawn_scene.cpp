@@ -283,7 +283,7 @@ RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const Detect
 BallList DrawnScene::balls(const DetectBalls::Params& params) {
   BallList out;
   const RegionList& found = regions();
-  DetectBalls().process(params, scene_, lut(), {}, image(), found, robots(), out);
+  DetectBalls().process(params, scene_, lut(), Mask(), {}, image(), found, robots(), out);
   return out;
 }
 

@@ -15,22 +15,35 @@ TEST(BallMemory, WhatStandsOffTheFieldIsFurniture) {
   int reported = 0;
   for (int i = 0; i < 20; ++i) {
     memory.begin(10 + i * kFrameS);
-    if (!memory.see(3000 + i % 3, 200 - i % 2, 150)) ++reported;
+    if (!memory.see(3000 + i % 3, 200 - i % 2, 150).as_furniture) ++reported;
   }
   EXPECT_LE(reported, 3);
   // Seen now and then only, as the light has it.
   memory.begin(30);
-  EXPECT_TRUE(memory.see(3001, 200, 150));
+  EXPECT_TRUE(memory.see(3001, 200, 150).as_furniture);
   memory.begin(200);
-  EXPECT_FALSE(memory.see(3001, 200, 150)) << "long ago";
+  EXPECT_FALSE(memory.see(3001, 200, 150).as_furniture) << "long ago";
+}
+
+TEST(BallMemory, TellsWhatRestsFromWhatMoves) {
+  BallMemory memory;
+  for (int i = 0; i < 10; ++i) {
+    memory.begin(10 + i * kFrameS);
+    EXPECT_EQ(memory.see(i % 3, 200, -1000).at_rest, i > 0) << i;
+    EXPECT_FALSE(memory.see(500 + 30 * i, -900, -1000).at_rest) << i;
+  }
+  // Twice in one picture is no rest.
+  memory.begin(20);
+  EXPECT_FALSE(memory.see(2000, 0, -1000).at_rest);
+  EXPECT_FALSE(memory.see(2001, 0, -1000).at_rest);
 }
 
 TEST(BallMemory, WhatLiesOnTheFieldOrAtItsLinesIsABall) {
   BallMemory memory;
   for (int i = 0; i < 100; ++i) {
     memory.begin(10 + i * kFrameS);
-    EXPECT_FALSE(memory.see(0, 0, -2000));
-    EXPECT_FALSE(memory.see(3000, 0, 40));
+    EXPECT_FALSE(memory.see(0, 0, -2000).as_furniture);
+    EXPECT_FALSE(memory.see(3000, 0, 40).as_furniture);
   }
 }
 
@@ -39,7 +52,7 @@ TEST(BallMemory, ABallThatRollsOutStaysOne) {
   for (int i = 0; i < 200; ++i) {
     memory.begin(10 + i * kFrameS);
     const double x_mm = std::min(3200.0, 2700 + 25.0 * i);
-    EXPECT_FALSE(memory.see(x_mm, 500, x_mm - 3000)) << i;
+    EXPECT_FALSE(memory.see(x_mm, 500, x_mm - 3000).as_furniture) << i;
     memory.see(3150, -900, 150);  // furniture
   }
 }
@@ -49,7 +62,7 @@ TEST(BallMemory, ABallThatRollsInFromOutsideIsOne) {
   for (int i = 0; i < 200; ++i) {
     memory.begin(10 + i * kFrameS);
     const double x_mm = std::max(3150.0, 4000 - 30.0 * i);
-    EXPECT_FALSE(memory.see(x_mm, 500, x_mm - 3000)) << i;
+    EXPECT_FALSE(memory.see(x_mm, 500, x_mm - 3000).as_furniture) << i;
   }
 }
 
@@ -60,9 +73,9 @@ TEST(BallMemory, TimeThatGoesBackForgetsAll) {
     memory.see(3000, 0, 200);
   }
   memory.begin(16);
-  EXPECT_TRUE(memory.see(3000, 0, 200));
+  EXPECT_TRUE(memory.see(3000, 0, 200).as_furniture);
   memory.begin(1);
-  EXPECT_FALSE(memory.see(3000, 0, 200));
+  EXPECT_FALSE(memory.see(3000, 0, 200).as_furniture);
 }
 
 TEST(BallMemory, ManyThingsAreBounded) {
@@ -75,7 +88,7 @@ TEST(BallMemory, ManyThingsAreBounded) {
     memory.begin(30 + i);
     memory.see(3100, 700, 100);
   }
-  EXPECT_TRUE(memory.see(3100, 700, 100));
+  EXPECT_TRUE(memory.see(3100, 700, 100).as_furniture);
 }
 
 }  // namespace

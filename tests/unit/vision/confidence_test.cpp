@@ -67,6 +67,8 @@ TEST(Confidence, OfABallFollowsWhatSpeaksForIt) {
   expect_monotone(good_ball(), &BallEvidence::r2, {-1, 0, 0.2, 0.5, 0.8, 0.95, 0.999, 1, 1.1}, true, "r2");
   expect_monotone(good_ball(), &BallEvidence::moved_share, {0, 0.1, 0.3, 1, 5}, false, "moved_share");
   expect_monotone(good_ball(), &BallEvidence::clear_share, {0, 0.3, 0.7, 1}, true, "clear_share");
+  expect_monotone(good_ball(), &BallEvidence::tape_gain, {-kInf, -1, -0.1, 0, 0.1, 0.5, 3, kInf}, false,
+                  "tape_gain");
   expect_monotone(good_ball(), &BallEvidence::misfit, {-1, 0, 0.05, 0.1, 0.3, 1, 5}, false, "misfit");
   expect_monotone(good_ball(), &BallEvidence::out_of_round, {0, 0.5, 1, 3, 10, 100}, false, "out_of_round");
   expect_monotone(good_ball(), &BallEvidence::contrast, {0, 0.1, 0.3, 0.7, 1, 2}, true, "contrast");

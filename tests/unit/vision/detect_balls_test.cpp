@@ -125,9 +125,49 @@ TEST(DetectBalls, DotsOfARobotThatIsNotFoundAreNoneAlsoWhereTheyAreTwoCells) {
                     -700 + 400.0 * (i / 8) + off(random), angle(random));
   }
   BallList found;
-  DetectBalls().process({}, drawn.scene(), drawn.lut(), {}, drawn.image(), drawn.regions(), {}, found);
+  DetectBalls().process({}, drawn.scene(), drawn.lut(), Mask(), {}, drawn.image(), drawn.regions(), {},
+                        found);
   for (const Ball& ball : found.balls)
     ADD_FAILURE() << "no ball at " << ball.x_mm << ", " << ball.y_mm << " confidence " << ball.confidence;
+}
+
+TEST_P(DetectBallsIn, APieceOfWhatTheMaskCutsIsNone) {
+  DrawnScene drawn(plain_options(GetParam()));
+  drawn.add_ball(1000, 300);
+  drawn.add_ball(1500, -600);
+  const auto cut_px = drawn.scene().camera->project({1000, 300, kBallMm});
+  ASSERT_TRUE(cut_px);
+  // Its right half.
+  const double x = cut_px->x(), y = cut_px->y();
+  MaskSettings settings;
+  settings.exclude = {{{{x, y - 40}, {x + 40, y - 40}, {x + 40, y + 40}, {x, y + 40}}}};
+  const Mask mask(settings);
+  RunList runs;
+  RegionList regions;
+  Segment().process({}, drawn.lut(), mask, drawn.image(), runs, regions);
+  const auto found = [&](const Mask& looked_at) {
+    BallList out;
+    DetectBalls().process({}, drawn.scene(), drawn.lut(), looked_at, {}, drawn.image(), regions, {}, out);
+    return out.balls;
+  };
+  EXPECT_THAT(found(Mask()), SizeIs(2)) << "the piece does not look like a ball: the test shows nothing";
+  ASSERT_THAT(found(mask), SizeIs(1));
+  EXPECT_NEAR(found(mask).front().x_mm, 1500, 1);
+}
+
+TEST_P(DetectBallsIn, TapeIsToldFromThem) {
+  DrawnScene drawn(plain_options(GetParam(), 4));
+  drawn.add_thing({Shape::kRectangle, label::kOrange, 1200, 300, 0.4, 38, 38});
+  drawn.add_ball(1500, -600);
+  const BallFitter::Frame frame{drawn.image().view(), *drawn.scene().camera, kBallMm, {}, 90, 55, 0.5};
+  BallFitter fitter;
+  const BallFit tape = fitter.fit(frame, 1200, 300), ball = fitter.fit(frame, 1500, -600);
+  ASSERT_TRUE(tape.ok && ball.ok);
+  EXPECT_GT(fitter.rectangle_gain(frame, tape), 0.1);
+  EXPECT_LT(fitter.rectangle_gain(frame, ball), -0.1);
+  const std::uint64_t before = allocation_count();
+  fitter.rectangle_gain(frame, tape);
+  EXPECT_EQ(allocation_count(), before);
 }
 
 TEST_P(DetectBallsIn, AnObliqueView) {
@@ -311,6 +351,30 @@ TEST(DetectBalls, AnOrangeSquareOrStripeIsNone) {
   }
 }
 
+TEST(DetectBalls, TapeOfABallsSizeIsNoneOnceItIsKnownToRest) {
+  for (const PixelFormat format : kColorFormats) {
+    DrawnScene drawn(plain_options(format, 4));
+    const std::array<std::array<double, 2>, 3> sizes_mm{{{38, 38}, {42, 36}, {45, 30}}};
+    for (int i = 0; i < 6; ++i) {
+      const auto& [length_mm, width_mm] = sizes_mm[static_cast<std::size_t>(i % 3)];
+      drawn.add_thing(
+          {Shape::kRectangle, label::kOrange, 800 + 300.3 * i, 300, 0.4 * i, length_mm, width_mm});
+    }
+    drawn.add_ball(1500, -600);
+    DetectBalls detector;
+    for (int i = 0; i < 8; ++i) {
+      drawn.expose_again();
+      FrameInfo info;
+      info.times.t_capture_s = 100 + i / 60.0;
+      const RegionList& regions = drawn.regions();
+      BallList out;
+      detector.process({}, drawn.scene(), drawn.lut(), Mask(), info, drawn.image(), regions, {}, out);
+      EXPECT_THAT(out.balls, SizeIs(testing::Ge(1U)));
+      if (i > 0) expect_true(out.balls, drawn, 1);
+    }
+  }
+}
+
 TEST(DetectBalls, AnOrangeBagIsNone) {
   for (const double size_mm : {100.0, 300.0}) {
     DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
@@ -353,7 +417,7 @@ TEST(DetectBalls, WhatStandsOffTheFieldIsFurniture) {
     info.times.t_capture_s = 100 + i / 60.0;
     const RegionList& regions = drawn.regions();
     BallList out;
-    detector.process({}, drawn.scene(), drawn.lut(), info, drawn.image(), regions, {}, out);
+    detector.process({}, drawn.scene(), drawn.lut(), Mask(), info, drawn.image(), regions, {}, out);
     if (i == 0) {
       EXPECT_THAT(out.balls, SizeIs(3));
     }
@@ -428,7 +492,7 @@ TEST(DetectBalls, NothingInAPictureWithoutColours) {
   for (DrawnScene* drawn : {&grey, &colored}) drawn->add_ball(1500, 500);
   EXPECT_THAT(grey.balls().balls, IsEmpty());
   BallList out;
-  DetectBalls().process({}, grey.scene(), grey.lut(), {}, grey.image(), colored.regions(), {}, out);
+  DetectBalls().process({}, grey.scene(), grey.lut(), Mask(), {}, grey.image(), colored.regions(), {}, out);
   EXPECT_THAT(out.balls, IsEmpty());
 }
 
@@ -470,7 +534,8 @@ TEST(DetectBalls, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
       for (int i = 0; i < 10; ++i) drawn->add_ball(100 + 300.0 * i, 1500 - 300.0 * i);
     }
     BallList out;
-    DetectBalls().process({}, small.scene(), small.lut(), {}, small.image(), large.regions(), {}, out);
+    DetectBalls().process({}, small.scene(), small.lut(), Mask(), {}, small.image(), large.regions(), {},
+                          out);
     EXPECT_LE(out.balls.size(), 10U);
   }
 }
@@ -499,10 +564,11 @@ TEST(DetectBalls, ThousandsOfOrangeBlobsEndAndAllocateNothing) {
   DetectBalls::Params params;
   params.max_fits = 100;
   BallList out;
-  detector.process(params, drawn.scene(), drawn.lut(), {}, image, regions, {}, out);
+  const Mask mask;
+  detector.process(params, drawn.scene(), drawn.lut(), mask, {}, image, regions, {}, out);
   EXPECT_TRUE(out.capped);
   const std::uint64_t before = allocation_count();
-  detector.process(params, drawn.scene(), drawn.lut(), {}, image, regions, {}, out);
+  detector.process(params, drawn.scene(), drawn.lut(), mask, {}, image, regions, {}, out);
   if (counts_allocations()) {
     EXPECT_EQ(allocation_count() - before, 0U);
   }
