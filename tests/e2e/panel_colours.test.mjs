@@ -337,14 +337,25 @@ describe('colours page', () => {
       assert.equal(await page.locator(`${byId('margins')} li`).first().getAttribute('data-testid'), 'margin-green', 'the least comes first');
       await page.waitForSelector(`${byId('show-margins')} .chip.warn:has-text("%")`);
       await page.waitForSelector(`${byId('margin-trial')}:has-text("cells of Green")`);
-      const promised = Number(/clear ([\d\u2009]+) cells of Green/.exec(await text(page, 'margin-trial'))[1].replaceAll('\u2009', ''));
       await accessible(page, `Colours with a thin margin, ${view}`);
       await fits(page);
 
-      await click(page, 'widen-margins');
-      await page.waitForSelector(`${row}[data-kind="ok"]`);
-      const widened = await becomes(({ revision }) => revision > painted.state.revision);
-      assert.equal(cellsOf(painted.state, 'green') - cellsOf(widened, 'green'), promised, 'it does what it says');
+      // The service looks at the carpet again now and then; only between the promise and the click may it not have.
+      let [promised, cleared, widened] = [0, -1, painted.state];
+      for (let tries = 0; tries < 4 && cleared !== promised; tries++) {
+        if (tries > 0) {
+          await click(page, 'undo');
+          await page.waitForSelector(`${row}[data-kind="warn"]`);
+        }
+        const { revision } = await state();
+        await page.waitForSelector(`${byId('margin-trial')}:has-text("cells of Green")`);
+        promised = Number(/clear ([\d\u2009]+) cells of Green/.exec(await text(page, 'margin-trial'))[1].replaceAll('\u2009', ''));
+        await click(page, 'widen-margins');
+        await page.waitForSelector(`${row}[data-kind="ok"]`);
+        widened = await becomes((now) => now.revision > revision);
+        cleared = cellsOf(painted.state, 'green') - cellsOf(widened, 'green');
+      }
+      assert.equal(cleared, promised, 'it does what it says');
       assert.equal(widened.undo.what, 'widened the margins to carpet and floor');
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
 
