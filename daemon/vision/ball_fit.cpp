@@ -443,7 +443,7 @@ void BallFitter::judge(const Look& look, BallFit& out) const noexcept {
 
 double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noexcept {
   // At its own place, so that what lies around is looked up for that.
-  if (!fit_from(frame, found.x_mm, found.y_mm).ok) return 0;
+  if (!fit_from(frame, found.x_mm, found.y_mm).ok) return -1;
   const Look& look = *look_;
   const BallTemplate& ball = look.ball;
   Place place{};

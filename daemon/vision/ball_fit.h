@@ -56,7 +56,7 @@ class BallFitter {
 
   /// How much better a piece of tape (a rectangle of one colour) explains the picture than the ball `found`
   /// there: the logarithm of the ratio of variances that they leave, the mean over all samples. Less than 0:
-  /// it explains less. Takes some ten times as long as fit(). Allocates nothing.
+  /// it explains less; -1 also where nothing can be told. Takes much longer than fit(). Allocates nothing.
   double rectangle_gain(const Frame& frame, const BallFit& found) noexcept;
 
  private:
