@@ -527,7 +527,7 @@ class Search {
                                            int begin, int end, std::uint64_t* candidates,
                                            std::uint64_t& dense) const {
     std::uint64_t mixed = 0, many = 0;
-    const auto find = [&](int i, const std::uint8_t* block) HWY_ATTR {
+    const auto find = [&](int i, const std::uint8_t* block) HWY_ATTR __attribute__((always_inline)) {
       prefetch(block);
       candidates[i] = boxes_.outside(block, stride_);
       mixed |= static_cast<std::uint64_t>(candidates[i] != 0) << i;
