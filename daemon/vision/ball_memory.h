@@ -7,17 +7,22 @@
 namespace sslv {
 
 /// Tells things of the hall from balls by what they did: what lies off the field, has never moved and did not
-/// come from the field is furniture. A ball that rolls out is none, and nothing on the field is.
+/// come from the field is furniture. A ball that rolls out is none, and nothing on the field is. And what has
+/// never moved since the memory began, wherever it lies, is no ball when its hue is another than that of the
+/// balls that move: those tell what colour balls have in this hall more exactly than any table. What was put
+/// down later may be a ball in other light: it is not judged so.
 class BallMemory {
  public:
   /// To be called before a picture's sightings. Forgets all when time has gone back.
   void begin(double now_s) noexcept;
   struct Known {
     bool as_furniture = false;
-    bool at_rest = false;  // it was there in the last pictures, too
+    bool at_rest = false;        // it was there in the last pictures, too
+    bool has_other_hue = false;  // than the balls that move; it has never moved itself
   };
-  /// Something there looks like a ball, or might.
-  Known see(double x_mm, double y_mm, double outside_mm) noexcept;
+  using Color = std::array<double, 3>;  // red, green and blue, in grey levels
+  /// Something there looks like a ball, or might. `is_sure`: it may tell what colour balls have.
+  Known see(double x_mm, double y_mm, double outside_mm, const Color& color, bool is_sure) noexcept;
 
  private:
   static constexpr std::size_t kMost = 64;
@@ -26,12 +31,30 @@ class BallMemory {
     double from_x_mm, from_y_mm;  // where the track that led there began
     double first_s, seen_s;
     int pictures;
-    bool is_ball;  // was on the field, or moved
+    bool is_ball;    // was on the field, or moved
+    bool has_moved;  // all along a track
+    bool is_sure;
+    bool is_counted;  // among those that moved
+    bool was_there;   // when the memory began
+    bool had_other_hue;
+    int colors;    // that `shares` are the mean of
+    Color shares;  // of red, green and blue
   };
+  /// A ball that was there, and is not any more.
+  struct Moved {
+    double x_mm, y_mm;
+    Color shares;
+  };
+  static constexpr std::size_t kMostMoved = 32;
+
+  void count_moved(Entry& entry) noexcept;
+  bool has_other_hue(Entry& entry) const noexcept;
 
   std::array<Entry, kMost> entries_;
   std::size_t count_ = 0;
-  double now_s_ = 0;
+  double begun_s_ = 0, now_s_ = 0;
+  std::array<Moved, kMostMoved> moved_;  // in a ring
+  std::size_t moved_count_ = 0;          // ever
 };
 
 }  // namespace sslv

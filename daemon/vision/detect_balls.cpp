@@ -61,6 +61,8 @@ double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen
 constexpr double kUnsure = 0.35, kOffColor = 0.5;
 /// With less of it in sight a ball is hidden; other starts lie so many radii to each side.
 constexpr double kHidden = 0.95, kLeastVisible = 0.4, kAside = 0.35;
+/// What tells the balls' colour looks so much like a ball.
+constexpr double kSure = 0.8;
 /// What is remembered looks at least so much like a ball.
 constexpr double kPerhaps = 0.02;
 
@@ -135,8 +137,9 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     if (!fit.ok) return;
     // Also what is not reported: in other light it may look more like a ball.
     if (confidence < std::min(params.min_confidence, kPerhaps)) return;
-    const BallMemory::Known known = memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm);
-    if (known.as_furniture || confidence < params.min_confidence) return;
+    const BallMemory::Known known =
+        memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color, confidence > kSure);
+    if (known.as_furniture || known.has_other_hue || confidence < params.min_confidence) return;
     // A ball that moves is as long as tape. In a few pixels its corners do not show.
     constexpr double kLargePixel = 0.47;  // of the radius
     if (known.at_rest && std::sqrt(camera.mm2_per_px(pixel, radius_mm)) < kLargePixel * radius_mm) {

@@ -9,41 +9,52 @@ namespace sslv {
 namespace {
 
 constexpr double kFrameS = 1.0 / 60;
+constexpr BallMemory::Color kOrange{140, 70, 30}, kRed{140, 40, 35}, kSunny{190, 115, 60};
+
+BallMemory::Known see(BallMemory& memory, double x_mm, double y_mm, double outside_mm) {
+  return memory.see(x_mm, y_mm, outside_mm, kOrange, true);
+}
+
+/// Balls at other places in each picture, as they are in play.
+void let_balls_move(BallMemory& memory, int picture) {
+  memory.see(-3000 + 400 * picture, 1000, -1000, kOrange, true);
+  memory.see(-3000 + 400 * picture, -1000, -1000, kOrange, true);
+}
 
 TEST(BallMemory, WhatStandsOffTheFieldIsFurniture) {
   BallMemory memory;
   int reported = 0;
   for (int i = 0; i < 20; ++i) {
     memory.begin(10 + i * kFrameS);
-    if (!memory.see(3000 + i % 3, 200 - i % 2, 150).as_furniture) ++reported;
+    if (!see(memory, 3000 + i % 3, 200 - i % 2, 150).as_furniture) ++reported;
   }
   EXPECT_LE(reported, 3);
   // Seen now and then only, as the light has it.
   memory.begin(30);
-  EXPECT_TRUE(memory.see(3001, 200, 150).as_furniture);
+  EXPECT_TRUE(see(memory, 3001, 200, 150).as_furniture);
   memory.begin(200);
-  EXPECT_FALSE(memory.see(3001, 200, 150).as_furniture) << "long ago";
+  EXPECT_FALSE(see(memory, 3001, 200, 150).as_furniture) << "long ago";
 }
 
 TEST(BallMemory, TellsWhatRestsFromWhatMoves) {
   BallMemory memory;
   for (int i = 0; i < 10; ++i) {
     memory.begin(10 + i * kFrameS);
-    EXPECT_EQ(memory.see(i % 3, 200, -1000).at_rest, i > 0) << i;
-    EXPECT_FALSE(memory.see(500 + 30 * i, -900, -1000).at_rest) << i;
+    EXPECT_EQ(see(memory, i % 3, 200, -1000).at_rest, i > 0) << i;
+    EXPECT_FALSE(see(memory, 500 + 30 * i, -900, -1000).at_rest) << i;
   }
   // Twice in one picture is no rest.
   memory.begin(20);
-  EXPECT_FALSE(memory.see(2000, 0, -1000).at_rest);
-  EXPECT_FALSE(memory.see(2001, 0, -1000).at_rest);
+  EXPECT_FALSE(see(memory, 2000, 0, -1000).at_rest);
+  EXPECT_FALSE(see(memory, 2001, 0, -1000).at_rest);
 }
 
 TEST(BallMemory, WhatLiesOnTheFieldOrAtItsLinesIsABall) {
   BallMemory memory;
   for (int i = 0; i < 100; ++i) {
     memory.begin(10 + i * kFrameS);
-    EXPECT_FALSE(memory.see(0, 0, -2000).as_furniture);
-    EXPECT_FALSE(memory.see(3000, 0, 40).as_furniture);
+    EXPECT_FALSE(see(memory, 0, 0, -2000).as_furniture);
+    EXPECT_FALSE(see(memory, 3000, 0, 40).as_furniture);
   }
 }
 
@@ -52,8 +63,8 @@ TEST(BallMemory, ABallThatRollsOutStaysOne) {
   for (int i = 0; i < 200; ++i) {
     memory.begin(10 + i * kFrameS);
     const double x_mm = std::min(3200.0, 2700 + 25.0 * i);
-    EXPECT_FALSE(memory.see(x_mm, 500, x_mm - 3000).as_furniture) << i;
-    memory.see(3150, -900, 150);  // furniture
+    EXPECT_FALSE(see(memory, x_mm, 500, x_mm - 3000).as_furniture) << i;
+    see(memory, 3150, -900, 150);  // furniture
   }
 }
 
@@ -62,7 +73,7 @@ TEST(BallMemory, ABallThatRollsInFromOutsideIsOne) {
   for (int i = 0; i < 200; ++i) {
     memory.begin(10 + i * kFrameS);
     const double x_mm = std::max(3150.0, 4000 - 30.0 * i);
-    EXPECT_FALSE(memory.see(x_mm, 500, x_mm - 3000).as_furniture) << i;
+    EXPECT_FALSE(see(memory, x_mm, 500, x_mm - 3000).as_furniture) << i;
   }
 }
 
@@ -70,25 +81,64 @@ TEST(BallMemory, TimeThatGoesBackForgetsAll) {
   BallMemory memory;
   for (int i = 0; i < 5; ++i) {
     memory.begin(10 + i);
-    memory.see(3000, 0, 200);
+    see(memory, 3000, 0, 200);
   }
   memory.begin(16);
-  EXPECT_TRUE(memory.see(3000, 0, 200).as_furniture);
+  EXPECT_TRUE(see(memory, 3000, 0, 200).as_furniture);
   memory.begin(1);
-  EXPECT_FALSE(memory.see(3000, 0, 200).as_furniture);
+  EXPECT_FALSE(see(memory, 3000, 0, 200).as_furniture);
+}
+
+TEST(BallMemory, WhatNeverMovedAndHasAnotherHueIsNoBall) {
+  BallMemory memory;
+  int tape = 0, dimmer_tape = 0;
+  for (int i = 0; i < 15; ++i) {
+    memory.begin(10 + i * kFrameS);
+    let_balls_move(memory, i);
+    if (!memory.see(0, 200, -100, kRed, true).has_other_hue) ++tape;
+    if (!memory.see(500, 200, -100, {70, 20, 17.5}, false).has_other_hue) ++dimmer_tape;
+    EXPECT_FALSE(memory.see(1000, 200, -100, kOrange, true).has_other_hue) << "a ball that lies there";
+    EXPECT_FALSE(memory.see(1500, 200, -100, {255, 40, 35}, true).has_other_hue) << "its red is clipped";
+  }
+  EXPECT_LE(tape, 4);
+  EXPECT_EQ(tape, dimmer_tape);
+  // Hidden for long it lies there still.
+  memory.begin(1000);
+  EXPECT_TRUE(memory.see(0, 200, -100, kRed, true).has_other_hue);
+}
+
+TEST(BallMemory, WhatStandsTellsNoHue) {
+  BallMemory memory;
+  for (int i = 0; i < 50; ++i) {
+    memory.begin(10 + i * kFrameS);
+    for (int k = 0; k < 8; ++k) memory.see(400 * k, 200, -100, kRed, true);
+    EXPECT_FALSE(memory.see(0, 1000, -1000, kOrange, true).has_other_hue) << "eight pieces of tape, one ball";
+  }
+}
+
+TEST(BallMemory, WhatMovedOrWasPutDownLaterIsABallInAnyHue) {
+  BallMemory memory;
+  for (int i = 0; i < 1200; ++i) {
+    memory.begin(10 + i * kFrameS);
+    let_balls_move(memory, i % 15);
+    const double x_mm = std::min(2000.0, 30.0 * i);
+    EXPECT_FALSE(memory.see(x_mm, -200, -100, kSunny, true).has_other_hue) << "rolls into the sun, and rests";
+    if (i <= 700) continue;
+    EXPECT_FALSE(memory.see(500, 200, -100, kSunny, true).has_other_hue) << "laid there";
+  }
 }
 
 TEST(BallMemory, ManyThingsAreBounded) {
   BallMemory memory;
   for (int round = 0; round < 10; ++round) {
     memory.begin(10 + round);
-    for (int i = 0; i < 500; ++i) memory.see(3100 + 20.0 * i, 0, 100 + 20.0 * i);
+    for (int i = 0; i < 500; ++i) see(memory, 3100 + 20.0 * i, 0, 100 + 20.0 * i);
   }
   for (int i = 0; i < 10; ++i) {
     memory.begin(30 + i);
-    memory.see(3100, 700, 100);
+    see(memory, 3100, 700, 100);
   }
-  EXPECT_TRUE(memory.see(3100, 700, 100).as_furniture);
+  EXPECT_TRUE(see(memory, 3100, 700, 100).as_furniture);
 }
 
 }  // namespace
