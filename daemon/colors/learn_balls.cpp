@@ -85,8 +85,10 @@ BallFit best_fit(BallFitter& fitter, const BallFitter::Frame& frame, const Eigen
   for (const Eigen::Vector2d& step :
        {Eigen::Vector2d(0, 0), {cell_mm, 0}, {-cell_mm, 0}, {0, cell_mm}, {0, -cell_mm}}) {
     const Eigen::Vector2d start = place_mm + step;
-    const BallFit fit = fitter.fit(frame, start.x(), start.y());
-    if (fit.ok && (!best.ok || fit.r2 > best.r2)) best = fit;
+    BallFit fit = fitter.fit(frame, start.x(), start.y());
+    if (!fit.ok || (best.ok && fit.r2 <= best.r2)) continue;
+    fitter.judge(fit);
+    best = fit;
   }
   return best;
 }

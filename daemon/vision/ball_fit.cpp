@@ -374,8 +374,8 @@ int BallFitter::leave_out_unlike(const Look& look) noexcept {
   return count;
 }
 
-/// What the samples say that the model has no room for.
-void BallFitter::judge(const Look& look, BallFit& out) const noexcept {
+void BallFitter::judge(BallFit& out) const noexcept {
+  const Look& look = *look_;
   constexpr std::size_t kSectors = 8, kHarmonics = 6;
   float outside = 0, left2 = 0, kept = 0, values = 0;
   std::array<float, kSectors> sector{}, sector_weight{};
@@ -603,7 +603,6 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     const auto difference = look.planes.yuv ? rgb_of_yuv_contrast(contrast) : contrast;
     out.contrast =
         Eigen::Vector3d(difference.data()).norm() / std::max(1.0, Eigen::Vector3d(out.color.data()).norm());
-    judge(look, out);
     return out;
   }
   return out;

@@ -51,8 +51,13 @@ class BallFitter {
   BallFitter();
   ~BallFitter();
 
-  /// Starts at (x, y) on the plane of its centre, good to about the radius. Allocates nothing.
+  /// Starts at (x, y) on the plane of its centre, good to about the radius. What judge() adds is missing.
+  /// Allocates nothing.
   BallFit fit(const Frame& frame, double x_mm, double y_mm) noexcept;
+
+  /// Adds to the result of the last fit() what the samples say that the model has no room for: misfit,
+  /// most_alike, out_of_round_mm and its sigma. It takes about as long as a fit.
+  void judge(BallFit& last) const noexcept;
 
   /// How much better a piece of tape (a rectangle of one colour) explains the picture than the ball `found`
   /// there: the logarithm of the ratio of variances that they leave, the mean over all samples. Less than 0:
@@ -66,7 +71,6 @@ class BallFitter {
   bool read(const Frame& frame, Look& look, BallFit& out) noexcept;
   void leave_out_odd(const Look& look, BallFit& out) noexcept;
   int leave_out_unlike(const Look& look) noexcept;
-  void judge(const Look& look, BallFit& out) const noexcept;
 
   struct Group;  // planes that share their samples' places
   std::array<std::unique_ptr<Group>, 3> groups_;

@@ -57,6 +57,12 @@ double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen
   return cell_mm > kCoarse * radius_mm ? cell_mm - kUsual * radius_mm : 0;
 }
 
+/// The most that BallFitter::judge() may leave of the confidence.
+double most_confidence_of(BallEvidence e) {
+  e.misfit = e.out_of_round = e.most_alike = 0;
+  return confidence_of(e);
+}
+
 /// Of the radius; in spreads of the ball's colour.
 constexpr double kUnsure = 0.35, kOffColor = 0.5;
 /// With less of it in sight a ball is hidden; other starts lie so many radii to each side.
@@ -85,6 +91,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
 
   const BallFitter::Frame frame{image.view(),    camera,         radius_mm,     robots.robots,
                                 robot_radius_mm, robot_front_mm, params.blur_px};
+  const double least_remembered = std::min(params.min_confidence, kPerhaps);
   memory_.begin(info.times.t_capture_s);
   int fits = 0;
   const auto look_at = [&](const Region& region) {
@@ -112,11 +119,17 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       if (!fit.ok) fit.visible_share = other.visible_share;
       if (!other.ok) return;
       other.moved_mm = std::hypot(other.x_mm - place->x(), other.y_mm - place->y());
-      const BallEvidence says = evidence_of(other, scene, lut, ratio, coarse_mm);
+      BallEvidence says = evidence_of(other, scene, lut, ratio, coarse_mm);
       // In a few samples nearly anything is round: there the colour must tell.
       const bool unlike =
           coarse_mm > 0 && (!says.is_orange || says.color_off > kOffColor || says.radius_sigma > kUnsure);
-      const double likely = unlike ? 0 : confidence_of(says);
+      // Most of what is orange in a hall is no ball whatever its samples say besides.
+      double likely = unlike ? 0 : most_confidence_of(says);
+      if (!unlike && likely >= least_remembered) {
+        fitter_.judge(other);
+        says = evidence_of(other, scene, lut, ratio, coarse_mm);
+        likely = confidence_of(says);
+      }
       if (fit.ok && likely <= confidence) return;
       fit = other;
       evidence = says;
@@ -136,7 +149,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     }
     if (!fit.ok) return;
     // Also what is not reported: in other light it may look more like a ball.
-    if (confidence < std::min(params.min_confidence, kPerhaps)) return;
+    if (confidence < least_remembered) return;
     const BallMemory::Known known =
         memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color, confidence > kSure);
     if (known.as_furniture || known.has_other_hue || confidence < params.min_confidence) return;
