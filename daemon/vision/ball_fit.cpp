@@ -116,6 +116,41 @@ float as_float(double value) {
 
 }  // namespace
 
+/// Where a sample lies on the ball's model.
+struct BallFitter::Place {
+  float nx, ny;  // direction from the centre, as it is on the plane; its length is that of the ray's distance
+  float z;       // -1: outside the blurred silhouette, 1: inside
+  float slope;   // change of its cover with the radius, 1 / mm
+  std::array<float, 5> column;  // the model's columns from kCover on
+
+  /// False for what lies outside the ball's surroundings. `sigma_*2`: squared blur of a sample, pixels.
+  bool look_up(const BallTemplate& ball, float u, float v, float sigma_x2, float sigma_y2) {
+    const KernelPatch& patch = ball.patch;
+    const float x = u * (patch.xu + patch.xuu * u + patch.xuv * v) + v * (patch.xv + patch.xvv * v) - ball.x;
+    const float y = u * (patch.yu + patch.yuu * u + patch.yuv * v) + v * (patch.yv + patch.yvv * v) - ball.y;
+    const float gx = ball.mxx * x + ball.mxy * y, gy = ball.mxy * x + ball.myy * y;
+    const float r2 = std::max(gx * x + gy * y, 1e-6F);
+    if (!(r2 < ball.outer_radius * ball.outer_radius)) return false;
+    const float r = std::sqrt(r2);
+    nx = gx / r, ny = gy / r;
+    const float right = patch.xu * nx + patch.yu * ny, down = patch.xv * nx + patch.yv * ny;
+    const float s2 = sigma_x2 * right * right + sigma_y2 * down * down + 1e-6F;
+    const float half_mm = 3 * std::sqrt(s2);
+    z = std::clamp((ball.radius - s2 * 0.5F / ball.radius - r) / half_mm, -1.0F, 1.0F);
+    const float z2 = z * z, w = 1 - z2;
+    const float cover = 0.5F + z * (35.0F / 32) * (1 + z2 * (-1 + z2 * (0.6F - z2 / 7)));
+    slope = 35.0F / 32 * w * w * w / half_mm;
+    const float up = std::sqrt(std::max(0.0F, 1 - r2 / (ball.radius * ball.radius)));
+    column = {cover, cover * x / ball.radius, cover * y / ball.radius, cover * up, 1};
+    return true;
+  }
+  /// What the model leaves of a value.
+  float left(const std::array<float, 5>& weights, float value) const {
+    for (std::size_t a = 0; a < column.size(); ++a) value -= weights[a] * column[a];
+    return value;
+  }
+};
+
 struct BallFitter::Group {
   PlaneSamples samples;
   /// Places of samples that no robot hides.
@@ -127,7 +162,8 @@ struct BallFitter::Group {
     }
     std::span<const std::uint16_t> all() const { return std::span(at).first(count); }
   };
-  Places core, rim, ring;  // on the ball, just outside its silhouette, around it
+  Places core, rim, ring;                        // on the ball, just outside its silhouette, around it
+  std::array<Place, PlaneSamples::kMax> places;  // of samples, while leave_out_unlike() needs them
   RectangleSamples flat;
 };
 
@@ -301,69 +337,38 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
   out.clear_share = look.around > 0 ? static_cast<double>(clear) / look.around : 0;
 }
 
-/// Where a sample lies on the ball's model.
-struct BallFitter::Place {
-  float nx, ny;  // direction from the centre, as it is on the plane; its length is that of the ray's distance
-  float z;       // -1: outside the blurred silhouette, 1: inside
-  float slope;   // change of its cover with the radius, 1 / mm
-  std::array<float, 5> column;  // the model's columns from kCover on
-
-  /// False for what lies outside the ball's surroundings. `sigma_*2`: squared blur of a sample, pixels.
-  bool look_up(const BallTemplate& ball, float u, float v, float sigma_x2, float sigma_y2) {
-    const KernelPatch& patch = ball.patch;
-    const float x = u * (patch.xu + patch.xuu * u + patch.xuv * v) + v * (patch.xv + patch.xvv * v) - ball.x;
-    const float y = u * (patch.yu + patch.yuu * u + patch.yuv * v) + v * (patch.yv + patch.yvv * v) - ball.y;
-    const float gx = ball.mxx * x + ball.mxy * y, gy = ball.mxy * x + ball.myy * y;
-    const float r2 = std::max(gx * x + gy * y, 1e-6F);
-    if (!(r2 < ball.outer_radius * ball.outer_radius)) return false;
-    const float r = std::sqrt(r2);
-    nx = gx / r, ny = gy / r;
-    const float right = patch.xu * nx + patch.yu * ny, down = patch.xv * nx + patch.yv * ny;
-    const float s2 = sigma_x2 * right * right + sigma_y2 * down * down + 1e-6F;
-    const float half_mm = 3 * std::sqrt(s2);
-    z = std::clamp((ball.radius - s2 * 0.5F / ball.radius - r) / half_mm, -1.0F, 1.0F);
-    const float z2 = z * z, w = 1 - z2;
-    const float cover = 0.5F + z * (35.0F / 32) * (1 + z2 * (-1 + z2 * (0.6F - z2 / 7)));
-    slope = 35.0F / 32 * w * w * w / half_mm;
-    const float up = std::sqrt(std::max(0.0F, 1 - r2 / (ball.radius * ball.radius)));
-    column = {cover, cover * x / ball.radius, cover * y / ball.radius, cover * up, 1};
-    return true;
-  }
-  /// What the model leaves of a value.
-  float left(const std::array<float, 5>& weights, float value) const {
-    for (std::size_t a = 0; a < column.size(); ++a) value -= weights[a] * column[a];
-    return value;
-  }
-};
-
 /// A highlight on the ball or its shadow beside it would pull at its place.
 int BallFitter::leave_out_unlike(const Look& look) noexcept {
+  constexpr float kNowhere = 2;  // z of a sample outside the ball's surroundings
   int count = 0;
-  Place place{};
   std::size_t first = 0;
   for (std::size_t g = 0; g < look.groups; ++g) {
     PlaneSamples& samples = groups_[g]->samples;
-    const auto planes = static_cast<std::size_t>(samples.planes);
+    auto& places = groups_[g]->places;
+    const auto planes = static_cast<std::size_t>(samples.planes), n = static_cast<std::size_t>(samples.count);
     const float wide_px = look.planes.groups[g].front().wide_px;
     const float sigma_x2 = look.ball.blur_px * look.ball.blur_px + wide_px * wide_px / 12;
     const float sigma_y2 = look.ball.blur_px * look.ball.blur_px + 1.0F / 12;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!places[i].look_up(look.ball, samples.u[i], samples.v[i], sigma_x2, sigma_y2))
+        places[i].z = kNowhere;
+    }
     for (std::size_t p = 0; p < planes; ++p) {
       const auto& weights = look.weights[first + p];
       Median lefts;
-      const auto n = static_cast<std::size_t>(samples.count);
+      const auto left_of = [&](std::size_t i) {
+        return std::abs(places[i].left(weights, samples.value[p][i]));
+      };
       for (std::size_t i = 0; i < n; ++i) {
-        if (samples.keep[i] > 0 && place.look_up(look.ball, samples.u[i], samples.v[i], sigma_x2, sigma_y2))
-          lefts.add(std::min(255.0F, std::abs(place.left(weights, samples.value[p][i]))));
+        if (samples.keep[i] > 0 && places[i].z != kNowhere) lefts.add(std::min(255.0F, left_of(i)));
       }
       if (lefts.count() < kLeastOfPlane) continue;
       const float limit =
           std::max({kUnlike * 1.48F * (lefts.get() + 0.5F), kUnlikeShare * std::abs(look.contrast[first + p]),
                     kUnlike * kLeastSpread});
       for (std::size_t i = 0; i < n; ++i) {
-        if (!(samples.keep[i] > 0) ||
-            !place.look_up(look.ball, samples.u[i], samples.v[i], sigma_x2, sigma_y2))
-          continue;
-        if (std::abs(place.z) > kUnlikeFrom && std::abs(place.left(weights, samples.value[p][i])) > limit) {
+        if (samples.keep[i] > 0 && places[i].z != kNowhere && std::abs(places[i].z) > kUnlikeFrom &&
+            left_of(i) > limit) {
           samples.keep[i] = kUnlikeModel;
           ++count;
         }
