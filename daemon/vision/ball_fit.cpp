@@ -28,6 +28,8 @@ constexpr double kLeastVariance = 0.5;
 constexpr double kMostStepMm = 8, kSmallStepMm = 0.6;
 /// A start this far off is followed by another.
 constexpr double kFarMm = 4;
+/// Unless it explains less than this.
+constexpr double kHopelessR2 = 0.15, kLargeCell = 0.75;
 /// Carpet differs from its median by no more than this many times its usual difference.
 constexpr float kOddCarpet = 4.5F;
 constexpr float kLeastSpread = 2.5F;
@@ -192,6 +194,13 @@ BallFit BallFitter::fit(const Frame& frame, double x_mm, double y_mm) noexcept {
     out = fit_from(frame, from_x_mm, from_y_mm);
     // What lies around and what is hidden was looked up for the start: with a far better one, again.
     if (!out.ok || out.moved_mm < kFarMm) break;
+    // What a ball hardly explains and pulls it far away is a letter, a stripe, a shirt. Where cells are as
+    // large as the ball's radius the first start is off by as much, though.
+    const double cell_mm = (look_->groups == 3 ? 2 : 1) * look_->patch.mm_per_px();
+    if (out.r2 < kHopelessR2 && cell_mm < kLargeCell * frame.radius_mm) {
+      out.ok = false;
+      break;
+    }
     from_x_mm = out.x_mm;
     from_y_mm = out.y_mm;
   }
