@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "settings/bounded_patch.h"
 
 #include <functional>
 #include <system_error>
@@ -11,14 +12,6 @@
 
 namespace sslv {
 namespace {
-
-Json patched(const Json& settings, const Json& patch) {
-  try {
-    return settings.patch(patch);
-  } catch (const Json::exception& error) {
-    throw SettingsError(fmt::format("not a JSON Patch that fits the settings: {}", error.what()));
-  }
-}
 
 /// Changes name the things of a list by their places. Throws SettingsError when a change of something with an
 /// "id" would meet another id: the admin has put the list into another order.
@@ -98,12 +91,12 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
         made_on = admin_as_written;
         made_on.erase(kVersionKey);
       }
-      const Json changed = check_(migrated(patched(made_on, changes), version, migrations_));
+      const Json changed = check_(migrated(apply_patch(made_on, changes), version, migrations_));
       made_on = check_(migrated(made_on, version, migrations_));
       changes = Json::diff(made_on, changed);
     }
     if (!made_on.is_null()) check_same_ids(changes, made_on, admin_settings_);
-    Version loaded{saved.at("revision").get<std::uint64_t>(), check_(patched(admin_settings_, changes))};
+    Version loaded{saved.at("revision").get<std::uint64_t>(), check_(apply_patch(admin_settings_, changes))};
     history_ = SettingsHistory(saved.value("history", Json::array()));
     return loaded;
   } catch (const std::exception& error) {
@@ -128,20 +121,20 @@ Json SettingsStore::history() const {
 
 SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
                                             const Prepare& prepare) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(edits_);
   return apply(patch, edit, prepare);
 }
 
 Json SettingsStore::check(const Json& patch, const std::function<void(const Json&)>& try_out) const {
   const Json before = current().settings;
-  const Json after = checked(patched(before, patch));
+  const Json after = checked(apply_patch(before, patch));
   try_out(after);
   return changes_between(before, after);
 }
 
 SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const SettingsEdit& edit,
                                            const Prepare& prepare) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(edits_);
   const SettingsStep* step = history_.find(revision);
   if (step == nullptr)
     throw SettingsError(fmt::format("revision: {} is not allowed; expected one of the history", revision));
@@ -170,7 +163,7 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
-  Version next{version_.revision + 1, checked(patched(version_.settings, patch))};
+  Version next{version_.revision + 1, checked(apply_patch(version_.settings, patch))};
   const auto put_into_force = prepare(next.settings);
 
   SettingsHistory history = history_;
@@ -182,14 +175,19 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
   edit.joins ? history.join(std::move(step)) : history.add(std::move(step));
   save(next, admin_settings_, history);
   put_into_force();
-  version_ = next;
-  revision_ = next.revision;
-  history_ = std::move(history);
+  take(next, std::move(history));
   return next;
 }
 
-SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
+void SettingsStore::take(const Version& version, SettingsHistory history) {
   const std::lock_guard lock(mutex_);
+  version_ = version;
+  revision_ = version.revision;
+  history_ = std::move(history);
+}
+
+SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
+  const std::lock_guard lock(edits_);
   try {
     Version version = reload_now(prepare);
     reload_problem_.store("");
@@ -209,7 +207,7 @@ SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
   std::function<void()> put_into_force = [] {};
   try {
     check_same_ids(changes, admin_settings_, admin);
-    next.settings = check_(patched(admin, changes));
+    next.settings = check_(apply_patch(admin, changes));
     if (!Json::diff(next.settings, version_.settings).empty()) {
       ++next.revision;
       put_into_force = prepare(next.settings);
@@ -227,9 +225,7 @@ SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
   save(next, admin, history);
   put_into_force();
   admin_settings_ = std::move(admin);
-  version_ = next;
-  revision_ = next.revision;
-  history_ = std::move(history);
+  take(next, std::move(history));
   return next;
 }
 

@@ -97,6 +97,7 @@ class SettingsStore {
   std::optional<Version> load_changes(const std::filesystem::path& file, const Json& admin_as_written);
   Version reload_now(const Prepare& prepare);
   Version apply(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
+  void take(const Version& version, SettingsHistory history);
   /// As changes of this admin's tree.
   void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);
   std::filesystem::path changes_file() const { return folder_.path() / "settings.json"; }
@@ -110,8 +111,9 @@ class SettingsStore {
   Snapshot<std::string> reload_problem_{""};
 
   std::atomic<std::uint64_t> revision_{0};  // version_'s
-  mutable std::mutex mutex_;                // guards what follows; held during a whole patch
-  Json admin_settings_;                     // complete
+  std::mutex edits_;                        // held during a whole edit: one at a time
+  Json admin_settings_;                     // complete; only edits read and write it
+  mutable std::mutex mutex_;  // guards what follows, which only edits write; never held for long
   Version version_;
   SettingsHistory history_;
 };

@@ -109,6 +109,17 @@ describe('the interface as docs/openapi.json says', () => {
     await becomes('/api/checks', (value) => value.go);
   });
 
+  it('refuses patches that grow without end', async () => {
+    const doubling = [{ op: 'add', path: '/x', value: [] }, ...Array.from({ length: 22 }, () => ({ op: 'copy', from: '', path: '/x/-' }))];
+    const nesting = [{ op: 'add', path: '/x', value: {} }, ...Array.from({ length: 1900 }, () => ({ op: 'copy', from: '/x', path: '/x/x' }))];
+    const { revision } = await ask('get', '/api/settings');
+    for (const [body, why] of [[doubling, /more values and bytes|nested deeper/], [nesting, /nested deeper than 64/]]) {
+      for (const [method, path] of [['post', '/api/settings/check'], ['patch', '/api/settings']])
+        assert.match((await ask(method, path, { body, expect: 422 })).error, why);
+    }
+    assert.equal((await ask('get', '/api/settings')).revision, revision);
+  });
+
   it('tells what a calibrated camera does not look at', async () => {
     const hiddenPx = async () => (await ask('get', '/api/cameras/{camera}/field_view')).hidden.reduce((sum, [, , width, height]) => sum + width * height, 0);
     const path = '/cameras/0/mask/beyond_boundary';

@@ -5,7 +5,9 @@
 #include "support/failing_disk.h"
 #include "support/temporary_folder.h"
 
+#include <chrono>
 #include <fstream>
+#include <future>
 #include <iterator>
 
 #include <gmock/gmock.h>
@@ -311,6 +313,21 @@ TEST_F(Store, ManySmallChangesMayBeOneStep) {
   EXPECT_EQ(store.history().size(), 4u) << "another client's, another purpose, another value";
   const auto revision = open().history()[3]["revision"].get<std::uint64_t>();
   EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, revision); }), HasSubstr("changed again"));
+}
+
+TEST_F(Store, ReadsDoNotWaitForAnEdit) {
+  SettingsStore store = open();
+  std::future<bool> read;  // by another thread, while the edit is made ready
+  bool was_read = false;
+  store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const Json&) {
+    read = std::async(std::launch::async,
+                      [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
+    was_read = read.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    return [] {};
+  });
+  EXPECT_TRUE(was_read);
+  EXPECT_TRUE(read.get());
+  EXPECT_EQ(store.current().settings.at("a"), 5);
 }
 
 TEST_F(Store, NoProblemWithoutSavedChanges) {
