@@ -471,6 +471,7 @@ TEST_F(Gige, TheCameraThreadOpensARestartedCameraAnew) {
         return open({{"silence_s", 0.3}});
       },
       [&](CapturedImage&&) { ++taken; }, {milliseconds(10), milliseconds(100)});
+  thread.start();
   const auto wait_for_more = [&] {
     const int before = taken;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
