@@ -61,7 +61,8 @@ void RunningCamera::start_thread() {
   };
   auto thread = std::make_unique<CameraThread>("camera " + std::to_string(settings->id), settings->thread,
                                                std::move(open), std::move(on_image), RetryDelays{},
-                                               std::shared_ptr<CaptureTotals>(totals_, &totals_->capture));
+                                               std::shared_ptr<CaptureTotals>(totals_, &totals_->capture),
+                                               [this] { return pipeline_.give_back(); });
   const std::lock_guard lock(thread_mutex_);
   std::unique_ptr<CameraThread> ended = std::exchange(thread_, std::move(thread));
   thread_->start(std::move(ended));

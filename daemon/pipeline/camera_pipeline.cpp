@@ -48,11 +48,23 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
   if (current_) {
     finished_.put(current_);
+    ring_.give_back();  // at least the frame that it replaced, when nobody looks at it
   } else {
     frame.image = Image();
     unseen_.fetch_add(1, std::memory_order_relaxed);
   }
   return frame;
+}
+
+bool CameraPipeline::give_back() noexcept {
+  const std::size_t ours = current_ ? 1 : 0;
+  return ring_.give_back() > ours;
+}
+
+void CameraPipeline::close() {
+  finished_.close();
+  current_.reset();
+  ring_.give_back();
 }
 
 CameraPipeline::Counters CameraPipeline::counters() const {
