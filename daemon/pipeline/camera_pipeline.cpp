@@ -28,7 +28,7 @@ CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, Cam
 
 const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
                                      const WholePicture& whole) noexcept {
-  const auto setup = setup_.load();
+  const auto setup = setup_.use();
   current_ = ring_.acquire();
   Frame& frame = current_ ? *current_ : spare_;
   frame.info = {camera_id_, next_number_++, times, whole};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/snapshot.h"
+#include "base/handover.h"
 #include "pipeline/frame_ring.h"
 #include "pipeline/latest_frame.h"
 #include "pipeline/pipeline.h"
@@ -59,7 +59,7 @@ class CameraPipeline {
 
   const std::uint32_t camera_id_;
   DetectionSink& sink_;
-  Snapshot<CameraSetup> setup_;
+  Handover<CameraSetup> setup_;
   FrameRing ring_{kRingSlots};
   Frame spare_;  // used when viewers hold the whole ring: never offered
   FrameRef current_;

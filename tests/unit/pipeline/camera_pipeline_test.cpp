@@ -177,6 +177,35 @@ TEST(CameraPipeline, WhatAViewerLetsGoOfGoesBackByTheCamerasThread) {
   EXPECT_EQ(driver.lent, 0);
 }
 
+/// Stops in the middle of a frame.
+struct WaitingSink : DetectionSink {
+  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {
+    entered.release();
+    go_on.acquire();
+  }
+  std::binary_semaphore entered{0}, go_on{0};
+};
+
+TEST(CameraPipeline, AReplacedSetupIsNotFreedByTheCamerasThread) {
+  WaitingSink sink;
+  std::thread::id freed_by;
+  CameraSetup setup = setup_of({"mark", "publish"});
+  setup.world.lut = std::shared_ptr<const Lut>(new Lut(), [&](const Lut* lut) {
+    freed_by = std::this_thread::get_id();
+    delete lut;
+  });
+  CameraPipeline camera(0, sink, std::move(setup));
+  std::thread cameras_thread([&] { camera.process({}, {}); });
+  sink.entered.acquire();
+  camera.change(setup_of({"mark", "publish"}));
+  EXPECT_EQ(freed_by, std::thread::id()) << "the frame uses it";
+  sink.go_on.release();
+  cameras_thread.join();
+  EXPECT_EQ(freed_by, std::thread::id());
+  (void)camera.setup();
+  EXPECT_EQ(freed_by, std::this_thread::get_id());
+}
+
 TEST(CameraPipeline, AThreadThatIsHeldWhileItLooksDelaysNoFrame) {
   CountingSink sink;
   const CameraSetup setup = setup_of({"mark", "publish"});
@@ -192,6 +221,8 @@ TEST(CameraPipeline, AThreadThatIsHeldWhileItLooksDelaysNoFrame) {
         const auto newest = camera.finished().wait_newer(seen, std::chrono::milliseconds(1));
         if (newest) seen = newest->version;
       },
+      [&] { (void)camera.setup(); },
+      [&] { camera.change(setup); },
       [&] { (void)camera.counters(); },
   };
   for (const auto& look : looks) expect_never_waits(look, process, 400);
