@@ -61,9 +61,11 @@ void RunningCamera::start_thread() {
   };
   auto thread = std::make_unique<CameraThread>("camera " + std::to_string(settings->id), settings->thread,
                                                std::move(open), std::move(on_image), RetryDelays{},
-                                               std::shared_ptr<CaptureTotals>(totals_, &totals_->capture));
+                                               std::shared_ptr<CaptureTotals>(totals_, &totals_->capture),
+                                               [this] { return pipeline_.give_back(); });
   const std::lock_guard lock(thread_mutex_);
-  thread_ = std::move(thread);
+  std::unique_ptr<CameraThread> ended = std::exchange(thread_, std::move(thread));
+  thread_->start(std::move(ended));
 }
 
 ControlChange RunningCamera::change_controls(const CameraSettings& settings, const std::string& path) const {
@@ -80,12 +82,6 @@ bool RunningCamera::change(const CameraSettings& settings, CameraSetup setup, Co
   controls.keep();
   const bool same_source = without_controls(old->source) == without_controls(settings.source);
   if (same_source && same(old->thread, settings.thread) && !controls.needs_opening()) return false;
-  std::unique_ptr<CameraThread> ended;
-  {
-    const std::lock_guard lock(thread_mutex_);
-    ended = std::move(thread_);
-  }
-  ended.reset();  // one thread at a time feeds the pipeline
   start_thread();
   return true;
 }

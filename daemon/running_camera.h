@@ -70,6 +70,7 @@ class RunningCamera {
     CameraTotals& totals;
     RecentDurations latency, age;
   };
+  /// In the place of the one that is there, without waiting for its end.
   void start_thread();
 
   /// Shared with the thread, which opens the camera by what is in force then and may be left behind.
