@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/host.h"
-#include "web/router.h"
+#include "web/gate.h"
+#include "web/route.h"
+#include "web/view.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -18,6 +19,14 @@ struct WebOptions {
   int port = 8090;                    // 0: any free one
   std::filesystem::path panel_directory;
   int max_connections = 512;
+};
+
+/// What the server asks others for. All must outlive it.
+struct WebParts {
+  Gate& gate;
+  ViewSource& views;
+  std::vector<Topic*> topics;
+  std::vector<Route> routes;
 };
 
 struct WebStats {
@@ -29,13 +38,12 @@ struct WebStats {
 /// The panel's HTTP and WebSocket server (docs/api.md), on one port and on threads of its own.
 class WebServer {
  public:
-  /// Listens when it returns. `routes` must outlive the server. Throws SettingsError naming /panel/address or
-  /// /panel/port when it cannot listen there.
-  WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options);
+  /// Listens when it returns. Throws SettingsError naming /panel/address or /panel/port when it cannot listen
+  /// there.
+  WebServer(WebParts parts, const WebOptions& options);
   ~WebServer();  // stop()
 
-  /// Finishes the requests that are being handled, then closes all connections. Must not be called by a
-  /// function of the host.
+  /// Finishes the requests that are being handled, then closes all connections. Not for a handler.
   void stop();
 
   /// Makes ready to listen elsewhere; what it returns, which cannot fail, ends listening where it did until

@@ -3,7 +3,7 @@
 
 #include "base/latest.h"
 #include "capture/source.h"
-#include "fresh_frames.h"
+#include "services/cameras/fresh_frames.h"
 
 #include <array>
 #include <atomic>

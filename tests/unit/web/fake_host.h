@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/latest.h"
 #include "support/temporary_folder.h"
-#include "web/access.h"
+#include "services/access/access.h"
 #include "web/host.h"
 #include "web/http.h"
 
