@@ -2,9 +2,9 @@
 // Arguments, signals, exit code; nothing else.
 #include "base/log.h"
 #include "config/backends.h"
+#include "config/version.h"
 #include "daemon.h"
 #include "settings/store.h"
-#include "config/version.h"
 
 #include <csignal>
 #include <cstdint>

@@ -226,14 +226,14 @@ class RunningServer {
 }  // namespace
 
 struct WebServer::Impl {
-  Impl(const WebParts& parts, const WebOptions& options) : running(std::in_place, parts, options, counters) {}
+  Impl(const WebParts& parts, const WebOptions& options, WebCounters& counters)
+      : running(std::in_place, parts, options, counters) {}
 
-  WebCounters counters;
   std::optional<RunningServer> running;
 };
 
-WebServer::WebServer(WebParts parts, const WebOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(parts), options)) {}
+WebServer::WebServer(WebParts parts, const WebOptions& options, WebCounters& counters)
+    : impl_(std::make_unique<Impl>(std::move(parts), options, counters)) {}
 
 WebServer::~WebServer() = default;
 
@@ -247,10 +247,6 @@ std::uint16_t WebServer::port() const {
 
 std::function<void()> WebServer::move_to(const std::string& address, int port) {
   return impl_->running->move_to(address, port);
-}
-
-WebStats WebServer::stats() const {
-  return {impl_->counters.connections, impl_->counters.viewers, impl_->counters.jpegs_encoded};
 }
 
 }  // namespace sslv

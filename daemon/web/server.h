@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/counters.h"
 #include "web/gate.h"
 #include "web/route.h"
 #include "web/view.h"
@@ -21,7 +22,7 @@ struct WebOptions {
   int max_connections = 512;
 };
 
-/// What the server asks others for. All must outlive it.
+/// What the server asks others for.
 struct WebParts {
   Gate& gate;
   ViewSource& views;
@@ -29,18 +30,12 @@ struct WebParts {
   std::vector<Route> routes;
 };
 
-struct WebStats {
-  int connections = 0;              // open now, viewers included
-  int viewers = 0;                  // WebSockets open now
-  std::uint64_t jpegs_encoded = 0;  // for previews, since start
-};
-
 /// The panel's HTTP and WebSocket server (docs/api.md), on one port and on threads of its own.
 class WebServer {
  public:
-  /// Listens when it returns. Throws SettingsError naming /panel/address or /panel/port when it cannot listen
+  /// Listens when it returns. `parts` and `counters`, which it counts in, must outlive it. Throws SettingsError naming /panel/address or /panel/port when it cannot listen
   /// there.
-  WebServer(WebParts parts, const WebOptions& options);
+  WebServer(WebParts parts, const WebOptions& options, WebCounters& counters);
   ~WebServer();  // stop()
 
   /// Finishes the requests that are being handled, then closes all connections. Not for a handler.
@@ -53,7 +48,6 @@ class WebServer {
 
   /// The port it listens on.
   std::uint16_t port() const;
-  WebStats stats() const;
 
  private:
   struct Impl;

@@ -71,6 +71,14 @@ P read_message(const Json& json, const std::string& path) {
 
 }  // namespace
 
+std::vector<Route> websocket_routes() {
+  return {{"GET", WebSocketHub::kPath.data(), [](const Request&) {
+             Response response = json_response({{"error", "this address speaks WebSocket only"}}, 426);
+             response.headers.emplace_back("Upgrade", "websocket");
+             return response;
+           }}};
+}
+
 /// One viewer. Kept alive by its pending reads and writes.
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:

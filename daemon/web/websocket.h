@@ -22,6 +22,9 @@ namespace sslv {
 
 class WebSocketSession;
 
+/// What a plain request gets where a WebSocket is expected.
+std::vector<Route> websocket_routes();
+
 /// All WebSocket viewers and what they are sent. Except for the counters and stop(), everything runs on the
 /// one thread of `io`.
 class WebSocketHub {
@@ -39,6 +42,9 @@ class WebSocketHub {
 
  private:
   friend class WebSocketSession;
+
+/// What a plain request gets where a WebSocket is expected.
+std::vector<Route> websocket_routes();
 
   void joined(WebSocketSession& session);
   void left(WebSocketSession& session);

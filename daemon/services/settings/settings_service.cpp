@@ -61,9 +61,13 @@ SettingsService::SettingsService(const std::filesystem::path& settings_file, Sta
       folder_problem_(folder.find_problem()) {}
 
 void SettingsService::start(std::vector<Service*> services) {
-  services_ = std::move(services);
+  use(std::move(services));
   const SettingsStore::Version version = store_.current();
   prepare_all({version.settings, version.config}, SettingsChange::Origin::kStart)();
+}
+
+void SettingsService::use(std::vector<Service*> services) {
+  services_.store(std::move(services));
 }
 
 Commit SettingsService::prepare_all(const CheckedSettings& next, SettingsChange::Origin origin) {
@@ -73,7 +77,8 @@ Commit SettingsService::prepare_all(const CheckedSettings& next, SettingsChange:
   }
   const auto now = config_.load();
   std::vector<Commit> commits;
-  for (Service* service : services_) commits.push_back(service->prepare({*now, *next.config, origin}));
+  const auto services = services_.load();
+  for (Service* service : *services) commits.push_back(service->prepare({*now, *next.config, origin}));
   return [this, config = next.config, held = std::move(commits)]() mutable noexcept {
     config_.store(std::move(config));
     for (Commit& commit : held) commit();

@@ -29,6 +29,8 @@ class SettingsService final : public Service, public SettingsEditor {
   /// From now on these prepare every change, in this order; the settings in effect are their first. They must
   /// outlive all requests. Throws SettingsError.
   void start(std::vector<Service*> services);
+  /// Likewise from now on, when one more is there that the settings in effect suit already.
+  void use(std::vector<Service*> services);
 
   /// Reads the admin's file again and applies it; logs what came of it.
   void reload();
@@ -57,7 +59,7 @@ class SettingsService final : public Service, public SettingsEditor {
   const std::vector<std::filesystem::path> file_folders_;
   SettingsStore store_;
   Snapshot<Config> config_;
-  std::vector<Service*> services_;
+  Snapshot<std::vector<Service*>> services_{std::vector<Service*>{}};
   std::atomic<double> since_s_{0};         // Unix time when the newest settings took effect
   Snapshot<std::string> folder_problem_;  // as it was seen last: looking may take as long as the disk does
 };
