@@ -9,6 +9,8 @@ namespace sslv {
 
 void become_background_thread(const char* name) {
   pthread_setname_np(pthread_self(), name);
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_OTHER, &none);  // a real-time camera's thread may have started it
   // On Linux 0 means the calling thread, not the process. Lowering it needs no privilege, so it cannot fail.
   constexpr int kNice = 10;
   setpriority(PRIO_PROCESS, 0, kNice);

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace sslv {
@@ -13,9 +16,18 @@ namespace sslv {
 /// threads of its own the job is simply done by the caller.
 class Workers {
  public:
-  /// They take over the caller's priority and processors.
-  explicit Workers(int threads) {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { serve(); });
+  /// They take over the caller's priority and processors. When the system gives no more threads, there are
+  /// only those that it gave: see threads().
+  explicit Workers(int threads) noexcept
+      : Workers(threads, [](auto serve) { return std::jthread(std::move(serve)); }) {}
+  /// `make` starts a thread that does what it is given, or throws.
+  template <class Make>
+  Workers(int threads, const Make& make) noexcept {
+    try {
+      threads_.reserve(static_cast<std::size_t>(threads));
+      for (int i = 0; i < threads; ++i) threads_.push_back(make([this] { serve(); }));
+    } catch (const std::exception&) {  // with those that are there, the caller alone at worst
+    }
   }
   ~Workers() {
     ending_.store(true, std::memory_order_relaxed);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/seqlock.h"
 #include "capture/picture_check.h"
 
 #include <algorithm>
@@ -21,7 +22,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kTurn{100};  // the longest wait for a picture, and so for stop() to be seen
+constexpr milliseconds kTurn{100};      // the longest wait for a picture, and so for stop() to be seen
+constexpr milliseconds kShortTurn{10};  // the same while buffers are out that the camera may be waiting for
 constexpr milliseconds kStopPatience{1500};
 /// After more damaged pictures than this in a row, a pause before the next: a source that fails at once must
 /// not take a whole processor.
@@ -121,39 +123,57 @@ std::string_view name_of(CameraState state) {
   return "unknown";
 }
 
+namespace {
+
+/// Of a thread's health, what may change with every picture: published as a whole once a turn.
+struct Figures {
+  CameraState state = CameraState::kOpening;
+  std::uint64_t frames = 0, incomplete = 0, dropped = 0, reconnects = 0;
+  std::optional<PacketCounts> packets{};
+  double fps = 0;
+  int width = 0, height = 0;
+  PixelFormat format = PixelFormat::kMono8;
+  std::int64_t progress_ns = 0;
+  CaptureTimes times{};
+};
+
+}  // namespace
+
 /// What the threads work on; a thread that stop() left behind keeps it alive.
 struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   Shared(std::string thread_name, const ThreadSettings& thread_settings, Open open_source, OnImage take_image,
-         RetryDelays retry_delays, std::shared_ptr<CaptureTotals> capture_totals)
+         RetryDelays retry_delays, std::shared_ptr<CaptureTotals> capture_totals, OnIdle when_idle)
       : name(std::move(thread_name)),
         settings(thread_settings),
         open(std::move(open_source)),
         on_image(std::move(take_image)),
+        on_idle(std::move(when_idle)),
         delays(retry_delays),
         totals(std::move(capture_totals)) {}
 
   void run();
+  bool wait_for_start();
+  void keep_open();
   std::unique_ptr<Source> try_open();
   CaptureStatus serve(Source& source);
-  CaptureStatus turn(Source& source, CapturedImage& image, std::string& problem);
+  CaptureStatus turn(Source& source, CapturedImage& image, std::string& problem, milliseconds patience);
   void check_times(CaptureTimes& times);
-  bool deliver(CapturedImage&& image);
+  template <class Call>
+  bool call_out(const Call& call);
+  bool buffers_are_out();
   void forget_controls();
   void lose(const std::string& reason);
   void close_aside(std::unique_ptr<Source> source);
-  CameraHealth health_now() const {
-    const std::lock_guard lock(mutex);
-    return health;
-  }
-  bool stopping() const {
-    const std::lock_guard lock(mutex);
-    return stop_asked;
-  }
+  void ask_to_stop();
+  void silence();
+  CameraHealth health_now() const;
+  bool stopping() const { return stop_asked.load(std::memory_order_relaxed); }
 
   const std::string name;
   const ThreadSettings settings;
   const Open open;
   const OnImage on_image;
+  const OnIdle on_idle;
   const RetryDelays delays;
   const std::shared_ptr<CaptureTotals> totals;
 
@@ -162,72 +182,124 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   LossLog losses{name};
   milliseconds delay = delays.first;
   bool was_open = false;
+  Figures now;
 
-  std::mutex delivery;    // held during on_image
-  bool silenced = false;  // guarded by delivery: no more on_image
+  // Without a lock, for each picture.
+  Seqlock<Figures> figures;             // what `now` was at the end of the last turn
+  std::atomic<int> calling_out{0};      // 1: on_image or on_idle may be running, here or in a predecessor
+  std::atomic<bool> silenced{false};    // no more of these
+  std::atomic<bool> stop_asked{false};  // written with the mutex held, so that no wait on `changed` misses it
 
-  mutable std::mutex mutex;  // guards what follows
+  // Taken when the camera is opened or lost, and by those who ask for its health.
+  mutable std::mutex mutex;  // guards what follows, and changes of the state
   std::condition_variable changed;
-  CameraHealth health;
+  std::string why_lost;  // empty: it is not
+  std::vector<std::string> warnings;
   std::shared_ptr<Controls> controls;
-  bool stop_asked = false;
+  std::unique_ptr<CameraThread> predecessor;
   std::chrono::steady_clock::time_point stop_asked_at{};
-  bool finished = false;
+  bool started = false, finished = false;
   int closing = 0;  // sources being closed aside
 };
 
+CameraHealth CameraThread::Shared::health_now() const {
+  CameraHealth out;
+  const std::lock_guard lock(mutex);
+  const Figures newest = figures.load();
+  out.state = newest.state;
+  out.error = why_lost;
+  out.frames = newest.frames;
+  out.incomplete = newest.incomplete;
+  out.dropped = newest.dropped;
+  out.packets = newest.packets;
+  out.reconnects = newest.reconnects;
+  out.fps = newest.fps;
+  out.width = newest.width;
+  out.height = newest.height;
+  out.format = newest.format;
+  out.progress_ns = newest.progress_ns;
+  out.times = newest.times;
+  out.warnings = warnings;
+  return out;
+}
+
 void CameraThread::Shared::run() {
-  apply(settings, name);
-  while (!stopping()) {
-    const std::int64_t began_ns = steady_ns();
-    milliseconds tried_for{0};
-    if (std::unique_ptr<Source> source = try_open()) {
-      const CaptureStatus end = serve(*source);
-      forget_controls();
-      close_aside(std::move(source));
-      if (end == CaptureStatus::kEnd) break;
-    } else {
-      tried_for = milliseconds((steady_ns() - began_ns) / 1'000'000);
-    }
-    std::unique_lock lock(mutex);
-    changed.wait_for(lock, std::max(delays.first, delay - tried_for), [&] { return stop_asked; });
-    delay = std::min(2 * delay, delays.longest);
-  }
-  damages.write();
-  strange_times.write();
-  {
+  if (wait_for_start()) {
+    apply(settings, name);
+    keep_open();
+    damages.write();
+    strange_times.write();
     const std::lock_guard lock(mutex);
     finished = true;
   }
   changed.notify_all();
 }
 
-std::unique_ptr<Source> CameraThread::Shared::try_open() {
+/// Parked until then. False: it was asked to stop instead.
+bool CameraThread::Shared::wait_for_start() {
+  std::unique_ptr<CameraThread> before;
   {
-    const std::lock_guard lock(mutex);
-    health.progress_ns = steady_ns();
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return started || stopping(); });
+    finished = !started;
+    if (finished) return false;
+    before = std::move(predecessor);
   }
+  if (before) {
+    before->ask_to_stop();
+    before->shared_->silence();
+    calling_out.store(0);
+    calling_out.notify_all();
+    before.reset();
+  }
+  return true;
+}
+
+void CameraThread::Shared::keep_open() {
+  while (!stopping()) {
+    const std::int64_t began_ns = steady_ns();
+    milliseconds tried_for{0};
+    if (std::unique_ptr<Source> source = try_open()) {
+      const CaptureStatus end = serve(*source);
+      buffers_are_out();
+      forget_controls();
+      close_aside(std::move(source));
+      if (end == CaptureStatus::kEnd) return;
+    } else {
+      buffers_are_out();
+      tried_for = milliseconds((steady_ns() - began_ns) / 1'000'000);
+    }
+    std::unique_lock lock(mutex);
+    changed.wait_for(lock, std::max(delays.first, delay - tried_for), [&] { return stopping(); });
+    delay = std::min(2 * delay, delays.longest);
+  }
+}
+
+std::unique_ptr<Source> CameraThread::Shared::try_open() {
+  now.progress_ns = steady_ns();
+  figures.store(now);
   try {
     std::unique_ptr<Source> source = open();
     if (!source) throw CaptureError("the driver has opened nothing");
-    std::vector<std::string> warnings = source->warnings();
+    std::vector<std::string> new_warnings = source->warnings();
     if (!stopping()) {
       losses.opened();
-      for (const std::string& warning : warnings) log::warning("{}: {}", name, warning);
+      for (const std::string& warning : new_warnings) log::warning("{}: {}", name, warning);
     }
     const std::lock_guard lock(mutex);
     controls = source->controls();
-    health.warnings = std::move(warnings);
+    warnings = std::move(new_warnings);
+    why_lost.clear();
     if (std::exchange(was_open, true)) {
-      ++health.reconnects;
+      ++now.reconnects;
       totals->reconnects.fetch_add(1, std::memory_order_relaxed);
     }
-    health.progress_ns = steady_ns();  // opening may have taken long
-    health.state = CameraState::kRunning;
-    health.error.clear();
+    now.progress_ns = steady_ns();  // opening may have taken long
+    now.state = CameraState::kRunning;
+    figures.store(now);
     return source;
-  } catch (const std::exception& error) {
-    lose(error.what());
+  } catch (const std::exception& caught) {
+    lose(caught.what());
   } catch (...) {
     lose("unknown error");
   }
@@ -238,65 +310,68 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
 CaptureStatus CameraThread::Shared::serve(Source& source) {
   std::int64_t window_start_ns = steady_ns();
   int window_frames = 0, damaged_in_a_row = 0;
-  const CameraHealth before = health_now();
+  milliseconds patience = kTurn;
+  const std::uint64_t dropped_before = now.dropped;
+  const PacketCounts packets_before = now.packets.value_or(PacketCounts{});
   for (;;) {
     CapturedImage image;
     std::string problem;
-    const CaptureStatus status = turn(source, image, problem);
+    const CaptureStatus status = turn(source, image, problem, patience);
     if (status == CaptureStatus::kImage) check_times(image.times);
     const ImageView view = image.image.view();
     const bool is_damaged = image.is_damaged;
     const CaptureTimes times = image.times;
     bool delivered = false;
+    patience = kTurn;
     if (status == CaptureStatus::kImage) {
       image.times.arrived_ns = steady_ns();
-      delivered = deliver(std::move(image));
+      delivered = call_out([&] { on_image(std::move(image)); });
       window_frames += delivered;
       delay = delays.first;
-    } else if (status == CaptureStatus::kLost) {
-      lose(problem);
-    } else if (status == CaptureStatus::kIncomplete) {
-      damages.add(problem);
+    } else {
+      if (status == CaptureStatus::kLost) lose(problem);
+      if (status == CaptureStatus::kIncomplete) damages.add(problem);
+      if (buffers_are_out()) patience = kShortTurn;
     }
     damages.write_if_due();
     strange_times.write_if_due();
     damaged_in_a_row = status == CaptureStatus::kIncomplete ? damaged_in_a_row + 1 : 0;
+    if (damaged_in_a_row > kStorm) std::this_thread::sleep_for(kStormPause);
 
-    std::unique_lock lock(mutex);
-    if (damaged_in_a_row > kStorm) changed.wait_for(lock, kStormPause, [&] { return stop_asked; });
     const std::int64_t now_ns = steady_ns();
-    health.progress_ns = now_ns;
+    now.progress_ns = now_ns;
     if (delivered) {
-      ++health.frames;
-      health.width = view.width;
-      health.height = view.height;
-      health.format = view.format;
-      health.times = times;
+      ++now.frames;
+      now.width = view.width;
+      now.height = view.height;
+      now.format = view.format;
+      now.times = times;
     }
     const bool is_incomplete = status == CaptureStatus::kIncomplete || is_damaged;
-    health.incomplete += is_incomplete;
+    now.incomplete += is_incomplete;
     totals->incomplete.fetch_add(is_incomplete, std::memory_order_relaxed);
-    const std::uint64_t dropped = before.dropped + source.dropped();
-    totals->dropped.fetch_add(dropped - health.dropped, std::memory_order_relaxed);
-    health.dropped = dropped;
-    if (const auto packets = source.packets()) {
-      const PacketCounts earlier = before.packets.value_or(PacketCounts{});
-      health.packets = {earlier.missing + packets->missing, earlier.resent + packets->resent};
-    }
+    const std::uint64_t dropped = dropped_before + source.dropped();
+    totals->dropped.fetch_add(dropped - now.dropped, std::memory_order_relaxed);
+    now.dropped = dropped;
+    if (const auto packets = source.packets())
+      now.packets = {packets_before.missing + packets->missing, packets_before.resent + packets->resent};
     if (now_ns - window_start_ns >= kSecondNs) {
-      health.fps = window_frames * 1e9 / static_cast<double>(now_ns - window_start_ns);
+      now.fps = window_frames * 1e9 / static_cast<double>(now_ns - window_start_ns);
       window_start_ns = now_ns;
       window_frames = 0;
     }
-    if (status == CaptureStatus::kEnd) health.state = CameraState::kEnded;
-    if (status == CaptureStatus::kEnd || status == CaptureStatus::kLost) health.fps = 0;
-    if (status == CaptureStatus::kEnd || status == CaptureStatus::kLost || stop_asked) return status;
+    if (status == CaptureStatus::kEnd) now.state = CameraState::kEnded;
+    const bool is_over = status == CaptureStatus::kEnd || status == CaptureStatus::kLost;
+    if (is_over) now.fps = 0;
+    figures.store(now);
+    if (is_over || stopping()) return status;
   }
 }
 
-CaptureStatus CameraThread::Shared::turn(Source& source, CapturedImage& image, std::string& problem) {
+CaptureStatus CameraThread::Shared::turn(Source& source, CapturedImage& image, std::string& problem,
+                                         milliseconds patience) {
   try {
-    const CaptureStatus status = source.next(image, problem, kTurn);
+    const CaptureStatus status = source.next(image, problem, patience);
     if (status != CaptureStatus::kImage) return status;
     problem = find_fault(image.image.view());
     return problem.empty() ? status : CaptureStatus::kIncomplete;
@@ -315,11 +390,28 @@ void CameraThread::Shared::check_times(CaptureTimes& times) {
   strange_times.add(problem);
 }
 
-bool CameraThread::Shared::deliver(CapturedImage&& image) {
-  const std::lock_guard lock(delivery);
-  if (silenced) return false;
-  on_image(std::move(image));
-  return true;
+/// Unless it has been silenced. Both sides first say what they do and then look at the other's word: either
+/// this one sees that it is silenced, or silence() sees that it calls and waits.
+template <class Call>
+bool CameraThread::Shared::call_out(const Call& call) {
+  calling_out.store(1);
+  const bool may_call = !silenced.load();
+  if (may_call) call();
+  calling_out.store(0);
+  if (silenced.load()) calling_out.notify_all();
+  return may_call;
+}
+
+void CameraThread::Shared::silence() {
+  silenced.store(true);
+  while (calling_out.load() != 0) calling_out.wait(1);
+}
+
+/// Gives back what can be.
+bool CameraThread::Shared::buffers_are_out() {
+  bool some_are_out = false;
+  if (on_idle) call_out([&] { some_are_out = on_idle(); });
+  return some_are_out;
 }
 
 void CameraThread::Shared::forget_controls() {
@@ -330,8 +422,18 @@ void CameraThread::Shared::forget_controls() {
 void CameraThread::Shared::lose(const std::string& reason) {
   if (!stopping()) losses.lost(reason);
   const std::lock_guard lock(mutex);
-  health.state = CameraState::kLost;
-  health.error = reason;
+  why_lost = reason;
+  now.state = CameraState::kLost;
+  figures.store(now);
+}
+
+void CameraThread::Shared::ask_to_stop() {
+  {
+    const std::lock_guard lock(mutex);
+    if (stop_asked.exchange(true)) return;
+    stop_asked_at = std::chrono::steady_clock::now();
+  }
+  changed.notify_all();
 }
 
 void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
@@ -357,31 +459,34 @@ void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
 }
 
 CameraThread::CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
-                           RetryDelays delays, std::shared_ptr<CaptureTotals> totals)
+                           RetryDelays delays, std::shared_ptr<CaptureTotals> totals, OnIdle on_idle)
     : shared_(std::make_shared<Shared>(std::move(name), settings, std::move(open), std::move(on_image),
-                                       delays, std::move(totals))),
+                                       delays, std::move(totals), std::move(on_idle))),
       thread_([shared = shared_] { shared->run(); }) {}
 
 CameraThread::~CameraThread() {
   stop();
 }
 
-void CameraThread::ask_to_stop() {
+void CameraThread::start(std::unique_ptr<CameraThread> predecessor) noexcept {
   {
     const std::lock_guard lock(shared_->mutex);
-    if (std::exchange(shared_->stop_asked, true)) return;
-    shared_->stop_asked_at = std::chrono::steady_clock::now();
+    if (shared_->started || shared_->finished) return;  // the predecessor is stopped here then
+    shared_->started = true;
+    shared_->predecessor = std::move(predecessor);
+    if (shared_->predecessor) shared_->calling_out = 1;
   }
   shared_->changed.notify_all();
+}
+
+void CameraThread::ask_to_stop() {
+  shared_->ask_to_stop();
 }
 
 void CameraThread::stop() {
   if (!thread_.joinable()) return;
   ask_to_stop();
-  {
-    const std::lock_guard lock(shared_->delivery);
-    shared_->silenced = true;
-  }
+  shared_->silence();
   std::unique_lock lock(shared_->mutex);
   const auto idle = [&] { return shared_->finished && shared_->closing == 0; };
   if (!shared_->changed.wait_until(lock, shared_->stop_asked_at + kStopPatience, idle)) {

@@ -68,31 +68,41 @@ struct RetryDelays {
 
 /// Keeps one camera open on a thread of its own and hands over its pictures. A camera that fails, dies or
 /// throws is closed and opened anew; closing may block on dead hardware, so each dead source is closed on a
-/// thread of its own and delays nothing. Repeated problems are logged once a second, counted.
+/// thread of its own and delays nothing. Repeated problems are logged once a second, counted. From picture to
+/// picture the thread takes no lock: whoever asks for its health delays none.
 class CameraThread {
  public:
   using Open = std::function<std::unique_ptr<Source>()>;
   using OnImage = std::function<void(CapturedImage&&)>;
+  using OnIdle = std::function<bool()>;
 
-  /// Starts at once. `name` begins log messages ("camera 0"). `open` makes a source or throws CaptureError;
-  /// it must own all it uses, because a call that blocks is left behind by stop(). `on_image` must not throw;
-  /// it is not called after stop().
+  /// The thread is there and does nothing before start(). `name` begins log messages ("camera 0"). `open`
+  /// makes a source or throws CaptureError; it must own all it uses, because a call that blocks is left
+  /// behind by stop(). `on_image` must not throw. `on_idle` is called by the same thread while no picture
+  /// comes, and before a camera is closed: the time to give its buffers back. It says whether some are still
+  /// out; then it is called again soon. Neither is called after stop(). Throws std::system_error when there
+  /// is no thread to be had.
   CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
                RetryDelays delays = {},
-               std::shared_ptr<CaptureTotals> totals = std::make_shared<CaptureTotals>());
+               std::shared_ptr<CaptureTotals> totals = std::make_shared<CaptureTotals>(),
+               OnIdle on_idle = {});
   /// Stops.
   ~CameraThread();
   CameraThread(const CameraThread&) = delete;
   CameraThread& operator=(const CameraThread&) = delete;
 
+  /// Begins to open the camera, once. The new thread itself stops `predecessor` and waits for that first, so
+  /// that one camera is not open twice and one thread at a time is in on_image. The caller does not wait.
+  void start(std::unique_ptr<CameraThread> predecessor = nullptr) noexcept;
+
   /// Begins what stop() does and does not wait for it: several cameras that hang are waited for at once.
   void ask_to_stop();
   /// Closes the camera and ends the thread: within a frame's time for a camera that answers. One that does
   /// not (opening or closing dead hardware takes seconds) is waited for 1.5 s and then left to finish by
-  /// itself. Waits for a running on_image however long it takes.
+  /// itself. Waits for a running on_image however long it takes, also for that of a predecessor.
   void stop();
 
-  /// From any thread.
+  /// From any thread. kOpening before start(), too.
   CameraHealth health() const;
   /// Those of the open camera; none while it is not open, or has none.
   std::shared_ptr<Controls> controls() const;

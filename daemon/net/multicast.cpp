@@ -6,14 +6,18 @@
 #include "net/network_cards.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <stdexcept>
+#include <system_error>
 
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/error.hpp>
 #include <boost/asio/ip/multicast.hpp>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -50,10 +54,28 @@ udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings)
   return socket;
 }
 
-bool is_routing_error(const boost::system::error_code& error) {
-  return error == asio::error::network_unreachable || error == asio::error::host_unreachable ||
-         error == boost::system::errc::no_such_device || error == asio::error::network_down;
+bool is_routing_error(int error) {
+  return error == ENETUNREACH || error == EHOSTUNREACH || error == ENODEV || error == ENETDOWN;
 }
+
+/// Where a packet goes and by which socket, in one word, so that a sender never sees half of a change.
+struct Way {
+  static constexpr std::uint64_t kOpen = 2;  // no word of a socket is 0
+
+  Way(std::uint32_t to_address, std::uint16_t to_port, std::size_t at)
+      : address(to_address), port(to_port), place(at) {}
+  explicit Way(std::uint64_t word)
+      : address(static_cast<std::uint32_t>(word >> 32)),
+        port(static_cast<std::uint16_t>(word >> 16)),
+        place(word & 1) {}
+  std::uint64_t word() const {
+    return std::uint64_t{address} << 32 | std::uint64_t{port} << 16 | kOpen | place;
+  }
+
+  std::uint32_t address;
+  std::uint16_t port;
+  std::size_t place;
+};
 
 }  // namespace
 
@@ -74,47 +96,73 @@ MulticastSender::MulticastSender(const MulticastSettings& settings, const std::s
   watcher_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
 }
 
+MulticastSender::~MulticastSender() {
+  watcher_ = {};
+  for (const int socket : sockets_) {
+    if (socket >= 0) ::close(socket);
+  }
+}
+
 void MulticastSender::configure(const MulticastSettings& settings, const std::string& path) {
   check_multicast(settings, path);
   const std::lock_guard control(control_mutex_);
   settings_ = settings;
   open();
-  const std::lock_guard lock(mutex_);
-  send_error_ = {};
+  send_error_ = 0;
 }
 
 void MulticastSender::open() {
-  udp::socket socket(io_);
-  std::string error;
+  Words words{settings_.group + ":" + std::to_string(settings_.port), {}, advice()};
   try {
-    socket = open_socket(io_, settings_);
+    udp::socket socket = open_socket(io_, settings_);
     own_ports_ = own_ports_ << 16 | socket.local_endpoint().port();
+    publish(socket.native_handle());
   } catch (const std::exception& caught) {
-    error = caught.what();
+    way_ = 0;
+    words.open_error = caught.what();
   }
-  const std::lock_guard lock(mutex_);
-  socket_ = std::move(socket);
-  endpoint_ = {asio::ip::make_address_v4(settings_.group), static_cast<std::uint16_t>(settings_.port)};
-  open_error_ = std::move(error);
+  words_.store(std::move(words));
+}
+
+/// Puts a copy of the socket into the older of the two places and lets senders go there.
+void MulticastSender::publish(int socket) {
+  const std::size_t place = 1 - newest_place_;
+  const int number =
+      sockets_[place] < 0 ? ::fcntl(socket, F_DUPFD_CLOEXEC, 0) : ::dup3(socket, sockets_[place], O_CLOEXEC);
+  if (number < 0) throw std::system_error(errno, std::generic_category(), "no socket");
+  sockets_[place] = number;
+  newest_place_ = place;
+  way_ = Way{asio::ip::make_address_v4(settings_.group).to_uint(), static_cast<std::uint16_t>(settings_.port),
+             place}
+             .word();
 }
 
 bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
-  const std::lock_guard lock(mutex_);
-  if (!socket_.is_open()) {
-    ++send_errors_;
+  const std::uint64_t word = way_.load(std::memory_order_acquire);
+  if (word == 0) {
+    send_errors_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  socket_.send_to(asio::buffer(packet.data(), packet.size()), endpoint_, 0, send_error_);
-  ++(send_error_ ? send_errors_ : packets_sent_);
-  return !send_error_;
+  const Way way(word);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(way.address);
+  to.sin_port = htons(way.port);
+  ssize_t sent = 0;
+  do {
+    sent = ::sendto(sockets_[way.place], packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+                    reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  } while (sent < 0 && errno == EINTR);
+  send_error_.store(sent < 0 ? errno : 0, std::memory_order_relaxed);
+  (sent < 0 ? send_errors_ : packets_sent_).fetch_add(1, std::memory_order_relaxed);
+  return sent >= 0;
 }
 
-std::string MulticastSender::error_text() const {
-  if (!open_error_.empty()) return open_error_;
-  if (!send_error_) return {};
-  std::string text = "cannot send to " + settings_.group + ":" + std::to_string(settings_.port) + ": " +
-                     send_error_.message();
-  if (is_routing_error(send_error_)) text += "; " + advice();
+std::string MulticastSender::error_text(const Words& words, int send_error) {
+  if (!words.open_error.empty()) return words.open_error;
+  if (send_error == 0) return {};
+  std::string text = "cannot send to " + words.to + ": " + std::generic_category().message(send_error);
+  if (is_routing_error(send_error)) text += "; " + words.advice;
   return text;
 }
 
@@ -128,8 +176,7 @@ bool MulticastSender::is_own(const udp::endpoint& sender) const {
 }
 
 MulticastStatus MulticastSender::status() const {
-  const std::scoped_lock lock(control_mutex_, mutex_);
-  return {packets_sent_, send_errors_, packets_per_s_, error_text()};
+  return {packets_sent_, send_errors_, packets_per_s_, error_text(*words_.load(), send_error_)};
 }
 
 void MulticastSender::watch(const std::stop_token& stop) {
@@ -141,22 +188,21 @@ void MulticastSender::watch(const std::stop_token& stop) {
   Clock::time_point before = Clock::now();
   std::string logged;
   while (!alarm.wait_for(idle_lock, stop, kWatchInterval, [&] { return stop.stop_requested(); })) {
+    const Clock::time_point now = Clock::now();
+    const std::uint64_t sent = packets_sent_;
+    packets_per_s_ =
+        static_cast<double>(sent - sent_before) / std::chrono::duration<double>(now - before).count();
+    sent_before = sent;
+    before = now;
+
     const std::lock_guard control(control_mutex_);
-    bool failing = false;
-    std::string error;
-    {
-      const std::lock_guard lock(mutex_);
-      const Clock::time_point now = Clock::now();
-      packets_per_s_ = static_cast<double>(packets_sent_ - sent_before) /
-                       std::chrono::duration<double>(now - before).count();
-      sent_before = packets_sent_;
-      before = now;
-      failing = !open_error_.empty() || (send_error_ && send_error_ != asio::error::would_block);
-      error = error_text();
-    }
+    const auto words = words_.load();
+    const int send_error = send_error_;
+    const bool failing = !words->open_error.empty() || (send_error != 0 && send_error != EWOULDBLOCK);
+    std::string error = error_text(*words, send_error);
     if (error != logged) {
       if (error.empty()) {
-        log::info("multicast: sending to {}:{} again", settings_.group, settings_.port);
+        log::info("multicast: sending to {} again", words->to);
       } else {
         log::warning("multicast: {}", error);
       }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "base/params.h"
+#include "base/snapshot.h"
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -58,46 +60,62 @@ struct MulticastStatus {
   std::string error;              // why packets do not leave at present and what to do; empty when they do
 };
 
-/// Sends datagrams to a multicast group. Any thread may send; nobody waits: what the system does not take at
-/// once is lost and counted. A socket that cannot be opened or cannot send is opened anew every second.
+/// Sends datagrams to a multicast group. Any thread may send; nobody waits, not even for a thread of lower
+/// priority that asks for the status: what the system does not take at once is lost and counted. A socket
+/// that cannot be opened or cannot send is opened anew every second.
 class MulticastSender {
  public:
   /// Throws as configure() does.
   explicit MulticastSender(const MulticastSettings& settings, const std::string& path = "/network");
+  ~MulticastSender();
+  MulticastSender(const MulticastSender&) = delete;
+  MulticastSender& operator=(const MulticastSender&) = delete;
 
   /// Sends by new settings from now on. Throws as check_multicast() does, and then goes on with the old ones.
   void configure(const MulticastSettings& settings, const std::string& path = "/network");
 
-  /// False when the packet did not leave; status() says why.
+  /// False when the packet did not leave; status() says why. Takes no lock.
   bool send(std::span<const std::byte> packet) noexcept;
 
   /// Whether a packet with this sender's address came from here, also when the socket was opened anew since.
   /// Asks the system for this computer's addresses: not meant for every packet.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
 
+  /// Does not wait for a socket being opened.
   MulticastStatus status() const;
 
  private:
-  void open();  // with control_mutex_ held
-  void watch(const std::stop_token& stop);
-  std::string error_text() const;  // with both mutexes held
+  /// What the words of a status are made of.
+  struct Words {
+    std::string to;          // "224.5.23.2:10006"
+    std::string open_error;  // why there is no socket; empty: there is one
+    std::string advice;      // what to do about the wrong card or none
+  };
 
-  // Taken before mutex_, and held while a socket is opened, so that senders do not wait for that.
-  mutable std::mutex control_mutex_;
+  void open();  // with control_mutex_ held
+  void publish(int socket);
+  void watch(const std::stop_token& stop);
+  static std::string error_text(const Words& words, int send_error);
+
+  std::mutex control_mutex_;  // guards the four below; held while a socket is opened, and by no sender
   MulticastSettings settings_;
+  boost::asio::io_context io_;
+  std::size_t newest_place_ = 0;
+
+  // Numbers that lead to sockets as long as this lives, once they are not -1: the newest and the one before
+  // it, so that a sender that was interrupted still sends by the settings that it began with.
+  std::array<int, 2> sockets_{-1, -1};
+  // Destination, and in which of the two places its socket is; 0: there is none. See multicast.cpp.
+  std::atomic<std::uint64_t> way_{0};
+
+  std::atomic<int> send_error_{0};  // errno of the last packet; 0: it left
+  std::atomic<std::uint64_t> packets_sent_{0}, send_errors_{0};
+  std::atomic<double> packets_per_s_{0};
+  Snapshot<Words> words_{Words{}};
 
   // Local ports of the socket and, in the upper half, of the one before it, whose packets may be on their
   // way.
   std::atomic<std::uint32_t> own_ports_{0};
-
-  mutable std::mutex mutex_;  // guards all below
-  boost::asio::io_context io_;
-  boost::asio::ip::udp::socket socket_{io_};
-  boost::asio::ip::udp::endpoint endpoint_;
-  std::string open_error_;
-  boost::system::error_code send_error_;  // of the last packet
-  std::uint64_t packets_sent_ = 0, send_errors_ = 0;
-  double packets_per_s_ = 0;
 
   std::jthread watcher_;  // last, so that it ends before what it uses
 };

@@ -28,7 +28,7 @@ CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, Cam
 
 const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
                                      const WholePicture& whole) noexcept {
-  const auto setup = setup_.load();
+  const auto setup = setup_.use();
   current_ = ring_.acquire();
   Frame& frame = current_ ? *current_ : spare_;
   frame.info = {camera_id_, next_number_++, times, whole};
@@ -48,11 +48,23 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
   if (current_) {
     finished_.put(current_);
+    ring_.give_back();  // at least the frame that it replaced, when nobody looks at it
   } else {
     frame.image = Image();
     unseen_.fetch_add(1, std::memory_order_relaxed);
   }
   return frame;
+}
+
+bool CameraPipeline::give_back() noexcept {
+  const std::size_t ours = current_ ? 1 : 0;
+  return ring_.give_back() > ours;
+}
+
+void CameraPipeline::close() {
+  finished_.close();
+  current_.reset();
+  ring_.give_back();
 }
 
 CameraPipeline::Counters CameraPipeline::counters() const {

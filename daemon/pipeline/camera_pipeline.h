@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/latest.h"
-#include "base/snapshot.h"
+#include "base/handover.h"
 #include "pipeline/frame_ring.h"
+#include "pipeline/latest_frame.h"
 #include "pipeline/pipeline.h"
 
 #include <atomic>
@@ -20,7 +20,8 @@ struct CameraSetup {
 };
 
 /// One camera's way from picture to published detections: numbers the frames, runs the stack, offers the
-/// finished frame to viewers. `process` is called by one thread; the rest from anywhere.
+/// finished frame to viewers. `process` and `give_back` are called by one thread, the camera's, which waits
+/// for no other; the rest is for any other thread.
 class CameraPipeline {
  public:
   struct Counters {
@@ -43,9 +44,12 @@ class CameraPipeline {
   const Frame& process(Image image, const CaptureTimes& times, const WholePicture& whole = {}) noexcept;
 
   /// Finished frames, the newest only.
-  const Latest<FrameRef>& finished() const { return finished_; }
-  /// Lets go of the newest frame and wakes all who wait for one; before the camera's driver goes away.
-  void close() { finished_.close(); }
+  const LatestFrame& finished() const { return finished_; }
+  /// Gives the driver the buffers back of what viewers have let go of; for when no picture comes to process.
+  /// True while viewers hold others.
+  bool give_back() noexcept;
+  /// Lets go of the newest frame and wakes all who wait for one. Not while the camera's thread runs.
+  void close();
 
   Counters counters() const;
 
@@ -55,11 +59,11 @@ class CameraPipeline {
 
   const std::uint32_t camera_id_;
   DetectionSink& sink_;
-  Snapshot<CameraSetup> setup_;
+  Handover<CameraSetup> setup_;
   FrameRing ring_{kRingSlots};
   Frame spare_;  // used when viewers hold the whole ring: never offered
   FrameRef current_;
-  Latest<FrameRef> finished_;
+  LatestFrame finished_{ring_};
   std::uint32_t next_number_ = 0;
   std::atomic<std::uint64_t> frames_{0}, capped_{0}, unseen_{0};
   std::atomic<std::uint32_t> robots_{0}, balls_{0};

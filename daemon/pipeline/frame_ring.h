@@ -11,8 +11,9 @@
 
 namespace sslv {
 
-/// A shared hold on one frame of a ring. Copying and dropping counts, nothing else; when the last hold goes,
-/// the driver gets its buffer back and the slot is free. The frame is read-only once it has been shared.
+/// A shared hold on one frame of a ring. Copying and dropping counts, nothing else, in whatever thread: what
+/// becomes of a frame that nobody holds any more is the ring's work. The frame is read-only once it has been
+/// shared.
 class FrameRef {
  public:
   FrameRef() = default;
@@ -27,11 +28,7 @@ class FrameRef {
   ~FrameRef() { reset(); }
 
   void reset() {
-    Slot* slot = std::exchange(slot_, nullptr);
-    if (!slot) return;
-    if (slot->holds.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-    slot->frame.image = Image();  // nobody else can reach the slot until `free` says so
-    slot->free.store(true, std::memory_order_release);
+    if (Slot* slot = std::exchange(slot_, nullptr)) slot->holds.fetch_sub(1, std::memory_order_acq_rel);
   }
 
   explicit operator bool() const { return slot_ != nullptr; }
@@ -40,36 +37,58 @@ class FrameRef {
 
  private:
   friend class FrameRing;
+  friend class LatestFrame;
   struct Slot {
     Frame frame;
-    std::atomic<int> holds{0};
-    std::atomic<bool> free{true};
+    std::atomic<int> holds{0};  // 0: only the ring's own thread may touch the slot
+    std::size_t place = 0;      // in the ring
   };
-  explicit FrameRef(Slot* slot) : slot_(slot) {
-    slot_->free.store(false, std::memory_order_relaxed);
-    slot_->holds.store(1, std::memory_order_relaxed);
-  }
+  explicit FrameRef(Slot* held) : slot_(held) {}
   Slot* slot_ = nullptr;
 };
 
-/// Preallocated frames of one camera. Must outlive its FrameRefs.
+/// Preallocated frames of one camera. Must outlive its FrameRefs. One thread uses it, the camera's.
+///
+/// Giving a picture's buffer back to its driver takes locks of the driver, which the camera's thread needs
+/// for its next picture. So it is that thread which gives them back, never a viewer's.
 class FrameRing {
  public:
   explicit FrameRing(std::size_t slots) {
-    for (std::size_t i = 0; i < slots; ++i) slots_.push_back(std::make_unique<FrameRef::Slot>());
+    for (std::size_t i = 0; i < slots; ++i) {
+      slots_.push_back(std::make_unique<FrameRef::Slot>());
+      slots_.back()->place = i;
+    }
   }
 
   /// A free frame, its lists still holding what they held before; empty when viewers hold all of them.
-  /// One thread only.
   FrameRef acquire() {
     for (std::size_t tried = 0; tried < slots_.size(); ++tried) {
       next_ = (next_ + 1) % slots_.size();
-      if (slots_[next_]->free.load(std::memory_order_acquire)) return FrameRef(slots_[next_].get());
+      FrameRef::Slot& slot = *slots_[next_];
+      if (slot.holds.load(std::memory_order_acquire) != 0) continue;
+      slot.frame.image = Image();
+      slot.holds.store(1, std::memory_order_release);
+      return FrameRef(&slot);
     }
     return {};
   }
 
+  /// Gives the drivers the buffers back of all frames that nobody holds any more. Returns how many frames are
+  /// held.
+  std::size_t give_back() {
+    std::size_t held = 0;
+    for (const auto& slot : slots_) {
+      if (slot->holds.load(std::memory_order_acquire) == 0) {
+        slot->frame.image = Image();
+      } else {
+        ++held;
+      }
+    }
+    return held;
+  }
+
  private:
+  friend class LatestFrame;
   std::vector<std::unique_ptr<FrameRef::Slot>> slots_;
   std::size_t next_ = 0;
 };

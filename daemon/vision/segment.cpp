@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/segment.h"
 
+#include "base/log.h"
+
 #include <algorithm>
 
 namespace sslv {
 
 /// Makes parts of the picture for the threads.
 void Segment::share_out(int threads, const RunList& picture) {
-  if (!workers_ || workers_->threads() != threads - 1) {
+  if (threads_ != threads) {
+    threads_ = threads;
     workers_ = std::make_unique<Workers>(threads - 1);
+    if (const int had = workers_->threads() + 1; had < threads)
+      log::warning("segment: goes on with {} of {} threads; the system gives no more", had, threads);
     // Several parts a thread: who wakes late or meets a crowd of runs takes fewer.
     parts_.resize(threads == 1 ? 1 : static_cast<std::size_t>(4 * threads));
     found_.resize(parts_.size());

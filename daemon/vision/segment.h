@@ -54,6 +54,7 @@ class Segment {
   std::vector<Part> parts_;
   std::vector<FloodCut::Band> found_;  // in each part
   std::unique_ptr<Workers> workers_;
+  int threads_ = 0;  // that it was made for; the system may have given fewer
   FindRegions find_regions_;
 };
 

@@ -538,6 +538,7 @@ TEST_F(IidcCamera, ComesBackWithItsSettingsAfterAnUnplug) {
         changed.notify_all();
       },
       {milliseconds(1), milliseconds(5)});
+  camera.start();
   const auto see_a_picture = [&] {
     std::unique_lock lock(mutex);
     const int before = pictures;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/latest.h"
 #include "capture/source.h"
 #include "services/cameras/fresh_frames.h"
+#include "support/latest.h"
 
 #include <array>
 #include <atomic>

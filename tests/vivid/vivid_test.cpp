@@ -279,6 +279,7 @@ TEST(Vivid, TheCameraThreadOpensALostCameraAnew) {
   std::atomic<int> taken{0};
   CameraThread thread(
       "camera 0", {}, [] { return open(); }, [&](CapturedImage&&) { ++taken; });
+  thread.start();
   const auto wait_for = [](const auto& condition) {
     const auto deadline = std::chrono::steady_clock::now() + kSoon;
     while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();

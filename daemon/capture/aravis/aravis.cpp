@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/aravis/aravis.h"
 
+#include "base/background.h"
 #include "base/clock.h"
 #include "base/params_json.h"
 #include "capture/aravis/aravis_controls.h"
@@ -14,7 +15,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <mutex>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -121,14 +124,18 @@ class AravisSource final : public Source {
       throw CaptureError(fmt::format("camera \"{}\": cannot be opened: {}", label_, failure.text()));
     check_aravis_serial(camera(), handle);
     warnings_ = apply_controls(*controls_, options_.controls);
-    const std::lock_guard lock(shared_->mutex);
-    set_up_aravis(camera(), options_, label_, warnings_);
-    prepare_times();
-    watch_control();
-    start_stream();
+    {
+      const std::lock_guard lock(shared_->mutex);
+      set_up_aravis(camera(), options_, label_, warnings_);
+      prepare_times();
+      watch_control();
+      start_stream();
+    }
+    exposure_follower_ = std::jthread([this](const std::stop_token& stop) { follow_exposure(stop); });
   }
 
   ~AravisSource() override {
+    exposure_follower_ = {};  // waits for an answer that is under way
     {
       const std::lock_guard lock(shared_->mutex);
       // A dead camera would only make us wait for its answers.
@@ -208,7 +215,7 @@ class AravisSource final : public Source {
   ArvCamera* camera() const { return shared_->camera.get(); }
 
   CaptureTimes times_of(ArvBuffer* buffer) {
-    refresh_exposure();
+    picture_ns_.store(steady_ns(), std::memory_order_relaxed);
     PictureStamps stamps;
     stamps.exposure_s = shared_->exposure_s;
     stamps.has_ptp = has_ptp_;
@@ -232,14 +239,21 @@ class AravisSource final : public Source {
     if (!failure.failed()) stamps.camera_s = static_cast<double>(ticks) / ticks_per_s_;
   }
 
-  /// An automatic exposure changes by itself. Asked only of a camera that has just sent a picture, since a
-  /// dead one would keep us waiting.
-  void refresh_exposure() {
+  /// An automatic exposure changes by itself. The camera answers when it likes, so a thread of its own asks,
+  /// and only while pictures come: a dead camera would keep it, and the closing, waiting.
+  void follow_exposure(const std::stop_token& stop) {
+    become_background_thread("exposure");
     constexpr std::chrono::seconds kEvery(2);
-    if (!shared_->is_exposure_auto || Clock::now() < exposure_due_) return;
-    exposure_due_ = Clock::now() + kEvery;
-    const std::unique_lock lock(shared_->mutex, std::try_to_lock);
-    if (lock) read_exposure(*shared_);
+    std::mutex idle;
+    std::condition_variable_any alarm;
+    std::unique_lock idle_lock(idle);
+    while (!alarm.wait_for(idle_lock, stop, kEvery, [&] { return stop.stop_requested(); })) {
+      const auto silence =
+          std::chrono::nanoseconds(steady_ns() - picture_ns_.load(std::memory_order_relaxed));
+      if (!shared_->is_exposure_auto || silence > kEvery || link_->control_lost) continue;
+      const std::lock_guard lock(shared_->mutex);
+      read_exposure(*shared_);
+    }
   }
 
   /// What the times of pictures depend on.
@@ -389,17 +403,18 @@ class AravisSource final : public Source {
   std::vector<std::string> warnings_;
   PictureTimes times_;
   bool has_ptp_ = false;
-  Object<ArvChunkParser> chunks_;  // null: pictures carry none
-  double ticks_per_s_ = 1e9;       // of ChunkTimestamp
-  Clock::time_point exposure_due_{};
-  std::optional<BufferPool> pool_;  // of pictures that are unpacked
-  std::size_t pool_bytes_ = 0;      // of each
+  Object<ArvChunkParser> chunks_;            // null: pictures carry none
+  double ticks_per_s_ = 1e9;                 // of ChunkTimestamp
+  std::atomic<std::int64_t> picture_ns_{0};  // steady_ns() of the newest picture
+  std::optional<BufferPool> pool_;           // of pictures that are unpacked
+  std::size_t pool_bytes_ = 0;               // of each
   std::uint64_t dropped_ = 0;
   WholePicture whole_;
   SentPicture last_whole_;                // its data is not used
   std::ptrdiff_t last_whole_offset_ = 0;  // of the picture in its buffer
   Clock::time_point started_{}, last_buffer_{};
   Beginning beginning_ = Beginning::kNothing;
+  std::jthread exposure_follower_;
 };
 
 }  // namespace

@@ -9,39 +9,80 @@
 
 namespace sslv {
 
+namespace {
+
+// From the right: loop, paused, steps, next.
+constexpr int kPausedBit = 1, kStepsBit = 2, kNextBit = 20;
+constexpr std::int64_t kMaxSteps = (1 << (kNextBit - kStepsBit)) - 1, kMaxNext = (std::int64_t{1} << 43) - 1;
+
+}  // namespace
+
+Playback::State Playback::State::of(std::uint64_t word) {
+  return {.next = static_cast<std::int64_t>(word >> kNextBit),
+          .steps = static_cast<int>(word >> kStepsBit & kMaxSteps),
+          .paused = (word >> kPausedBit & 1) != 0,
+          .loop = (word & 1) != 0};
+}
+
+std::uint64_t Playback::State::word() const {
+  const auto kept_next = static_cast<std::uint64_t>(std::clamp<std::int64_t>(next, 0, kMaxNext));
+  const auto kept_steps = static_cast<std::uint64_t>(std::clamp<std::int64_t>(steps, 0, kMaxSteps));
+  return kept_next << kNextBit | kept_steps << kStepsBit | std::uint64_t{paused} << kPausedBit |
+         std::uint64_t{loop};
+}
+
 Playback::Playback(std::int64_t count, double rate_hz, bool loop)
-    : rate_hz_(rate_hz), count_(count), loop_(loop) {}
+    : rate_hz_(rate_hz), state_(State{.loop = loop}.word()), count_(count) {}
+
+/// Returns the state that `change` has made.
+template <class Change>
+Playback::State Playback::update(const Change& change) {
+  std::uint64_t word = state_.load();
+  State after;
+  do {
+    after = State::of(word);
+    change(after);
+  } while (!state_.compare_exchange_weak(word, after.word()));
+  return after;
+}
 
 std::optional<std::int64_t> Playback::wait_turn(std::chrono::milliseconds timeout) {
   const Clock::time_point until = Clock::now() + timeout;
-  std::unique_lock lock(mutex_);
+  State taken;
   for (;;) {
-    const bool steps = paused_ && steps_ > 0;
-    const bool may_go_on = !paused_ || steps;
+    const std::uint32_t mark = changed_.mark();
+    std::uint64_t word = state_.load();
+    taken = State::of(word);
+    const bool steps = taken.paused && taken.steps > 0;
+    const bool may_go_on = !taken.paused || steps;
     const Clock::time_point now = Clock::now();
-    if (may_go_on && (rate_hz_ == 0 || steps || now >= due_)) break;
+    if (is_due_at_once_.exchange(false)) due_ = now;
+    if (may_go_on && (rate_hz_ == 0 || steps || now >= due_)) {
+      State after = taken;
+      ++after.next;
+      if (after.steps > 0) --after.steps;
+      if (state_.compare_exchange_strong(word, after.word())) break;
+      continue;  // a control was set meanwhile
+    }
     if (now >= until) return std::nullopt;
-    changed_.wait_until(lock, may_go_on ? std::min(until, due_) : until);
+    changed_.wait(mark, may_go_on ? std::min(until, due_) : until);
   }
-  if (steps_ > 0) --steps_;
   if (rate_hz_ > 0) {
     const auto period =
         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / (rate_hz_ * speed_)));
     // A reader that comes late is not rushed afterwards.
     due_ = std::max(due_ + period, Clock::now());
   }
-  return next_++;
+  return taken.next;
 }
 
 bool Playback::begin_again(std::int64_t count) {
-  const std::lock_guard lock(mutex_);
   count_ = count;
-  next_ = loop_ ? 1 : count;
-  return loop_;
+  return update([&](State& state) { state.next = state.loop ? 1 : count; }).loop;
 }
 
 std::vector<Control> Playback::list() {
-  const std::lock_guard lock(mutex_);
+  const State state = State::of(state_);
   std::vector<Control> out(6);
   for (Control& control : out) control.category = "Playback";
   out[0].name = "position";
@@ -50,11 +91,11 @@ std::vector<Control> Playback::list() {
   out[0].kind = ControlKind::kInteger;
   out[0].least = 0;
   out[0].most = static_cast<double>(std::max<std::int64_t>(0, count_ - 1));
-  out[0].value = std::max<std::int64_t>(0, next_ - 1);
+  out[0].value = std::max<std::int64_t>(0, state.next - 1);
   out[1].name = "paused";
   out[1].title = "Paused";
   out[1].kind = ControlKind::kFlag;
-  out[1].value = paused_;
+  out[1].value = state.paused;
   out[2].name = "step";
   out[2].title = "Step";
   out[2].help = "shows the next picture and stays paused";
@@ -69,13 +110,13 @@ std::vector<Control> Playback::list() {
   out[4].kind = ControlKind::kNumber;
   out[4].least = 0.01;
   out[4].most = 100;
-  out[4].value = speed_;
+  out[4].value = speed_.load();
   out[4].writable = rate_hz_ > 0;
   out[5].name = "loop";
   out[5].title = "Loop";
   out[5].help = "begin again at the end";
   out[5].kind = ControlKind::kFlag;
-  out[5].value = loop_;
+  out[5].value = state.loop;
   return out;
 }
 
@@ -89,29 +130,27 @@ Control Playback::get(const std::string& name) {
 ControlEffect Playback::write(const Control& control, const Json& value) {
   if (!control.writable)
     throw SettingsError("speed: cannot be set: these pictures are shown as fast as they are taken");
-  {
-    const std::lock_guard lock(mutex_);
+  if (control.name == "speed") speed_ = value.get<double>();
+  update([&](State& state) {
     if (control.name == "position") {
-      next_ = value.get<std::int64_t>();
-      steps_ = paused_ ? 1 : 0;
+      state.next = value.get<std::int64_t>();
+      state.steps = state.paused ? 1 : 0;
     } else if (control.name == "paused") {
-      paused_ = value.get<bool>();
-      steps_ = 0;
+      state.paused = value.get<bool>();
+      state.steps = 0;
     } else if (control.name == "step") {
-      paused_ = true;
-      ++steps_;
+      state.paused = true;
+      ++state.steps;
     } else if (control.name == "step_back") {
-      paused_ = true;
-      next_ = std::max<std::int64_t>(0, next_ - 2);
-      ++steps_;
-    } else if (control.name == "speed") {
-      speed_ = value.get<double>();
-    } else {
-      loop_ = value.get<bool>();
+      state.paused = true;
+      state.next = std::max<std::int64_t>(0, state.next - 2);
+      ++state.steps;
+    } else if (control.name == "loop") {
+      state.loop = value.get<bool>();
     }
-    due_ = Clock::now();
-  }
-  changed_.notify_all();
+  });
+  is_due_at_once_ = true;
+  changed_.ring();
   return ControlEffect::kAtOnce;
 }
 

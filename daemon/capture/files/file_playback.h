@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/futex.h"
 #include "capture/controls.h"
 
+#include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 
 namespace sslv {
 
 /// How a recording is played: which picture is next, and when. Its controls are "position", "paused", "step",
-/// "step_back", "speed" and "loop". The camera's thread takes turns, any other may set controls meanwhile.
+/// "step_back", "speed" and "loop". The camera's thread takes turns, any other may set controls meanwhile,
+/// without a lock.
 class Playback final : public Controls {
  public:
   /// `count`: pictures of the recording, as far as is known. `rate_hz` 0: as fast as they are taken.
@@ -31,15 +32,25 @@ class Playback final : public Controls {
   using Clock = std::chrono::steady_clock;
   ControlEffect write(const Control& control, const Json& value) override;
 
+  /// What both sides change, in one word.
+  struct State {
+    std::int64_t next = 0;  // picture
+    int steps = 0;          // pictures still to be shown in spite of the pause
+    bool paused = false, loop = false;
+
+    static State of(std::uint64_t word);
+    std::uint64_t word() const;
+  };
+  template <class Change>
+  State update(const Change& change);
+
   const double rate_hz_;
-  mutable std::mutex mutex_;  // guards what follows
-  std::condition_variable changed_;
-  std::int64_t count_;
-  std::int64_t next_ = 0;
-  int steps_ = 0;  // pictures still to be shown in spite of the pause
-  bool paused_ = false, loop_;
-  double speed_ = 1;
-  Clock::time_point due_ = Clock::now();
+  std::atomic<std::uint64_t> state_;
+  std::atomic<std::int64_t> count_;
+  std::atomic<double> speed_{1};
+  std::atomic<bool> is_due_at_once_{false};  // a control was set
+  Bell changed_;
+  Clock::time_point due_ = Clock::now();  // the camera's thread's own
 };
 
 }  // namespace sslv

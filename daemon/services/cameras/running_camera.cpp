@@ -58,7 +58,8 @@ std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& s
   };
   return std::make_unique<CameraThread>("camera " + std::to_string(settings.id), settings.thread,
                                         std::move(open), std::move(on_image), RetryDelays{},
-                                        std::shared_ptr<CaptureTotals>(totals_, &totals_->capture));
+                                        std::shared_ptr<CaptureTotals>(totals_, &totals_->capture),
+                                        [this] { return pipeline_.give_back(); });
 }
 
 RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings, std::optional<NewSetup> setup,

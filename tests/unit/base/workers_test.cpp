@@ -3,6 +3,8 @@
 
 #include <array>
 #include <atomic>
+#include <system_error>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -27,6 +29,21 @@ TEST(Workers, DoEveryPartOnce) {
         }
       }
     }
+  }
+}
+
+TEST(Workers, GoOnWithTheThreadsThatTheSystemGives) {
+  for (const int given : {0, 1, 2}) {
+    int asked = 0;
+    Workers workers(3, [&](auto serve) {
+      if (asked++ == given)
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+      return std::jthread(std::move(serve));
+    });
+    EXPECT_EQ(workers.threads(), given);
+    std::atomic<int> done{0};
+    workers.run(40, [&](int) { ++done; });
+    EXPECT_EQ(done, 40);
   }
 }
 

@@ -12,12 +12,22 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <latch>
 #include <map>
 #include <optional>
 #include <set>
+#include <thread>
 #include <utility>
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
+
+// The library's headers convert as C does.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wconversion"
+#include <arv.h>
+#pragma GCC diagnostic pop
 
 namespace sslv {
 namespace {
@@ -313,6 +323,53 @@ TEST_F(Gige, AnAutomaticExposureIsFollowed) {
   EXPECT_LT(least_s, -0.1);
 }
 
+/// Holds back what the camera answers when it is asked for its exposure, until the test lets it go.
+struct HeldAnswer {
+  void ask() {
+    if (std::this_thread::get_id() == pictures_taken_by) {
+      asked_by_that_one = true;
+      return;
+    }
+    was_asked = true;
+    let_go.wait();
+    has_answered = true;
+  }
+  const std::thread::id pictures_taken_by = std::this_thread::get_id();
+  std::atomic<bool> asked_by_that_one{false}, was_asked{false}, has_answered{false};
+  std::latch let_go{1};
+
+  static inline std::atomic<HeldAnswer*> newest{nullptr};
+};
+
+}  // namespace
+}  // namespace sslv
+
+/// In the place of the library's, which it calls.
+extern "C" double arv_camera_get_exposure_time(ArvCamera* camera, GError** error) {
+  static const auto real =
+      reinterpret_cast<double (*)(ArvCamera*, GError**)>(dlsym(RTLD_NEXT, "arv_camera_get_exposure_time"));
+  if (sslv::HeldAnswer* held = sslv::HeldAnswer::newest) held->ask();
+  return real(camera, error);
+}
+
+namespace sslv {
+namespace {
+
+TEST_F(Gige, ACameraThatDoesNotSayItsExposureDelaysNoPicture) {
+  HeldAnswer held;
+  const auto source = open({{"controls", {{"ExposureAuto", "Continuous"}}}});
+  HeldAnswer::newest = &held;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+  while (!held.was_asked && !held.asked_by_that_one && std::chrono::steady_clock::now() < deadline)
+    next_picture(*source);
+  EXPECT_FALSE(held.asked_by_that_one) << "pictures wait for the answer";
+  EXPECT_TRUE(held.was_asked);
+  for (int i = 0; i < 20; ++i) next_picture(*source);
+  EXPECT_FALSE(held.has_answered);
+  HeldAnswer::newest = nullptr;
+  held.let_go.count_down();
+}
+
 TEST_F(Gige, ChunksThatDoNotComeAreNotMissed) {
   const auto source = open({{"chunks", true}});
   expect_our_pixels(next_picture(*source).image.view());
@@ -471,6 +528,7 @@ TEST_F(Gige, TheCameraThreadOpensARestartedCameraAnew) {
         return open({{"silence_s", 0.3}});
       },
       [&](CapturedImage&&) { ++taken; }, {milliseconds(10), milliseconds(100)});
+  thread.start();
   const auto wait_for_more = [&] {
     const int before = taken;
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "support/allocation_count.h"
+#include "support/held_thread.h"
 
 #include <algorithm>
 #include <atomic>
@@ -171,25 +172,38 @@ CameraHealth wait_for(const CameraThread& thread, const std::function<bool(const
 auto frames(std::uint64_t count) {
   return [count](const CameraHealth& health) { return health.frames == count; };
 }
+bool some_frames(const CameraHealth& health) {
+  return health.frames > 0;
+}
 auto state(CameraState wanted) {
   return [wanted](const CameraHealth& health) { return health.state == wanted; };
 }
 
 class CameraThreadTest : public testing::Test {
  protected:
-  std::unique_ptr<CameraThread> start(RetryDelays delays = kAtOnce, ThreadSettings settings = {}) {
+  std::unique_ptr<CameraThread> make(RetryDelays delays = kAtOnce, ThreadSettings settings = {}) {
     return std::make_unique<CameraThread>(
         "camera 0", settings, [camera = camera_] { return camera->open(); },
         [this](CapturedImage&& image) {
           ++taken_;
           if (hook_) hook_(image);
         },
-        delays, totals_);
+        delays, totals_,
+        [this] {
+          ++idle_calls_;
+          return buffers_are_out_.load();
+        });
+  }
+  std::unique_ptr<CameraThread> start(RetryDelays delays = kAtOnce, ThreadSettings settings = {}) {
+    auto thread = make(delays, settings);
+    thread->start();
+    return thread;
   }
 
   std::shared_ptr<CaptureTotals> totals_ = std::make_shared<CaptureTotals>();
   std::shared_ptr<FakeCamera> camera_ = std::make_shared<FakeCamera>();
-  std::atomic<int> taken_{0};
+  std::atomic<int> taken_{0}, idle_calls_{0};
+  std::atomic<bool> buffers_are_out_{false};
   std::function<void(const CapturedImage&)> hook_;
 };
 
@@ -434,7 +448,7 @@ TEST_F(CameraThreadTest, ATimeThatCannotBeIsReplaced) {
 
 TEST_F(CameraThreadTest, WhatOpensNothingOrThrowsAnythingIsTriedAgain) {
   std::atomic<int> attempts{0};
-  const CameraThread thread(
+  CameraThread thread(
       "camera 0", {},
       [&]() -> std::unique_ptr<Source> {
         switch (attempts++) {
@@ -444,6 +458,7 @@ TEST_F(CameraThreadTest, WhatOpensNothingOrThrowsAnythingIsTriedAgain) {
         }
       },
       [](CapturedImage&&) {}, kAtOnce);
+  thread.start();
   camera_->play({kImage});
   EXPECT_EQ(wait_for(thread, frames(1)).frames, 1U);
   EXPECT_EQ(attempts, 3);
@@ -508,7 +523,8 @@ TEST_F(CameraThreadTest, CamerasThatDoNotOpenAreWaitedForTogether) {
   const auto begin = std::chrono::steady_clock::now();
   for (const auto& thread : threads) thread->ask_to_stop();
   for (const auto& thread : threads) thread->stop();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(4 * 1500)) << "as long as one after the other";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(4 * 1500))
+      << "as long as one after the other";
   camera_->release();
   camera_->wait_for_closed(4);
 }
@@ -553,6 +569,123 @@ TEST_F(CameraThreadTest, AllocatesNothingForAPicture) {
   wait_for(*thread, frames(200));
   thread->stop();
   EXPECT_EQ(last, first);
+}
+
+TEST_F(CameraThreadTest, OneThatIsNeverStartedOpensNothing) {
+  {
+    const auto thread = make();
+    EXPECT_EQ(thread->health().state, CameraState::kOpening);
+    EXPECT_EQ(thread->health().progress_ns, 0);
+    EXPECT_EQ(thread->controls(), nullptr);
+  }
+  EXPECT_EQ(camera_->attempts(), 0);
+}
+
+TEST_F(CameraThreadTest, ItClosesItsPredecessorsCameraBeforeItOpensItsOwn) {
+  auto first = start();
+  camera_->play({kImage});
+  wait_for(*first, frames(1));
+  camera_->block_closing();
+  const auto second = make();
+  second->start(std::move(first));
+  EXPECT_EQ(second->health().state, CameraState::kOpening);
+  camera_->release();
+  camera_->play_forever(kImage);
+  EXPECT_GT(wait_for(*second, some_frames).frames, 0U);
+  EXPECT_EQ(camera_->wait_for_opened(2), 2);
+  EXPECT_EQ(camera_->closed(), 1);
+}
+
+TEST_F(CameraThreadTest, APredecessorThatDoesNotCloseIsLeftBehind) {
+  auto first = start();
+  camera_->wait_for_opened(1);
+  camera_->block_closing();
+  const auto second = make();
+  second->start(std::move(first));
+  camera_->play_forever(kImage);
+  EXPECT_GT(wait_for(*second, some_frames).frames, 0U);
+  EXPECT_EQ(camera_->closed(), 0);
+  camera_->release();
+  camera_->wait_for_closed(1);
+}
+
+TEST_F(CameraThreadTest, OneOfManySuccessorsAtATimeHandsPicturesOver) {
+  std::latch entered(1), go_on(1);
+  std::atomic<int> inside{0}, most_inside{0};
+  hook_ = [&](const CapturedImage&) {
+    most_inside = std::max(most_inside.load(), ++inside);
+    if (taken_ == 1) {
+      entered.count_down();
+      go_on.wait();
+    }
+    --inside;
+  };
+  auto thread = start();
+  camera_->play_forever(kImage);
+  entered.wait();
+  for (int i = 0; i < 3; ++i) {
+    auto next = make();
+    next->start(std::move(thread));
+    thread = std::move(next);
+  }
+  EXPECT_EQ(camera_->attempts(), 1) << "the first one is still in its on_image";
+  go_on.count_down();
+  wait_for(*thread, [](const CameraHealth& health) { return health.frames >= 10; });
+  EXPECT_EQ(most_inside, 1);
+}
+
+TEST_F(CameraThreadTest, StopWaitsForAPictureThatAPredecessorProcesses) {
+  std::latch entered(1), go_on(1);
+  std::atomic<bool> left{false};
+  hook_ = [&](const CapturedImage&) {
+    entered.count_down();
+    go_on.wait();
+    left = true;
+  };
+  auto first = start();
+  camera_->play({kImage});
+  entered.wait();
+  const auto second = make();
+  second->start(std::move(first));
+  std::thread stopper([&] {
+    second->stop();
+    EXPECT_TRUE(left);
+  });
+  go_on.count_down();
+  stopper.join();
+}
+
+TEST_F(CameraThreadTest, TellsWhenNoPictureComesAndBeforeItCloses) {
+  auto thread = start({std::chrono::hours(1), std::chrono::hours(1)});
+  buffers_are_out_ = true;
+  const auto wait_for_calls = [&](int at_least) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+    while (idle_calls_ < at_least && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    return idle_calls_ >= at_least;
+  };
+  EXPECT_TRUE(wait_for_calls(5));
+  buffers_are_out_ = false;
+  camera_->play({lost("no heartbeat")});
+  wait_for(*thread, state(CameraState::kLost));
+  camera_->wait_for_closed(1);
+  const int before = idle_calls_;
+  EXPECT_GE(before, 6);
+  thread->stop();
+  EXPECT_EQ(idle_calls_, before);
+}
+
+TEST_F(CameraThreadTest, AThreadThatIsHeldWhileItAsksForTheHealthDelaysNoPicture) {
+  const auto thread = start();
+  camera_->play_forever(kImage);
+  wait_for(*thread, some_frames);
+  expect_never_waits(
+      [&] {
+        (void)thread->health();
+        (void)thread->controls();
+      },
+      [&] {
+        for (const int before = taken_; taken_ < before + 3;) std::this_thread::yield();
+      });
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "capture/files/file_playback.h"
 
 #include "base/error.h"
+#include "support/held_thread.h"
 
 #include <thread>
 
@@ -52,6 +53,12 @@ TEST(Playback, AWaitEndsWhenAControlIsSet) {
   std::thread setter([&] { playback.set("position", 7); });
   EXPECT_EQ(playback.wait_turn(std::chrono::hours(1)), 7);
   setter.join();
+}
+
+TEST(Playback, AThreadThatIsHeldWhileItSetsAControlDelaysNoPicture) {
+  Playback playback(1 << 30, 0, false);
+  expect_never_waits([&] { playback.set("position", 7); },
+                     [&] { EXPECT_TRUE(playback.wait_turn(milliseconds(0))); });
 }
 
 TEST(Playback, RefusesWhatItHasNot) {

@@ -411,6 +411,7 @@ TEST_F(V4l2, TheCameraThreadFindsACameraThatWasPluggedInAgain) {
         return open({{"camera", "A1"}, {"silence_s", 3600}});
       },
       [&](CapturedImage&& image) { last = image.image.view().data[0]; }, {milliseconds(5), milliseconds(20)});
+  thread.start();
   const auto wait_for = [](const auto& condition) {
     const auto deadline = std::chrono::steady_clock::now() + kSoon;
     while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();

@@ -3,7 +3,10 @@
 
 #include "base/error.h"
 #include "support/group_listener.h"
+#include "support/held_thread.h"
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <vector>
@@ -216,6 +219,36 @@ TEST(Multicast, ThreadsSendWhileSettingsChange) {
   }
   EXPECT_EQ(sender.status().packets_sent + sender.status().send_errors, kThreads * kPackets);
   EXPECT_GT(sender.status().packets_sent, 0U);
+}
+
+TEST(Multicast, AThreadThatIsHeldWhileItAsksForTheStatusDelaysNoPacket) {
+  GroupListener listener;
+  MulticastSender sender(settings_for(listener));
+  const std::array<std::byte, 4> packet{};
+  expect_never_waits([&] { (void)sender.status(); }, [&] { EXPECT_TRUE(sender.send(packet)); });
+}
+
+TEST(Multicast, AThreadThatIsHeldWhileItChangesTheSettingsDelaysNoPacket) {
+  GroupListener before, after;
+  MulticastSender sender(settings_for(before));
+  const std::array<std::byte, 4> packet{};
+  const std::array settings{settings_for(before), settings_for(after)};
+  int changes = 0;
+  expect_never_waits([&] { sender.configure(settings[static_cast<std::size_t>(++changes % 2)]); },
+                     [&] { EXPECT_TRUE(sender.send(packet)); }, 300);
+}
+
+TEST(Multicast, APacketGoesByTheOldSettingsOrTheNewOnesAndIsNeverLostBetween) {
+  GroupListener listener;
+  MulticastSender sender(settings_for(listener));
+  std::atomic<bool> ending{false};
+  std::jthread camera([&] {
+    while (!ending) EXPECT_TRUE(send(sender, "x"));
+  });
+  for (int i = 0; i < 200; ++i) sender.configure(settings_for(listener));
+  ending = true;
+  camera.join();
+  EXPECT_EQ(sender.status().send_errors, 0U);
 }
 
 }  // namespace

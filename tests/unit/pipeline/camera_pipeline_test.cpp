@@ -3,6 +3,7 @@
 
 #include "pipeline/publish.h"
 #include "support/allocation_count.h"
+#include "support/held_thread.h"
 #include "vision/detect_balls.h"
 #include "vision/detect_robots.h"
 #include "vision/find_regions.h"
@@ -11,7 +12,11 @@
 #include "vision/threshold.h"
 
 #include <array>
+#include <atomic>
+#include <functional>
 #include <random>
+#include <semaphore>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -139,6 +144,89 @@ TEST(CameraPipeline, FramesInTheSpareGiveTheirBufferBackAtOnce) {
   camera.close();
   camera.process({}, {});
   EXPECT_LE(buffers_out, 1);
+}
+
+/// Counts the buffers that are out, and those given back by another thread than its maker's.
+struct Driver {
+  Image lend() {
+    ++lent;
+    return {{}, this, nullptr, [](void* owner, void*) noexcept {
+              auto& driver = *static_cast<Driver*>(owner);
+              --driver.lent;
+              driver.by_others += std::this_thread::get_id() != driver.cameras_thread;
+            }};
+  }
+  const std::thread::id cameras_thread = std::this_thread::get_id();
+  std::atomic<int> lent{0}, by_others{0};
+};
+
+TEST(CameraPipeline, WhatAViewerLetsGoOfGoesBackByTheCamerasThread) {
+  CountingSink sink;
+  Driver driver;
+  CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
+  camera.process(driver.lend(), {});
+  FrameRef held = camera.finished().peek()->value;
+  camera.process(driver.lend(), {});
+  EXPECT_EQ(driver.lent, 2);
+  EXPECT_TRUE(camera.give_back());
+  std::thread([&] { held.reset(); }).join();
+  EXPECT_EQ(driver.by_others, 0);
+  EXPECT_FALSE(camera.give_back()) << "only the newest one is out";
+  EXPECT_EQ(driver.lent, 1);
+  camera.close();
+  EXPECT_EQ(driver.lent, 0);
+}
+
+/// Stops in the middle of a frame.
+struct WaitingSink : DetectionSink {
+  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {
+    entered.release();
+    go_on.acquire();
+  }
+  std::binary_semaphore entered{0}, go_on{0};
+};
+
+TEST(CameraPipeline, AReplacedSetupIsNotFreedByTheCamerasThread) {
+  WaitingSink sink;
+  std::thread::id freed_by;
+  CameraSetup setup = setup_of({"mark", "publish"});
+  setup.world.lut = std::shared_ptr<const Lut>(new Lut(), [&](const Lut* lut) {
+    freed_by = std::this_thread::get_id();
+    delete lut;
+  });
+  CameraPipeline camera(0, sink, std::move(setup));
+  std::thread cameras_thread([&] { camera.process({}, {}); });
+  sink.entered.acquire();
+  camera.change(setup_of({"mark", "publish"}));
+  EXPECT_EQ(freed_by, std::thread::id()) << "the frame uses it";
+  sink.go_on.release();
+  cameras_thread.join();
+  EXPECT_EQ(freed_by, std::thread::id());
+  (void)camera.setup();
+  EXPECT_EQ(freed_by, std::this_thread::get_id());
+}
+
+TEST(CameraPipeline, AThreadThatIsHeldWhileItLooksDelaysNoFrame) {
+  CountingSink sink;
+  const CameraSetup setup = setup_of({"mark", "publish"});
+  CameraPipeline camera(0, sink, setup);
+  const auto process = [&] {
+    for (int i = 0; i < 3; ++i) camera.process({}, {});
+  };
+  for (int i = 0; i < 20; ++i) process();  // lists of all slots grow
+  std::uint64_t seen = 0;
+  const std::vector<std::function<void()>> looks{
+      [&] { (void)camera.finished().peek(); },
+      [&] {
+        const auto newest = camera.finished().wait_newer(seen, std::chrono::milliseconds(1));
+        if (newest) seen = newest->version;
+      },
+      [&] { (void)camera.setup(); },
+      [&] { camera.change(setup); },
+      [&] { (void)camera.counters(); },
+  };
+  for (const auto& look : looks) expect_never_waits(look, process, 400);
+  EXPECT_EQ(camera.counters().unseen, 0u);
 }
 
 TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {

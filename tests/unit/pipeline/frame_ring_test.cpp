@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/frame_ring.h"
 
-#include "base/latest.h"
+#include "pipeline/latest_frame.h"
 
 #include <array>
 #include <atomic>
@@ -27,18 +27,34 @@ struct Driver {
   }
 };
 
-TEST(FrameRing, TheImageGoesBackWithTheLastHold) {
+TEST(FrameRing, GivesTheImageBackThatNobodyHoldsAnyMore) {
   Driver driver;
   FrameRing ring(2);
   FrameRef first = ring.acquire();
   first->image = driver.lend();
   FrameRef second = first;
   first.reset();
+  EXPECT_EQ(ring.give_back(), 1U);
   EXPECT_EQ(driver.lent, 1);
   second.reset();
+  EXPECT_EQ(driver.lent, 1) << "not by who lets go, which may be a viewer's thread";
+  EXPECT_EQ(ring.give_back(), 0U);
   EXPECT_EQ(driver.lent, 0);
   second.reset();
+  EXPECT_EQ(ring.give_back(), 0U);
   EXPECT_EQ(driver.lent, 0);
+}
+
+TEST(FrameRing, GivesTheImageBackOfAFrameThatIsUsedAgain) {
+  Driver driver;
+  FrameRing ring(1);
+  FrameRef frame = ring.acquire();
+  frame->image = driver.lend();
+  frame.reset();
+  frame = ring.acquire();
+  EXPECT_EQ(driver.lent, 0);
+  frame->image = driver.lend();
+  EXPECT_EQ(driver.lent, 1);
 }
 
 TEST(FrameRing, AHeldFrameIsNotReused) {
@@ -82,9 +98,11 @@ TEST(FrameRef, CopiesMovesAndAssignmentsCountOnce) {
   a = same;
   EXPECT_TRUE(a);
   a = FrameRef();
+  ring.give_back();
   EXPECT_EQ(driver.lent, 1);
   b = ring.acquire();
   c = b;  // the first frame's last hold
+  ring.give_back();
   EXPECT_EQ(driver.lent, 0);
   EXPECT_EQ(&*b, &*c);
 }
@@ -93,7 +111,7 @@ TEST(FrameRef, CopiesMovesAndAssignmentsCountOnce) {
 TEST(FrameRing, ViewersNeverSeeAFrameBeingReused) {
   Driver driver;
   FrameRing ring(5);
-  Latest<FrameRef> latest;
+  LatestFrame latest(ring);
   std::atomic<int> changed{0};
   std::array<std::thread, 2> viewers;
   for (auto& viewer : viewers) {
@@ -119,6 +137,7 @@ TEST(FrameRing, ViewersNeverSeeAFrameBeingReused) {
   }
   latest.close();
   for (auto& viewer : viewers) viewer.join();
+  ring.give_back();
   EXPECT_EQ(changed, 0);
   EXPECT_EQ(driver.lent, 0);
 }

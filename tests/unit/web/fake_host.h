@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/error.h"
-#include "base/latest.h"
+#include "support/latest.h"
 #include "support/temporary_folder.h"
 #include "services/access/access.h"
 #include "web/host.h"

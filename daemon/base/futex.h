@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <climits>
+#include <cstdint>
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+namespace sslv {
+
+/// Sleeps while `word` is `value`, at the longest until then; may also wake for no reason. As
+/// std::atomic::wait, which knows no end (futex(2)).
+inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value,
+                       std::chrono::steady_clock::time_point until) noexcept {
+  static_assert(sizeof word == sizeof(std::uint32_t) && std::atomic<std::uint32_t>::is_always_lock_free);
+  const auto since_boot = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
+  if (since_boot.count() <= 0) return;
+  constexpr std::int64_t kSecondNs = 1'000'000'000;
+  // This operation takes a moment of CLOCK_MONOTONIC, which is the steady clock.
+  const timespec deadline{since_boot.count() / kSecondNs, since_boot.count() % kSecondNs};
+  syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, &deadline, nullptr, FUTEX_BITSET_MATCH_ANY);
+}
+
+inline void futex_wake_all(const std::atomic<std::uint32_t>& word) noexcept {
+  syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, INT_MAX, nullptr, nullptr, 0);
+}
+
+/// A bell for one thread that must never wait and others that wait for it: ringing takes no lock, and makes
+/// no system call while nobody waits. Whoever waits looks at what has changed between mark() and wait().
+class Bell {
+ public:
+  /// After the change.
+  void ring() noexcept {
+    rings_.fetch_add(1);
+    if (waiting_.load() != 0) futex_wake_all(rings_);
+  }
+
+  std::uint32_t mark() const noexcept { return rings_.load(); }
+  /// Returns once it has rung since `mark`, at the latest then.
+  void wait(std::uint32_t mark, std::chrono::steady_clock::time_point until) const noexcept {
+    waiting_.fetch_add(1);
+    futex_wait(rings_, mark, until);
+    waiting_.fetch_sub(1);
+  }
+
+ private:
+  std::atomic<std::uint32_t> rings_{0};
+  mutable std::atomic<std::uint32_t> waiting_{0};
+};
+
+}  // namespace sslv
