@@ -2,6 +2,7 @@
 #include "daemon.h"
 
 #include "config/config.h"
+#include "config/version.h"
 #include "net/multicast.h"
 #include "services/access/access_service.h"
 #include "services/access/match_lock.h"

@@ -2,6 +2,7 @@
 // Arguments, signals, exit code; nothing else.
 #include "base/log.h"
 #include "config/backends.h"
+#include "config/config.h"
 #include "config/version.h"
 #include "daemon.h"
 #include "settings/store.h"

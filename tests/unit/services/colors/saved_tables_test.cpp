@@ -24,6 +24,11 @@ std::shared_ptr<const Lut> table_with(Label label) {
   return std::make_shared<const Lut>(std::move(table));
 }
 
+/// Of a service that has started.
+struct Running : SavedTables {
+  explicit Running(StateFolder& folder) : SavedTables(folder) { end_start(); }
+};
+
 std::string refusal(const SavedTables& tables, const std::string& name) {
   try {
     tables.load(name, "/cameras/0/colors/table", LabelSet::built_in());
@@ -38,10 +43,10 @@ TEST(SavedTables, OutliveTheDaemon) {
   StateFolder state(folder.path());
   std::string name;
   {
-    SavedTables tables(state);
+    Running tables(state);
     name = tables.save(table_with(label::kPink), LabelSet::built_in());
   }
-  const SavedTables tables(state);
+  const Running tables(state);
   const auto loaded = tables.load(name, "", LabelSet::built_in());
   EXPECT_EQ(loaded->color_table(), table_with(label::kPink)->color_table());
   EXPECT_EQ(tables.load(name, "", LabelSet::built_in()), loaded) << "one in memory is enough";
@@ -50,7 +55,7 @@ TEST(SavedTables, OutliveTheDaemon) {
 TEST(SavedTables, TheSameTableHasTheSameName) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
-  SavedTables tables(state);
+  Running tables(state);
   const std::string name = tables.save(table_with(label::kPink), LabelSet::built_in());
   EXPECT_NE(tables.save(table_with(label::kBlue), LabelSet::built_in()), name);
   EXPECT_EQ(tables.save(table_with(label::kPink), LabelSet::built_in()), name);
@@ -60,7 +65,7 @@ TEST(SavedTables, RefuseWhatIsNoneOfThem) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
   std::ofstream(folder.path() / "secret.lut") << "secret";
-  SavedTables tables(state);
+  Running tables(state);
   const std::string name = tables.save(table_with(label::kPink), LabelSet::built_in());
   for (const std::string wrong : {"0123456789abcdef", "../secret", "", "x", "/etc/passwd"})
     EXPECT_THAT(refusal(tables, wrong), testing::StartsWith("/cameras/0/colors/table: ")) << wrong;
@@ -80,7 +85,7 @@ TEST(SavedTables, RefuseWhatIsNoneOfThem) {
 TEST(SavedTables, TheOldestThatNobodyUsesGo) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
-  SavedTables tables(state);
+  Running tables(state);
   const std::string used = tables.save(table_with(label::kPink), LabelSet::built_in());
   const std::string unused = tables.save(table_with(label::kBlue), LabelSet::built_in());
   const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
@@ -91,6 +96,17 @@ TEST(SavedTables, TheOldestThatNobodyUsesGo) {
   tables.tidy({used});
   EXPECT_EQ(refusal(tables, used), "");
   EXPECT_THAT(refusal(tables, unused), HasSubstr("expected a table that this service has saved"));
+}
+
+TEST(SavedTables, WhatIsLostAtStartIsReportedAndMissedByNobody) {
+  const TemporaryFolder folder;
+  StateFolder state(folder.path());
+  SavedTables tables(state);
+  EXPECT_EQ(tables.load("0123456789abcdef", "/cameras/0/colors/table", LabelSet::built_in()), nullptr);
+  EXPECT_THAT(tables.lost("0123456789abcdef"), ::testing::HasSubstr("/cameras/0/colors/table: "));
+  EXPECT_EQ(tables.lost(""), "");
+  tables.end_start();
+  EXPECT_THROW(tables.load("0123456789abcdef", "", LabelSet::built_in()), SettingsError);
 }
 
 }  // namespace
