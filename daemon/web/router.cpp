@@ -156,11 +156,9 @@ const std::regex& stream_path() {
   return path;
 }
 
-/// An audit line for whatever was to change something, also when it was refused.
-void write_down(const httplib::Request& request, const httplib::Response& response) {
-  if (is_read(request)) return;
-  log::info("audit: {} {} {} {}", request.remote_addr, request.method, to_text(request.target.substr(0, 200)),
-            response.status);
+/// Whatever was to change something, also when it was refused.
+void write_down(AuditLog& audit, const httplib::Request& request, const httplib::Response& response) {
+  if (!is_read(request)) audit.add(request.remote_addr, request.method, request.target, response.status);
 }
 
 /// Of what is no file, nothing is to be kept.
@@ -185,7 +183,7 @@ class Router::HttpServer : public Server {
 
 Router::Router(const WebHost& host, std::span<const Route> routes,
                const std::filesystem::path& panel_directory)
-    : host_(host), server_(std::make_unique<HttpServer>()) {
+    : host_(host), audit_(std::make_unique<AuditLog>()), server_(std::make_unique<HttpServer>()) {
   for (const Route& route : routes) add_route(*server_, host, route);
   server_->set_mount_point("/", panel_directory);
   server_->Get("/", explain_missing_panel(panel_directory));
@@ -196,10 +194,11 @@ Router::Router(const WebHost& host, std::span<const Route> routes,
   server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
     explain_refusal(routes, request, response);
   });
-  server_->set_post_routing_handler([routes](const httplib::Request& request, httplib::Response& response) {
-    set_caching(routes, request, response);
-    write_down(request, response);
-  });
+  server_->set_post_routing_handler(
+      [this, routes](const httplib::Request& request, httplib::Response& response) {
+        set_caching(routes, request, response);
+        write_down(*audit_, request, response);
+      });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
   server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit
   httplib::Headers headers{{"Accept-Ranges", "none"}};
@@ -208,6 +207,10 @@ Router::Router(const WebHost& host, std::span<const Route> routes,
 }
 
 Router::~Router() = default;
+
+void Router::write_audit() const {
+  audit_->write_due();
+}
 
 HttpAnswer Router::answer(std::string_view request, const std::string& remote_address) const {
   MemoryStream stream(request, remote_address);

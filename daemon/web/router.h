@@ -3,6 +3,7 @@
 
 #include "web/access.h"
 #include "web/api.h"
+#include "web/audit_log.h"
 #include "web/camera_feed.h"
 #include "web/host.h"
 
@@ -53,14 +54,19 @@ class Router {
   Router(const WebHost& host, std::span<const Route> routes, const std::filesystem::path& panel_directory);
   ~Router();
 
-  /// `request`: one complete request, header and body, without chunks; its address and Range short. HEAD is
+  /// `request`: one complete request, header and body, without chunks, that passed check_header(). HEAD is
   /// answered as GET. Writes from pages of another site, and requests by a name that is not this computer's,
-  /// are refused with 403. Every write leaves a line in the log. May be called from several threads at once.
+  /// are refused with 403. Every write is written down in the log (AuditLog). May be called from several
+  /// threads at once.
   HttpAnswer answer(std::string_view request, const std::string& remote_address) const;
+
+  /// Writes to the log what is due of requests that were refused (AuditLog): to be called now and then.
+  void write_audit() const;
 
  private:
   class HttpServer;
   const WebHost& host_;
+  const std::unique_ptr<AuditLog> audit_;
   const std::unique_ptr<HttpServer> server_;
 };
 

@@ -19,6 +19,7 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <fmt/format.h>
 
 namespace sslv {
 
@@ -252,8 +253,19 @@ void WebSocketHub::left(WebSocketSession& session) {
 void WebSocketHub::follow_detections(WebSocketSession& session) {
   for (const std::uint32_t camera_id : host_.camera_ids()) {
     const WebSocketSession::Topic topic{WebSocketSession::Topic::Kind::kDetections, camera_id};
-    feeds_.of(camera_id).start_detections(session.id(), session.sink(topic));
+    try {
+      feeds_.of(camera_id).start_detections(session.id(), session.sink(topic));
+    } catch (const HttpError&) {
+      // It was removed since its id was asked for.
+    } catch (const std::exception& error) {  // no thread to be had: the next tick tries again
+      complain(fmt::format("no detections of camera {} for viewers: {}", camera_id, error.what()));
+    }
   }
+}
+
+void WebSocketHub::complain(const std::string& problem) {
+  if (problem != last_problem_) log::error("web: {}", problem);
+  last_problem_ = problem;
 }
 
 void WebSocketHub::send_status_soon(WebSocketSession& session) {
@@ -265,17 +277,14 @@ void WebSocketHub::send_status_soon(WebSocketSession& session) {
 }
 
 void WebSocketHub::tick() {
-  std::vector<std::shared_ptr<WebSocketSession>> uninvited;
-  for (const auto& [id, session] : sessions_) {
-    if (!session->may_look()) uninvited.push_back(session->shared_from_this());
+  try {
+    look_at_sessions();
+  } catch (const std::exception& error) {  // whatever it is, the next tick must come
+    complain(error.what());
   }
-  for (const auto& session : uninvited) session->leave();
+  const bool wanted = std::any_of(sessions_.begin(), sessions_.end(),
+                                  [](const auto& entry) { return entry.second->wants_status(); });
   ticking_ = !sessions_.empty();
-  bool wanted = false;
-  for (const auto& [id, session] : sessions_) {
-    wanted |= session->wants_status();
-    if (session->wants_detections()) follow_detections(*session);  // a camera may have been added
-  }
   if (!wanted) return send_status(nullptr);
   asio::post(workers_, [this] {
     CameraFeed::Message status;
@@ -286,6 +295,17 @@ void WebSocketHub::tick() {
     }
     asio::post(io_, [this, status] { send_status(status); });
   });
+}
+
+void WebSocketHub::look_at_sessions() {
+  std::vector<std::shared_ptr<WebSocketSession>> uninvited;
+  for (const auto& [id, session] : sessions_) {
+    if (!session->may_look()) uninvited.push_back(session->shared_from_this());
+  }
+  for (const auto& session : uninvited) session->leave();
+  for (const auto& [id, session] : sessions_) {
+    if (session->wants_detections()) follow_detections(*session);  // a camera may have been added
+  }
 }
 
 void WebSocketHub::send_status(const CameraFeed::Message& status) {

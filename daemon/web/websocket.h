@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 #include <string_view>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
@@ -44,6 +45,8 @@ class WebSocketHub {
   void follow_detections(WebSocketSession& session);
 
   void tick();  // every half second while there are viewers
+  void look_at_sessions();
+  void complain(const std::string& problem);  // once, however often it comes again
   void send_status(const CameraFeed::Message& status);
   void send_status_soon(WebSocketSession& session);
 
@@ -54,6 +57,7 @@ class WebSocketHub {
   WebCounters& counters_;
   boost::asio::steady_timer timer_;
   bool ticking_ = false;
+  std::string last_problem_;
   CameraFeed::Message last_status_;  // at most one period old, or null
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
 };
