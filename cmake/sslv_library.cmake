@@ -14,6 +14,10 @@ set(SSLV_BATCH_SIZE 6)
 
 function(sslv_batches target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SSLV_BATCHES} UNITY_BUILD_BATCH_SIZE ${SSLV_BATCH_SIZE})
+  if(SSLV_BATCHES AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # It takes the files of a batch for headers.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 

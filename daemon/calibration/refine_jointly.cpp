@@ -65,7 +65,8 @@ class Paint {
 class JointProblem : public LeastSquaresTypes {
  public:
   JointProblem(std::span<const LensCamera> starts, std::span<const RefinedCamera> cameras,
-          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, const std::stop_token& stop)
+               std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties,
+               const std::stop_token& stop)
       : starts_(starts), cameras_(cameras), curves_(curves), ties_(ties), stop_(stop), paint_(curves) {
     for (const RefinedCamera& camera : cameras)
       rows_ += static_cast<int>(camera.sightings.size()) + PriorRows::kCount;

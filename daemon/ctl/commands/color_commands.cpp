@@ -24,7 +24,8 @@ std::string colors_path(int camera_id) {
 }
 
 /// One of the things that may be done to a table, with its camera and what it answers.
-CLI::App* add_action(CLI::App* group, const char* name, const char* help, const std::shared_ptr<ColorOptions>& o) {
+CLI::App* add_action(CLI::App* group, const char* name, const char* help,
+                     const std::shared_ptr<ColorOptions>& o) {
   CLI::App* command = group->add_subcommand(name, help);
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   add_json_flag(command, o->as_json);
