@@ -9,7 +9,8 @@ export default async function* lines(events) {
     // Groups and files are not tests themselves; a group that is skipped as a whole has none that says so.
     const isGroup = data.details?.type === 'suite' || /\.mjs$/.test(data.name);
     const skipped = data.skip !== undefined && data.skip !== false;
-    if (isGroup && !skipped && type === 'test:pass') continue;
+    const onlyWithin = type === 'test:pass' || data.details.error?.failureType === 'subtestsFailed';
+    if (isGroup && !skipped && onlyWithin) continue;
     yield `${JSON.stringify({
       name: [...names.slice(0, data.nesting), data.name].join(': '),
       result: type === 'test:fail' ? 'failed' : skipped ? 'skipped' : 'passed',
