@@ -229,6 +229,7 @@ Json Daemon::diagnostics() const {
 }
 
 void Daemon::look_after() {
+  stills_.forget_old();
   move_panel_if_needed();
   find_stale_calibrations();
   // So that a break of an alert is seen while nobody asks.
