@@ -8,8 +8,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -36,6 +38,7 @@ class SavedTables {
   void tidy(const std::set<std::string>& used);
 
  private:
+  std::optional<std::string> find_same(const std::vector<std::uint8_t>& bytes) const;
   std::filesystem::path file_of(const std::string& name) const { return folder_ / (name + ".lut"); }
 
   StateFolder& state_;

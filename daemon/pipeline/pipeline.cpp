@@ -24,7 +24,7 @@ const StageType& find_stage(std::span<const StageType> table, const std::string&
   if (found != table.end()) return *found;
   std::string known;
   for (const StageType& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
-  throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, name, known));
+  throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, shortened(name), known));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
 Json complete_stage_settings(std::span<const StageType> table, const Json& stages, const std::string& path) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");
   for (const auto& item : stages.items()) {
-    if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + item.key());
+    if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + shortened(item.key()));
   }
   Json complete = Json::object();
   for (const StageType& type : table) {

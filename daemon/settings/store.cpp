@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "settings/bounded_patch.h"
 
 #include <functional>
@@ -121,8 +122,15 @@ Json SettingsStore::history() const {
 
 SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
                                             const Prepare& prepare) {
+  // A patch may have much to do; nobody waits for that unless another edit comes in between.
+  const Version before = current();
+  std::optional<Json> patched;
+  if (!edit.if_revision || *edit.if_revision == before.revision)
+    patched = apply_patch(before.settings, patch);
   const std::lock_guard lock(edits_);
-  return apply(patch, edit, prepare);
+  check_revision(edit);
+  if (version_.revision != before.revision || !patched) patched = apply_patch(version_.settings, patch);
+  return apply(std::move(*patched), edit, prepare);
 }
 
 Json SettingsStore::check(const Json& patch, const std::function<void(const Json&)>& try_out) const {
@@ -153,17 +161,20 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
   }
   SettingsEdit named = edit;
   named.what = fmt::format("undo of revision {}", revision);
-  return apply(backward_patch(changes), named, prepare);
+  check_revision(named);
+  return apply(apply_patch(version_.settings, backward_patch(changes)), named, prepare);
 }
 
-SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdit& edit,
-                                            const Prepare& prepare) {
+void SettingsStore::check_revision(const SettingsEdit& edit) const {
   if (edit.if_revision && *edit.if_revision != version_.revision) {
     throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}",
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
-  Version next{version_.revision + 1, checked(apply_patch(version_.settings, patch))};
+}
+
+SettingsStore::Version SettingsStore::apply(Json tree, const SettingsEdit& edit, const Prepare& prepare) {
+  Version next{version_.revision + 1, checked(std::move(tree))};
   const auto put_into_force = prepare(next.settings);
 
   SettingsHistory history = history_;
@@ -180,6 +191,7 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
 }
 
 void SettingsStore::take(const Version& version, SettingsHistory history) {
+  memory_was_used();  // by trees, patches, pipelines and masks, old and new
   const std::lock_guard lock(mutex_);
   version_ = version;
   revision_ = version.revision;

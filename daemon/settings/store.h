@@ -96,7 +96,9 @@ class SettingsStore {
   Json read_admin_file(Json* as_written = nullptr) const;  // complete
   std::optional<Version> load_changes(const std::filesystem::path& file, const Json& admin_as_written);
   Version reload_now(const Prepare& prepare);
-  Version apply(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
+  /// Throws StaleRevision.
+  void check_revision(const SettingsEdit& edit) const;
+  Version apply(Json tree, const SettingsEdit& edit, const Prepare& prepare);
   void take(const Version& version, SettingsHistory history);
   /// As changes of this admin's tree.
   void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);
