@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arguments, signals, exit code; nothing else.
 #include "base/log.h"
-#include "cameras.h"
+#include "config/backends.h"
+#include "config/config.h"
+#include "config/version.h"
 #include "daemon.h"
 #include "settings/store.h"
-#include "version.h"
 
 #include <csignal>
 #include <cstdint>

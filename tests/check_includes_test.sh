@@ -33,7 +33,17 @@ expect "base may include only: itself" base/log.h image/image.h
 expect "vision may include only: itself, base, image, geometry" vision/find_runs.h pipeline/frame.h
 expect "capture may include only:" capture/simulator/simulator.cpp vision/lut.h
 expect "net may include only:" net/packets.cpp image/image.h
-expect "web may include only:" web/api_status.cpp ssl_vision_wrapper.pb.h
+expect "web may include only: itself, base, image" web/router.cpp settings/store.h
+expect "web may include only:" web/router.cpp services/service.h
+expect "colors may include only:" colors/surfaces.cpp services/colors/color_desk.h
+expect "ctl may include only:" ctl/client.cpp services/service.h
+expect "ctl may include only:" ctl/client.cpp web/route.h
+expect "config may include only:" config/config.cpp services/service.h
+expect allowed services/colors/color_service.cpp services/cameras/cameras.h
+expect allowed services/colors/color_service.cpp services/service.h
+expect allowed services/cameras/camera_json.cpp config/stages.h
+expect "services/colors may include only:" services/colors/color_service.cpp services/cameras/camera_service.h
+expect "services may include only:" services/health_report.cpp services/cameras/cameras.h
 expect "pipeline/frame.h may include only:" pipeline/frame.h base/log.h
 expect "pipeline/frame.h may include only:" pipeline/frame.h pipeline/stage.h
 expect "web may include only:" web/server.h daemon.h

@@ -19,4 +19,9 @@ struct BusyError : SettingsError {
   using SettingsError::SettingsError;
 };
 
+/// A file that cannot be written or read; one line.
+struct StorageError : std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
 }  // namespace sslv

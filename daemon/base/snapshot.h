@@ -13,6 +13,7 @@ template <class T>
 class Snapshot {
  public:
   Snapshot() = default;
+  explicit Snapshot(std::shared_ptr<const T> value) : value_(std::move(value)) {}
   explicit Snapshot(T value) : value_(std::make_shared<const T>(std::move(value))) {}
 
   /// The newest version; null only before the first store of a default-constructed Snapshot.
@@ -21,8 +22,8 @@ class Snapshot {
     return value_;
   }
 
-  void store(T value) {
-    auto next = std::make_shared<const T>(std::move(value));
+  void store(T value) { store(std::make_shared<const T>(std::move(value))); }
+  void store(std::shared_ptr<const T> next) noexcept {
     const std::lock_guard lock(mutex_);
     value_.swap(next);  // the old version is released after the lock
   }

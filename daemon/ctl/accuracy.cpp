@@ -6,7 +6,7 @@
 #include "ctl/accuracy_colors.h"
 #include "ctl/accuracy_trial.h"
 #include "ctl/no_sink.h"
-#include "detections_json.h"
+#include "vision/detections_json.h"
 #include "pipeline/camera_pipeline.h"
 
 #include <algorithm>

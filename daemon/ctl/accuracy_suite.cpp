@@ -97,7 +97,7 @@ Trial trial_of(const AccuracySuite& suite, std::size_t index, const std::string&
   CameraSettings& camera = out.config.cameras.emplace_back();
   camera.calibration = field.calibration;
   camera.stages =
-      complete_stage_settings(stage_table(), merged(suite.stages, condition.stages), path + "/stages");
+      read_stages(stage_table(), merged(suite.stages, condition.stages), path + "/stages").complete;
   return out;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "capture/simulator/simulator_options.h"
-#include "config.h"
+#include "config/config.h"
 #include "ctl/accuracy.h"
 
 #include <cstddef>

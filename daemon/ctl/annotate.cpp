@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/annotate.h"
 
-#include "cameras.h"
+#include "config/backends.h"
 #include "ctl/annotation_page.h"
 #include "image/jpeg.h"
 #include "settings/state_folder.h"

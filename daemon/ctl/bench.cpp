@@ -2,7 +2,7 @@
 #include "ctl/bench.h"
 
 #include "base/params_json.h"
-#include "cameras.h"
+#include "config/backends.h"
 #include "capture/simulator/simulator.h"
 #include "capture/simulator/simulator_camera.h"
 #include "ctl/no_sink.h"

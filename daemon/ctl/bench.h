@@ -2,7 +2,7 @@
 #pragma once
 
 #include "capture/source.h"
-#include "config.h"
+#include "config/config.h"
 #include "geometry/scene.h"
 #include "image/image.h"
 

@@ -2,8 +2,8 @@
 #include "ctl/calibrate.h"
 
 #include "base/params_json.h"
-#include "cameras.h"
-#include "config.h"
+#include "config/backends.h"
+#include "config/config.h"
 #include "settings/store.h"
 
 #include <chrono>

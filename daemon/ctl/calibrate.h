@@ -3,7 +3,7 @@
 
 #include "base/json.h"
 #include "calibration/calibrate.h"
-#include "calibration_json.h"
+#include "calibration/calibration_json.h"
 #include "ctl/client.h"
 
 #include <iosfwd>

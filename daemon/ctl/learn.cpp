@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/learn.h"
 
-#include "cameras.h"
+#include "config/backends.h"
 #include "ctl/colors.h"
 
 #include <chrono>

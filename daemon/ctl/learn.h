@@ -3,7 +3,7 @@
 
 #include "base/json.h"
 #include "colors/learn_colors.h"
-#include "config.h"
+#include "config/config.h"
 
 #include <cstddef>
 #include <iosfwd>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/learnt_colors_json.h"
 
-#include "colors_json.h"
+#include "colors/margins_json.h"
 
 namespace sslv {
 Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known) {

@@ -2,7 +2,7 @@
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
 #include "base/error.h"
 #include "ctl/commands/commands.h"
-#include "version.h"
+#include "config/version.h"
 
 #include <cstdlib>
 #include <iostream>

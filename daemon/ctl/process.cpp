@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/process.h"
 
-#include "cameras.h"
+#include "config/backends.h"
 #include "ctl/no_sink.h"
-#include "detections_json.h"
+#include "vision/detections_json.h"
 #include "pipeline/camera_pipeline.h"
 
 #include <chrono>

@@ -2,7 +2,7 @@
 #include "ctl/truth.h"
 
 #include "base/error.h"
-#include "detections_json.h"
+#include "vision/detections_json.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,11 +8,13 @@
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <future>
 #include <thread>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/multicast.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <netinet/in.h>
 
@@ -43,27 +45,42 @@ udp::socket join(asio::io_context& io, const GroupAddress& where) {
 
 }  // namespace
 
-/// In one group at one card, from its making to its end.
-class MulticastReceiver::Membership {
+/// What the receiver's thread works on: one group at one card, or none.
+class MulticastReceiver::Listener {
  public:
-  Membership(MulticastReceiver& owner, GroupAddress where) : owner_(owner), where_(std::move(where)) {
-    open();
+  explicit Listener(MulticastReceiver& owner) : owner_(owner) {
     look();
     thread_ = std::jthread([this] {
       become_background_thread(owner_.thread_name_.c_str());
       io_.run();
     });
   }
-  ~Membership() { io_.stop(); }
+  ~Listener() { io_.stop(); }
+
+  void listen(const std::optional<GroupAddress>& where) {
+    std::promise<void> done;
+    asio::post(io_, [&] {
+      socket_ = udp::socket(io_);
+      ++opened_;
+      where_ = where;
+      {
+        const std::lock_guard lock(owner_.mutex_);
+        owner_.error_.clear();
+      }
+      if (where_) open();
+      done.set_value();
+    });
+    done.get_future().wait();
+  }
 
  private:
   void open() {
     std::string error;
     try {
-      socket_ = join(io_, where_);
+      socket_ = join(io_, *where_);
     } catch (const std::exception& caught) {
       socket_ = udp::socket(io_);
-      error = "cannot listen to " + where_.group + ":" + std::to_string(where_.port) + ": " + caught.what() +
+      error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " + caught.what() +
               "; " + network_cards_text();
     }
     silent_looks_ = 0;
@@ -72,7 +89,7 @@ class MulticastReceiver::Membership {
     const std::lock_guard lock(owner_.mutex_);
     if (error != owner_.error_) {
       if (error.empty()) {
-        log::info("multicast: listening to {}:{} again", where_.group, where_.port);
+        log::info("multicast: listening to {}:{} again", where_->group, where_->port);
       } else {
         log::warning("multicast: {}", error);
       }
@@ -86,7 +103,7 @@ class MulticastReceiver::Membership {
         [this, opened = opened_](const boost::system::error_code& error, std::size_t size) {
           if (opened != opened_) return;  // of a socket that is no more
           if (error) {
-            socket_.close();  // look() opens it anew
+            socket_.close();  // look() reopens it
             return;
           }
           silent_looks_ = 0;
@@ -98,14 +115,14 @@ class MulticastReceiver::Membership {
   void look() {
     timer_.expires_after(owner_.look_interval_);
     timer_.async_wait([this](const boost::system::error_code&) {
-      if (!socket_.is_open() || ++silent_looks_ >= kSilentLooks) open();
+      if (where_ && (!socket_.is_open() || ++silent_looks_ >= kSilentLooks)) open();
       look();
     });
   }
 
   MulticastReceiver& owner_;
-  const GroupAddress where_;
   // All below is the thread's, once there is one.
+  std::optional<GroupAddress> where_;
   asio::io_context io_{1};
   udp::socket socket_{io_};
   udp::endpoint sender_;
@@ -118,17 +135,15 @@ class MulticastReceiver::Membership {
 
 MulticastReceiver::MulticastReceiver(std::string thread_name, Handler handler,
                                      std::chrono::milliseconds look_interval)
-    : thread_name_(std::move(thread_name)), handler_(std::move(handler)), look_interval_(look_interval) {}
+    : thread_name_(std::move(thread_name)),
+      handler_(std::move(handler)),
+      look_interval_(look_interval),
+      listener_(std::make_unique<Listener>(*this)) {}
 
 MulticastReceiver::~MulticastReceiver() = default;
 
 void MulticastReceiver::listen(const std::optional<GroupAddress>& where) {
-  membership_.reset();
-  {
-    const std::lock_guard lock(mutex_);
-    error_.clear();
-  }
-  if (where) membership_ = std::make_unique<Membership>(*this, *where);
+  listener_->listen(where);
 }
 
 std::string MulticastReceiver::error() const {

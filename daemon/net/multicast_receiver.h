@@ -33,7 +33,7 @@ class MulticastReceiver {
   using Handler =
       std::function<void(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender)>;
 
-  /// `thread_name` has at most 15 characters.
+  /// `thread_name` has at most 15 characters. Throws std::system_error when the thread cannot be had.
   MulticastReceiver(std::string thread_name, Handler handler,
                     std::chrono::milliseconds look_interval = std::chrono::seconds(1));
   ~MulticastReceiver();
@@ -46,14 +46,14 @@ class MulticastReceiver {
   std::string error() const;
 
  private:
-  class Membership;
+  class Listener;
 
   const std::string thread_name_;
   const Handler handler_;
   const std::chrono::milliseconds look_interval_;
   mutable std::mutex mutex_;  // guards error_
   std::string error_;
-  std::unique_ptr<Membership> membership_;
+  std::unique_ptr<Listener> listener_;  // last, so that its thread ends before what it uses
 };
 
 }  // namespace sslv

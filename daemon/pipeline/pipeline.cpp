@@ -29,12 +29,12 @@ const StageType& find_stage(std::span<const StageType> table, const std::string&
 
 }  // namespace
 
-Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
-                   const std::string& path)
-    : table_(table), stack_(stack) {
+std::vector<const StageType*> check_stack(std::span<const StageType> table,
+                                          const std::vector<std::string>& stack, const std::string& path) {
   // Capture provides these two.
   PartSet have = PartSet{}.set(part_index<FrameInfo>()).set(part_index<Image>());
   std::array<std::string, kPartCount> writer;
+  std::vector<const StageType*> stages;
   for (std::size_t s = 0; s < stack.size(); ++s) {
     const std::string here = fmt::format("{}/{}", path, s);
     const StageType& type = find_stage(table, stack[s], here);
@@ -54,18 +54,27 @@ Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::stri
       if (type.writes[i]) writer[i] = type.name;
     }
     have |= type.writes;
-    steps_.push_back(std::make_unique<Running>(type));
+    stages.push_back(&type);
   }
+  return stages;
+}
+
+Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
+                   const std::string& path)
+    : table_(table), stack_(stack) {
+  for (const StageType* type : check_stack(table, stack, path))
+    steps_.push_back(std::make_unique<Running>(*type));
+}
+
+Pipeline::Parameters Pipeline::parameters_of(const std::vector<StageParams>& params) const {
+  Parameters parameters;
+  for (const auto& step : steps_)
+    parameters.push_back(params[static_cast<std::size_t>(step->type - table_.data())]);
+  return parameters;
 }
 
 Pipeline::Parameters Pipeline::make_parameters(const Json& stages, const std::string& path) const {
-  const Json complete = complete_stage_settings(table_, stages, path);
-  Parameters parameters;
-  for (const auto& step : steps_) {
-    const std::string name(step->type->name);
-    parameters.push_back(step->type->make_params(complete.at(name), path + "/" + name));
-  }
-  return parameters;
+  return parameters_of(read_stages(table_, stages, path).params);
 }
 
 void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
@@ -83,18 +92,20 @@ void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
   }
 }
 
-Json complete_stage_settings(std::span<const StageType> table, const Json& stages, const std::string& path) {
+StageSettings read_stages(std::span<const StageType> table, const Json& stages, const std::string& path) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");
   for (const auto& item : stages.items()) {
     if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + item.key());
   }
-  Json complete = Json::object();
+  StageSettings out{Json::object(), {}};
   for (const StageType& type : table) {
     const std::string name(type.name);
-    complete[name] =
-        type.complete(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
+    StageType::Parsed parsed =
+        type.parse(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
+    out.complete[name] = std::move(parsed.complete);
+    out.params.push_back(std::move(parsed.params));
   }
-  return complete;
+  return out;
 }
 
 }  // namespace sslv

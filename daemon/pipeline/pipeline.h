@@ -11,20 +11,35 @@
 
 namespace sslv {
 
+/// What the settings say of stages, read once.
+struct StageSettings {
+  Json complete;                    // of every stage of the table, with defaults filled in
+  std::vector<StageParams> params;  // by the table
+};
+
+/// `stages` maps stage names to their parameters; absent ones have their defaults. Throws SettingsError,
+/// beginning with `path`, for a stage that is not in the table or a parameter that is not allowed.
+StageSettings read_stages(std::span<const StageType> table, const Json& stages, const std::string& path);
+
+/// Whether the stack may run: its stages, in order. Throws SettingsError, beginning with `path`, for an
+/// unknown stage, a stage listed twice, a part that no earlier stage provides or that two stages write.
+std::vector<const StageType*> check_stack(std::span<const StageType> table,
+                                          const std::vector<std::string>& stack, const std::string& path);
+
 /// The stages of one camera in their order, checked. Made when the stack changes; parameters may change
 /// without (Parameters below). Used by one thread at a time.
 class Pipeline {
  public:
-  /// Throws SettingsError, beginning with `path`, for an unknown stage, a stage listed twice, a part that no
-  /// earlier stage provides or that two stages write. `table` must outlive the pipeline.
+  /// Throws as check_stack() does. `table` must outlive the pipeline.
   Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack, const std::string& path);
 
   /// One parameter set for each stage of the stack, taken together, so that a frame sees all of a change or
   /// none.
   using Parameters = std::vector<StageParams>;
 
-  /// `stages` maps stage names to their parameters; absent ones keep their defaults. Throws SettingsError,
-  /// beginning with `path`, for a stage that is not in the table or a parameter that is not allowed.
+  /// Those of this stack. `params`: by the table, as StageSettings has them.
+  Parameters parameters_of(const std::vector<StageParams>& params) const;
+  /// Likewise of what read_stages() reads, and throws.
   Parameters make_parameters(const Json& stages, const std::string& path) const;
 
   /// Runs every stage on `frame` in order and notes each one's time in frame.stage_ns. No allocation of its
@@ -46,8 +61,5 @@ class Pipeline {
   std::vector<std::string> stack_;
   std::vector<std::unique_ptr<Running>> steps_;
 };
-
-/// Fills in the defaults of every stage of `stages` and checks it; throws as make_parameters does.
-Json complete_stage_settings(std::span<const StageType> table, const Json& stages, const std::string& path);
 
 }  // namespace sslv

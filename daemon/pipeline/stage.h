@@ -22,6 +22,8 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace sslv {
 
@@ -141,8 +143,11 @@ struct StageType {
   std::string_view name, help;
   PartSet reads, writes;
   std::unique_ptr<Step> (*create)();
-  StageParams (*make_params)(const Json& json, const std::string& path);  // throws SettingsError
-  Json (*complete)(const Json& json, const std::string& path);  // with defaults filled in; throws likewise
+  struct Parsed {
+    StageParams params;
+    Json complete;  // with defaults filled in
+  };
+  Parsed (*parse)(const Json& json, const std::string& path);  // throws SettingsError
   Json (*schema)();
 };
 
@@ -162,11 +167,10 @@ StageType describe_stage(std::string_view name, std::string_view help,
                  {},
                  {},
                  +[]() -> std::unique_ptr<Step> { return std::make_unique<Bound>(); },
-                 +[](const Json& json, const std::string& path) -> StageParams {
-                   return std::make_shared<const Params>(params_from_json<Params>(json, path));
-                 },
-                 +[](const Json& json, const std::string& path) {
-                   return params_to_json(params_from_json<Params>(json, path));
+                 +[](const Json& json, const std::string& path) -> StageType::Parsed {
+                   auto params = std::make_shared<const Params>(params_from_json<Params>(json, path));
+                   Json complete = params_to_json(*params);
+                   return {std::move(params), std::move(complete)};
                  },
                  &params_schema<Params>};
   (Feed<Args>::declare(type.reads, type.writes), ...);

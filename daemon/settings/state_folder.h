@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/error.h"
 #include "base/json.h"
 #include "base/snapshot.h"
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 
 namespace sslv {
-
-/// A file that cannot be written or read; one line.
-struct StorageError : std::runtime_error {
-  using runtime_error::runtime_error;
-};
 
 /// Reads a JSON file. Throws SettingsError naming the file and, for a syntax error, line and column.
 Json read_json_file(const std::filesystem::path& file);

@@ -44,8 +44,9 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, StateFolder& fold
     }
   }
   Json as_written;
-  admin_settings_ = read_admin_file(&as_written);
-  version_ = {1, admin_settings_};
+  CheckedSettings admin = read_admin_file(&as_written);
+  admin_settings_ = admin.tree;
+  version_ = {1, std::move(admin.tree), std::move(admin.config)};
   for (const auto& file : {changes_file(), previous_file()}) remove_leftover(file);
   for (const auto& file : {changes_file(), previous_file()}) {
     if (const auto loaded = load_changes(file, as_written)) {
@@ -56,12 +57,12 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, StateFolder& fold
   revision_ = version_.revision;
 }
 
-Json SettingsStore::checked(Json tree) const {
+CheckedSettings SettingsStore::checked(Json tree) const {
   const bool says_version = tree.is_object() && tree.contains(kVersionKey);
   return check_(says_version ? up_to_date(std::move(tree), migrations_) : tree);
 }
 
-Json SettingsStore::read_admin_file(Json* as_written) const {
+CheckedSettings SettingsStore::read_admin_file(Json* as_written) const {
   Json file = read_json_file(admin_file_);
   if (as_written != nullptr) *as_written = file;
   try {
@@ -91,12 +92,13 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
         made_on = admin_as_written;
         made_on.erase(kVersionKey);
       }
-      const Json changed = check_(migrated(apply_patch(made_on, changes), version, migrations_));
-      made_on = check_(migrated(made_on, version, migrations_));
+      const Json changed = check_(migrated(apply_patch(made_on, changes), version, migrations_)).tree;
+      made_on = check_(migrated(made_on, version, migrations_)).tree;
       changes = Json::diff(made_on, changed);
     }
     if (!made_on.is_null()) check_same_ids(changes, made_on, admin_settings_);
-    Version loaded{saved.at("revision").get<std::uint64_t>(), check_(apply_patch(admin_settings_, changes))};
+    CheckedSettings result = check_(apply_patch(admin_settings_, changes));
+    Version loaded{saved.at("revision").get<std::uint64_t>(), std::move(result.tree), std::move(result.config)};
     history_ = SettingsHistory(saved.value("history", Json::array()));
     return loaded;
   } catch (const std::exception& error) {
@@ -125,11 +127,12 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdi
   return apply(patch, edit, prepare);
 }
 
-Json SettingsStore::check(const Json& patch, const std::function<void(const Json&)>& try_out) const {
+Json SettingsStore::check(const Json& patch,
+                          const std::function<void(const CheckedSettings&)>& try_out) const {
   const Json before = current().settings;
-  const Json after = checked(apply_patch(before, patch));
+  const CheckedSettings after = checked(apply_patch(before, patch));
   try_out(after);
-  return changes_between(before, after);
+  return changes_between(before, after.tree);
 }
 
 SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const SettingsEdit& edit,
@@ -163,8 +166,9 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
-  Version next{version_.revision + 1, checked(apply_patch(version_.settings, patch))};
-  const auto put_into_force = prepare(next.settings);
+  const CheckedSettings result = checked(apply_patch(version_.settings, patch));
+  Version next{version_.revision + 1, result.tree, result.config};
+  Commit commit = prepare(result);
 
   SettingsHistory history = history_;
   SettingsStep step{{"revision", next.revision},
@@ -174,16 +178,17 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
                     {"changes", changes_between(version_.settings, next.settings)}};
   edit.joins ? history.join(std::move(step)) : history.add(std::move(step));
   save(next, admin_settings_, history);
-  put_into_force();
-  take(next, std::move(history));
-  return next;
+  Version answer = next;
+  commit();  // from here on nothing fails
+  take(std::move(next), std::move(history));
+  return answer;
 }
 
-void SettingsStore::take(const Version& version, SettingsHistory history) {
+void SettingsStore::take(Version version, SettingsHistory history) noexcept {
   const std::lock_guard lock(mutex_);
-  version_ = version;
-  revision_ = version.revision;
-  history_ = std::move(history);
+  std::swap(version_, version);
+  revision_ = version_.revision;
+  std::swap(history_, history);
 }
 
 SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
@@ -199,18 +204,20 @@ SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
 }
 
 SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
-  Json admin = read_admin_file();
+  Json admin = read_admin_file().tree;
   if (Json::diff(admin, admin_settings_).empty()) return version_;
   const Json changes = Json::diff(admin_settings_, version_.settings);
   Version next = version_;
   SettingsHistory history = history_;
-  std::function<void()> put_into_force = [] {};
+  Commit commit;
   try {
     check_same_ids(changes, admin_settings_, admin);
-    next.settings = check_(apply_patch(admin, changes));
+    const CheckedSettings result = check_(apply_patch(admin, changes));
+    next.settings = result.tree;
     if (!Json::diff(next.settings, version_.settings).empty()) {
       ++next.revision;
-      put_into_force = prepare(next.settings);
+      next.config = result.config;
+      commit = prepare(result);
       history.add({{"revision", next.revision},
                    {"time", unix_time_s()},
                    {"who", ""},
@@ -223,10 +230,11 @@ SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
                     changes.empty() ? "" : "together with what was changed in the panel: ", error.what()));
   }
   save(next, admin, history);
-  put_into_force();
+  Version answer = next;
+  commit();  // from here on nothing fails
   admin_settings_ = std::move(admin);
-  take(next, std::move(history));
-  return next;
+  take(std::move(next), std::move(history));
+  return answer;
 }
 
 void SettingsStore::save(const Version& version, const Json& admin_settings, const SettingsHistory& history) {

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/snapshot.h"
+#include "settings/commit.h"
 #include "settings/history.h"
 #include "settings/migrations.h"
 #include "settings/state_folder.h"
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -19,6 +21,14 @@
 #include <utility>
 
 namespace sslv {
+
+struct Config;
+
+/// A tree with its defaults filled in, and what was read from it, once.
+struct CheckedSettings {
+  Json tree;
+  std::shared_ptr<const Config> config{};
+};
 
 /// An edit that was made on a revision which is no longer the newest.
 struct StaleRevision : std::runtime_error {
@@ -44,13 +54,13 @@ class SettingsStore {
  public:
   struct Version {
     std::uint64_t revision;
-    Json settings;  // complete: defaults filled in
+    Json settings;                         // complete: defaults filled in
+    std::shared_ptr<const Config> config{};  // read from them
   };
   /// Checks a tree and fills in its defaults; throws SettingsError.
-  using Check = std::function<Json(const Json&)>;
-  /// Makes ready what a new tree needs, throwing SettingsError when that fails, and returns what puts it into
-  /// force, which must not fail.
-  using Prepare = std::function<std::function<void()>(const Json&)>;
+  using Check = std::function<CheckedSettings(const Json&)>;
+  /// Makes ready what new settings need, without any effect; throws SettingsError when that fails.
+  using Prepare = std::function<Commit(const CheckedSettings&)>;
 
   /// Throws SettingsError, beginning with the file's name, when the admin's file is not usable. Saved changes
   /// that cannot be used are set aside (renamed *.rejected) and the last good ones, then none, are taken:
@@ -62,13 +72,13 @@ class SettingsStore {
   /// Without waiting for a change that is being saved.
   std::uint64_t revision() const { return revision_; }
 
-  /// Applies a JSON Patch: checked, prepared, saved with its place in the history, then put into force.
+  /// Applies a JSON Patch: checked, prepared, saved with its place in the history, then committed.
   /// Throws StaleRevision when `if_revision` is given and is not the newest, SettingsError when the result is
   /// not allowed, StorageError when it cannot be saved; in each case nothing has changed.
   Version patch(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
 
   /// What patch() would change. `try_out` throws SettingsError when the result would be refused.
-  Json check(const Json& patch, const std::function<void(const Json&)>& try_out) const;
+  Json check(const Json& patch, const std::function<void(const CheckedSettings&)>& try_out) const;
 
   /// Takes one step of the history back, whatever came after it, and leaves what came after as it is. Throws
   /// SettingsError when there is no such step, StaleRevision when what it changed was changed again, and what
@@ -92,12 +102,12 @@ class SettingsStore {
 
  private:
   /// A changed tree; one that says its version (a whole file that was imported) is brought up to date.
-  Json checked(Json tree) const;
-  Json read_admin_file(Json* as_written = nullptr) const;  // complete
+  CheckedSettings checked(Json tree) const;
+  CheckedSettings read_admin_file(Json* as_written = nullptr) const;
   std::optional<Version> load_changes(const std::filesystem::path& file, const Json& admin_as_written);
   Version reload_now(const Prepare& prepare);
   Version apply(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
-  void take(const Version& version, SettingsHistory history);
+  void take(Version version, SettingsHistory history) noexcept;
   /// As changes of this admin's tree.
   void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);
   std::filesystem::path changes_file() const { return folder_.path() / "settings.json"; }

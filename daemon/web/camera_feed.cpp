@@ -3,7 +3,7 @@
 
 #include "base/background.h"
 #include "base/log.h"
-#include "web/http.h"
+#include "web/route.h"
 
 #include <algorithm>
 #include <limits>
@@ -118,9 +118,9 @@ std::span<const char> jpeg_in(const std::string& preview_message) {
   return std::span(preview_message).subspan(sizeof(header_size) + header_size);
 }
 
-CameraFeed::CameraFeed(const WebHost& host, std::uint32_t camera_id,
+CameraFeed::CameraFeed(ViewSource& views, std::uint32_t camera_id,
                        std::atomic<std::uint64_t>& jpegs_encoded)
-    : host_(host),
+    : views_(views),
       camera_id_(camera_id),
       jpegs_encoded_(jpegs_encoded),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -252,10 +252,10 @@ void CameraFeed::run(const std::stop_token& stop) {
 
     const std::uint64_t seen = oldest_version_seen();
     lock.unlock();
-    std::optional<View> view = host_.wait_view(camera_id_, seen, kPatience);
+    std::optional<View> view = views_.wait_view(camera_id_, seen, kPatience);
     lock.lock();
     if (!view) {
-      // The host answers at once when the camera is not there.
+      // It answers at once when the camera is not there.
       changed_.wait_until(lock, stop, now + kPatience, [] { return false; });
       continue;
     }

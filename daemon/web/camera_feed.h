@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/host.h"
-#include "web/picture.h"
+#include "web/view.h"
 
 #include <atomic>
 #include <chrono>
@@ -19,22 +18,6 @@
 
 namespace sslv {
 
-/// What a viewer wants to see of a camera.
-struct PreviewWish {
-  int width = 640;   // px, at most
-  int quality = 70;  // of the JPEG, 1..100
-  double fps = 30;   // at most
-  PictureKind picture = PictureKind::kCamera;
-  bool regions = false;  // also those, in the header
-};
-inline constexpr double kMinFps = 0.01, kMaxFps = 1000;
-
-/// A stream of one camera's pictures.
-struct StreamWish {
-  std::uint32_t camera_id;
-  PreviewWish preview;
-};
-
 /// The JPEG of a preview message, which begins with a header that says how long it is.
 std::span<const char> jpeg_in(const std::string& preview_message);
 
@@ -50,8 +33,9 @@ class CameraFeed {
   /// removed.
   using Sink = std::function<void(const Message&)>;
 
-  /// `host` and `jpegs_encoded`, which counts, must outlive the feed.
-  CameraFeed(const WebHost& host, std::uint32_t camera_id, std::atomic<std::uint64_t>& jpegs_encoded);
+  /// `views` and `jpegs_encoded`, which counts, must outlive the feed. Throws std::system_error when its thread
+  /// cannot start.
+  CameraFeed(ViewSource& views, std::uint32_t camera_id, std::atomic<std::uint64_t>& jpegs_encoded);
 
   /// Asks the thread to end; the destructor waits for it.
   void request_stop() { thread_.request_stop(); }
@@ -97,7 +81,7 @@ class CameraFeed {
   std::uint64_t oldest_version_seen() const;          // by those who are due
   std::vector<Delivery> take_due(const View& view);
 
-  const WebHost& host_;
+  ViewSource& views_;
   const std::uint32_t camera_id_;
   std::atomic<std::uint64_t>& jpegs_encoded_;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/camera_feeds.h"
 
-#include "web/http.h"
+#include "web/route.h"
 
 #include <algorithm>
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace sslv {
 
-CameraFeeds::CameraFeeds(const WebHost& host, std::atomic<std::uint64_t>& jpegs_encoded)
-    : host_(host), jpegs_encoded_(jpegs_encoded) {}
+CameraFeeds::CameraFeeds(ViewSource& views, std::atomic<std::uint64_t>& jpegs_encoded)
+    : views_(views), jpegs_encoded_(jpegs_encoded) {}
 
 CameraFeeds::~CameraFeeds() {
   for (const auto& [camera_id, feed] : feeds_)
@@ -18,12 +18,12 @@ CameraFeeds::~CameraFeeds() {
 }
 
 CameraFeed& CameraFeeds::of(std::uint32_t camera_id) {
-  const std::vector<std::uint32_t> known = host_.camera_ids();
+  const std::vector<std::uint32_t> known = views_.camera_ids();
   if (std::find(known.begin(), known.end(), camera_id) == known.end()) {
     throw HttpError(404, "no camera " + std::to_string(camera_id));
   }
   std::unique_ptr<CameraFeed>& feed = feeds_[camera_id];
-  if (!feed) feed = std::make_unique<CameraFeed>(host_, camera_id, jpegs_encoded_);
+  if (!feed) feed = std::make_unique<CameraFeed>(views_, camera_id, jpegs_encoded_);
   return *feed;
 }
 

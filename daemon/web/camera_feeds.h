@@ -2,7 +2,6 @@
 #pragma once
 
 #include "web/camera_feed.h"
-#include "web/host.h"
 
 #include <atomic>
 #include <cstdint>
@@ -15,7 +14,7 @@ namespace sslv {
 class CameraFeeds {
  public:
   /// Both must outlive this.
-  CameraFeeds(const WebHost& host, std::atomic<std::uint64_t>& jpegs_encoded);
+  CameraFeeds(ViewSource& views, std::atomic<std::uint64_t>& jpegs_encoded);
   ~CameraFeeds();
 
   CameraFeed::ViewerId new_viewer() { return ++last_viewer_; }
@@ -28,7 +27,7 @@ class CameraFeeds {
   void stop_detections(CameraFeed::ViewerId viewer);
 
  private:
-  const WebHost& host_;
+  ViewSource& views_;
   std::atomic<std::uint64_t>& jpegs_encoded_;
   CameraFeed::ViewerId last_viewer_ = 0;
   std::map<std::uint32_t, std::unique_ptr<CameraFeed>> feeds_;

@@ -1,36 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/http.h"
 
+#include "web/route.h"
+
 #include <algorithm>
 #include <cctype>
-#include <charconv>
+#include <cstdint>
 #include <sstream>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
+#include <arpa/inet.h>
 #include <boost/asio/ip/address.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <fmt/format.h>
-#include <httplib.h>
 #include <unistd.h>
 
 namespace sslv {
-namespace {
-
-template <class Number>
-Number read_any_number(std::string_view name, std::string_view text, Number min, Number max,
-                       const char* kind) {
-  Number value = 0;
-  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
-  if (error != std::errc() || end != text.end() || !(value >= min && value <= max)) {
-    throw HttpError(400, fmt::format("{}: \"{}\" is not allowed; expected a {} {} .. {}", name,
-                                     text.substr(0, 40), kind, min, max));
-  }
-  return value;
-}
-
-}  // namespace
 
 bool is_same_origin(std::string_view origin, std::string_view host) {
   if (origin.empty()) return true;
@@ -75,37 +62,6 @@ std::string not_own_name(std::string_view host) {
       host.substr(0, 80));
 }
 
-int read_whole_number(std::string_view name, std::string_view text, int min, int max) {
-  return read_any_number(name, text, min, max, "whole number");
-}
-
-double read_number(std::string_view name, std::string_view text, double min, double max) {
-  return read_any_number(name, text, min, max, "number");
-}
-
-int query_number(const httplib::Request& request, const std::string& name, int fallback, int min, int max) {
-  if (!request.has_param(name)) return fallback;
-  return read_whole_number(name, request.get_param_value(name), min, max);
-}
-
-Json parse_json(std::string_view text) {
-  constexpr int kMaxDepth = 64;
-  const auto check_depth = [](int depth, Json::parse_event_t, const Json&) {
-    if (depth > kMaxDepth)
-      throw HttpError(400, "JSON nested deeper than " + std::to_string(kMaxDepth) + " levels");
-    return true;
-  };
-  try {
-    return Json::parse(text, check_depth);
-  } catch (const Json::exception& error) {
-    throw HttpError(400, std::string("not JSON: ") + error.what());
-  }
-}
-
-std::string to_text(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 std::string refusal_text(unsigned status, std::string_view text) {
   namespace http = boost::beast::http;
   http::response<http::string_body> answer(http::int_to_status(status), 11, to_text({{"error", text}}));
@@ -117,13 +73,13 @@ std::string refusal_text(unsigned status, std::string_view text) {
   return (std::ostringstream() << answer).str();
 }
 
-void set_json(httplib::Response& response, const Json& json) {
-  response.set_content(to_text(json), "application/json");
-}
-
-void set_error(httplib::Response& response, int status, std::string_view text) {
-  response.status = status;
-  set_json(response, {{"error", text}});
+std::string network_of(const std::string& address) {
+  in6_addr parsed{};
+  if (inet_pton(AF_INET6, address.c_str(), &parsed) != 1 || IN6_IS_ADDR_V4MAPPED(&parsed)) return address;
+  std::fill(std::begin(parsed.s6_addr) + 8, std::end(parsed.s6_addr), std::uint8_t{0});
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  inet_ntop(AF_INET6, &parsed, text.data(), text.size());
+  return text.data();
 }
 
 }  // namespace sslv

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/http_session.h"
 
-#include "web/access.h"
 #include "web/http.h"
 #include "web/picture_stream.h"
 
@@ -107,9 +106,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void upgrade(const WebSocketHub::UpgradeRequest& header) {
     const std::string_view host = view(header[http::field::host]);
-    if (!is_own_name(host, context_.host.panel_names())) return refuse(403, not_own_name(host));
+    if (!is_own_name(host, context_.gate.names())) return refuse(403, not_own_name(host));
     if (!is_same_origin(view(header[http::field::origin]), host)) return refuse(403, std::string(kOtherSite));
-    MayLook may = may_look(*context_.host.access, std::string(view(header[http::field::cookie])));
+    MayLook may = may_look(context_.gate, std::string(view(header[http::field::cookie])));
     if (!may()) return refuse(401, "sign in first");
     stream_.expires_never();
     context_.websockets.accept(stream_.release_socket(), std::move(connection_), header, std::move(may));
@@ -119,7 +118,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void handle(std::size_t size) {
     std::string following = received_.substr(size);
     received_.resize(size);
-    asio::post(context_.workers,
+    const std::string_view line = std::string_view(received_).substr(0, received_.find('\r'));
+    const std::string_view method = line.substr(0, line.find(' '));
+    const std::string_view rest = line.substr(std::min(line.size(), method.size() + 1));
+    const bool is_quick = context_.router.speed_of(method, rest.substr(0, rest.find(' '))) == Speed::kAtOnce;
+    asio::post(is_quick ? context_.quick : context_.workers,
                [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
                  HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
                  asio::post(self->stream_.get_executor(), [self, answer = std::move(answer)]() mutable {

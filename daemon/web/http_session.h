@@ -3,7 +3,7 @@
 
 #include "web/camera_feeds.h"
 #include "web/counters.h"
-#include "web/host.h"
+#include "web/gate.h"
 #include "web/router.h"
 #include "web/websocket.h"
 
@@ -16,11 +16,12 @@ namespace sslv {
 
 /// What every connection needs of its server, which outlives it.
 struct HttpContext {
-  const WebHost& host;
+  Gate& gate;
   const Router& router;
   WebSocketHub& websockets;
   CameraFeeds& feeds;
   boost::asio::io_context& workers;  // handlers run here
+  boost::asio::io_context& quick;    // and those that wait for nothing here
 };
 
 /// Serves one connection until it ends: requests one after the other, or a WebSocket or

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/picture_stream.h"
 
-#include "web/http.h"
+#include "web/route.h"
 #include "web/socket.h"
 
 #include <array>

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/access.h"
 #include "web/camera_feeds.h"
 #include "web/counters.h"
+#include "web/gate.h"
 
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
 #include <boost/asio/ip/tcp.hpp>
 
 namespace sslv {
-
-inline constexpr const char* kStreamType = "multipart/x-mixed-replace; boundary=ssl-visiond-picture";
 
 /// Sends pictures until the client goes, may not look any more or takes nothing for 30 s: the body of an
 /// answer of kStreamType, whose head is on its way. The next picture is asked for when the one before has

@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "web/access.h"
 #include "web/http.h"
 
 #include <algorithm>
@@ -11,6 +10,8 @@
 #include <limits>
 #include <map>
 #include <regex>
+#include <span>
+#include <utility>
 
 #include <httplib.h>
 
@@ -48,18 +49,61 @@ class MemoryStream : public httplib::Stream {
   std::string answer_;
 };
 
-/// Throws HttpError unless who asks may do this now.
-void admit(const WebHost& host, const Route& route, const httplib::Request& request) {
+Request request_of(const httplib::Request& request) {
+  Request out{.method = request.method,
+              .path = request.path,
+              .matches = {},
+              .query = {},
+              .body = request.body,
+              .address = request.remote_addr,
+              .cookies = request.get_header_value("Cookie"),
+              .if_match = request.get_header_value("If-Match")};
+  for (const auto& match : request.matches) out.matches.push_back(match.str());
+  for (const auto& [name, value] : request.params) out.query.emplace(name, value);
+  return out;
+}
+
+/// Throws HttpError unless the client may do this now.
+void admit(Gate& gate, const Route& route, const Request& request) {
   if (route.needs == Needs::kNothing) return;
+  if (route.speed == Speed::kMayWait) gate.refresh();
   const bool only_looks = route.needs == Needs::kByMethod && route.method == std::string_view("GET");
-  const May may = host.access->may(request.get_header_value("Cookie"));
+  const May may = gate.may(request.cookies);
   if (may == May::kNothing) throw HttpError(401, "sign in first");
   if (only_looks) return;
   if (may != May::kChange) throw HttpError(401, "sign in with the admin's password first");
-  if (route.needs == Needs::kByMethod && host.match_lock().is_locked()) throw HttpError(423, kMatchRuns);
+  if (route.needs != Needs::kByMethod) return;
+  if (const std::string reason = gate.lock_reason(); !reason.empty()) throw HttpError(423, reason);
 }
 
-void add_route(Server& server, const WebHost& host, const Route& route) {
+/// What the handler of the request that this thread is at wants to stream.
+thread_local std::optional<StreamWish> wanted_stream;
+
+void set_response(httplib::Response& to, Response&& from) {
+  to.status = from.status;
+  for (const auto& [name, value] : from.headers) to.set_header(name, value);
+  if (!from.stream) {
+    to.body = std::move(from.body);
+    to.set_header("Content-Type", from.type);
+    return;
+  }
+  wanted_stream = from.stream;
+  // Without a length: it ends with the connection.
+  to.set_content_provider(from.type, [](std::size_t, httplib::DataSink& sink) {
+    sink.done();
+    return true;
+  });
+}
+
+void set_error(httplib::Response& response, int status, std::string_view text,
+               const Json& more = Json::object()) {
+  Json body{{"error", text}};
+  body.update(more);
+  response.status = status;
+  response.set_content(to_text(body), "application/json");
+}
+
+void add_route(Server& server, Gate& gate, const Route& route) {
   using Add = Server& (Server::*)(const std::string&, Server::Handler);
   static const std::map<std::string_view, Add> kMethods{{"GET", &Server::Get},
                                                         {"POST", &Server::Post},
@@ -67,9 +111,10 @@ void add_route(Server& server, const WebHost& host, const Route& route) {
                                                         {"PATCH", &Server::Patch},
                                                         {"DELETE", &Server::Delete}};
   const Add add = kMethods.at(route.method);
-  (server.*add)(route.pattern, [&host, route](const auto& request, auto& response) {
-    admit(host, route, request);
-    route.handler(host, request, response);
+  (server.*add)(route.pattern, [&gate, &route](const auto& request, auto& response) {
+    const Request ours = request_of(request);
+    admit(gate, route, ours);
+    set_response(response, route.handle(ours));
   });
 }
 
@@ -77,9 +122,9 @@ bool is_read(const httplib::Request& request) {
   return request.method == "GET" || request.method == "HEAD";
 }
 
-Server::HandlerResponse refuse_early(const WebHost& host, const httplib::Request& request,
+Server::HandlerResponse refuse_early(const Gate& gate, const httplib::Request& request,
                                      httplib::Response& response) {
-  if (const std::string name = request.get_header_value("Host"); !is_own_name(name, host.panel_names())) {
+  if (const std::string name = request.get_header_value("Host"); !is_own_name(name, gate.names())) {
     set_error(response, 403, not_own_name(name));
     return Server::HandlerResponse::Handled;
   }
@@ -97,17 +142,11 @@ Server::HandlerResponse refuse_early(const WebHost& host, const httplib::Request
 void answer_exception(const httplib::Request& request, httplib::Response& response,
                       const std::exception_ptr& exception) try {
   std::rethrow_exception(exception);
-} catch (const TooManyTries& error) {
-  response.set_header("Retry-After", std::to_string(error.wait_s));
-  set_error(response, error.status, error.what());
 } catch (const HttpError& error) {
+  for (const auto& [name, value] : error.headers) response.set_header(name, value);
   // The standard wants one; browsers ask for nothing by themselves with a scheme they do not know.
   if (error.status == 401) response.set_header("WWW-Authenticate", "Session");
-  set_error(response, error.status, error.what());
-} catch (const StaleRevision& error) {
-  response.status = 409;
-  set_json(response,
-           {{"error", error.what()}, {"revision", error.revision}, {"changed_since", error.changed_since}});
+  set_error(response, error.status, error.what(), error.more);
 } catch (const SettingsError& error) {
   set_error(response, 422, error.what());
 } catch (const StorageError& error) {
@@ -151,11 +190,6 @@ Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
   };
 }
 
-const std::regex& stream_path() {
-  static const std::regex path(kStreamPattern);
-  return path;
-}
-
 /// An audit line for whatever was to change something, also when it was refused.
 void write_down(const httplib::Request& request, const httplib::Response& response) {
   if (is_read(request)) return;
@@ -183,21 +217,23 @@ class Router::HttpServer : public Server {
   using Server::process_request;  // what its sockets would call
 };
 
-Router::Router(const WebHost& host, std::span<const Route> routes,
-               const std::filesystem::path& panel_directory)
-    : host_(host), server_(std::make_unique<HttpServer>()) {
-  for (const Route& route : routes) add_route(*server_, host, route);
+Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory)
+    : gate_(gate), routes_(std::move(routes)), server_(std::make_unique<HttpServer>()) {
+  for (const Route& route : routes_) {
+    add_route(*server_, gate_, route);
+    if (route.streams) stream_paths_.emplace_back(route.pattern);
+  }
   server_->set_mount_point("/", panel_directory);
   server_->Get("/", explain_missing_panel(panel_directory));
-  server_->set_pre_routing_handler([&host](const httplib::Request& request, httplib::Response& response) {
-    return refuse_early(host, request, response);
+  server_->set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+    return refuse_early(gate_, request, response);
   });
   server_->set_exception_handler(answer_exception);
-  server_->set_error_handler([routes](const httplib::Request& request, httplib::Response& response) {
-    explain_refusal(routes, request, response);
+  server_->set_error_handler([this](const httplib::Request& request, httplib::Response& response) {
+    explain_refusal(routes_, request, response);
   });
-  server_->set_post_routing_handler([routes](const httplib::Request& request, httplib::Response& response) {
-    set_caching(routes, request, response);
+  server_->set_post_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+    set_caching(routes_, request, response);
     write_down(request, response);
   });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
@@ -211,14 +247,13 @@ Router::~Router() = default;
 
 HttpAnswer Router::answer(std::string_view request, const std::string& remote_address) const {
   MemoryStream stream(request, remote_address);
-  bool is_valid = false;
-  bool is_last = false;
-  std::optional<httplib::Request> stream_request;  // httplib's own is gone when its answer is there
+  bool is_valid = false, is_last = false, is_head = false;
+  std::string cookies;  // httplib's own request is gone when its answer is there
   const auto prepare = [&](httplib::Request& parsed) {
     is_valid = true;
-    const bool is_stream = std::regex_match(parsed.path, stream_path());
-    if (is_stream && parsed.method == "GET") stream_request = parsed;
-    is_last |= is_stream;
+    is_head = parsed.method == "HEAD";
+    cookies = parsed.get_header_value("Cookie");
+    is_last |= streams(parsed.path);
     if (is_last) {  // HTTP/1.0 need not say so
       parsed.headers.erase("Connection");
       parsed.set_header("Connection", "close");
@@ -229,14 +264,28 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
       parsed.headers.erase(name);
     parsed.ranges.clear();
   };
+  wanted_stream.reset();
   const bool is_written = server_->process_request(stream, false, is_last, prepare);
   HttpAnswer answer{stream.take_answer(), is_written && is_valid && !is_last};
-  if (stream_request && answer.bytes.starts_with("HTTP/1.1 200 ")) {
-    std::regex_match(stream_request->path, stream_request->matches, stream_path());
-    answer.stream = stream_wish(*stream_request);
-    answer.may_look = may_look(*host_.access, stream_request->get_header_value("Cookie"));
+  if (wanted_stream && !is_head) {
+    answer.stream = wanted_stream;
+    answer.may_look = may_look(gate_, std::move(cookies));
   }
   return answer;
+}
+
+bool Router::streams(const std::string& path) const {
+  return std::any_of(stream_paths_.begin(), stream_paths_.end(),
+                     [&](const std::regex& pattern) { return std::regex_match(path, pattern); });
+}
+
+Speed Router::speed_of(std::string_view method, std::string_view target) const {
+  if (method == "HEAD") method = "GET";
+  const std::string_view path = target.substr(0, target.find('?'));
+  const auto found = std::find_if(routes_.begin(), routes_.end(), [&](const Route& route) {
+    return method == route.method && path == route.pattern;
+  });
+  return found == routes_.end() ? Speed::kMayWait : found->speed;
 }
 
 }  // namespace sslv

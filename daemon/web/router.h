@@ -1,38 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/access.h"
-#include "web/api.h"
-#include "web/camera_feed.h"
-#include "web/host.h"
+#include "web/gate.h"
+#include "web/route.h"
 
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <span>
+#include <regex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sslv {
-
-/// Called from several threads at once. May throw HttpError, SettingsError (answered with 422),
-/// StorageError (507) and StaleRevision (409); anything else is answered with 500.
-using Handler = void (*)(const WebHost& host, const httplib::Request& request, httplib::Response& response);
-
-/// What a route asks of who calls it.
-enum class Needs {
-  kByMethod,  // GET: May::kLook; others: May::kChange, and no match that is running
-  kNothing,
-  kChange,  // May::kChange, also while a match runs
-};
-
-struct Route {
-  const char* method;   // GET, POST, PUT, PATCH or DELETE
-  const char* pattern;  // regular expression of the whole path; its groups are request.matches[1], [2]...
-  Handler handler;
-  Needs needs = Needs::kByMethod;
-};
 
 /// How long a connection is kept open for its next request.
 inline constexpr std::chrono::seconds kKeepAliveTimeout{75};
@@ -48,9 +29,8 @@ struct HttpAnswer {
 /// what none of them matches is looked for among the panel's files.
 class Router {
  public:
-  /// `host` and `routes` must outlive the router. Without the panel's directory its address says how to build
-  /// the panel.
-  Router(const WebHost& host, std::span<const Route> routes, const std::filesystem::path& panel_directory);
+  /// `gate` must outlive the router. Without the panel's directory its address says how to build the panel.
+  Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory);
   ~Router();
 
   /// `request`: one complete request, header and body, without chunks; its address and Range short. HEAD is
@@ -58,9 +38,16 @@ class Router {
   /// are refused with 403. Every write leaves a line in the log. May be called from several threads at once.
   HttpAnswer answer(std::string_view request, const std::string& remote_address) const;
 
+  /// Of the route that this method and address ask for.
+  Speed speed_of(std::string_view method, std::string_view target) const;
+
  private:
   class HttpServer;
-  const WebHost& host_;
+  bool streams(const std::string& path) const;
+
+  Gate& gate_;
+  const std::vector<Route> routes_;
+  std::vector<std::regex> stream_paths_;
   const std::unique_ptr<HttpServer> server_;
 };
 

@@ -92,14 +92,13 @@ void run_background(asio::io_context& context, const char* name) {
 /// All that runs. Its destructor finishes the requests that are being handled and closes all connections.
 class RunningServer {
  public:
-  RunningServer(const WebHost& host, std::span<const Route> routes, const WebOptions& options,
-                WebCounters& counters)
-      : host_(host),
+  RunningServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
+      : gate_(parts.gate),
         max_connections_(options.max_connections),
-        router_(host, routes, options.panel_directory),
+        router_(parts.gate, parts.routes, options.panel_directory),
         counters_(counters),
-        feeds_(host, counters.jpegs_encoded),
-        websockets_(io_, workers_, host, feeds_, counters),
+        feeds_(parts.views, counters.jpegs_encoded),
+        websockets_(io_, quick_, parts.views, parts.topics, feeds_, counters),
         acceptor_(listen(io_, options.address, options.port)),
         port_(acceptor_.local_endpoint().port()),
         pause_(io_) {
@@ -108,11 +107,14 @@ class RunningServer {
     for (std::thread& thread : worker_threads_) {
       thread = std::thread([this] { run_background(workers_, "web-worker"); });
     }
+    quick_thread_ = std::thread([this] { run_background(quick_, "web-quick"); });
   }
 
   ~RunningServer() {
     workers_.stop();
+    quick_.stop();
     for (std::thread& thread : worker_threads_) thread.join();
+    quick_thread_.join();
     io_.stop();
     io_thread_.join();
   }
@@ -198,7 +200,7 @@ class RunningServer {
     return taken >= max_connections_ / 2 && !address.is_loopback() ? nullptr : seat;
   }
 
-  const WebHost& host_;
+  Gate& gate_;
   const int max_connections_;
   const Router router_;
   WebCounters& counters_;
@@ -206,32 +208,32 @@ class RunningServer {
   // Connections live in the handlers that wait in these two, so they end with them: after the hub and before
   // what stands above.
   asio::io_context io_{1};
-  asio::io_context workers_;
+  asio::io_context workers_, quick_{1};
   asio::executor_work_guard<asio::io_context::executor_type> keep_workers_{workers_.get_executor()};
+  asio::executor_work_guard<asio::io_context::executor_type> keep_quick_{quick_.get_executor()};
   CameraFeeds feeds_;
   WebSocketHub websockets_;
-  const HttpContext http_{host_, router_, websockets_, feeds_, workers_};
+  const HttpContext http_{gate_, router_, websockets_, feeds_, workers_, quick_};
   tcp::acceptor acceptor_;  // of the socket's thread
   std::atomic<std::uint16_t> port_;
   std::map<std::string, std::weak_ptr<const int>> seats_;  // by address; a connection holds one
   asio::steady_timer pause_;
   std::thread io_thread_;
   std::array<std::thread, 4> worker_threads_;
+  std::thread quick_thread_;
 };
 
 }  // namespace
 
 struct WebServer::Impl {
-  Impl(WebHost web_host, std::span<const Route> routes, const WebOptions& options)
-      : host(std::move(web_host)), running(std::in_place, host, routes, options, counters) {}
+  Impl(const WebParts& parts, const WebOptions& options, WebCounters& counters)
+      : running(std::in_place, parts, options, counters) {}
 
-  const WebHost host;
-  WebCounters counters;
   std::optional<RunningServer> running;
 };
 
-WebServer::WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(host), routes, options)) {}
+WebServer::WebServer(WebParts parts, const WebOptions& options, WebCounters& counters)
+    : impl_(std::make_unique<Impl>(std::move(parts), options, counters)) {}
 
 WebServer::~WebServer() = default;
 
@@ -245,10 +247,6 @@ std::uint16_t WebServer::port() const {
 
 std::function<void()> WebServer::move_to(const std::string& address, int port) {
   return impl_->running->move_to(address, port);
-}
-
-WebStats WebServer::stats() const {
-  return {impl_->counters.connections, impl_->counters.viewers, impl_->counters.jpegs_encoded};
 }
 
 }  // namespace sslv

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/host.h"
-#include "web/router.h"
+#include "web/counters.h"
+#include "web/gate.h"
+#include "web/route.h"
+#include "web/view.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -20,22 +22,23 @@ struct WebOptions {
   int max_connections = 512;
 };
 
-struct WebStats {
-  int connections = 0;              // open now, viewers included
-  int viewers = 0;                  // WebSockets open now
-  std::uint64_t jpegs_encoded = 0;  // for previews, since start
+/// What the server asks others for.
+struct WebParts {
+  Gate& gate;
+  ViewSource& views;
+  std::vector<Topic*> topics;
+  std::vector<Route> routes;
 };
 
 /// The panel's HTTP and WebSocket server (docs/api.md), on one port and on threads of its own.
 class WebServer {
  public:
-  /// Listens when it returns. `routes` must outlive the server. Throws SettingsError naming /panel/address or
-  /// /panel/port when it cannot listen there.
-  WebServer(WebHost host, std::span<const Route> routes, const WebOptions& options);
+  /// Listens when it returns. `parts` and `counters`, which it counts in, must outlive it. Throws SettingsError naming /panel/address or /panel/port when it cannot listen
+  /// there.
+  WebServer(WebParts parts, const WebOptions& options, WebCounters& counters);
   ~WebServer();  // stop()
 
-  /// Finishes the requests that are being handled, then closes all connections. Must not be called by a
-  /// function of the host.
+  /// Finishes the requests that are being handled, then closes all connections. Not for a handler.
   void stop();
 
   /// Makes ready to listen elsewhere; what it returns, which cannot fail, ends listening where it did until
@@ -45,7 +48,6 @@ class WebServer {
 
   /// The port it listens on.
   std::uint16_t port() const;
-  WebStats stats() const;
 
  private:
   struct Impl;

@@ -19,6 +19,7 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <fmt/format.h>
 
 namespace sslv {
 
@@ -27,7 +28,7 @@ namespace beast = boost::beast;
 
 namespace {
 
-constexpr std::chrono::milliseconds kStatusPeriod{500};
+constexpr std::chrono::milliseconds kTopicPeriod{500};
 constexpr std::chrono::seconds kHandshakeTimeout{10};
 constexpr std::chrono::seconds kSilenceTimeout{20};  // a viewer that answers no ping is gone
 constexpr std::size_t kMaxMessageBytes = 16 * 1024;
@@ -70,6 +71,14 @@ P read_message(const Json& json, const std::string& path) {
 
 }  // namespace
 
+std::vector<Route> websocket_routes() {
+  return {{"GET", WebSocketHub::kPath.data(), [](const Request&) {
+             Response response = json_response({{"error", "this address speaks WebSocket only"}}, 426);
+             response.headers.emplace_back("Upgrade", "websocket");
+             return response;
+           }}};
+}
+
 /// One viewer. Kept alive by its pending reads and writes.
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
@@ -79,11 +88,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
         id_(id),
         connection_(std::move(connection)),
         may_look_(std::move(may_look)),
-        stream_(std::move(socket)) {}
+        stream_(std::move(socket)),
+        wanted_topics_(hub.topics_.size()) {}
 
   CameraFeed::ViewerId id() const { return id_; }
   bool may_look() const { return may_look_(); }
-  bool wants_status() const { return wants_status_; }
+  bool wants_topic(std::size_t topic) const { return wanted_topics_[topic]; }
   bool wants_detections() const { return wants_detections_; }
 
   void leave() {
@@ -112,36 +122,36 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   /// What waits to be sent: one message of each kind and camera. A newer one takes the place of an older one,
   /// so that a slow viewer skips messages and no queue grows.
-  struct Topic {
-    enum class Kind { kError, kStatus, kDetections, kPreview } kind;
-    std::uint32_t camera = 0;
-    bool operator==(const Topic&) const = default;
+  struct Slot {
+    enum class Kind { kError, kTopic, kDetections, kPreview } kind;
+    std::uint32_t number = 0;  // of the topic or camera
+    bool operator==(const Slot&) const = default;
   };
 
-  void send(const Topic& topic, CameraFeed::Message message) {
+  void send(const Slot& slot, CameraFeed::Message message) {
     const auto waiting =
-        std::find_if(outbox_.begin(), outbox_.end(), [&](const Outgoing& one) { return one.topic == topic; });
+        std::find_if(outbox_.begin(), outbox_.end(), [&](const Outgoing& one) { return one.slot == slot; });
     if (waiting != outbox_.end()) {
       waiting->message = std::move(message);
       return;
     }
-    outbox_.push_back({topic, std::move(message)});
+    outbox_.push_back({slot, std::move(message)});
     write();
   }
 
   /// For a feed's thread: brings the message to the connection's own thread, if that is still open.
-  CameraFeed::Sink sink(const Topic& topic) {
+  CameraFeed::Sink sink(const Slot& slot) {
     return [weak = weak_from_this(), executor = stream_.get_executor(),
-            topic](const CameraFeed::Message& message) {
-      asio::post(executor, [weak, topic, message] {
-        if (const auto self = weak.lock()) self->send(topic, message);
+            slot](const CameraFeed::Message& message) {
+      asio::post(executor, [weak, slot, message] {
+        if (const auto self = weak.lock()) self->send(slot, message);
       });
     };
   }
 
  private:
   struct Outgoing {
-    Topic topic;
+    Slot slot;
     CameraFeed::Message message;
   };
 
@@ -158,7 +168,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void write() {
     if (writing_ || outbox_.empty()) return;
     writing_ = outbox_.front().message;
-    stream_.binary(outbox_.front().topic.kind == Topic::Kind::kPreview);
+    stream_.binary(outbox_.front().slot.kind == Slot::Kind::kPreview);
     outbox_.pop_front();
     stream_.async_write(asio::buffer(*writing_),
                         [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -174,7 +184,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     for (const auto& item : message.items()) handle(item.key(), item.value());
   } catch (const std::exception& error) {
     const Json answer{{"error", error.what()}};
-    send({Topic::Kind::kError}, std::make_shared<const std::string>(to_text(answer)));
+    send({Slot::Kind::kError}, std::make_shared<const std::string>(to_text(answer)));
   }
 
   void handle(const std::string& key, const Json& value) {
@@ -187,7 +197,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
       const auto camera = static_cast<std::uint32_t>(wanted.camera);
       hub_.feeds_.of(camera).start_preview(
           id_, {wanted.width, wanted.quality, wanted.fps, wanted.picture, wanted.regions},
-          sink({Topic::Kind::kPreview, camera}));
+          sink({Slot::Kind::kPreview, camera}));
     } else if (key == "ack") {
       const auto ack = read_message<AckParams>(value, path);
       hub_.feeds_.of(static_cast<std::uint32_t>(ack.camera)).acknowledge(id_, ack.frame);
@@ -200,16 +210,20 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     }
   }
 
-  void set_topic(const Json& topic, bool on) {
-    if (topic == "status") {
-      if (on && !wants_status_) hub_.send_status_soon(*this);
-      wants_status_ = on;
-    } else if (topic == "detections") {
+  void set_topic(const Json& name, bool on) {
+    if (name == "detections") {
       wants_detections_ = on;
-      on ? hub_.follow_detections(*this) : hub_.feeds_.stop_detections(id_);
-    } else {
-      refuse("/subscribe", topic, "\"status\" or \"detections\"");
+      return on ? hub_.follow_detections(*this) : hub_.feeds_.stop_detections(id_);
     }
+    std::string known;
+    for (std::size_t topic = 0; topic < hub_.topics_.size(); ++topic) {
+      known += fmt::format("\"{}\" or ", hub_.topics_[topic]->topic_name());
+      if (name != hub_.topics_[topic]->topic_name()) continue;
+      if (on && !wanted_topics_[topic]) hub_.send_topic_soon(*this, topic);
+      wanted_topics_[topic] = on;
+      return;
+    }
+    refuse("/subscribe", name, known + "\"detections\"");
   }
 
   WebSocketHub& hub_;
@@ -221,14 +235,21 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   beast::flat_buffer incoming_;
   std::deque<Outgoing> outbox_;
   CameraFeed::Message writing_;  // null: no write is under way
-  bool wants_status_ = false;
+  std::vector<bool> wanted_topics_;
   bool wants_detections_ = false;
   bool left_ = false;
 };
 
-WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, const WebHost& host,
-                           CameraFeeds& feeds, WebCounters& counters)
-    : io_(io), workers_(workers), host_(host), feeds_(feeds), counters_(counters), timer_(io) {}
+WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, ViewSource& views,
+                           std::vector<Topic*> topics, CameraFeeds& feeds, WebCounters& counters)
+    : io_(io),
+      workers_(workers),
+      views_(views),
+      topics_(std::move(topics)),
+      feeds_(feeds),
+      counters_(counters),
+      timer_(io),
+      last_messages_(topics_.size()) {}
 
 void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
                           MayLook may_look) {
@@ -250,15 +271,15 @@ void WebSocketHub::left(WebSocketSession& session) {
 }
 
 void WebSocketHub::follow_detections(WebSocketSession& session) {
-  for (const std::uint32_t camera_id : host_.camera_ids()) {
-    const WebSocketSession::Topic topic{WebSocketSession::Topic::Kind::kDetections, camera_id};
-    feeds_.of(camera_id).start_detections(session.id(), session.sink(topic));
+  for (const std::uint32_t camera_id : views_.camera_ids()) {
+    const WebSocketSession::Slot slot{WebSocketSession::Slot::Kind::kDetections, camera_id};
+    feeds_.of(camera_id).start_detections(session.id(), session.sink(slot));
   }
 }
 
-void WebSocketHub::send_status_soon(WebSocketSession& session) {
-  if (last_status_) {
-    session.send({WebSocketSession::Topic::Kind::kStatus}, last_status_);
+void WebSocketHub::send_topic_soon(WebSocketSession& session, std::size_t topic) {
+  if (const auto& message = last_messages_[topic]) {
+    session.send({WebSocketSession::Slot::Kind::kTopic, static_cast<std::uint32_t>(topic)}, message);
   } else {
     timer_.cancel();  // ticks at once
   }
@@ -271,32 +292,46 @@ void WebSocketHub::tick() {
   }
   for (const auto& session : uninvited) session->leave();
   ticking_ = !sessions_.empty();
-  bool wanted = false;
+  std::vector<bool> wanted(topics_.size());
   for (const auto& [id, session] : sessions_) {
-    wanted |= session->wants_status();
+    for (std::size_t topic = 0; topic < topics_.size(); ++topic)
+      wanted[topic] = wanted[topic] || session->wants_topic(topic);
     if (session->wants_detections()) follow_detections(*session);  // a camera may have been added
   }
-  if (!wanted) return send_status(nullptr);
-  asio::post(workers_, [this] {
-    CameraFeed::Message status;
-    try {
-      status = std::make_shared<const std::string>(to_text({{"topic", "status"}, {"data", host_.status()}}));
-    } catch (const std::exception& error) {
-      log::error("web: no status for viewers: {}", error.what());
-    }
-    asio::post(io_, [this, status] { send_status(status); });
+  if (std::none_of(wanted.begin(), wanted.end(), [](bool one) { return one; }))
+    return send_topics(TopicMessages(topics_.size()));
+  asio::post(workers_, [this, wanted] {
+    asio::post(io_, [this, messages = make_messages(wanted)]() mutable { send_topics(std::move(messages)); });
   });
 }
 
-void WebSocketHub::send_status(const CameraFeed::Message& status) {
-  last_status_ = status;
-  if (status) {
+WebSocketHub::TopicMessages WebSocketHub::make_messages(const std::vector<bool>& wanted) const {
+  TopicMessages messages(topics_.size());
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    if (!wanted[i]) continue;
+    Topic& topic = *topics_[i];
+    try {
+      messages[i] = std::make_shared<const std::string>(
+          to_text({{"topic", topic.topic_name()}, {"data", topic.topic_data()}}));
+    } catch (const std::exception& error) {
+      log::error("web: no {} for viewers: {}", topic.topic_name(), error.what());
+    }
+  }
+  return messages;
+}
+
+void WebSocketHub::send_topics(TopicMessages messages) {
+  last_messages_ = std::move(messages);
+  for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
+    const CameraFeed::Message& message = last_messages_[topic];
+    if (!message) continue;
     for (const auto& [id, session] : sessions_) {
-      if (session->wants_status()) session->send({WebSocketSession::Topic::Kind::kStatus}, status);
+      if (session->wants_topic(topic))
+        session->send({WebSocketSession::Slot::Kind::kTopic, static_cast<std::uint32_t>(topic)}, message);
     }
   }
   if (!ticking_) return;
-  timer_.expires_after(kStatusPeriod);
+  timer_.expires_after(kTopicPeriod);
   timer_.async_wait([this](beast::error_code) { tick(); });
 }
 

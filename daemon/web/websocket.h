@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "web/access.h"
 #include "web/camera_feeds.h"
 #include "web/counters.h"
-#include "web/host.h"
+#include "web/gate.h"
+#include "web/route.h"
 
 #include <cstdint>
 #include <map>
 #include <string_view>
+#include <vector>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
 #include <boost/asio/io_context.hpp>
@@ -21,6 +22,9 @@ namespace sslv {
 
 class WebSocketSession;
 
+/// What a plain request gets where a WebSocket is expected.
+std::vector<Route> websocket_routes();
+
 /// All WebSocket viewers and what they are sent. Except for the counters and stop(), everything runs on the
 /// one thread of `io`.
 class WebSocketHub {
@@ -28,9 +32,9 @@ class WebSocketHub {
   using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
   static constexpr std::string_view kPath = "/api/ws";
 
-  /// All five must outlive the hub. The status is asked for on `workers`.
-  WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, const WebHost& host,
-               CameraFeeds& feeds, WebCounters& counters);
+  /// All must outlive the hub. The topics are asked for on `workers`.
+  WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, ViewSource& views,
+               std::vector<Topic*> topics, CameraFeeds& feeds, WebCounters& counters);
 
   /// Answers the request to upgrade and serves the viewer until it goes or may not look any more.
   void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
@@ -39,22 +43,29 @@ class WebSocketHub {
  private:
   friend class WebSocketSession;
 
+/// What a plain request gets where a WebSocket is expected.
+std::vector<Route> websocket_routes();
+
   void joined(WebSocketSession& session);
   void left(WebSocketSession& session);
   void follow_detections(WebSocketSession& session);
 
   void tick();  // every half second while there are viewers
-  void send_status(const CameraFeed::Message& status);
-  void send_status_soon(WebSocketSession& session);
+  /// By topic; null: nobody wants it, or it could not be had.
+  using TopicMessages = std::vector<CameraFeed::Message>;
+  TopicMessages make_messages(const std::vector<bool>& wanted) const;
+  void send_topics(TopicMessages messages);
+  void send_topic_soon(WebSocketSession& session, std::size_t topic);
 
   boost::asio::io_context& io_;
   boost::asio::io_context& workers_;
-  const WebHost& host_;
+  ViewSource& views_;
+  const std::vector<Topic*> topics_;
   CameraFeeds& feeds_;
   WebCounters& counters_;
   boost::asio::steady_timer timer_;
   bool ticking_ = false;
-  CameraFeed::Message last_status_;  // at most one period old, or null
+  TopicMessages last_messages_;  // at most one period old
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hall.h"
 
-#include "cameras.h"
+#include "config/backends.h"
 #include "colors/learn_colors.h"
-#include "config.h"
+#include "config/config.h"
 #include "image/color.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 // end the ratios are printed as they stand in docs/benchmarks.md.
 #include "byte_sum.h"
 #include "colors/learn_colors.h"
-#include "config.h"
+#include "config/config.h"
 #include "ctl/bench.h"
 #include "support/simd_target.h"
 #include "three_passes.h"

@@ -4,7 +4,6 @@
 // The real web server over a made-up daemon, for programs that send it bytes.
 
 #include "fuzz/expect.h"
-#include "routes.h"
 #include "unit/web/fake_host.h"
 #include "web/server.h"
 
@@ -59,7 +58,8 @@ class Served {
 
  private:
   FakeHost daemon_;
-  WebServer server_{daemon_.host(), routes(), WebOptions{"127.0.0.1", 0, "/var/empty"}};
+  WebCounters counters_;
+  WebServer server_{daemon_.parts(), WebOptions{"127.0.0.1", 0, "/var/empty"}, counters_};
 };
 
 }  // namespace sslv

@@ -3,7 +3,7 @@
 // tree that was taken is taken again as it is. Settings and patch are parted by a zero byte. ./run test-long
 #include "base/error.h"
 #include "base/json.h"
-#include "config.h"
+#include "config/config.h"
 #include "fuzz/expect.h"
 #include "settings/history.h"
 #include "settings/named_files.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "capture/source.h"
-#include "fresh_frames.h"
+#include "services/cameras/fresh_frames.h"
 #include "support/latest.h"
 
 #include <array>

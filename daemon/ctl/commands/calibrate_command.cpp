@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calibration_json.h"
+#include "calibration/calibration_json.h"
 #include "ctl/calibrate.h"
 #include "ctl/commands/commands.h"
 #include "ctl/commands/offline_options.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cameras.h"
+#include "config/backends.h"
 #include "ctl/commands/commands.h"
 #include "ctl/controls.h"
 

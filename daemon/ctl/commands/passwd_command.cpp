@@ -4,7 +4,7 @@
 #include "ctl/commands/commands.h"
 #include "settings/passwords.h"
 #include "settings/store.h"
-#include "version.h"
+#include "config/version.h"
 
 #include <cstdlib>
 #include <iostream>

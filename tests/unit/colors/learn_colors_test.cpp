@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "colors/learn_colors.h"
 
-#include "cameras.h"
-#include "config.h"
+#include "config/backends.h"
+#include "config/config.h"
 #include "ctl/no_sink.h"
 #include "pipeline/camera_pipeline.h"
 #include "settings/store.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fused stage against the plain ones on pictures as cameras send them: drawn ones, and a real photograph.
-#include "cameras.h"
+#include "config/backends.h"
 #include "ctl/bench.h"
 #include "support/segment_check.h"
 #include "support/simd_target.h"

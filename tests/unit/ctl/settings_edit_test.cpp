@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/settings_edit.h"
 
-#include "config.h"
+#include "config/config.h"
 
 #include <gmock/gmock.h>
 

@@ -193,7 +193,7 @@ TEST(PipelineParameters, NameTheUnknownStage) {
 
 TEST(PipelineParameters, AreCompletedForEveryStageOfTheTable) {
   const Json given = Json::parse(R"({"//": "a comment", "double_labels": {"factor": 3}})");
-  EXPECT_EQ(complete_stage_settings(kTable, given, ""),
+  EXPECT_EQ(read_stages(kTable, given, "").complete,
             Json::parse(R"({"make_labels": {"level": 7}, "double_labels": {"factor": 3.0}, "find_runs": {},
                             "find_regions": {}, "count": {}, "publish": {}})"));
 }

@@ -21,13 +21,13 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// "a" must be a number up to 9; "b" has a default.
-Json check(const Json& settings) {
+CheckedSettings check(const Json& settings) {
   if (!settings.contains("a") || !settings["a"].is_number() || settings["a"] > 9) {
     throw SettingsError("/a: " + (settings.contains("a") ? settings["a"].dump() : "nothing") +
                         " is not allowed");
   }
   Json complete{{"a", settings["a"]}, {"b", settings.value("b", 2)}};
-  return complete;
+  return {complete};
 }
 
 class Store : public ::testing::Test {
@@ -53,7 +53,7 @@ class Store : public ::testing::Test {
   static SettingsStore::Version undo(SettingsStore& store, std::uint64_t revision) {
     return store.undo(revision, {"Tom"}, kNothingToPrepare);
   }
-  static inline const SettingsStore::Prepare kNothingToPrepare = [](const Json&) { return [] {}; };
+  static inline const SettingsStore::Prepare kNothingToPrepare = [](const CheckedSettings&) { return Commit(); };
   template <class Error, class Act>
   static std::string error_of(Act act) {
     try {
@@ -121,10 +121,10 @@ TEST_F(Store, ChangesComeIntoForceOnlyAfterTheyAreSaved) {
   auto store = open();
   std::vector<std::string> order;
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
-  store.patch(patch, {}, [&](const Json& next) {
-    order.push_back("prepared " + next["a"].dump() +
+  store.patch(patch, {}, [&](const CheckedSettings& next) {
+    order.push_back("prepared " + next.tree["a"].dump() +
                     (std::filesystem::exists(saved_) ? " after saving" : ""));
-    return [&] {
+    return [&]() noexcept {
       order.push_back(std::filesystem::exists(saved_) ? "in force after saving" : "in force unsaved");
     };
   });
@@ -136,14 +136,14 @@ TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
   EXPECT_EQ(error_of<SettingsError>([&] {
               store.patch(patch, {},
-                          [](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
+                          [](const CheckedSettings&) -> Commit { throw SettingsError("no such file"); });
             }),
             "no such file");
   std::filesystem::remove(state_);
   write(state_, "a file where the folder should be");
   bool in_force = false;
   EXPECT_THAT(error_of<StorageError>(
-                  [&] { store.patch(patch, {}, [&](const Json&) { return [&] { in_force = true; }; }); }),
+                  [&] { store.patch(patch, {}, [&](const CheckedSettings&) { return [&]() noexcept { in_force = true; }; }); }),
               HasSubstr("cannot write"));
   EXPECT_FALSE(in_force);
   EXPECT_EQ(store.current().settings["a"], 1);
@@ -319,11 +319,11 @@ TEST_F(Store, ReadsDoNotWaitForAnEdit) {
   SettingsStore store = open();
   std::future<bool> read;  // by another thread, while the edit is made ready
   bool was_read = false;
-  store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const Json&) {
+  store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const CheckedSettings&) {
     read = std::async(std::launch::async,
                       [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
     was_read = read.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
-    return [] {};
+    return Commit();
   });
   EXPECT_TRUE(was_read);
   EXPECT_TRUE(read.get());
@@ -339,9 +339,9 @@ TEST_F(Store, AChangeMayBeCheckedWithoutMakingIt) {
   int tried = 0;
   const auto check_of = [&](const char* key, const Json& value) {
     return store.check(Json::array({{{"op", "add"}, {"path", std::string("/") + key}, {"value", value}}}),
-                       [&](const Json& next) {
+                       [&](const CheckedSettings& next) {
                          ++tried;
-                         if (next["b"] == 7) throw SettingsError("/b: no such file");
+                         if (next.tree["b"] == 7) throw SettingsError("/b: no such file");
                        });
   };
   EXPECT_EQ(check_of("a", 5), Json::parse(R"([{"op": "replace", "path": "/a", "before": 1, "after": 5}])"));
@@ -438,9 +438,9 @@ TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
   set(store, "a", 5);
   write(admin_file_, R"({"a": 1, "b": 7})");
   Json prepared;
-  const auto version = store.reload([&](const Json& next) {
-    prepared = next;
-    return [] {};
+  const auto version = store.reload([&](const CheckedSettings& next) {
+    prepared = next.tree;
+    return Commit();
   });
   EXPECT_EQ(version.revision, 3u);
   EXPECT_EQ(version.settings, (Json{{"a", 5}, {"b", 7}}));
@@ -456,7 +456,7 @@ TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
 
 TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
   auto store = open();
-  const auto must_not = [](const Json&) -> std::function<void()> { throw SettingsError("prepared"); };
+  const auto must_not = [](const CheckedSettings&) -> Commit { throw SettingsError("prepared"); };
   EXPECT_EQ(store.reload(must_not).revision, 1u);
   EXPECT_FALSE(std::filesystem::exists(saved_));
   set(store, "a", 5);
@@ -481,7 +481,7 @@ TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
   write(admin_file_, R"({"a": 2})");
   EXPECT_THAT(
       error_of<SettingsError>([&] {
-        store.reload([](const Json&) -> std::function<void()> { throw SettingsError("no such file"); });
+        store.reload([](const CheckedSettings&) -> Commit { throw SettingsError("no such file"); });
       }),
       HasSubstr("no such file"));
   EXPECT_EQ(store.current().settings["a"], 1);
@@ -490,8 +490,8 @@ TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
 }
 
 /// Any tree will do.
-Json anything(const Json& settings) {
-  return settings;
+CheckedSettings anything(const Json& settings) {
+  return {settings};
 }
 
 TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
@@ -547,8 +547,8 @@ TEST_F(Store, ANewerFileIsRefused) {
 }
 
 /// As a program of version 1 checks and completes.
-Json check_version_1(const Json& settings) {
-  return Json{{"old_a", settings.value("old_a", 1)}, {"b", settings.value("b", 2)}};
+CheckedSettings check_version_1(const Json& settings) {
+  return {Json{{"old_a", settings.value("old_a", 1)}, {"b", settings.value("b", 2)}}};
 }
 
 TEST_F(Store, OlderSavedChangesAreBroughtUpToDate) {

@@ -2,7 +2,7 @@
 #include "vision/field_view.h"
 
 #include "base/params_json.h"
-#include "config.h"
+#include "config/config.h"
 #include "support/drawn_scene.h"
 
 #include <algorithm>

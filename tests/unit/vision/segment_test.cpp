@@ -12,14 +12,9 @@
 #include <memory>
 #include <random>
 #include <string>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -285,45 +280,6 @@ TEST(Segment, SharesAPictureBetweenThreads) {
     segment.process(params, *test_luts()[1], Mask(), image, runs, regions);
     ASSERT_EQ(difference(plain, runs, regions), "") << i;
   }
-}
-
-constexpr int kPassed = 0, kStartsThreads = 77;
-
-/// In a process that can start no thread.
-int segment_without_threads() {
-  constexpr uid_t kNobody = 65'534;
-  if (geteuid() == 0 && setuid(kNobody) != 0) return kStartsThreads;  // root has no limit
-  constexpr rlimit kNone{0, 0};
-  setrlimit(RLIMIT_NPROC, &kNone);
-  try {
-    std::thread([] {}).join();
-    return kStartsThreads;
-  } catch (const std::system_error&) {
-  }
-  Random random(5);
-  Picture picture(PixelFormat::kRgb24, 300, 200, 0);
-  picture.fill(random);
-  const Image image = picture.image();
-  Segment::Params params;
-  params.threads = 4;
-  PlainSegmentation plain;
-  RunList runs;
-  RegionList regions;
-  Segment segment;
-  plain.process(params, *test_luts()[1], Mask(), image);
-  for (int i = 0; i < 3; ++i) segment.process(params, *test_luts()[1], Mask(), image, runs, regions);
-  return difference(plain, runs, regions).empty() ? kPassed : 1;
-}
-
-TEST(Segment, GoesOnWithoutTheThreadsThatTheSystemRefuses) {
-  const pid_t child = fork();
-  if (child == 0) _exit(segment_without_threads());
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kStartsThreads)
-    GTEST_SKIP() << "this system lets every process start threads";
-  EXPECT_TRUE(WIFEXITED(status)) << "it ended by signal " << WTERMSIG(status);
-  EXPECT_EQ(WEXITSTATUS(status), kPassed);
 }
 
 }  // namespace

@@ -4,22 +4,29 @@
 #include "base/error.h"
 #include "support/latest.h"
 #include "support/temporary_folder.h"
-#include "web/access.h"
-#include "web/host.h"
+#include "services/access/access.h"
+#include "web/gate.h"
 #include "web/http.h"
+#include "web/route.h"
+#include "web/server.h"
+#include "web/view.h"
+#include "web/websocket.h"
 
 #include <atomic>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace sslv {
 
-/// A daemon with camera 0, whose frames a test publishes. Every server made of it must be gone before it is.
-class FakeHost {
+/// All that a web server asks for: a daemon with camera 0, whose frames a test publishes. Every server made of it must be gone before it is.
+class FakeHost : public Gate, public ViewSource, public Topic {
  public:
   static constexpr int kWidth = 64, kHeight = 48;
   static constexpr int kLabelsWidth = 32, kLabelsHeight = 24;
@@ -79,108 +86,90 @@ class FakeHost {
     return last_author_;
   }
 
-  WebHost host() {
-    WebHost host;
-    host.access = &access_;
-    host.panel_names = [] { return std::vector<std::string>{"field-pc", "test"}; };
-    host.match_lock = [this] { return MatchLock{game_is_running_, lock_opened_}; };
-    host.open_match_lock = [this](bool opened, const std::string&) {
-      lock_opened_ = opened;
-      return MatchLock{game_is_running_, lock_opened_};
-    };
-    host.status = [] {
-      return Json{{"site", "test"},
-                  {"alerts", {{{"id", "camera_lost"}}}},
-                  {"go", false},
-                  {"checks", {{{"id", "cameras"}}}},
-                  {"cameras", {{{"id", 0}}}}};
-    };
-    host.timeline = [](int seconds) { return Json{{"seconds", seconds}}; };
-    host.diagnostics = [] { return Json{{"clock", nullptr}}; };
-    host.metrics = [] { return std::string("up 1\n"); };
-    host.hanging = [] { return std::string(); };
-    host.missing = [] { return std::string("camera 0 is lost\n"); };
-    host.settings = [] { return Json{{"revision", 7}, {"settings", {{"site", "test"}}}}; };
-    host.schema = [] { return Json{{"type", "object"}}; };
-    host.field_presets = [] { return Json{{{"name", "division-b"}}}; };
-    host.network_interfaces = [] { return Json{{{"name", "lo"}}}; };
-    host.patch_settings = [this](const Json& patch, std::optional<std::uint64_t> if_revision,
-                                 const std::string& who) {
-      if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest", 7, Json::array());
-      if (patch.empty()) throw SettingsError("/site: refused");
-      const std::lock_guard lock(mutex_);
-      last_author_ = who;
-      return Json{{"revision", 8}, {"settings", patch}, {"saved", true}};
-    };
-    host.check_settings = [](const Json& patch) {
-      if (patch.empty()) throw SettingsError("/site: refused");
-      return patch;
-    };
-    host.profiles = [] { return Json{{{"name", "night"}}}; };
-    host.profile = [](const std::string& name) {
-      if (name != "night") throw HttpError(404, "no profile " + name);
-      return Json{{"name", name}};
-    };
-    host.save_profile = [](const std::string& name, const std::optional<Json>& settings,
-                           const std::string& who) {
-      return Json{{"name", name}, {"settings", settings.value_or("in force")}, {"who", who}};
-    };
-    host.apply_profile = [](const std::string& name, const std::optional<std::vector<std::string>>& paths,
-                            std::optional<std::uint64_t> if_revision, const std::string&) {
-      if (if_revision && *if_revision != 7) throw StaleRevision("revision 7 is the newest", 7, Json::array());
-      return Json{{"name", name}, {"paths", paths.value_or(std::vector<std::string>{"all"})}};
-    };
-    host.delete_profile = [](const std::string&) { return Json::array(); };
-    host.settings_history = [] { return Json{{{"revision", 7}}}; };
-    host.undo_settings = [](std::uint64_t revision, const std::string&) {
-      return Json{{"revision", revision + 1}};
-    };
-    host.controls = [](std::uint32_t id) { return Json{{{"name", "Gain"}, {"camera", id}}}; };
-    host.set_control = [](std::uint32_t id, const std::string& name, const Json& value,
-                          const std::string& who) {
-      if (name != "Gain") throw SettingsError(name + ": the camera has no such control");
-      return Json{{"camera", id}, {"name", name}, {"value", value}, {"who", who}};
-    };
-    host.sources = [] { return Json{{{"backend", "aravis"}}}; };
-    host.camera_ids = [] { return std::vector<std::uint32_t>{0}; };
-    host.wait_view = [this](std::uint32_t camera_id, std::uint64_t newer_than,
-                            std::chrono::milliseconds timeout) -> std::optional<View> {
-      ++looks_;
-      if (camera_id != 0) return std::nullopt;
-      const auto latest = views_.wait_newer(newer_than, timeout);
-      if (!latest) return std::nullopt;
-      View view = *latest->value;
-      view.version = latest->version;
-      return view;
-    };
-    host.calibration = [](std::uint32_t id) { return Json{{"camera", id}, {"state", "idle"}}; };
-    host.start_calibration = [](std::uint32_t id, const Json& request, bool force, const std::string& who) {
-      if (request.contains("busy")) throw HttpError(409, "it is being calibrated already");
-      return Json{{"camera", id}, {"request", request}, {"force", force}, {"who", who}};
-    };
-    host.cancel_calibration = [](std::uint32_t id) { return Json{{"cancelled", id}}; };
-    host.accept_calibration = [](std::uint32_t id, bool force, const std::string& who) {
-      return Json{{"accepted", id}, {"force", force}, {"who", who}};
-    };
-    host.reject_calibration = [](std::uint32_t id) { return Json{{"rejected", id}}; };
-    host.revert_calibration = [](std::uint32_t id, bool force, const std::string& who) {
-      if (!force) throw HttpError(423, "the game is running");
-      return Json{{"reverted", id}, {"who", who}};
-    };
-    host.joint_calibration = [] { return Json{{"state", "idle"}}; };
-    host.start_joint_calibration = [](const Json& request, bool force, const std::string& who) {
-      return Json{{"request", request}, {"force", force}, {"who", who}};
-    };
-    host.cancel_joint_calibration = [] { return Json{{"cancelled", "all"}}; };
-    host.accept_joint_calibration = [](bool force, const std::string& who) {
-      return Json{{"accepted", "all"}, {"force", force}, {"who", who}};
-    };
-    host.reject_joint_calibration = [] { return Json{{"rejected", "all"}}; };
-    host.colors.lut_file = [](std::uint32_t, bool) { return std::vector<std::uint8_t>{1, 2, 3}; };
-    return host;
+  // Gate
+  May may(std::string_view cookies) override { return access_.may(cookies); }
+  std::string lock_reason() override { return game_is_running_ ? "the game is running" : ""; }
+  std::vector<std::string> names() const override { return {"field-pc", "test"}; }
+
+  // ViewSource
+  std::vector<std::uint32_t> camera_ids() const override { return {0}; }
+  std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
+                                std::chrono::milliseconds timeout) override {
+    ++looks_;
+    if (camera_id != 0) return std::nullopt;
+    const auto latest = views_.wait_newer(newer_than, timeout);
+    if (!latest) return std::nullopt;
+    View view = *latest->value;
+    view.version = latest->version;
+    return view;
   }
 
+  // Topic
+  const char* topic_name() const override { return "status"; }
+  Json topic_data() override { return {{"site", "test"}, {"go", false}}; }
+
+  /// As the services' own: what a router and a server have to do with them.
+  std::vector<Route> routes() {
+    return {
+        {"GET", "/api/status", [this](const Request&) { return json_response(topic_data()); }},
+        {"GET", "/api/broken", [](const Request&) -> Response { throw std::runtime_error("disk on fire"); }},
+        {"GET", "/api/cameras", [](const Request&) { return json_response(Json{{{"id", 0}}}); }},
+        {"GET", "/api/schema", [](const Request&) { return json_response({{"type", "object"}}); }},
+        {"GET", "/api/settings", [](const Request&) { return json_response({{"revision", 7}}); }},
+        {"PATCH", "/api/settings", [this](const Request& request) { return patch(request); }},
+        {"POST", "/api/settings/check",
+         [](const Request& request) { return json_response({{"changes", parse_json(request.body)}}); },
+         Needs::kChange},
+        {"GET", "/healthz", [](const Request&) { return text_response("ok\n"); }, Needs::kNothing,
+         Speed::kAtOnce},
+        {"GET", "/readyz", [](const Request&) { return text_response("camera 0 is lost\n", 503); },
+         Needs::kNothing, Speed::kAtOnce},
+        {"POST", "/api/session",
+         [this](const Request& request) {
+           const std::string password = parse_json(request.body).at("password").get<std::string>();
+           Response response = json_response(Json::object());
+           response.headers.emplace_back("Set-Cookie", access_.sign_in(password, request.address));
+           return response;
+         },
+         Needs::kNothing},
+        {"GET", "/api/file/([^/]+)",
+         [this](const Request&) { return bytes_response(file_); }},
+        {"GET", "/api/hangs", [this](const Request&) {
+           let_go_.wait_for(std::chrono::seconds(30));
+           return text_response("");
+         }},
+        {"PUT", "/api/names/(.+)",
+         [](const Request& request) { return json_response({{"name", request.matches[1]}}); }},
+        {"GET", R"(/api/cameras/(\d+)/stream\.mjpg)",
+         [](const Request& request) {
+           if (request.matches[1] != "0") throw HttpError(404, "no camera " + request.matches[1]);
+           Response response{200, kStreamType, {}};
+           response.stream = StreamWish{0, {}};
+           response.stream->preview.width = query_number(request, "width", PreviewWish{}.width, 1, 16384);
+           return response;
+         },
+         Needs::kByMethod, Speed::kMayWait, true},
+        websocket_routes().front(),
+    };
+  }
+  WebParts parts() { return {*this, *this, {this}, routes()}; }
+
+  /// What GET /api/file/... answers.
+  void set_file(std::vector<std::uint8_t> bytes) { file_ = std::move(bytes); }
+  /// Lets the handler of GET /api/hangs return.
+  void let_go() { hanging_.set_value(); }
+
  private:
+  Response patch(const Request& request) {
+    const Json patch = parse_json(request.body);
+    if (!request.if_match.empty() && request.if_match != "7")
+      throw HttpError(409, "revision 7 is the newest", {{"revision", 7}});
+    if (patch.empty()) throw SettingsError("/site: refused");
+    const std::lock_guard lock(mutex_);
+    last_author_ = request.address;
+    return json_response({{"revision", 8}, {"settings", patch}});
+  }
+
   std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 100);
   Latest<std::shared_ptr<const View>> views_;
   bool makes_runs_ = true;
@@ -192,7 +181,10 @@ class FakeHost {
   const test::TemporaryFolder folder_;
   Passwords passwords_{folder_.path() / Passwords::kFileName};
   Access access_{passwords_, "session", [] { return 0.0; }};
-  std::atomic<bool> game_is_running_ = false, lock_opened_ = false;
+  std::atomic<bool> game_is_running_ = false;
+  std::vector<std::uint8_t> file_{1, 2, 3};
+  std::promise<void> hanging_;
+  const std::shared_future<void> let_go_{hanging_.get_future()};
 };
 
 }  // namespace sslv

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/server.h"
 
-#include "routes.h"
 #include "unit/web/fake_host.h"
 #include "web/http.h"
 
@@ -230,14 +229,15 @@ class ServerTest : public testing::Test {
   }
 
   FakeHost daemon_;
-  WebServer server_{daemon_.host(), routes(), options()};
+  WebCounters counters_;
+  WebServer server_{daemon_.parts(), options(), counters_};
 };
 
 TEST_F(ServerTest, AnswersWithSecurityHeaders) {
   Client client(server_.port());
   const Answer answer = ask(client, "GET", "/api/status");
   EXPECT_EQ(answer.status, 200);
-  EXPECT_EQ(answer.body, to_text(daemon_.host().status()));
+  EXPECT_EQ(answer.body, to_text(daemon_.topic_data()));
   EXPECT_THAT(answer.header, HasSubstr("Content-Type: application/json\r\n"));
   EXPECT_THAT(answer.header, kIsSecured);
   EXPECT_EQ(answer.header.find("Access-Control"), std::string::npos);
@@ -307,12 +307,10 @@ TEST_F(ServerTest, ManyClientsAreServedAtOnce) {
 }
 
 TEST_F(ServerTest, LargeFilesAreSentWhole) {
-  WebHost host = daemon_.host();
-  host.colors.lut_file = [](std::uint32_t, bool) { return std::vector<std::uint8_t>(2 * 1024 * 1024, 7); };
-  WebServer server(host, routes(), options());
-  Client client(server.port());
+  daemon_.set_file(std::vector<std::uint8_t>(2 * 1024 * 1024, 7));
+  Client client(server_.port());
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(ask(client, "GET", "/api/cameras/0/colors/table").body, std::string(2 * 1024 * 1024, 7));
+    EXPECT_EQ(ask(client, "GET", "/api/file/table").body, std::string(2 * 1024 * 1024, 7));
   }
 }
 
@@ -343,7 +341,7 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
   EXPECT_THAT(body.read_to_end(), AllOf(StartsWith("HTTP/1.1 413"), HasSubstr("{\"error\":"), kIsSecured));
 
   Client address(server_.port());
-  address.send(request_text("GET", "/api/cameras/" + std::string(8000, '1') + "/colors"));
+  address.send(request_text("GET", "/api/file/" + std::string(8000, '1')));
   EXPECT_THAT(address.read_to_end(), AllOf(StartsWith("HTTP/1.1 414"), kIsSecured));
 
   Client range(server_.port());
@@ -391,13 +389,25 @@ TEST_F(ServerTest, IdleAndHalfOpenConnectionsDelayNobody) {
   Client fresh(server_.port());
   EXPECT_EQ(ask(fresh, "GET", "/api/status").status, 200);
   EXPECT_EQ(ask(*idle.front(), "GET", "/api/status").status, 200);
-  EXPECT_EQ(server_.stats().connections, 251);
+  EXPECT_EQ(counters_.connections, 251);
+}
+
+TEST_F(ServerTest, RequestsThatHangKeepNobodyFromTheServicesHealth) {
+  std::vector<std::unique_ptr<Client>> hanging;
+  for (int i = 0; i < 8; ++i) {  // more than there are workers
+    hanging.push_back(std::make_unique<Client>(server_.port()));
+    hanging.back()->send(request_text("GET", "/api/hangs"));
+  }
+  Client monitoring(server_.port());
+  EXPECT_EQ(ask(monitoring, "GET", "/healthz").status, 200);
+  EXPECT_EQ(ask(monitoring, "HEAD", "/readyz?x=1").status, 503);
+  daemon_.let_go();
 }
 
 TEST_F(ServerTest, TurnsAwayTooManyConnections) {
   WebOptions small = options();
   small.max_connections = 2;
-  WebServer server(daemon_.host(), routes(), small);
+  WebServer server(daemon_.parts(), small, counters_);
   Client first(server.port()), second(server.port());
   ASSERT_EQ(ask(first, "GET", "/api/status").status, 200);
   ASSERT_EQ(ask(second, "GET", "/api/status").status, 200);
@@ -409,7 +419,7 @@ TEST_F(ServerTest, TurnsAwayTooManyConnections) {
 TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
   const auto refusal = [&](const WebOptions& wanted) -> std::string {
     try {
-      const WebServer server(daemon_.host(), routes(), wanted);
+      const WebServer server(daemon_.parts(), wanted, counters_);
     } catch (const BusyError& error) {
       return std::string("for now: ") + error.what();
     } catch (const SettingsError& error) {
@@ -457,12 +467,12 @@ TEST_F(ServerTest, StatusIsSentToThoseWhoWantIt) {
   Viewer viewer(server_.port());
   viewer.send(R"({"subscribe": ["status"]})");
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(viewer.read_json(), Json({{"topic", "status"}, {"data", daemon_.host().status()}}));
+    EXPECT_EQ(viewer.read_json(), Json({{"topic", "status"}, {"data", daemon_.topic_data()}}));
   }
   Viewer second(server_.port());
   second.send(R"({"subscribe": ["status"]})");
   EXPECT_EQ(second.read_json()["topic"], "status");
-  EXPECT_EQ(server_.stats().viewers, 2);
+  EXPECT_EQ(counters_.viewers, 2);
 }
 
 TEST_F(ServerTest, MessagesThatAreNotUnderstoodAreAnsweredWithAnError) {
@@ -500,7 +510,7 @@ TEST_F(ServerTest, WithoutViewersNothingIsLookedAt) {
 
   viewer.send(R"({"subscribe": ["detections"]})");
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 100);
-  EXPECT_EQ(server_.stats().jpegs_encoded, 0);
+  EXPECT_EQ(counters_.jpegs_encoded, 0);
 }
 
 TEST_F(ServerTest, DetectionsAreThoseOfTheFrame) {
@@ -563,7 +573,7 @@ TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
     viewers.back()->read_picture();
   }
   const int drawings = daemon_.drawings();
-  const std::uint64_t encoded = server_.stats().jpegs_encoded;
+  const std::uint64_t encoded = counters_.jpegs_encoded;
   // All are due for the next frame when it comes: an acknowledgement is read before what is sent after it.
   for (const auto& viewer : viewers) {
     viewer->acknowledge(1);
@@ -572,7 +582,7 @@ TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
   daemon_.publish(2);
   for (const auto& viewer : viewers) EXPECT_EQ(viewer->read_picture().header["frame"], 2);
   EXPECT_LE(daemon_.drawings(), drawings + 2);
-  EXPECT_LE(server_.stats().jpegs_encoded, encoded + 2);
+  EXPECT_LE(counters_.jpegs_encoded, encoded + 2);
 }
 
 TEST_F(ServerTest, WithoutRunsTheCamerasPictureComesInstead) {
@@ -598,7 +608,7 @@ TEST_F(ServerTest, RegionsComeToThoseWhoAskForThem) {
   EXPECT_THAT(picture.jpeg, AllOf(StartsWith("\xff\xd8\xff"), testing::EndsWith("\xff\xd9")));
 
   // Both are due for the next frame when it comes: they share its JPEG and not its header.
-  const std::uint64_t encoded = server_.stats().jpegs_encoded;
+  const std::uint64_t encoded = counters_.jpegs_encoded;
   for (Viewer* viewer : {&plain, &regions}) {
     viewer->acknowledge(1);
     viewer->synchronise();
@@ -608,7 +618,7 @@ TEST_F(ServerTest, RegionsComeToThoseWhoAskForThem) {
   EXPECT_TRUE(with.header.contains("regions"));
   EXPECT_FALSE(without.header.contains("regions"));
   EXPECT_EQ(with.jpeg, without.jpeg);
-  EXPECT_LE(server_.stats().jpegs_encoded, encoded + 2);
+  EXPECT_LE(counters_.jpegs_encoded, encoded + 2);
 
   daemon_.make_no_runs();
   regions.acknowledge(2);
@@ -642,9 +652,9 @@ TEST_F(ServerTest, AStreamIsOnePictureAfterTheOther) {
     daemon_.publish(frame);
     EXPECT_THAT(client.read_jpeg(), AllOf(StartsWith("\xff\xd8\xff"), testing::EndsWith("\xff\xd9")));
   }
-  EXPECT_EQ(server_.stats().jpegs_encoded, 5);
-  EXPECT_EQ(server_.stats().connections, 1);
-  EXPECT_EQ(server_.stats().viewers, 0);
+  EXPECT_EQ(counters_.jpegs_encoded, 5);
+  EXPECT_EQ(counters_.connections, 1);
+  EXPECT_EQ(counters_.viewers, 0);
 }
 
 TEST_F(ServerTest, AStreamEndsWithItsClient) {
@@ -653,13 +663,13 @@ TEST_F(ServerTest, AStreamEndsWithItsClient) {
     StreamClient client(server_.port());
     client.read_jpeg();
   }
-  while (server_.stats().connections > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (counters_.connections > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   Viewer viewer(server_.port());
   viewer.send(R"({"subscribe": ["detections"]})");
   viewer.read_json();
   daemon_.publish(2);
   viewer.read_json();
-  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+  EXPECT_EQ(counters_.jpegs_encoded, 1);
 }
 
 TEST_F(ServerTest, AStreamEndsWithTheServer) {
@@ -680,11 +690,11 @@ TEST_F(ServerTest, ASlowStreamSkipsPicturesAndDelaysNobody) {
     daemon_.publish_noise(frame);
     ASSERT_EQ(quick.read_json()["data"]["frame"], frame);
   }
-  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+  EXPECT_EQ(counters_.jpegs_encoded, 1);
   const std::string first = slow.read_jpeg();
   EXPECT_GT(first.size(), std::size_t{512} * 1024);
   slow.read_jpeg();
-  EXPECT_EQ(server_.stats().jpegs_encoded, 2);  // all others were skipped
+  EXPECT_EQ(counters_.jpegs_encoded, 2);  // all others were skipped
 }
 
 TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
@@ -701,11 +711,11 @@ TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
   viewer.acknowledge(77);  // another picture's
   daemon_.publish(3);
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 3);
-  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+  EXPECT_EQ(counters_.jpegs_encoded, 1);
 
   viewer.acknowledge(1);
   EXPECT_EQ(viewer.read_picture().header["frame"], 3);
-  EXPECT_EQ(server_.stats().jpegs_encoded, 2);
+  EXPECT_EQ(counters_.jpegs_encoded, 2);
 }
 
 TEST_F(ServerTest, PicturesComeNoMoreOftenThanWished) {
@@ -734,7 +744,7 @@ TEST_F(ServerTest, APictureIsEncodedOnceForAllWhoWantItAlike) {
     others.back()->send(R"({"preview": {"camera": 0, "width": 32, "fps": 1000}})");
     others.back()->read_picture();
   }
-  const std::uint64_t before = server_.stats().jpegs_encoded;
+  const std::uint64_t before = counters_.jpegs_encoded;
   // All are due for the next frame when it comes: an acknowledgement is read before what is sent after it.
   viewer.acknowledge(1);
   viewer.synchronise();
@@ -745,7 +755,7 @@ TEST_F(ServerTest, APictureIsEncodedOnceForAllWhoWantItAlike) {
   daemon_.publish(2);
   EXPECT_EQ(viewer.read_picture().header["frame"], 2);
   for (const auto& other : others) EXPECT_EQ(other->read_picture().header["frame"], 2);
-  EXPECT_LE(server_.stats().jpegs_encoded, before + 2);
+  EXPECT_LE(counters_.jpegs_encoded, before + 2);
 }
 
 TEST_F(ServerTest, AStoppedPreviewCostsNothing) {
@@ -760,7 +770,7 @@ TEST_F(ServerTest, AStoppedPreviewCostsNothing) {
   viewer.read_json();
   daemon_.publish(2);
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);
-  EXPECT_EQ(server_.stats().jpegs_encoded, 1);
+  EXPECT_EQ(counters_.jpegs_encoded, 1);
 }
 
 TEST_F(ServerTest, AFrameIsLetGoWhileItsPictureIsOnTheWay) {

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A camera's calibration as JSON: what is asked for, and what came out. Both ways in, the panel's API and
+// ssl-visionctl, use these.
+
+#include "base/json.h"
+#include "base/params_json.h"
+#include "calibration/calibrate.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+inline constexpr std::array<Choice<PlusX>, 4> kPlusXChoices{
+    {{"right", PlusX::kRight}, {"left", PlusX::kLeft}, {"up", PlusX::kUp}, {"down", PlusX::kDown}}};
+inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
+    {{"outer_edge", LinesMeasured::kToOuterEdge}, {"middle", LinesMeasured::kToMiddle}}};
+
+struct CalibrationPoint {
+  std::optional<double> x, y;
+  std::string name;
+  std::optional<double> field_x, field_y;
+
+  static constexpr auto fields() {
+    using P = CalibrationPoint;
+    constexpr double kFar = 100'000;
+    return std::tuple{
+        number("x", &P::x, -1.0, 16384.0, "px", "where it is in the picture"),
+        number("y", &P::y, -1.0, 16384.0, "px", "where it is in the picture"),
+        text("name", &P::name, "the point of the field that it shows; empty: not said"),
+        number("field_x", &P::field_x, -kFar, kFar, "mm", "where it is on the field, instead of a name"),
+        number("field_y", &P::field_y, -kFar, kFar, "mm", "where it is on the field, instead of a name"),
+    };
+  }
+};
+
+struct CalibrationRequest {
+  std::vector<CalibrationPoint> points;
+  int frames = 10;
+  std::optional<double> height_mm;
+  double height_sigma_mm = 20;
+  std::optional<double> focal_px;
+  std::optional<PlusX> plus_x;
+  std::optional<LinesMeasured> lines_measured_to;
+  double click_sigma_px = 3;
+
+  static constexpr auto fields() {
+    using R = CalibrationRequest;
+    return std::tuple{
+        list("points", &R::points, "corners and crossings of lines that somebody pointed at, in any order"),
+        number("frames", &R::frames, 1, 100, "", "pictures whose mean is looked at"),
+        number("height_mm", &R::height_mm, 100.0, 100'000.0, "mm",
+               "of the camera above the floor, if measured"),
+        number("height_sigma_mm", &R::height_sigma_mm, 0.1, 10'000.0, "mm", "how exactly it was measured"),
+        number("focal_px", &R::focal_px, 1.0, 1e6, "px", "focal length of the lens, if known"),
+        choice("plus_x", &R::plus_x, kPlusXChoices,
+               "the side of the picture where the +x half of the field lies; null: not said"),
+        choice("lines_measured_to", &R::lines_measured_to, kLinesMeasuredChoices,
+               "what the field's sizes were measured to; null: whichever suits the picture better"),
+        number("click_sigma_px", &R::click_sigma_px, 0.1, 100.0, "px", "how exactly the points were met"),
+    };
+  }
+};
+
+/// Reads a request, or a bare list of points. Throws SettingsError for whatever is not allowed.
+CalibrationRequest read_calibration_request(const Json& json);
+
+/// The engine's task; `previous` is the calibration in force.
+CalibrationTask make_task(const CalibrationRequest& request, const FieldSize& field,
+                          std::optional<CameraCalibration> previous);
+
+/// The whole report, as docs/openapi.json has it. What is no number is null.
+Json report_json(const CalibrationReport& report);
+
+/// The report's figures that are worth keeping.
+Json figures_json(const CalibrationReport& report);
+
+/// As a request names it.
+const char* name_of(LinesMeasured measured);
+
+/// The points of the field that a request may name, with the places of their paint's middle.
+Json named_points_json(const FieldSize& field, LinesMeasured measured);
+
+}  // namespace sslv

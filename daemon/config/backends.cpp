@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// TABLE capture backends. To add one: a file pair in capture/, a row here (docs/extending.md).
+#include "config/backends.h"
+
+#include "base/error.h"
+#include "capture/aravis/aravis.h"
+#include "capture/dc1394/dc1394.h"
+#include "capture/files/file.h"
+#include "capture/simulator/simulator.h"
+#include "capture/tile.h"
+#include "capture/v4l2/v4l2.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace sslv {
+
+namespace {
+
+/// A tile may be of a camera of any other row.
+Backend tile_of_backends() {
+  return {
+      "tile",
+      "a part of a big camera's pictures",
+      [](const Json& options, const std::string& path) {
+        return complete_tile(options, path, complete_source);
+      },
+      tile_schema,
+      [](const Json& options, const SourceContext& context) {
+        return open_tile(options,
+                         [&](const Json& of) { return open_source(of, whole_camera(options, context)); });
+      },
+      [] { return std::vector<FoundCamera>{}; },
+  };
+}
+
+}  // namespace
+
+std::span<const Backend> backend_table() {
+  // clang-format off
+  static const std::vector<Backend> kBackends{
+      aravis_backend(),
+#if SSLV_HAVE_DC1394
+      dc1394_backend(),
+#endif
+      file_backend(),
+      simulator_backend(),
+      tile_of_backends(),
+      v4l2_backend(),
+  };
+  // clang-format on
+  return kBackends;
+}
+
+std::span<const MissingBackend> missing_backends() {
+  // clang-format off
+  static const std::vector<MissingBackend> kMissing{
+#if !SSLV_HAVE_DC1394
+      {"dc1394", "libdc1394-dev"},
+#endif
+  };
+  // clang-format on
+  return kMissing;
+}
+
+const Backend& find_backend(const std::string& name, const std::string& path) {
+  return find_backend(backend_table(), missing_backends(), name, path);
+}
+
+const Backend& find_backend(std::span<const Backend> backends, std::span<const MissingBackend> missing,
+                            const std::string& name, const std::string& path) {
+  std::string known;
+  for (const Backend& backend : backends) {
+    if (backend.name == name) return backend;
+    known += (known.empty() ? "" : ", ") + std::string(backend.name);
+  }
+  for (const MissingBackend& backend : missing) {
+    if (backend.name != name) continue;
+    throw SettingsError(
+        fmt::format("{}: capture backend \"{}\" is not in this program; to build it in, install {} and build "
+                    "again; known: {}",
+                    path, name, backend.package, known));
+  }
+  throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, name, known));
+}
+
+Json complete_source(const Json& source, const std::string& path) {
+  if (!source.contains("backend") || !source["backend"].is_string()) {
+    throw SettingsError(path + "/backend: is missing; expected a capture backend's name");
+  }
+  const std::string name = source["backend"].get<std::string>();
+  Json options = source;
+  options.erase("backend");
+  const Json complete = find_backend(name, path + "/backend").complete(options, path);
+  Json out{{"backend", name}};
+  out.update(complete);
+  return out;
+}
+
+std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context) {
+  Json options = source;
+  options.erase("backend");
+  return find_backend(source.at("backend").get<std::string>(), "/source").open(options, context);
+}
+
+Json found_cameras_json() {
+  Json out = Json::array();
+  for (const Backend& backend : backend_table()) {
+    for (const FoundCamera& found : backend.list()) {
+      out.push_back({{"backend", backend.name},
+                     {"name", found.name},
+                     {"model", found.model},
+                     {"serial", found.serial},
+                     {"formats", found.formats},
+                     {"source", found.source}});
+    }
+  }
+  return out;
+}
+
+std::string found_cameras_text(const Json& found) {
+  std::string out;
+  for (const Json& source : found) {
+    out += fmt::format("{}\n  \"source\": {}\n", source.at("name").get<std::string>(),
+                       source.at("source").dump());
+    std::string formats;
+    for (const Json& format : source.at("formats"))
+      formats += (formats.empty() ? "" : ", ") + format.get<std::string>();
+    if (!formats.empty()) out += "  pixel formats: " + formats + "\n";
+  }
+  return out.empty()
+             ? "No camera found. Check power, cable and network; GigE cameras must have an address of "
+               "your network.\n"
+             : out;
+}
+
+}  // namespace sslv

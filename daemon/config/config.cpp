@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/config.h"
+
+#include "base/params_json.h"
+#include "config/backends.h"
+#include "pipeline/pipeline.h"
+#include "vision/field_view.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+std::string camera_path(std::size_t i) {
+  return fmt::format("/cameras/{}", i);
+}
+
+}  // namespace
+
+Config read_config(const Json& settings) {
+  auto config = params_from_json<Config>(settings, "");
+  check_field(config.field, "/field");
+  check_multicast(config.network.vision, "/network/vision");
+  check_group(config.network.referee.group, "/network/referee/group");
+  LabelSet(config.own_labels, "/own_labels");
+  std::map<int, std::size_t> camera_with_id;
+  for (std::size_t i = 0; i < config.cameras.size(); ++i) {
+    CameraSettings& camera = config.cameras[i];
+    const std::string path = camera_path(i);
+    const auto [first, is_new] = camera_with_id.emplace(camera.id, i);
+    if (!is_new) {
+      throw SettingsError(fmt::format("{}/id: {} is the id of {} already; every camera needs its own", path,
+                                      camera.id, camera_path(first->second)));
+    }
+    camera.source = complete_source(camera.source, path + "/source");
+    if (camera.calibration) CameraModel(*camera.calibration, path + "/calibration");
+    check_stack(stage_table(), camera.stack, path + "/stack");
+    StageSettings stages = read_stages(stage_table(), camera.stages, path + "/stages");
+    camera.stages = std::move(stages.complete);
+    camera.stage_params = std::move(stages.params);
+  }
+  return config;
+}
+
+const Migrations& settings_migrations() {
+  static const Migrations kMigrations{};  // version 1 is the first
+  return kMigrations;
+}
+
+Json complete_settings(const Json& settings) {
+  return params_to_json(read_config(settings));
+}
+
+Json settings_schema() {
+  Json schema = params_schema<Config>();
+  schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+  schema["title"] = "ssl-visiond settings";
+  Json& camera = schema["properties"]["cameras"]["items"]["properties"];
+  camera["stages"]["additionalProperties"] = false;
+  for (const StageType& type : stage_table()) {
+    Json one = type.schema();
+    one["description"] = type.help;
+    camera["stages"]["properties"][std::string(type.name)] = std::move(one);
+    camera["stack"]["items"]["enum"].push_back(type.name);
+  }
+  camera["source"].erase("additionalProperties");
+  for (const Backend& backend : backend_table()) {
+    Json one = backend.schema();
+    one["title"] = backend.name;
+    one["description"] = backend.help;
+    one["properties"]["backend"] = {{"const", backend.name}};
+    camera["source"]["oneOf"].push_back(std::move(one));
+  }
+  return schema;
+}
+
+World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut,
+                 const LoadTable& load_table) {
+  const CameraSettings& camera = config.cameras[i];
+  const auto labels = std::make_shared<const LabelSet>(config.own_labels, "/own_labels");
+  auto scene = std::make_shared<Scene>();
+  scene->field = config.field;
+  if (camera.calibration) scene->camera.emplace(*camera.calibration, camera_path(i) + "/calibration");
+  for (const auto& [team, settings] :
+       {std::pair{Team::kYellow, &config.teams.yellow}, {Team::kBlue, &config.teams.blue}}) {
+    const auto index = static_cast<std::size_t>(team);
+    scene->robot_height_mm[index] = settings->robot_height;
+    for (const int id : settings->ids) scene->roster[index].set(static_cast<std::size_t>(id));
+  }
+
+  std::shared_ptr<const PatternTable> patterns;
+  if (config.patterns_file.empty()) {
+    patterns = std::shared_ptr<const PatternTable>(&league_patterns(), [](const PatternTable*) {});
+  } else {
+    std::ifstream in(config.patterns_file, std::ios::binary);
+    if (!in) {
+      throw SettingsError(
+          fmt::format("/patterns_file: cannot read \"{}\": {}", config.patterns_file, std::strerror(errno)));
+    }
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    patterns = std::make_shared<const PatternTable>(parse_patterns(text, config.patterns_file, *labels));
+  }
+  const std::string colors_path = camera_path(i) + "/colors";
+  if (!lut && !camera.colors.table.empty() && !load_table) {
+    throw SettingsError(fmt::format(
+        "{}/table: \"{}\" is kept by the service that saved it; export it there and name the file "
+        "in lut_file",
+        colors_path, camera.colors.table));
+  }
+  if (!lut && !camera.colors.table.empty())
+    lut = load_table(camera.colors.table, colors_path + "/table", *labels);
+  if (!lut) lut = make_lut(camera.colors, colors_path, *labels);
+  lut = with_bits(std::move(lut), camera.colors.bits);
+  World world{std::move(scene),    std::move(lut), std::make_shared<const Mask>(camera.mask),
+              std::move(patterns), nullptr,        labels};
+  world.accepted_lut = world.lut;
+  if (world.scene->camera && camera.mask.beyond_boundary) {
+    world.field_view =
+        std::make_shared<const FieldView>(field_view(*world.scene, *camera.mask.beyond_boundary));
+    world.stage_mask = std::make_shared<const Mask>(camera.mask, *world.field_view);
+  }
+  return world;
+}
+
+}  // namespace sslv

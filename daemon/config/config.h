@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The settings tree: what every key is. Each part declares its own fields; this file puts them together.
+
+#include "base/json.h"
+#include "base/params.h"
+#include "capture/camera_thread.h"
+#include "colors/light_follower.h"
+#include "geometry/ball_models.h"
+#include "geometry/camera_model.h"
+#include "geometry/field.h"
+#include "net/multicast.h"
+#include "net/referee_listener.h"
+#include "pipeline/frame.h"
+#include "settings/migrations.h"
+#include "config/stages.h"
+#include "vision/lut.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+struct TeamSettings {
+  std::string name;
+  double robot_height = 140;
+  std::vector<int> ids;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("name", &TeamSettings::name, "as the game controller spells it"),
+        numbers(
+            "ids", &TeamSettings::ids, 0, 255,
+            "ids of the robots that play, if known: a robot with a hidden dot is then reported when only one "
+            "of them fits. Others are still reported when all their dots are seen"),
+        number("robot_height", &TeamSettings::robot_height, 20.0, 1000.0, "mm",
+               "height of the pattern above the floor, unless height_from_referee finds it"),
+    };
+  }
+};
+
+struct TeamsSettings {
+  bool height_from_referee = true;
+  TeamSettings yellow, blue;
+  static constexpr auto fields() {
+    return std::tuple{flag("height_from_referee", &TeamsSettings::height_from_referee,
+                           "the height is that of the team that the game controller names, where it is "
+                           "known; otherwise robot_height"),
+                      group("yellow", &TeamsSettings::yellow, "the yellow team"),
+                      group("blue", &TeamsSettings::blue, "the blue team")};
+  }
+};
+
+struct NetworkSettings {
+  MulticastSettings vision;
+  RefereeSettings referee;
+  static constexpr auto fields() {
+    return std::tuple{group("vision", &NetworkSettings::vision, "where detections and geometry are sent"),
+                      group("referee", &NetworkSettings::referee, "where the game controller is heard")};
+  }
+};
+
+struct PanelSettings {
+  std::string address;
+  int port = 8090;
+  std::vector<std::string> names;
+  bool match_lock = true;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("address", &PanelSettings::address,
+             "address the panel listens on; 0.0.0.0: all; empty: all once an admin's password is set, this "
+             "computer's own (127.0.0.1) before"),
+        number("port", &PanelSettings::port, 0, 65535, "", "port of the panel; 0: any free one"),
+        sslv::names(
+            "names", &PanelSettings::names,
+            "names by which browsers reach the panel, besides this computer's own name and addresses"),
+        flag(
+            "match_lock", &PanelSettings::match_lock,
+            "while a match runs, as the game controller says, nothing is changed before an admin unlocks it"),
+    };
+  }
+};
+
+struct CameraSettings {
+  int id = 0;
+  std::string name;
+  Json source = Json{{"backend", "simulator"}};
+  std::optional<CameraCalibration> calibration;
+  ColorSettings colors;
+  FollowLightParams follow_light;
+  MaskSettings mask;
+  std::vector<std::string> stack = default_stack();
+  Json stages = Json::object();
+  std::vector<StageParams> stage_params{};  // of `stages`, by the table of stages; read_config() fills them in
+  ThreadSettings thread;
+  static constexpr auto fields() {
+    using C = CameraSettings;
+    return std::tuple{
+        number("id", &C::id, 0, 255, "", "camera_id in the packets"),
+        text("name", &C::name, "for people, such as the part of the field it sees"),
+        object("source", &C::source, "where pictures come from: \"backend\" and that backend's options"),
+        group("calibration", &C::calibration,
+              "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
+        group("colors", &C::colors, "the colour lookup table"),
+        group("follow_light", &C::follow_light, "whether the table follows the light, and how far"),
+        group("mask", &C::mask, "which part of the picture is looked at"),
+        names("stack", &C::stack, "the stages a picture passes, in order"),
+        object("stages", &C::stages, "parameters of the stages"),
+        group("thread", &C::thread, "priority and processor of the camera's thread"),
+    };
+  }
+};
+
+struct Config {
+  std::string site = "Field";
+  FieldSize field;
+  std::optional<BallModels> ball_models = BallModels{};
+  TeamsSettings teams;
+  std::string patterns_file;
+  std::vector<OwnLabel> own_labels;
+  NetworkSettings network;
+  PanelSettings panel;
+  std::vector<CameraSettings> cameras;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("site", &Config::site, "name of the field, shown in the panel"),
+        group("field", &Config::field, "the playing field: sizes and lines"),
+        group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
+        group("teams", &Config::teams, "names and heights of the teams"),
+        file("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
+        list("own_labels", &Config::own_labels,
+             "labels of colour tables besides the built-in ones, for patterns of your own"),
+        group("network", &Config::network, "what is sent where"),
+        group("panel", &Config::panel, "where the web panel listens"),
+        list("cameras", &Config::cameras, "the cameras of this daemon"),
+    };
+  }
+};
+
+/// Reads a tree that may be incomplete, each part once. Throws SettingsError for whatever is not allowed: unknown keys,
+/// values out of range, two cameras with one id, an impossible stack, a calibration that is no camera.
+Config read_config(const Json& settings);
+
+/// How settings of earlier versions become those of today. To change what settings mean: one more function at
+/// the end, and a test.
+const Migrations& settings_migrations();
+
+/// The whole tree with every default written out. Throws as read_config does.
+Json complete_settings(const Json& settings);
+
+/// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
+Json settings_schema();
+
+/// The colour table that the service has saved under a name; null: use what the settings say besides. Throws
+/// SettingsError, beginning with `path`.
+using LoadTable = std::function<std::shared_ptr<const Lut>(const std::string& name, const std::string& path,
+                                                           const LabelSet& labels)>;
+
+/// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table
+/// unless `lut` is given; throws SettingsError when their files cannot be used. Without `load_table` a saved
+/// table cannot.
+World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr,
+                 const LoadTable& load_table = {});
+
+}  // namespace sslv

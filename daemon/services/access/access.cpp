@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/access/access.h"
+
+#include "base/log.h"
+#include "web/http.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+namespace sslv {
+namespace {
+
+// Five tries at once, then one in ten seconds; all addresses together twenty, then one a second: hashing
+// takes a core that the cameras need.
+constexpr double kMostTries = 5, kTryBack_s = 10, kMostTriesOfAll = 20, kTryOfAllBack_s = 1;
+constexpr std::size_t kMostAddresses = 1024;
+
+std::string random_token() {
+  std::array<std::uint8_t, 32> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("no random numbers");
+  std::string out;
+  for (const std::uint8_t byte : bytes) out += fmt::format("{:02x}", byte);
+  return out;
+}
+
+}  // namespace
+
+TooManyTries::TooManyTries(int seconds)
+    : HttpError(429, fmt::format("too many wrong passwords; try again in {} s", seconds)), wait_s(seconds) {
+  headers = {{"Retry-After", std::to_string(seconds)}};
+}
+
+bool Access::Tries::take(double now_s, double most, double back_s) {
+  left = std::min(most, left + (now_s - at_s) / back_s);
+  at_s = now_s;
+  if (left < 1) return false;
+  left -= 1;
+  return true;
+}
+
+int Access::Tries::wait_s(double back_s) const {
+  return std::max(1, static_cast<int>(std::ceil((1 - left) * back_s)));
+}
+
+Access::Access(Passwords& passwords, std::string cookie, Clock now_s)
+    : passwords_(passwords),
+      cookie_(std::move(cookie)),
+      now_s_(std::move(now_s)),
+      all_tries_{kMostTriesOfAll, now_s_()} {}
+
+May Access::may(std::string_view cookies) {
+  if (!passwords_.has(Role::kAdmin)) return May::kChange;
+  if (const auto role = session_role(cookies)) return *role == Role::kAdmin ? May::kChange : May::kLook;
+  return passwords_.has(Role::kViewer) ? May::kNothing : May::kLook;
+}
+
+Json Access::state(std::string_view cookies) {
+  static constexpr std::array kNames{"nothing", "look", "change"};
+  const May allowed = may(cookies);
+  Json set = Json::array();
+  for (const Role role : {Role::kAdmin, Role::kViewer}) {
+    if (passwords_.has(role)) set.push_back(name_of(role));
+  }
+  return {{"may", kNames.at(static_cast<std::size_t>(allowed))},
+          {"signed_in", session_role(cookies).has_value()},
+          {"passwords", std::move(set)}};
+}
+
+std::string Access::sign_in(const std::string& password, const std::string& address) {
+  return open_session(check(password, address));
+}
+
+std::string Access::sign_out(std::string_view cookies) {
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(token_in(cookies));
+  return fmt::format("{}=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0", cookie_);
+}
+
+std::string Access::set_password(Role role, const std::optional<std::string>& password,
+                                 const std::string& admin_password, const std::string& address) {
+  if (!password && role == Role::kAdmin)
+    throw HttpError(409, "the admin's password can be changed here, not taken away; ssl-visionctl does that");
+  if (passwords_.has(Role::kAdmin) && check(admin_password, address) != Role::kAdmin)
+    throw HttpError(401, "current_password: this is not the admin's password");
+  passwords_.set(role, password);
+  log::info("the {}'s password was {} by {}", name_of(role), password ? "set" : "taken away", address);
+  return open_session(Role::kAdmin);
+}
+
+Role Access::check(const std::string& password, const std::string& address) {
+  passwords_.look_again();
+  if (!passwords_.has(Role::kAdmin)) throw HttpError(409, "no password is set: everything is allowed");
+  take_try(network_of(address));
+  const auto role = passwords_.role_of(password);
+  if (!role) {
+    log::warning("audit: {} gave a wrong password", address);
+    throw HttpError(401, "this is not a password of this service");
+  }
+  const std::lock_guard lock(mutex_);
+  tries_.erase(network_of(address));
+  return *role;
+}
+
+void Access::take_try(const std::string& address) {
+  const double now_s = now_s_();
+  const std::lock_guard lock(mutex_);
+  if (tries_.size() >= kMostAddresses && !tries_.contains(address)) {
+    const auto oldest = std::min_element(tries_.begin(), tries_.end(), [](const auto& a, const auto& b) {
+      return a.second.at_s < b.second.at_s;
+    });
+    tries_.erase(oldest);
+  }
+  Tries& own = tries_.try_emplace(address, Tries{kMostTries, now_s}).first->second;
+  if (!own.take(now_s, kMostTries, kTryBack_s)) throw TooManyTries(own.wait_s(kTryBack_s));
+  if (!all_tries_.take(now_s, kMostTriesOfAll, kTryOfAllBack_s))
+    throw TooManyTries(all_tries_.wait_s(kTryOfAllBack_s));
+}
+
+std::string Access::open_session(Role role) {
+  const std::string token = random_token();
+  const double now_s = now_s_();
+  const std::lock_guard lock(mutex_);
+  if (sessions_.size() >= kMostSessions) {
+    const auto oldest =
+        std::min_element(sessions_.begin(), sessions_.end(),
+                         [](const auto& a, const auto& b) { return a.second.used_s < b.second.used_s; });
+    sessions_.erase(oldest);
+  }
+  sessions_[token] = {role, passwords_.hash(role), now_s, now_s};
+  return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={:.0f}", cookie_, token, kLongest_s);
+}
+
+std::string Access::token_in(std::string_view cookies) const {
+  while (!cookies.empty()) {
+    const std::string_view one = cookies.substr(0, cookies.find(';'));
+    cookies.remove_prefix(std::min(cookies.size(), one.size() + 1));
+    const std::string_view bare = one.substr(std::min(one.size(), one.find_first_not_of(' ')));
+    if (bare.size() > cookie_.size() && bare.starts_with(cookie_) && bare[cookie_.size()] == '=')
+      return std::string(bare.substr(cookie_.size() + 1));
+  }
+  return {};
+}
+
+std::optional<Role> Access::session_role(std::string_view cookies) {
+  const std::string token = token_in(cookies);
+  if (token.empty()) return std::nullopt;
+  const double now_s = now_s_();
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(token);
+  if (found == sessions_.end()) return std::nullopt;
+  Session& session = found->second;
+  if (now_s - session.used_s > kIdle_s || now_s - session.opened_s > kLongest_s ||
+      session.hash != passwords_.hash(session.role)) {
+    sessions_.erase(found);
+    return std::nullopt;
+  }
+  session.used_s = now_s;
+  return session.role;
+}
+
+}  // namespace sslv

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "settings/passwords.h"
+#include "web/gate.h"
+#include "web/route.h"
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace sslv {
+
+/// A sign-in that came too soon after others that failed.
+struct TooManyTries : HttpError {
+  explicit TooManyTries(int seconds);
+  int wait_s;
+};
+
+/// Who may do what. Without an admin's password everybody may change everything: the daemon serves its own
+/// computer only, then. With one, everybody may look, or only who knows the viewers' password where there is
+/// one. Who signs in gets a cookie with 256 random bits; sessions end with the service. May be used from any
+/// thread.
+class Access {
+ public:
+  using Clock = std::function<double()>;  // steady, s
+  static constexpr double kIdle_s = 24 * 3600.0, kLongest_s = 7 * 24 * 3600.0;
+  static constexpr std::size_t kMostSessions = 256;
+
+  /// `cookie`: its name; browsers do not tell the ports of a computer apart.
+  Access(Passwords& passwords, std::string cookie, Clock now_s);
+
+  /// By the Cookie header, "" when there is none.
+  May may(std::string_view cookies);
+
+  /// {"may": ..., "signed_in": ..., "passwords": [...]} of docs/openapi.json.
+  Json state(std::string_view cookies);
+
+  /// The Set-Cookie header. Takes some ten milliseconds. Throws HttpError 401 for a wrong password,
+  /// TooManyTries, and HttpError 409 when there is no password.
+  std::string sign_in(const std::string& password, const std::string& address);
+  /// The Set-Cookie header that takes the cookie away.
+  std::string sign_out(std::string_view cookies);
+
+  /// Sets the password of a role, or takes the viewers' away; who did so by `cookies` stays signed in,
+  /// whoever else used the old one is signed out. With an admin's password set, `admin_password` must be it.
+  /// Answers with the Set-Cookie header. Throws as sign_in() and Passwords::set() do.
+  std::string set_password(Role role, const std::optional<std::string>& password,
+                           const std::string& admin_password, const std::string& address);
+
+ private:
+  struct Session {
+    Role role;
+    std::string hash;  // of the password it was opened with
+    double opened_s, used_s;
+  };
+  /// Tries that an address may still make: they come back with time.
+  struct Tries {
+    double left, at_s;
+    bool take(double now_s, double most, double back_s);
+    int wait_s(double back_s) const;
+  };
+  std::optional<Role> session_role(std::string_view cookies);
+  Role check(const std::string& password, const std::string& address);
+  void take_try(const std::string& address);
+  std::string open_session(Role role);
+  std::string token_in(std::string_view cookies) const;
+
+  Passwords& passwords_;
+  const std::string cookie_;
+  const Clock now_s_;
+  std::mutex mutex_;                         // guards what follows
+  std::map<std::string, Session> sessions_;  // by token
+  std::map<std::string, Tries> tries_;       // by address
+  Tries all_tries_;
+};
+
+}  // namespace sslv

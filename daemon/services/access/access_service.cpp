@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/access/access_service.h"
+
+#include "base/clock.h"
+#include "base/params_json.h"
+
+#include <optional>
+#include <tuple>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+struct SignIn {
+  std::string password;
+  static constexpr auto fields() {
+    return std::tuple{text("password", &SignIn::password, "the admin's or the viewers'")};
+  }
+};
+
+struct NewPassword {
+  std::string password, admin_password;
+  static constexpr auto fields() {
+    return std::tuple{
+        text("password", &NewPassword::password, "the new one; empty: none any more"),
+        text("admin_password", &NewPassword::admin_password, "the admin's one of now, where there is one")};
+  }
+};
+
+struct OpenLock {
+  bool opened = false;
+  static constexpr auto fields() {
+    return std::tuple{flag("opened", &OpenLock::opened, "settings may be changed until the match ends")};
+  }
+};
+
+Json lock_json(const MatchLock::State& lock) {
+  return {{"game_is_running", lock.game_is_running}, {"opened", lock.opened}, {"locked", lock.is_locked()}};
+}
+
+}  // namespace
+
+AccessService::AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock)
+    : config_(config),
+      passwords_(passwords),
+      match_lock_(match_lock),
+      access_(passwords, fmt::format("ssl_visiond_{}", config.load()->panel.port), steady_s) {}
+
+std::vector<Route> AccessService::routes() {
+  const auto call = [this](Response (AccessService::*handle)(const Request&)) -> Handler {
+    return [this, handle](const Request& request) { return (this->*handle)(request); };
+  };
+  return {
+      {"GET", "/api/session", [this](const Request& request) { return state_response(request.cookies); },
+       Needs::kNothing, Speed::kAtOnce},
+      {"POST", "/api/session", call(&AccessService::sign_in), Needs::kNothing},
+      {"DELETE", "/api/session", call(&AccessService::sign_out), Needs::kNothing},
+      {"PUT", "/api/passwords/([^/]+)", call(&AccessService::set_password), Needs::kChange},
+      {"POST", "/api/match_lock", call(&AccessService::set_lock), Needs::kChange},
+  };
+}
+
+void AccessService::each_second() {
+  refresh();            // also for those who stay connected
+  match_lock_.state();  // so that it is closed when the match ends
+}
+
+Response AccessService::state_response(const std::string& cookies) {
+  Json out = access_.state(cookies);
+  out["match_lock"] = lock_json(match_lock_.state());
+  return json_response(out);
+}
+
+/// What it answers holds for the cookie that it hands out.
+Response AccessService::set_cookie_response(const std::string& set_cookie) {
+  Response response = state_response(set_cookie.substr(0, set_cookie.find(';')));
+  response.headers.emplace_back("Set-Cookie", set_cookie);
+  return response;
+}
+
+Response AccessService::sign_in(const Request& request) {
+  const auto body = params_from_json<SignIn>(parse_json(request.body), "");
+  return set_cookie_response(access_.sign_in(body.password, request.address));
+}
+
+Response AccessService::sign_out(const Request& request) {
+  return set_cookie_response(access_.sign_out(request.cookies));
+}
+
+Response AccessService::set_password(const Request& request) {
+  const auto role = role_named(request.matches[1]);
+  if (!role) throw HttpError(404, "there are passwords for \"admin\" and \"viewer\" only");
+  const auto body = params_from_json<NewPassword>(parse_json(request.body), "");
+  const auto password = body.password.empty() ? std::nullopt : std::optional(body.password);
+  return set_cookie_response(access_.set_password(*role, password, body.admin_password, request.address));
+}
+
+Response AccessService::set_lock(const Request& request) {
+  const auto body = params_from_json<OpenLock>(parse_json(request.body), "");
+  return json_response(lock_json(match_lock_.set_opened(body.opened, request.address)));
+}
+
+}  // namespace sslv

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services/access/access.h"
+#include "services/access/match_lock.h"
+#include "services/service.h"
+#include "settings/passwords.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sslv {
+
+/// Who may do what, and when: passwords, sessions, the match lock.
+class AccessService final : public Service, public Gate {
+ public:
+  /// All must outlive this. The cookie's name holds the panel's port: browsers do not tell the ports of a
+  /// computer apart.
+  AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock);
+
+  // Gate
+  void refresh() override { passwords_.look_again(); }  // ssl-visionctl may have set one
+  May may(std::string_view cookies) override { return access_.may(cookies); }
+  std::string lock_reason() override { return match_lock_.state().is_locked() ? MatchLock::kReason : ""; }
+  std::vector<std::string> names() const override { return config_.load()->panel.names; }
+
+  // Service
+  std::vector<Route> routes() override;
+  void each_second() override;
+
+ private:
+  Response state_response(const std::string& cookies);
+  Response set_cookie_response(const std::string& set_cookie);
+  Response sign_in(const Request& request);
+  Response sign_out(const Request& request);
+  Response set_password(const Request& request);
+  Response set_lock(const Request& request);
+
+  const Snapshot<Config>& config_;
+  Passwords& passwords_;
+  MatchLock& match_lock_;
+  Access access_;
+};
+
+}  // namespace sslv

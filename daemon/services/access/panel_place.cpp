@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/access/panel_place.h"
+
+#include "base/error.h"
+#include "base/log.h"
+
+#include <exception>
+
+#include <boost/asio/ip/address.hpp>
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+std::pair<std::string, int> place_of(const PanelSettings& panel, const Passwords& passwords) {
+  return {listening_address(panel, passwords.has(Role::kAdmin)), panel.port};
+}
+
+}  // namespace
+
+std::string listening_address(const PanelSettings& panel, bool has_password) {
+  if (panel.address.empty()) return has_password ? "0.0.0.0" : "127.0.0.1";
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(panel.address, error);
+  if (!has_password && (error || !address.is_loopback())) {
+    throw SettingsError(
+        fmt::format("/panel/address: \"{}\" can be reached from other computers and no password is set; set "
+                    "one first (sudo ssl-visionctl passwd), or use 127.0.0.1",
+                    panel.address));
+  }
+  return panel.address;
+}
+
+PanelPlace::PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, WebServer& server)
+    : config_(config), passwords_(passwords), server_(server), place_(place_of(config.load()->panel, passwords)) {}
+
+Commit PanelPlace::prepare(const SettingsChange& change) {
+  return prepare(change.next.panel);
+}
+
+Commit PanelPlace::prepare(const PanelSettings& panel) {
+  auto place = place_of(panel, passwords_);
+  const std::lock_guard lock(mutex_);
+  if (place == place_) return {};
+  const int port = place.second == place_.second ? server_.port() : place.second;  // 0 stays what was found
+  return [this, place, move = server_.move_to(place.first, port)]() mutable noexcept {
+    const std::lock_guard moving(mutex_);
+    move();
+    std::swap(place_, place);
+    log::info("panel on {} port {}", place_.first, server_.port());
+  };
+}
+
+void PanelPlace::each_second() {
+  const auto config = config_.load();
+  if (!config->panel.address.empty()) return;
+  try {
+    prepare(config->panel)();
+    problem_.clear();
+  } catch (const std::exception& error) {
+    if (problem_ != error.what()) log::error("the panel stays where it is: {}", error.what());
+    problem_ = error.what();
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/calibration/calibration_age.h"
+
+#include "settings/history.h"
+
+namespace sslv {
+namespace {
+
+/// What is painted, of the settings' /field.
+Json painted(Json field) {
+  for (const char* other : {"goal_depth", "goal_height", "goal_width", "boundary_width",
+                            "boundary_width_goal_line", "ball_radius", "max_robot_radius"})
+    field.erase(other);
+  return field;
+}
+
+}  // namespace
+
+bool field_changed_since(double time_s, const Json& settings, const Json& steps) {
+  Json then = settings;
+  try {
+    for (const Json& step : steps) {
+      if (step.at("time").get<double>() <= time_s) break;
+      then = then.patch(backward_patch(step.at("changes")));
+    }
+  } catch (const Json::exception&) {
+    // The admin's file was edited in between: that far back it is known.
+  }
+  return painted(then.at("field")) != painted(settings.at("field"));
+}
+
+}  // namespace sslv

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/background_jobs.h"
+#include "calibration/calibration_json.h"
+#include "services/cameras/fresh_frames.h"
+
+#include <chrono>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace sslv {
+
+struct CalibrationOrder {
+  CalibrationRequest request;
+  FieldSize field;
+  std::optional<CameraCalibration> previous;
+  std::string who;  // the client's address
+  double time_s = 0;
+};
+
+/// Calibrates cameras while they go on working, each by itself. Keys are the cameras' ids.
+using CalibrationJobs = BackgroundJobs<CalibrationOrder, CalibrationReport>;
+
+CalibrationJobs make_calibration_jobs(WaitFrame wait_frame, std::chrono::milliseconds silence = kSilence);
+
+/// For cameras that show something else from now on, or are gone.
+void invalidate(CalibrationJobs& jobs, const std::set<int>& camera_ids);
+
+}  // namespace sslv

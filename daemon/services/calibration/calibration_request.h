@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What calibrations of one camera and of several share: how they are asked for and shown.
+
+#include "base/background_jobs.h"
+#include "base/params_json.h"
+#include "services/access/match_lock.h"
+#include "web/route.h"
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+struct ForceOption {
+  bool force = false;
+  static constexpr auto fields() {
+    return std::tuple{flag("force", &ForceOption::force, "also where it is refused otherwise")};
+  }
+};
+
+/// Of a body that says nothing else.
+bool force_of(const Request& request);
+/// Takes it out of a body that says more.
+bool take_force(Json& body);
+
+/// Throws HttpError: 423 while the game runs, 409 for a report that is not good enough. `what` it is of, with
+/// its verb.
+void refuse_acceptance(MatchLock& match_lock, bool is_good, const std::vector<std::string>& problems,
+                       const std::string& what);
+
+inline constexpr const char* kOrForce = ", or use force";
+
+/// What the JSON of every kind of calibration says of its newest job.
+template <class Job>
+Json job_json(const Job& job) {
+  return {{"state", name_of(job.state)},
+          {"frames_taken", job.frames},
+          {"problem", job.problem},
+          {"started", job.order ? Json(job.order->time_s) : Json(nullptr)},
+          {"who", job.order ? job.order->who : ""},
+          {"request", job.order ? params_to_json(job.order->request) : Json(nullptr)},
+          {"report", job.report ? report_json(*job.report) : Json(nullptr)}};
+}
+
+}  // namespace sslv

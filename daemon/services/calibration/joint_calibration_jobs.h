@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/background_jobs.h"
+#include "calibration/calibrate_jointly.h"
+#include "services/cameras/fresh_frames.h"
+#include "calibration/joint_calibration_json.h"
+
+#include <chrono>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+struct JointCalibrationOrder {
+  struct Camera {
+    int id;
+    CameraCalibration calibration;  // in force
+  };
+  JointCalibrationRequest request;
+  std::vector<Camera> cameras;
+  FieldSize field;
+  std::string who;  // the client's address
+  double time_s = 0;
+};
+
+/// Calibrates several cameras together while they go on working.
+using JointCalibrationJobs = BackgroundJobs<JointCalibrationOrder, JointReport>;
+/// Their one key: one job at a time, whichever cameras it is of.
+inline constexpr int kJointKey = 0;
+
+JointCalibrationJobs make_joint_calibration_jobs(WaitFrame wait_frame,
+                                                 std::chrono::milliseconds silence = kSilence);
+
+/// For cameras that show something else from now on, or are gone.
+void invalidate(JointCalibrationJobs& jobs, const std::set<int>& camera_ids);
+
+}  // namespace sslv

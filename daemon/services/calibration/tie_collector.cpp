@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/calibration/tie_collector.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+/// Cameras' clocks agree to this: what moves is less sure.
+constexpr double kClockSigmaS = 1e-3;
+/// Longest time between two pictures over which a robot goes straight on: at 3 m/s2 it leaves that by 1 mm.
+constexpr double kMostGapS = 0.05;
+/// Further apart than calibrations may be wrong: two robots of one identity.
+constexpr double kOtherRobotMm = 300;
+constexpr double kCellMm = 250;
+constexpr std::size_t kMostTies = 100;
+
+}  // namespace
+
+void TieCollector::add(std::size_t camera, double t_capture_s, std::span<const Robot> robots) {
+  for (const Robot& robot : robots) {
+    auto& tracks = tracks_[{robot.team, robot.id}];
+    tracks.resize(cameras_);
+    Track& track = tracks[camera];
+    if (track.newest && track.newest->t_s == t_capture_s) continue;   // its second in this picture
+    if (track.newest && track.newest->t_s > t_capture_s) track = {};  // the clock was set back
+    track.before = track.newest;
+    track.newest = {t_capture_s, {robot.pixel_x, robot.pixel_y}, {robot.x_mm, robot.y_mm}, robot.height_mm};
+    for (std::size_t other = 0; other < cameras_; ++other) {
+      if (other == camera) continue;
+      // Whichever camera's pictures come later: each may be seen between two of the other's.
+      tie(camera, *track.newest, other, tracks[other]);
+      if (tracks[other].newest) tie(other, *tracks[other].newest, camera, track);
+      if (tracks[other].before) tie(other, *tracks[other].before, camera, track);
+    }
+  }
+}
+
+void TieCollector::tie(std::size_t camera, const Seen& seen, std::size_t other_camera, const Track& other) {
+  if (!other.before) return;
+  const Seen &from = *other.before, &to = *other.newest;
+  const double gap_s = to.t_s - from.t_s;
+  if (seen.t_s < from.t_s || seen.t_s > to.t_s || gap_s > kMostGapS) return;
+  if (from.height_mm != seen.height_mm || to.height_mm != seen.height_mm) return;
+  const double share = (seen.t_s - from.t_s) / gap_s;
+  const Eigen::Vector2d pixel = from.pixel + share * (to.pixel - from.pixel);
+  const Eigen::Vector2d place_mm = from.place_mm + share * (to.place_mm - from.place_mm);
+  if ((place_mm - seen.place_mm).norm() > kOtherRobotMm) return;
+
+  OverlapTie found{camera, other_camera, seen.pixel, pixel, seen.height_mm};
+  found.sigma_px = std::hypot(found.sigma_px, kClockSigmaS * (to.pixel - from.pixel).norm() / gap_s);
+  const Cell cell{std::min(camera, other_camera), std::max(camera, other_camera),
+                  static_cast<int>(std::floor(seen.place_mm.x() / kCellMm)),
+                  static_cast<int>(std::floor(seen.place_mm.y() / kCellMm))};
+  const auto [kept, is_new] = ties_.try_emplace(cell, found);
+  if (!is_new && found.sigma_px < kept->second.sigma_px) kept->second = found;
+}
+
+std::vector<OverlapTie> TieCollector::ties() const {
+  std::vector<OverlapTie> out;
+  // Neighbouring cells follow each other: every third one, say, is spread as all are.
+  const std::size_t step = (ties_.size() + kMostTies - 1) / kMostTies;
+  std::size_t i = 0;
+  for (const auto& [cell, tie] : ties_) {
+    if (i++ % step == 0) out.push_back(tie);
+  }
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/camera_json.h"
+
+#include "base/params_json.h"
+#include "config/stages.h"
+#include "health/histogram.h"
+
+#include <atomic>
+#include <string>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+Json calibration_json(const CameraModel& model) {
+  Json out = params_to_json(model.calibration());
+  out["derived_camera_world_tx"] = model.position_mm().x();
+  out["derived_camera_world_ty"] = model.position_mm().y();
+  out["derived_camera_world_tz"] = model.position_mm().z();
+  return out;
+}
+
+const char* t_capture_from(const CaptureTimes& times) {
+  if (!times.t_capture_sigma_s) return "arrival";
+  return times.is_by_ptp ? "ptp" : "camera";
+}
+
+Json histogram_json(const RecentDurations& durations) {
+  const Histogram histogram = make_histogram(durations.samples_ns());
+  return {{"edges_us", histogram.edges_us}, {"counts", histogram.counts}};
+}
+
+std::uint64_t read(const std::atomic<std::uint64_t>& counter) {
+  return counter.load(std::memory_order_relaxed);
+}
+
+struct Reading {
+  std::string id;
+  CameraHealth health;
+  const CameraTotals& totals;
+};
+
+}  // namespace
+
+Json camera_json(const RunningCamera& camera) {
+  const CameraHealth health = camera.health();
+  const auto settings = camera.settings();
+  const auto setup = camera.pipeline().setup();
+  const auto counters = camera.pipeline().counters();
+  // What a camera that is not running last saw and how fast is no news.
+  const bool running = health.state == CameraState::kRunning;
+  const auto latency = running ? camera.latency().percentiles() : RecentDurations::Percentiles{};
+  const auto age = running ? camera.age().percentiles() : RecentDurations::Percentiles{};
+  Json out{{"id", settings->id},
+           {"name", settings->name},
+           {"backend", settings->source.at("backend")},
+           {"state", name_of(health.state)},
+           {"error", health.error},
+           {"width", health.width},
+           {"height", health.height},
+           {"pixel_format", health.width > 0 ? Json(name_of(health.format)) : Json(nullptr)},
+           {"fps", health.fps},
+           {"frames", counters.frames},
+           {"frames_dropped", health.dropped},
+           {"frames_incomplete", health.incomplete},
+           {"frames_capped", counters.capped},
+           {"packets", health.packets
+                           ? Json{{"missing", health.packets->missing}, {"resent", health.packets->resent}}
+                           : Json(nullptr)},
+           {"reconnects", health.reconnects},
+           {"latency_ms", {{"p50", latency.p50_us * 1e-3}, {"p99", latency.p99_us * 1e-3}}},
+           {"age_ms", {{"p50", age.p50_us * 1e-3}, {"p99", age.p99_us * 1e-3}}},
+           {"t_capture_from", t_capture_from(health.times)},
+           {"t_capture_sigma_ms",
+            health.times.t_capture_sigma_s ? Json(*health.times.t_capture_sigma_s * 1e3) : Json(nullptr)},
+           {"stages", Json::array()},
+           {"robots", running ? counters.robots : 0},
+           {"balls", running ? counters.balls : 0}};
+  const auto& stack = setup->pipeline->stack();
+  for (std::size_t i = 0; i < stack.size(); ++i) {
+    const auto times = setup->pipeline->durations(i).percentiles();
+    out["stages"].push_back({{"name", stack[i]}, {"p50_us", times.p50_us}, {"p99_us", times.p99_us}});
+  }
+  const auto& model = setup->world.scene->camera;
+  out["calibration"] = model ? calibration_json(*model) : Json(nullptr);
+  return out;
+}
+
+Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure) {
+  Json out{{"id", camera.settings()->id},
+           {"exposure", nullptr},
+           {"latency", histogram_json(camera.latency())},
+           {"age", histogram_json(camera.age())},
+           {"stages", Json::array()}};
+  if (exposure) {
+    out["exposure"] = {{"clipped_share", exposure->clipped_share},
+                       {"dark_share", exposure->dark_share},
+                       {"mean_luma", exposure->mean_luma}};
+  }
+  const auto setup = camera.pipeline().setup();
+  const auto& stack = setup->pipeline->stack();
+  for (std::size_t i = 0; i < stack.size(); ++i)
+    out["stages"].push_back(
+        {{"name", stack[i]}, {"histogram", histogram_json(setup->pipeline->durations(i))}});
+  return out;
+}
+
+Json field_view_json(const FieldView* view) {
+  Json hidden = Json::array();
+  if (view) {
+    for (const PixelRectangle& one : hidden_by(*view))
+      hidden.push_back({one.left_px, one.top_px, one.width_px, one.height_px});
+  }
+  return {{"hidden", std::move(hidden)}};
+}
+
+void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<RunningCamera>>& running) {
+  std::vector<Reading> cameras;
+  for (const auto& camera : running)
+    cameras.push_back({std::to_string(camera->settings()->id), camera->health(), camera->totals()});
+
+  out.begin("sslv_camera_up", "gauge", "1 while the camera is open and runs.");
+  for (const auto& [id, health, totals] : cameras)
+    out.add({{"camera", id}}, std::uint64_t{health.state == CameraState::kRunning});
+
+  out.begin("sslv_frames_captured_total", "counter", "Pictures that were processed.");
+  for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, read(totals.frames));
+
+  out.begin("sslv_frames_dropped_total", "counter",
+            "Pictures that came but were not processed in time, or came damaged.");
+  for (const auto& [id, health, totals] : cameras) {
+    out.add({{"camera", id}, {"reason", "not_processed"}}, read(totals.capture.dropped));
+    out.add({{"camera", id}, {"reason", "damaged"}}, read(totals.capture.incomplete));
+  }
+
+  out.begin("sslv_camera_reconnects_total", "counter", "Times the camera was opened again after a loss.");
+  for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, read(totals.capture.reconnects));
+
+  out.begin("sslv_detections_total", "counter", "Robots and balls sent.");
+  for (const auto& [id, health, totals] : cameras) {
+    out.add({{"camera", id}, {"kind", "robot_yellow"}}, read(totals.robots_yellow));
+    out.add({{"camera", id}, {"kind", "robot_blue"}}, read(totals.robots_blue));
+    out.add({{"camera", id}, {"kind", "ball"}}, read(totals.balls));
+  }
+
+  out.begin("sslv_stage_duration_seconds", "histogram", "Time that a stage of the stack takes for a frame.");
+  for (const auto& [id, health, totals] : cameras) {
+    for (std::size_t i = 0; i < totals.stages.size(); ++i) {
+      const auto durations = totals.stages[i].read();
+      // A stage that was never in the camera's stack has no series.
+      if (durations.counts == decltype(durations.counts){}) continue;
+      out.add({{"camera", id}, {"stage", stage_table()[i].name}}, durations);
+    }
+  }
+
+  out.begin("sslv_capture_to_send_seconds", "histogram",
+            "From the middle of a picture's exposure to its packet's leaving.");
+  for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, totals.capture_to_send.read());
+}
+
+}  // namespace sslv

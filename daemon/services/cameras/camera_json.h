@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A camera as docs/openapi.json has it, and as Prometheus does.
+
+#include "base/json.h"
+#include "health/exposure.h"
+#include "health/metrics_text.h"
+#include "services/cameras/running_camera.h"
+#include "vision/field_view.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace sslv {
+
+/// CameraStatus.
+Json camera_json(const RunningCamera& camera);
+/// CameraDiagnostics.
+Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure);
+/// {"hidden": [[left, top, width, height], ...]}; null: nothing is.
+Json field_view_json(const FieldView* view);
+
+void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<RunningCamera>>& cameras);
+
+}  // namespace sslv

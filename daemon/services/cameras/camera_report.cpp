@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/camera_report.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+// Of a minute's frames. Trackers bridge a few; one in a thousand is a cable or a computer at its limit.
+constexpr double kLostShare = 0.001;
+constexpr std::uint64_t kFewPictures = 3;
+// The painted lines are under 1 % of a field's image, and they may clip: white has no colour to lose. More
+// than twice that is glare or too much light, and clipped colours are taken for each other.
+constexpr double kClippedShare = 0.02;
+// Of 255. Below, the camera's noise is as large as what tells dark colours apart.
+constexpr double kDarkLuma = 25;
+constexpr double kSlowShare = 0.9;  // of the rate that was asked for
+/// Late by more than this, a packet is late by as much as a ball at 6 m/s takes for 30 mm.
+constexpr double kLateAfter_ms = 5;
+/// A turn of a camera's thread takes 0.1 s and a frame's processing.
+constexpr std::int64_t kHangs_ns = 5'000'000'000;
+
+std::string camera_page(const CameraFacts& camera) {
+  return fmt::format("#/camera/{}", camera.id);
+}
+
+void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
+  const CameraHealth& health = camera.health;
+  for (const std::string& warning : health.warnings) {
+    alerts.push_back({.id = "control_refused",
+                      .check = "cameras",
+                      .severity = Severity::kWarn,
+                      .title = fmt::format("Camera {} refused a control: {}", camera.id, warning),
+                      .fix = "Set it to what the camera takes, or remove it from source/controls.",
+                      .page = camera_page(camera),
+                      .camera = camera.id,
+                      .about = warning});
+  }
+  if (health.state == CameraState::kLost) {
+    alerts.push_back({.id = "camera_lost",
+                      .check = "cameras",
+                      .severity = Severity::kBad,
+                      .title = fmt::format("Camera {} is lost: {}", camera.id, health.error),
+                      .fix = camera.backend == "files"
+                                 ? "Check source/path in its settings; it is tried again by itself."
+                                 : "Check its cable and power; it is tried again by itself.",
+                      .page = camera_page(camera),
+                      .camera = camera.id});
+  }
+  // What the camera itself sends, whatever becomes of it here.
+  const Timeline::Sum& sum = camera.last_seconds;
+  if (camera.wanted_fps && sum.seconds >= CameraFacts::kLastSeconds &&
+      static_cast<double>(sum.all()) < kSlowShare * *camera.wanted_fps * sum.seconds) {
+    alerts.push_back(
+        {.id = "camera_slow",
+         .check = "cameras",
+         .severity = Severity::kWarn,
+         .title = fmt::format("Camera {} sends {:.1f} pictures a second, {:g} are asked for", camera.id,
+                              static_cast<double>(sum.all()) / sum.seconds, *camera.wanted_fps),
+         .fix = "Shorten its exposure, make the picture smaller, or ask for a lower frame rate.",
+         .page = camera_page(camera),
+         .camera = camera.id});
+  }
+}
+
+void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
+  const auto warn = [&](const char* id, std::string title, std::string fix, std::string page) {
+    alerts.push_back({.id = id,
+                      .check = "pictures",
+                      .severity = Severity::kWarn,
+                      .title = std::move(title),
+                      .fix = std::move(fix),
+                      .page = std::move(page),
+                      .camera = camera.id});
+  };
+  const Timeline::Sum& minute = camera.last_minute;
+  const auto is_much = [&](std::uint64_t count) {
+    return count > kFewPictures &&
+           static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
+  };
+  if (is_much(minute.dropped)) {
+    warn("frames_dropped",
+         fmt::format("Camera {}: {} of {} pictures of the last minute were not processed", camera.id,
+                     minute.dropped, minute.all()),
+         "This computer is too slow: end other programs, give the camera's thread a priority "
+         "(thread/realtime_priority), or lower the frame rate.",
+         "#/diagnostics");
+  }
+  if (is_much(minute.incomplete)) {
+    warn("frames_incomplete",
+         fmt::format("Camera {}: {} of {} pictures of the last minute came damaged", camera.id,
+                     minute.incomplete, minute.all()),
+         "Check cable and switch, and that the cameras together stay below the link's speed.",
+         camera_page(camera));
+  }
+  if (minute.capped > 0) {
+    const std::string what = camera.flood.empty() ? "too much to look at" : camera.flood;
+    warn("frames_capped",
+         fmt::format("Camera {}: {}, in {} of {} pictures of the last minute", camera.id, what, minute.capped,
+                     minute.all()),
+         camera.flood.empty() ? "Its colour table labels too much of the picture: narrow the colours, or "
+                                "mask what is not field."
+                              : "There nothing of that colour is seen. Learn the colours again, widen their "
+                                "margins, or mask that "
+                                "part if it is not field.",
+         fmt::format("#/colors/{}", camera.id));
+  }
+  if (!camera.exposure) return;
+  if (camera.exposure->clipped_share > kClippedShare) {
+    warn("picture_clipped",
+         fmt::format("Camera {}: {:.1f} % of the picture is too bright to have a colour", camera.id,
+                     100 * camera.exposure->clipped_share),
+         "Shorten its exposure, lower its gain or close its lens; mask lamps and windows beside the field.",
+         camera_page(camera));
+  }
+  if (camera.exposure->mean_luma < kDarkLuma) {
+    warn("picture_dark",
+         fmt::format("Camera {}: the picture is dark, its mean luma is {:.0f} of 255", camera.id,
+                     camera.exposure->mean_luma),
+         "Turn on the light, open its lens, lengthen its exposure, or raise its gain.", camera_page(camera));
+  }
+}
+
+bool is_running(const CameraFacts& camera) {
+  return camera.health.state == CameraState::kRunning;
+}
+
+std::size_t running(std::span<const CameraFacts> cameras) {
+  return static_cast<std::size_t>(std::count_if(cameras.begin(), cameras.end(), is_running));
+}
+
+Check check_cameras(std::span<const CameraFacts> cameras) {
+  const std::size_t count = running(cameras);
+  Check check{"cameras", "Cameras", CheckState::kPass, std::to_string(count),
+              fmt::format("of {}", cameras.size()), "all run"};
+  if (cameras.empty()) {
+    check.state = CheckState::kFail;
+    check.text = "there is no camera in the settings";
+  } else if (count == 0) {
+    check.state = CheckState::kFail;
+    check.text = "none runs";
+  } else if (count < cameras.size()) {
+    check.state = CheckState::kWarn;
+    check.text = "not all run";
+  }
+  return check;
+}
+
+Check check_pictures(std::span<const CameraFacts> cameras) {
+  Timeline::Sum sum;
+  double clipped = 0;
+  std::optional<double> slowest;
+  for (const CameraFacts& camera : cameras) {
+    if (is_running(camera)) slowest = std::min(slowest.value_or(camera.health.fps), camera.health.fps);
+    sum.dropped += camera.last_minute.dropped;
+    sum.incomplete += camera.last_minute.incomplete;
+    if (camera.exposure) clipped = std::max(clipped, camera.exposure->clipped_share);
+  }
+  std::string text = sum.dropped + sum.incomplete == 0
+                         ? "none lost in 60 s"
+                         : fmt::format("{} dropped, {} damaged in 60 s", sum.dropped, sum.incomplete);
+  if (clipped >= 0.001) text += fmt::format(", {:.1f} % too bright", 100 * clipped);
+  return {"pictures", "Pictures", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
+          "per second", text};
+}
+
+Check check_latency(std::span<const CameraFacts> cameras) {
+  Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera runs"};
+  if (running(cameras) == 0) return check;
+  double worst_ms = 0;
+  for (const CameraFacts& camera : cameras) {
+    if (is_running(camera)) worst_ms = std::max(worst_ms, camera.latency_p99_ms);
+  }
+  check.value = fmt::format("{:.2f}", worst_ms);
+  check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);
+  if (worst_ms > kLateAfter_ms) {
+    check.state = CheckState::kWarn;
+    check.text += ": end other programs on this computer";
+  }
+  return check;
+}
+
+}  // namespace
+
+void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) {
+  for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
+  for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
+  for (const auto check : {check_cameras, check_pictures, check_latency})
+    report.checks.push_back(check(cameras));
+}
+
+std::string camera_summary(std::span<const CameraFacts> cameras) {
+  double fps = 0, p99_ms = 0;
+  bool is_first = true;
+  for (const CameraFacts& camera : cameras) {
+    if (!is_running(camera)) continue;
+    fps = std::exchange(is_first, false) ? camera.health.fps : std::min(fps, camera.health.fps);
+    p99_ms = std::max(p99_ms, camera.latency_p99_ms);
+  }
+  return fmt::format("{}/{} cameras {:.1f} fps p99 {:.1f} ms", running(cameras), cameras.size(), fps, p99_ms);
+}
+
+std::string find_hanging(const std::vector<CameraProgress>& cameras, std::int64_t now_ns) {
+  std::string out;
+  for (const auto& [id, health] : cameras) {
+    const std::int64_t still_ns = now_ns - health.progress_ns;
+    if (health.state != CameraState::kRunning || still_ns < kHangs_ns) continue;
+    out +=
+        fmt::format("{}camera {} has hung for {} s", out.empty() ? "" : ", ", id, still_ns / 1'000'000'000);
+  }
+  return out;
+}
+
+std::string find_missing(const std::vector<CameraProgress>& cameras) {
+  std::string out;
+  for (const auto& [id, health] : cameras) {
+    if (health.state == CameraState::kRunning) continue;
+    out += fmt::format("camera {} is {}{}{}\n", id, name_of(health.state), health.error.empty() ? "" : ": ",
+                       health.error);
+  }
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Alerts and checks of cameras.
+
+#include "capture/camera_thread.h"
+#include "health/exposure.h"
+#include "health/timeline.h"
+#include "services/health_report.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// What is known of a camera, read once, so that alerts, checks and figures agree.
+struct CameraFacts {
+  int id = 0;
+  std::string backend;
+  std::optional<double> wanted_fps;  // as its settings ask for
+  CameraHealth health;
+  double latency_p99_ms = 0;
+  Timeline::Sum last_minute, last_seconds;  // kLastSeconds
+  std::optional<Exposure> exposure;         // of the newest frame
+  std::string flood{};  // in the last minute: "green floods the picture between ..."; empty: none
+
+  static constexpr std::size_t kLastSeconds = 10;
+};
+
+/// Adds their alerts and the checks "cameras", "pictures" and "latency".
+void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report);
+
+/// "2/2 cameras 60.0 fps p99 0.9 ms".
+std::string camera_summary(std::span<const CameraFacts> cameras);
+
+struct CameraProgress {
+  int id;
+  CameraHealth health;
+};
+
+/// Why the watchdog is not fed: a camera's thread that neither goes on nor is known to open its camera. Empty
+/// while all is well. `now_ns`: of the steady clock.
+std::string find_hanging(const std::vector<CameraProgress>& cameras, std::int64_t now_ns);
+
+/// What is missing for all cameras to run, a line for each; empty when nothing is.
+std::string find_missing(const std::vector<CameraProgress>& cameras);
+
+}  // namespace sslv

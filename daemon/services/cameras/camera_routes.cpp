@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/camera_routes.h"
+
+#include "base/log.h"
+#include "capture/source.h"
+#include "config/backends.h"
+#include "image/jpeg.h"
+#include "services/cameras/camera_json.h"
+#include "services/service.h"
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+constexpr int kMaxWidth_px = 16384;
+
+PictureKind query_picture(const Request& request) {
+  const auto found = request.query.find("picture");
+  if (found == request.query.end()) return PictureKind::kCamera;
+  for (const auto& choice : kPictureChoices) {
+    if (choice.name == found->second) return choice.value;
+  }
+  throw HttpError(400, "picture: \"" + found->second.substr(0, 40) +
+                           "\" is not allowed; expected \"camera\" or \"labels\"");
+}
+
+StreamWish stream_wish(const Request& request) {
+  StreamWish wish{static_cast<std::uint32_t>(path_camera_id(request)), {}};
+  PreviewWish& preview = wish.preview;
+  preview.width = query_number(request, "width", preview.width, 1, kMaxWidth_px);
+  preview.quality = query_number(request, "quality", preview.quality, 1, 100);
+  if (const auto fps = request.query.find("fps"); fps != request.query.end())
+    preview.fps = read_number("fps", fps->second, kMinFps, kMaxFps);
+  preview.picture = query_picture(request);
+  return wish;
+}
+
+/// Throws HttpError 404.
+std::shared_ptr<RunningCamera> camera_of(const CameraRoutes& of, const Request& request) {
+  const int id = path_camera_id(request);
+  auto camera = of.find(id);
+  if (!camera) throw HttpError(404, fmt::format("no camera {}", id));
+  return camera;
+}
+
+Response get_snapshot(const CameraRoutes& of, const Request& request) {
+  const int id = camera_of(of, request)->settings()->id;
+  query_number(request, "width", kMaxWidth_px, 1, kMaxWidth_px);
+  query_number(request, "quality", 85, 1, 100);
+  const PictureKind wished = query_picture(request);
+  const auto view = of.views.wait_view(static_cast<std::uint32_t>(id), 0, std::chrono::milliseconds(0));
+  if (!view) throw HttpError(503, fmt::format("camera {} has no picture yet", id));
+  std::vector<std::uint8_t> buffer;
+  const Picture picture = picture_of(*view, wished, buffer);
+  return jpeg_response(picture.image, request, picture.chroma);
+}
+
+Response get_stream(const CameraRoutes& of, const Request& request) {
+  camera_of(of, request);
+  Response response{200, kStreamType, {}};
+  response.stream = stream_wish(request);
+  return response;
+}
+
+/// What an open camera's driver answers. Throws HttpError: 409 not open or without controls, 503 it does not
+/// answer.
+Json ask_driver(const RunningCamera& camera, std::function<Json(Controls&)> ask) {
+  const auto controls = camera.controls();
+  if (!controls) {
+    const bool is_open = camera.health().state == CameraState::kRunning;
+    throw HttpError(409, fmt::format("camera {} {}", camera.settings()->id,
+                                     is_open ? "has no controls" : "is not open"));
+  }
+  try {
+    return camera.driver_calls().run([controls, ask = std::move(ask)] { return ask(*controls); });
+  } catch (const CaptureError& error) {
+    throw HttpError(503, error.what());
+  }
+}
+
+Response get_controls(const CameraRoutes& of, const Request& request) {
+  Json list = ask_driver(*camera_of(of, request), [](Controls& controls) {
+    Json out = Json::array();
+    for (const Control& control : controls.list()) out.push_back(control_json(control));
+    return out;
+  });
+  return json_response({{"controls", std::move(list)}});
+}
+
+Response set_control(const CameraRoutes& of, const Request& request) {
+  const auto camera = camera_of(of, request);
+  const Json body = body_json(request);
+  const bool is_fine = body.is_object() && (body.empty() || (body.size() == 1 && body.contains("value")));
+  if (!is_fine) throw HttpError(400, R"(expected {"value": ...}, or nothing for an action)");
+  const Json value = body.empty() ? Json(nullptr) : body.at("value");
+  const std::string name = request.matches[2];
+  Json control = ask_driver(*camera, [name, value](Controls& controls) {
+    controls.set(name, value);
+    return control_json(controls.get(name));
+  });
+  log::info("camera {}: {} set to {} by {}, not saved", camera->settings()->id, Json(name).dump(),
+            value.dump(), request.address);
+  return json_response(control);
+}
+
+Response get_field_view(const CameraRoutes& of, const Request& request) {
+  return json_response(field_view_json(camera_of(of, request)->pipeline().setup()->world.field_view.get()));
+}
+
+Response get_cameras(const CameraRoutes& of) {
+  Json out = Json::array();
+  for (const std::uint32_t id : of.views.camera_ids()) {
+    if (const auto camera = of.find(static_cast<int>(id))) out.push_back(camera_json(*camera));
+  }
+  return json_response(out);
+}
+
+}  // namespace
+
+int path_camera_id(const Request& request) {
+  return read_whole_number("camera", request.matches[1], 0, kMaxRouteNumber);
+}
+
+Response jpeg_response(const ImageView& image, const Request& request, Chroma chroma) {
+  const int width = query_number(request, "width", kMaxWidth_px, 1, kMaxWidth_px);
+  const int quality = query_number(request, "quality", 85, 1, 100);
+  JpegEncoder encoder;
+  return bytes_response(encoder.encode(image, width, quality, chroma), "image/jpeg");
+}
+
+std::string full_jpeg(const RunningCamera& camera) {
+  const auto newest = camera.pipeline().finished().peek();
+  if (!newest) throw HttpError(503, "no picture yet");
+  const ImageView image = newest->value->image.view();
+  JpegEncoder encoder;
+  const std::span<const std::uint8_t> jpeg = encoder.encode(image, image.width, 90, Chroma::kHalved);
+  return {jpeg.begin(), jpeg.end()};
+}
+
+std::vector<Route> camera_routes(const CameraRoutes& of) {
+  const auto about = [&of](Response (*handle)(const CameraRoutes&, const Request&)) -> Handler {
+    return [of, handle](const Request& request) { return handle(of, request); };
+  };
+  return {
+      {"GET", "/api/cameras", [of](const Request&) { return get_cameras(of); }},
+      {"GET", R"(/api/cameras/(\d+)/snapshot\.jpg)", about(get_snapshot)},
+      {"GET", R"(/api/cameras/(\d+)/stream\.mjpg)", about(get_stream), Needs::kByMethod, Speed::kMayWait, true},
+      {"GET", R"(/api/cameras/(\d+)/controls)", about(get_controls)},
+      {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", about(set_control)},
+      {"GET", R"(/api/cameras/(\d+)/field_view)", about(get_field_view)},
+      {"GET", "/api/timeline",
+       [of](const Request& request) {
+         const int seconds = query_number(request, "seconds", 600, 1, 600);
+         return json_response(of.timeline.to_json(static_cast<std::size_t>(seconds)));
+       }},
+      {"GET", "/api/sources",
+       [](const Request&) { return json_response({{"sources", found_cameras_json()}}); }},
+  };
+}
+
+}  // namespace sslv

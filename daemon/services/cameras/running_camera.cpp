@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/running_camera.h"
+
+#include "base/clock.h"
+#include "base/params_json.h"
+#include "config/backends.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+const Json& controls_in(const Json& source) {
+  static const Json kNone = Json::object();
+  const auto found = source.find("controls");
+  return found == source.end() ? kNone : *found;
+}
+
+Json without_controls(Json source) {
+  source.erase("controls");
+  return source;
+}
+
+}  // namespace
+
+RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
+                             std::shared_ptr<CameraTotals> totals)
+    : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
+      totals_(std::move(totals)),
+      sink_(multicast, *totals_),
+      pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)),
+      thread_(make_thread(settings, *pipeline_.setup()->world.scene)) {}
+
+RunningCamera::~RunningCamera() {
+  thread_.reset();
+  pipeline_.close();
+}
+
+void RunningCamera::start() noexcept {
+  const std::lock_guard lock(thread_mutex_);
+  thread_->start();
+}
+
+void RunningCamera::ask_to_stop() {
+  const std::lock_guard lock(thread_mutex_);
+  thread_->ask_to_stop();
+}
+
+std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene) {
+  auto open = [newest = settings_, scene] {
+    const auto now = newest->load();
+    return open_source(now->source, {static_cast<std::uint32_t>(now->id), scene});
+  };
+  auto on_image = [this](CapturedImage&& captured) {
+    pipeline_.process(std::move(captured.image), captured.times, captured.whole);
+    totals_->frames.fetch_add(1, std::memory_order_relaxed);
+  };
+  return std::make_unique<CameraThread>("camera " + std::to_string(settings.id), settings.thread,
+                                        std::move(open), std::move(on_image), RetryDelays{},
+                                        std::shared_ptr<CaptureTotals>(totals_, &totals_->capture),
+                                        [this] { return pipeline_.give_back(); });
+}
+
+RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings, std::optional<NewSetup> setup,
+                                             const std::string& path) {
+  const auto old = settings_->load();
+  const Scene& scene = setup ? *setup->setup.world.scene : *pipeline_.setup()->world.scene;
+  const bool same_source = without_controls(old->source) == without_controls(settings.source);
+  const bool same_thread = params_to_json(old->thread) == params_to_json(settings.thread);
+  auto new_settings = std::make_shared<const CameraSettings>(settings);
+  if (!same_source || !same_thread)
+    return {std::move(new_settings), std::move(setup), make_thread(settings, scene), {}};
+  const auto open = controls();
+  if (!open) return {std::move(new_settings), std::move(setup), nullptr, {}};
+  Change change{std::move(new_settings),
+                std::move(setup),
+                nullptr,
+                {open, driver_calls_, controls_in(old->source), controls_in(settings.source), path}};
+  if (change.controls.needs_opening()) change.thread = make_thread(settings, scene);
+  return change;
+}
+
+bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_height_mm) noexcept {
+  settings_->store(std::move(change.settings));
+  if (change.setup) {
+    CameraSetup& setup = change.setup->setup;
+    if (change.setup->keeps_colors) {
+      // What followed the light while the change was prepared and saved is not lost.
+      const auto before = pipeline_.setup();
+      setup.world.lut = before->world.lut;
+      setup.world.accepted_lut = before->world.accepted_lut;
+    }
+    pipeline_.change(with_robot_heights(std::move(setup), robot_height_mm));
+  }
+  change.controls.keep();
+  if (!change.thread) return false;
+  const std::lock_guard lock(thread_mutex_);
+  // One thread at a time feeds the pipeline: the new one waits for the old one's end, nobody else does.
+  change.thread->start(std::move(thread_));
+  thread_ = std::move(change.thread);
+  return true;
+}
+
+void RunningCamera::change_robot_heights(const std::array<double, 2>& robot_height_mm) {
+  const auto setup = pipeline_.setup();
+  if (setup->world.scene->robot_height_mm == robot_height_mm) return;
+  pipeline_.change(with_robot_heights(*setup, robot_height_mm));
+}
+
+bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
+                                 std::shared_ptr<const Lut> adapted) {
+  CameraSetup setup = *pipeline_.setup();
+  if (setup.world.accepted_lut != accepted) return false;
+  setup.world.lut = std::move(adapted);
+  pipeline_.change(std::move(setup));
+  return true;
+}
+
+CameraHealth RunningCamera::health() const {
+  CameraHealth health;
+  {
+    const std::lock_guard lock(thread_mutex_);
+    health = thread_->health();
+  }
+  health.incomplete = totals_->capture.incomplete.load(std::memory_order_relaxed);
+  health.dropped = totals_->capture.dropped.load(std::memory_order_relaxed);
+  health.reconnects = totals_->capture.reconnects.load(std::memory_order_relaxed);
+  return health;
+}
+
+std::shared_ptr<Controls> RunningCamera::controls() const {
+  const std::lock_guard lock(thread_mutex_);
+  return thread_->controls();
+}
+
+void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots,
+                                  const BallList& balls) noexcept {
+  const double t_sent_s = sender.send(info, robots, balls);
+  latency.add_ns(steady_ns() - info.times.arrived_ns);
+  const auto age_ns = static_cast<std::int64_t>((t_sent_s - info.times.t_capture_s) * 1e9);
+  age.add_ns(age_ns);
+  totals.capture_to_send.add_ns(age_ns);
+  const auto yellow = static_cast<std::uint64_t>(
+      std::ranges::count(robots.robots, Team::kYellow, [](const Robot& robot) { return robot.team; }));
+  totals.robots_yellow.fetch_add(yellow, std::memory_order_relaxed);
+  totals.robots_blue.fetch_add(robots.robots.size() - yellow, std::memory_order_relaxed);
+  totals.balls.fetch_add(balls.balls.size(), std::memory_order_relaxed);
+}
+
+}  // namespace sslv

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/recent.h"
+#include "base/snapshot.h"
+#include "capture/camera_thread.h"
+#include "config/config.h"
+#include "net/vision_sender.h"
+#include "pipeline/camera_pipeline.h"
+#include "services/cameras/camera_setup.h"
+#include "services/cameras/camera_totals.h"
+#include "services/cameras/control_change.h"
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace sslv {
+
+/// One camera of the service: its thread, its pipeline and the way out to the network. May be used from any
+/// thread. Hold it by shared_ptr: viewers of its frames keep it alive.
+class RunningCamera {
+ public:
+  /// Nothing is opened before start(). `multicast` must outlive this. `totals`: of this camera's id. Throws
+  /// std::system_error when its thread cannot be had.
+  RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
+                std::shared_ptr<CameraTotals> totals);
+  ~RunningCamera();
+  /// Starts capturing; a camera that is not there is tried until it comes.
+  void start() noexcept;
+  /// Begins what the destructor does and does not wait for it.
+  void ask_to_stop();
+
+  /// What a change of its settings needs, made ready.
+  struct Change {
+    std::shared_ptr<const CameraSettings> settings;
+    std::optional<NewSetup> setup;         // none: as it is
+    std::unique_ptr<CameraThread> thread;  // null: the camera stays open
+    ControlChange controls;
+  };
+  /// Sets what changed among the camera's own controls, which a change that is dropped sets back; so it comes
+  /// last of all that may be refused. Throws SettingsError, beginning with `path`, for what an open camera
+  /// refuses; one that is not open is not asked. Throws std::system_error without a thread.
+  Change prepare(const CameraSettings& settings, std::optional<NewSetup> setup, const std::string& path);
+
+  /// The next frame uses the new setup, with robots of these heights. Says whether the camera is reopened,
+  /// which it is only for another source (other than in `controls`) or thread.
+  bool commit(Change& change, const std::array<double, 2>& robot_height_mm) noexcept;
+
+  /// The next frame has robots of these heights. Not while another thread is in commit().
+  void change_robot_heights(const std::array<double, 2>& robot_height_mm);
+
+  /// See Cameras::change_light. Not while another thread is in commit().
+  bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> adapted);
+
+  std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
+  /// Its counts are those of the totals.
+  CameraHealth health() const;
+  /// Those of the open camera; none while it is not open, or has none. To be called through `driver_calls`.
+  std::shared_ptr<Controls> controls() const;
+  const DriverCalls& driver_calls() const { return driver_calls_; }
+  const CameraPipeline& pipeline() const { return pipeline_; }
+  /// From the frame's arrival to the packet on the socket.
+  const RecentDurations& latency() const { return sink_.latency; }
+  /// From the middle of the exposure to there.
+  const RecentDurations& age() const { return sink_.age; }
+  /// Lives as long as this.
+  const CameraTotals& totals() const { return *totals_; }
+
+ private:
+  struct Sink : DetectionSink {
+    Sink(MulticastSender& multicast, CameraTotals& camera_totals)
+        : sender(multicast), totals(camera_totals) {}
+    void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept override;
+    void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
+      totals.stages[stage].add_ns(duration_ns);
+    }
+    DetectionSender sender;
+    CameraTotals& totals;
+    RecentDurations latency, age;
+  };
+  std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene);
+
+  /// Shared with the thread, which opens the camera by the newest settings and may be left behind.
+  const std::shared_ptr<Snapshot<CameraSettings>> settings_;
+  const std::shared_ptr<CameraTotals> totals_;
+  const DriverCalls driver_calls_;
+  Sink sink_;
+  CameraPipeline pipeline_;
+  mutable std::mutex thread_mutex_;  // guards the pointer
+  std::unique_ptr<CameraThread> thread_;
+};
+
+}  // namespace sslv

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What clients ask to be done to a colour table: docs/openapi.json's ColorEdits.
+
+#include "base/json.h"
+#include "base/params.h"
+#include "colors/table_edit.h"
+#include "image/color.h"
+#include "vision/label.h"
+
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sslv {
+
+struct PickCommand {
+  std::string op, label;
+  int x = 0, y = 0, width = 1, height = 1;
+  std::optional<int> still;
+  bool take_away = false;
+  static constexpr auto fields() {
+    using P = PickCommand;
+    return std::tuple{text("op", &P::op, "pick"),
+                      text("label", &P::label, "a label's name"),
+                      number("x", &P::x, 0, 16383, "px", "left"),
+                      number("y", &P::y, 0, 16383, "px", "top"),
+                      number("width", &P::width, 1, 16384, "px", ""),
+                      number("height", &P::height, 1, 16384, "px", ""),
+                      number("still", &P::still, 0, 2'000'000'000, "", "null: the newest picture"),
+                      flag("take_away", &P::take_away, "from the label instead of adding to it")};
+  }
+};
+
+struct WidenCommand {
+  std::string op;
+  static constexpr auto fields() { return std::tuple{text("op", &WidenCommand::op, "widen_margins")}; }
+};
+
+struct EditRequest {
+  Json commands;  // a list that is not empty
+  bool only_try = false;
+};
+
+/// Throws SettingsError.
+EditRequest read_edit_request(const Json& json);
+
+/// Throws SettingsError, beginning with `path`.
+Label find_label(const LabelSet& labels, const std::string& name, const std::string& path);
+
+/// Several commands in the words of the first, and how many more.
+std::string what_they_did(const std::vector<TableEdit>& edits, const LabelSet& labels);
+
+/// Beyond some thousand pixels a pick says what a sample of it says.
+std::vector<Yuv> thinned(std::vector<Yuv> pixels);
+
+}  // namespace sslv

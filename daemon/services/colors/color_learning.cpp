@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/colors/color_learning.h"
+
+#include "base/error.h"
+#include "base/log.h"
+#include "capture/source.h"
+#include "colors/table_edit.h"
+#include "pipeline/camera_pipeline.h"
+#include "config/stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stop_token>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+using Pictures = std::vector<std::shared_ptr<const StillPicture>>;
+
+/// Fresh pictures some time apart, so that things have moved; fewer when it was stopped. Throws CaptureError.
+Pictures collect(FreshFrames frames, int wanted, const JobProgress& progress, const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kLook{100};  // how soon a cancellation is seen
+  constexpr double kApart_s = 0.3;
+  Pictures pictures;
+  while (static_cast<int>(pictures.size()) < wanted && !stop.stop_requested()) {
+    const auto frame = frames.next(kLook);
+    if (!frame) continue;
+    // Either way: the clock may have been set back.
+    if (!pictures.empty() && std::abs(frame->t_capture_s - pictures.back()->t_capture_s) < kApart_s) continue;
+    if (frame->image.format == PixelFormat::kMono8)
+      throw CaptureError("the camera's pictures have no colours: there is no table to learn");
+    const auto& view = frame->image;
+    if (!pictures.empty()) {
+      const ImageView& first = pictures.front()->view;
+      if (first.width != view.width || first.height != view.height || first.format != view.format)
+        throw CaptureError("the camera's pictures have changed meanwhile; start again");
+    }
+    pictures.push_back(std::make_shared<const StillPicture>(view, frame->number, frame->t_capture_s));
+    progress.collected(static_cast<int>(pictures.size()), 0);
+  }
+  return pictures;
+}
+
+struct NoSink : DetectionSink {
+  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {}
+};
+
+/// Runs the camera's stack over still pictures with another table.
+class Detector {
+ public:
+  Detector(const CameraSettings& settings, const World& world, std::shared_ptr<const Lut> lut) {
+    CameraSetup setup;
+    setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.stack, "/stack");
+    setup.parameters = setup.pipeline->make_parameters(settings.stages, "/stages");
+    setup.world = world;
+    setup.world.lut = std::move(lut);
+    pipeline_ =
+        std::make_unique<CameraPipeline>(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup));
+  }
+  void detect(const StillPicture& picture, RobotList& robots, BallList& balls) {
+    CaptureTimes times;
+    times.t_capture_s = picture.t_capture_s;
+    const Frame& frame = pipeline_->process(Image(picture.view, nullptr, nullptr, nullptr), times);
+    robots = frame.robots;
+    balls = frame.balls;
+  }
+
+ private:
+  NoSink sink_;
+  std::unique_ptr<CameraPipeline> pipeline_;
+};
+
+LearningReport::Cells cells_of(const ColorTable& table) {
+  LearningReport::Cells cells{};
+  for (const Label label : table.labels) ++cells[label];
+  return cells;
+}
+
+LearningReport learn(const LearningOrder& order, const Pictures& pictures, const std::stop_token& stop) {
+  const auto begun = std::chrono::steady_clock::now();
+  LearningReport report;
+  report.calibrated = order.world.scene->camera.has_value();
+  report.before = order.world.lut;
+  LearnTask task{{}, *order.world.scene, *order.world.patterns, order.world.mask.get(), order.guide, stop};
+  for (const auto& picture : pictures) task.frames.push_back(picture->view);
+  report.learnt = learn_colors(task);
+  for (const auto& picture : pictures) report.pictures.push_back({picture, {}, {}, {}, {}});
+  if (stop.stop_requested()) return report;
+  Detector before(order.settings, order.world, report.before);
+  for (LearningPicture& one : report.pictures)
+    before.detect(*one.picture, one.robots_before, one.balls_before);
+  if (report.learnt.lut) {
+    Detector after(order.settings, order.world, report.learnt.lut);
+    for (LearningPicture& one : report.pictures)
+      after.detect(*one.picture, one.robots_after, one.balls_after);
+    const ColorTable old = report.before->color_table(), now = report.learnt.lut->color_table();
+    report.cells_before = cells_of(old);
+    report.cells_after = cells_of(now);
+    if (old.bits == now.bits) {
+      for (const CellRun& run : difference(old, now)) report.changed_cells += run.length;
+    } else {
+      report.changed_cells = now.labels.size();
+    }
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return report;
+}
+
+}  // namespace
+
+ColorLearning make_color_learning(WaitFrame wait_frame, std::chrono::milliseconds silence) {
+  const auto work = [wait_frame = std::move(wait_frame), silence](
+                        int camera_id, const LearningOrder& order, const JobProgress& progress,
+                        const std::stop_token& stop) -> LearningReport {
+    const Pictures pictures = collect({wait_frame, camera_id, silence}, order.frames, progress, stop);
+    if (stop.stop_requested()) return {};
+    progress.solving();
+    return learn(order, pictures, stop);
+  };
+  return {"colours", work,
+          [](int camera_id, const std::string& problem) {
+            log::warning("camera {}: no colours learnt: {}", camera_id, problem);
+          },
+          become_idle_thread};
+}
+
+void invalidate(ColorLearning& jobs, const std::set<int>& camera_ids) {
+  jobs.invalidate_if([&](int id, const LearningOrder&) { return camera_ids.contains(id); });
+}
+
+}  // namespace sslv

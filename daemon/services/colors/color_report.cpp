@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/colors/color_report.h"
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+void add_margin_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
+  if (!camera.least_margin || camera.least_margin->share >= kWantedMargin) return;
+  alerts.push_back(
+      {.id = "margin_thin",
+       .check = "colors",
+       .severity = camera.least_margin->share < kLeastMargin ? Severity::kBad : Severity::kWarn,
+       .title = fmt::format("Camera {}: {}", camera.camera_id, camera.least_margin->text),
+       .fix =
+           "A little more or less light drowns robots in it: widen the margins, or learn the colours again.",
+       .page = fmt::format("#/colors/{}", camera.camera_id),
+       .camera = camera.camera_id});
+}
+
+Check check_colors(std::span<const ColorFacts> cameras) {
+  const ColorFacts::Margin* least = nullptr;
+  for (const ColorFacts& camera : cameras) {
+    if (camera.least_margin && (!least || camera.least_margin->share < least->share))
+      least = &*camera.least_margin;
+  }
+  Check check{"colors",  "Colours", CheckState::kPass,
+              kNoFigure, "",        "margins to carpet and floor are not known yet"};
+  if (!least) return check;
+  const bool is_limited = least->share < ColorFacts::Margin::kMax;
+  check.value = fmt::format("{}{:.0f}", is_limited ? "" : "> ", 100 * least->share);
+  check.unit = "% margin";
+  check.text = least->text.empty() ? "carpet and floor stay clear" : least->text;
+  return check;
+}
+
+}  // namespace
+
+void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::string>& lost_tables,
+                   HealthReport& report) {
+  for (const ColorFacts& camera : cameras) add_margin_alert(report.alerts, camera);
+  for (const std::string& problem : lost_tables) {
+    report.alerts.push_back(
+        {.id = "table_lost",
+         .check = "pictures",
+         .severity = Severity::kWarn,
+         .title = problem,
+         .fix = "The camera has the table of its settings' classes or file. Learn its colours, import a table, "
+                "or take an older one from the settings' history.",
+         .page = "#/colors"});
+  }
+  report.checks.push_back(check_colors(cameras));
+}
+
+}  // namespace sslv

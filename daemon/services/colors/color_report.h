@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "colors/surfaces.h"
+#include "services/health_report.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// What is known of a camera's colours.
+struct ColorFacts {
+  int camera_id = 0;
+  /// Of its colour table to carpet and floor; empty: not known.
+  struct Margin {
+    double share;      // of the light, at most kMax
+    std::string text;  // "carpet becomes green at +9 %"; empty: nothing does
+    static constexpr double kMax = LabelMargin::kMostFactor - 1;
+  };
+  std::optional<Margin> least_margin{};
+};
+
+/// Adds their alerts and the check "colors". `lost_tables`: why saved tables could not be used at start.
+void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::string>& lost_tables,
+                   HealthReport& report);
+
+}  // namespace sslv

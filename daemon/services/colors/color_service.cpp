@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/colors/color_service.h"
+
+#include "base/log.h"
+#include "base/params_json.h"
+#include "colors/lut_file.h"
+#include "colors/pixel_figures.h"
+#include "services/cameras/camera_routes.h"
+#include "services/colors/color_commands.h"
+#include "services/colors/color_report.h"
+#include "services/colors/colors_json.h"
+#include "vision/lut_codec.h"
+
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+FollowLight::Hooks light_hooks(Cameras& cameras, const RefereeListener& referee) {
+  FollowLight::Hooks hooks;
+  hooks.wait_frame = frames_of(cameras);
+  hooks.cameras = [&cameras] {
+    std::vector<FollowLight::Camera> out;
+    for (const CameraNow& camera : cameras.all()) {
+      const World& world = camera.world();
+      out.push_back(
+          {camera.id, camera.settings->follow_light, world.accepted_lut, world.scene, world.patterns});
+    }
+    return out;
+  };
+  hooks.game_is_running = [&referee] { return referee.game_is_running(); };
+  hooks.put_table = [&cameras](int camera_id, const std::shared_ptr<const Lut>& accepted,
+                               std::shared_ptr<const Lut> table) {
+    cameras.change_light(camera_id, accepted, std::move(table));
+  };
+  return hooks;
+}
+
+ColorMargins::Hooks margin_hooks(Cameras& cameras) {
+  ColorMargins::Hooks hooks;
+  hooks.wait_frame = frames_of(cameras);
+  hooks.cameras = [&cameras] {
+    std::vector<ColorMargins::Camera> out;
+    for (const CameraNow& camera : cameras.all()) {
+      const World& world = camera.world();
+      out.push_back({camera.id, world.lut, world.scene, world.mask, world.patterns});
+    }
+    return out;
+  };
+  return hooks;
+}
+
+Response file_response(Response response, int camera_id, const char* ending) {
+  response.headers.emplace_back(
+      "Content-Disposition",
+      fmt::format("attachment; filename=\"colours-of-camera-{}{}\"", camera_id, ending));
+  return response;
+}
+
+}  // namespace
+
+ColorService::ColorService(Cameras& cameras, Pictures& pictures, ColorTables& tables, SavedTables& saved,
+                           const RefereeListener& referee)
+    : cameras_(cameras),
+      pictures_(pictures),
+      tables_(tables),
+      saved_(saved),
+      follow_light_(light_hooks(cameras, referee)),
+      margins_(margin_hooks(cameras)) {
+  cameras.add_observer(*this);
+}
+
+void ColorService::cameras_changed(const std::set<int>& camera_ids) noexcept {
+  margins_.forget(camera_ids);
+}
+
+Commit ColorService::prepare(const SettingsChange& change) {
+  if (change.origin != SettingsChange::Origin::kStart) return {};
+  return [this]() noexcept { saved_.end_start(); };
+}
+
+Json ColorService::state_json(int camera_id) {
+  return state_json(tables_.open(camera_id));
+}
+
+Json ColorService::state_json(const ColorTables::AtDesk& at) {
+  // The camera may have another table by now than when it was put on the desk.
+  const CameraNow camera = cameras_.get(at.camera.id);
+  at.desk.take(camera.world().accepted_lut);
+  const ColorSettings& colors = camera.settings->colors;
+  const char* origin = !colors.table.empty() ? "table" : !colors.lut_file.empty() ? "file" : "classes";
+  FollowLight::Status status = follow_light_.status(camera.id);
+  const LightView light{std::move(status.state),
+                        {status.steps.begin(), status.steps.end()},
+                        camera.world().lut != camera.world().accepted_lut};
+  return colors_json(camera.id, origin, at.desk, *camera.world().labels, light,
+                     margins_.margins(camera.id, *camera.world().lut));
+}
+
+std::vector<Route> ColorService::routes() {
+  const auto call = [this](Response (ColorService::*handle)(const Request&)) -> Handler {
+    return [this, handle](const Request& request) {
+      cameras_.get(path_camera_id(request));
+      return (this->*handle)(request);
+    };
+  };
+  return {
+      {"GET", R"(/api/cameras/(\d+)/colors)",
+       [this](const Request& request) { return json_response(state_json(path_camera_id(request))); }},
+      {"GET", R"(/api/cameras/(\d+)/colors/table)",
+       [this](const Request& request) {
+         const CameraNow camera = cameras_.get(path_camera_id(request));
+         const World& world = camera.world();
+         const Lut& lut = query_flag(request, "light") ? *world.lut : *world.accepted_lut;
+         return bytes_response(encode_lut(lut.color_table(), *world.labels));
+       }},
+      {"POST", R"(/api/cameras/(\d+)/colors/edits)", call(&ColorService::edit)},
+      {"POST", R"(/api/cameras/(\d+)/colors/undo)",
+       [this](const Request& request) { return undo_or_redo(request, true); }},
+      {"POST", R"(/api/cameras/(\d+)/colors/redo)",
+       [this](const Request& request) { return undo_or_redo(request, false); }},
+      {"POST", R"(/api/cameras/(\d+)/colors/reset)", call(&ColorService::reset)},
+      {"POST", R"(/api/cameras/(\d+)/colors/copy)", call(&ColorService::copy)},
+      {"POST", R"(/api/cameras/(\d+)/colors/import)", call(&ColorService::import)},
+      {"GET", R"(/api/cameras/(\d+)/colors/export)", call(&ColorService::export_table)},
+      {"POST", R"(/api/cameras/(\d+)/colors/light/revert)", call(&ColorService::revert_light)},
+      {"POST", R"(/api/cameras/(\d+)/colors/light/keep)", call(&ColorService::keep_light)},
+  };
+}
+
+TableEdit ColorService::read_command(const ColorTables::AtDesk& at, const Json& json,
+                                     const std::string& path) {
+  const Json op = json.is_object() ? json.value("op", Json()) : Json();
+  if (op == "widen_margins") {
+    params_from_json<WidenCommand>(json, path);
+    auto surfaces = margins_.surfaces(at.camera.id);
+    if (!surfaces) {
+      throw SettingsError(
+          fmt::format("{}: camera {}'s carpet was not seen yet: its margins are not known", path, at.camera.id));
+    }
+    return WidenMarginsEdit{std::move(surfaces)};
+  }
+  return op == "pick" ? read_pick(at, json, path) : read_table_edit(json, path, at.labels());
+}
+
+TableEdit ColorService::read_pick(const ColorTables::AtDesk& at, const Json& json, const std::string& path) {
+  const auto pick = params_from_json<PickCommand>(json, path);
+  const Label label = find_label(at.labels(), pick.label, path + "/label");
+  const LentPicture looked = pictures_.look(at.camera.id, pick.still);
+  const PixelBlock block =
+      read_pixels(looked.image, {pick.x, pick.y, pick.width, pick.height}, *at.camera.world().lut);
+  if (block.colors.empty()) {
+    throw SettingsError(
+        fmt::format("{}: the rectangle at ({}, {}) lies outside the picture, which has {} x {} px", path,
+                    pick.x, pick.y, looked.image.width, looked.image.height));
+  }
+  ColorCluster cluster{thinned(block.colors), {}};
+  if (pick.take_away) return RemoveClusterEdit{label, std::move(cluster)};
+  AddClusterEdit edit{label, std::move(cluster), Over::kAny};
+  if (const auto surfaces = margins_.surfaces(at.camera.id); surfaces && !is_surface_label(label)) {
+    // Who points at carpet or floor means it.
+    const PixelFigures figures = figures_of(block);
+    const auto level = [&](std::size_t c) { return static_cast<std::uint8_t>(std::lround(figures.mean[c])); };
+    const Yuv mean{level(0), level(1), level(2)};
+    const auto is_seen_on = [&](SurfaceKind kind) {
+      return reach_of(*surfaces, kind, {.darkest = 1, .brightest = 1})(mean);
+    };
+    if (!is_seen_on(SurfaceKind::kCarpet) && !is_seen_on(SurfaceKind::kFloor))
+      edit.stays_clear = reach_of(*surfaces, SurfaceKind::kCarpet, {});
+  }
+  return edit;
+}
+
+Response ColorService::edit(const Request& request) {
+  const EditRequest wanted = read_edit_request(parse_json(request.body));
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  std::vector<TableEdit> edits;
+  for (std::size_t i = 0; i < wanted.commands.size(); ++i)
+    edits.push_back(read_command(at, wanted.commands[i], fmt::format("/commands/{}", i)));
+  const ColorDesk before = at.desk;
+  Json out;
+  try {
+    // The edit is made on the table that is in use; both steps are saved, and take effect, as one.
+    if (!wanted.only_try && at.is_adapted()) {
+      at.desk.replace(with_bits(at.camera.world().lut, at.desk.table()->color_bits()),
+                      "taken over as adapted to the light", request.address, [](const auto&, const auto&) {});
+    }
+    const TableChange change = at.desk.tried(edits);
+    out = table_change_json(change, at.labels());
+    if (!wanted.only_try) {
+      at.desk.change(change, what_they_did(edits, at.labels()), request.address,
+                     tables_.saver(at, request.address));
+      // An edit that changes no cell saves nothing: the adapted table is kept all the same.
+      if (at.desk.table() != before.table() && change.cells.empty()) {
+        tables_.saver(at, request.address)(at.desk.table(), "taken over as adapted to the light");
+      }
+    }
+  } catch (...) {
+    at.desk = before;
+    throw;
+  }
+  out["state"] = state_json(at);
+  return json_response(out);
+}
+
+Response ColorService::undo_or_redo(const Request& request, bool undo) {
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  const auto save = tables_.saver(at, request.address);
+  if (undo && !at.desk.undo(save)) {
+    throw HttpError(
+        409, fmt::format("nothing was done to camera {}'s table that could be undone here", at.camera.id));
+  }
+  if (!undo && !at.desk.redo(save))
+    throw HttpError(409, fmt::format("nothing was undone in camera {}'s table", at.camera.id));
+  return json_response(state_json(at));
+}
+
+Response ColorService::reset(const Request& request) {
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  ColorSettings colors = at.camera.settings->colors;
+  if (colors.table.empty())
+    throw HttpError(409, fmt::format("camera {} has the table of the settings already", at.camera.id));
+  colors.table.clear();
+  at.desk.replace(make_lut(colors, "the settings' colors", at.labels()), "reset to the settings' colours",
+                  request.address, [&](const auto&, const std::string& what) {
+                    tables_.name_table(at.camera.id, "", what, request.address);
+                  });
+  return json_response(state_json(at));
+}
+
+Response ColorService::copy(const Request& request) {
+  const Json body = parse_json(request.body);
+  if (!body.is_object() || body.size() != 1 || !body.contains("from") || !body["from"].is_number_unsigned())
+    throw HttpError(400, R"(expected {"from": the id of another camera})");
+  const int from = body["from"].get<int>();
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  if (from == at.camera.id) throw HttpError(409, "a camera's table cannot be copied onto itself");
+  tables_.take_over(at, cameras_.get(from).world().accepted_lut, fmt::format("copied from camera {}", from),
+                    request.address);
+  return json_response(state_json(at));
+}
+
+Response ColorService::import(const Request& request) {
+  const auto name = request.query.find("name");
+  const std::string file_name = name == request.query.end() ? "the file" : name->second;
+  const bool only_try = query_flag(request, "try");
+  std::optional<std::size_t> table;
+  if (request.query.contains("table"))
+    table = static_cast<std::size_t>(query_number(request, "table", 0, 0, kMaxRouteNumber));
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(request.body.data()), request.body.size());
+  const std::vector<ImportedTable> tables = import_tables(bytes, file_name, at.labels());
+  Json out{{"tables", imported_json(tables, at.labels())}};
+  if (!only_try) {
+    const ImportedTable& chosen = choose_table(tables, table, {}, file_name);
+    tables_.take_over(at, std::make_shared<const Lut>(chosen.table), "imported " + file_name, request.address);
+  }
+  out["state"] = state_json(at);
+  return json_response(out);
+}
+
+Response ColorService::export_table(const Request& request) {
+  const CameraNow camera = cameras_.get(path_camera_id(request));
+  const auto& table = camera.world().accepted_lut->color_table();
+  if (query_choice(request, "format", {"lut", "json"}) == 1) {
+    return file_response({200, "application/json", table_json_text(table, *camera.world().labels)}, camera.id,
+                         ".json");
+  }
+  return file_response(bytes_response(encode_lut(table, *camera.world().labels)), camera.id, ".lut");
+}
+
+Response ColorService::revert_light(const Request& request) {
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  if (!at.is_adapted())
+    throw HttpError(409, fmt::format("camera {}'s accepted table is in force", at.camera.id));
+  follow_light_.take_back(at.camera.id);
+  const auto& accepted = at.camera.world().accepted_lut;
+  cameras_.change_light(at.camera.id, accepted, accepted);
+  log::info("camera {}: back to its accepted colour table, by {}", at.camera.id, request.address);
+  return json_response(state_json(at));
+}
+
+Response ColorService::keep_light(const Request& request) {
+  ColorTables::AtDesk at = tables_.open(path_camera_id(request));
+  if (!at.is_adapted()) {
+    throw HttpError(
+        409, fmt::format("camera {}'s accepted table is in force: the light has not changed", at.camera.id));
+  }
+  tables_.take_over(at, at.camera.world().lut, "taken over as adapted to the light", request.address);
+  return json_response(state_json(at));
+}
+
+void ColorService::report(HealthReport& report) const {
+  std::vector<ColorFacts> facts;
+  std::vector<std::string> lost;
+  for (const CameraNow& camera : cameras_.all()) {
+    ColorFacts one{camera.id};
+    if (const auto margins = margins_.newest_margins(camera.id)) {
+      const auto least = least_of(*margins);
+      const LabelSet& labels = *camera.world().labels;
+      one.least_margin = least ? ColorFacts::Margin{std::abs(least->change),
+                                                    margin_text(name_of(least->surface),
+                                                                labels.name(least->label), least->change)}
+                               : ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
+    }
+    facts.push_back(std::move(one));
+    if (auto problem = saved_.lost(camera.settings->colors.table); !problem.empty())
+      lost.push_back(std::move(problem));
+  }
+  report_colors(facts, lost, report);
+}
+
+}  // namespace sslv

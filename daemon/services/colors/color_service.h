@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "net/referee_listener.h"
+#include "services/cameras/pictures.h"
+#include "services/colors/color_margins.h"
+#include "services/colors/color_tables.h"
+#include "services/colors/follow_light.h"
+#include "services/service.h"
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// Colour tables: looked at, edited, imported, exported, following the light; and how far they are from carpet
+/// and floor.
+class ColorService final : public Service, public CameraObserver {
+ public:
+  /// All must outlive this.
+  ColorService(Cameras& cameras, Pictures& pictures, ColorTables& tables, SavedTables& saved,
+               const RefereeListener& referee);
+
+  /// docs/openapi.json's Colors. Throws HttpError 404.
+  Json state_json(int camera_id);
+
+  void cameras_changed(const std::set<int>& camera_ids) noexcept override;
+  std::vector<Route> routes() override;
+  Commit prepare(const SettingsChange& change) override;
+  void report(HealthReport& report) const override;
+
+ private:
+  Json state_json(const ColorTables::AtDesk& at);
+  TableEdit read_command(const ColorTables::AtDesk& at, const Json& json, const std::string& path);
+  TableEdit read_pick(const ColorTables::AtDesk& at, const Json& json, const std::string& path);
+  Response edit(const Request& request);
+  Response undo_or_redo(const Request& request, bool undo);
+  Response reset(const Request& request);
+  Response copy(const Request& request);
+  Response import(const Request& request);
+  Response export_table(const Request& request);
+  Response revert_light(const Request& request);
+  Response keep_light(const Request& request);
+
+  Cameras& cameras_;
+  Pictures& pictures_;
+  ColorTables& tables_;
+  SavedTables& saved_;
+  FollowLight follow_light_;  // this and the next: last, they ask the others
+  ColorMargins margins_;
+};
+
+}  // namespace sslv

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Colour tables as docs/openapi.json has them.
+
+#include "base/json.h"
+#include "services/colors/color_desk.h"
+#include "services/colors/color_learning.h"
+#include "colors/light_follower.h"
+#include "colors/lut_file.h"
+#include "colors/surfaces.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// What the table in force has to do with the accepted one.
+struct LightView {
+  LightState state;
+  std::vector<LightStep> steps;  // oldest first
+  bool changed = false;          // the table in force is not the accepted one
+};
+
+Json light_json(const LightView& light);
+Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, const LabelSet& labels,
+                 const LightView& light, const std::optional<std::vector<LabelMargin>>& margins);
+/// Of an edit: "cells", "from" and "left_to_carpet".
+Json table_change_json(const TableChange& change, const LabelSet& labels);
+Json imported_json(const std::vector<ImportedTable>& tables, const LabelSet& labels);
+Json learning_json(int camera_id, const ColorLearning::Job& job, const LabelSet& labels);
+
+/// What a client asks learning for.
+struct LearningClick {
+  std::string label;
+  int x = 0, y = 0, still = 0;
+  static constexpr auto fields() {
+    using C = LearningClick;
+    return std::tuple{text("label", &C::label, "a label's name"), number("x", &C::x, 0, 16383, "px", "place"),
+                      number("y", &C::y, 0, 16383, "px", "place"),
+                      number("still", &C::still, 0, 2'000'000'000, "", "that was clicked in")};
+  }
+};
+struct LearningRequest {
+  int frames = 3;
+  std::vector<LearningClick> guide;
+  static constexpr auto fields() {
+    return std::tuple{number("frames", &LearningRequest::frames, 1, 10, "", "pictures to learn from"),
+                      list("guide", &LearningRequest::guide, "what somebody pointed at")};
+  }
+};
+/// Throws SettingsError.
+LearningRequest read_learning_request(const Json& json);
+
+}  // namespace sslv

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services/cameras/pictures.h"
+#include "services/colors/color_learning.h"
+#include "services/colors/color_service.h"
+#include "services/service.h"
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace sslv {
+
+/// Learns colours from frames: started, looked at, accepted or not.
+class LearningService final : public Service, public CameraObserver {
+ public:
+  /// All must outlive this.
+  LearningService(Cameras& cameras, Pictures& pictures, ColorTables& tables, ColorService& colors);
+
+  void cameras_changed(const std::set<int>& camera_ids) noexcept override;
+  std::vector<Route> routes() override;
+
+ private:
+  Json state_json(int camera_id) const;
+  /// Of a finished job. Throws HttpError 409.
+  std::shared_ptr<const LearningReport> report_of(int camera_id) const;
+  Response start(const Request& request);
+  Response cancel(const Request& request);
+  Response accept(const Request& request);
+  Response reject(const Request& request);
+  Response get_picture(const Request& request);
+
+  Cameras& cameras_;
+  Pictures& pictures_;
+  ColorTables& tables_;
+  ColorService& colors_;
+  ColorLearning jobs_;  // last: it asks the others
+};
+
+}  // namespace sslv

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/health_report.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+const char* name_of(Severity severity) {
+  switch (severity) {
+    case Severity::kBad: return "bad";
+    case Severity::kWarn: return "warn";
+    case Severity::kInfo: break;
+  }
+  return "info";
+}
+
+const char* name_of(CheckState state) {
+  switch (state) {
+    case CheckState::kPass: return "pass";
+    case CheckState::kWarn: return "warn";
+    case CheckState::kFail: break;
+  }
+  return "fail";
+}
+
+}  // namespace
+
+void HealthReport::finish() {
+  std::stable_sort(alerts.begin(), alerts.end(),
+                   [](const Alert& a, const Alert& b) { return a.severity < b.severity; });
+  for (Check& check : checks) {
+    const auto counts = [&](const Alert& alert) {
+      return alert.check == check.id && alert.severity != Severity::kInfo;
+    };
+    const auto worst = std::find_if(alerts.begin(), alerts.end(), counts);
+    if (worst == alerts.end()) continue;
+    const auto count = std::count_if(alerts.begin(), alerts.end(), counts);
+    check.text = worst->title;
+    if (count > 1) check.text += fmt::format(" (and {} more)", count - 1);
+    check.state = std::max(check.state, worst->severity == Severity::kBad ? CheckState::kFail : CheckState::kWarn);
+  }
+}
+
+bool HealthReport::is_go() const {
+  return std::none_of(checks.begin(), checks.end(),
+                      [](const Check& check) { return check.state == CheckState::kFail; });
+}
+
+Json to_json(const Alert& alert) {
+  return {{"id", alert.id},
+          {"severity", name_of(alert.severity)},
+          {"title", alert.title},
+          {"fix", alert.fix},
+          {"camera", alert.camera ? Json(*alert.camera) : Json(nullptr)},
+          {"page", alert.page.empty() ? Json(nullptr) : Json(alert.page)},
+          {"since", alert.since_s}};
+}
+
+Json to_json(const Check& check) {
+  return {{"id", check.id},       {"title", check.title}, {"state", name_of(check.state)},
+          {"value", check.value}, {"unit", check.unit},   {"text", check.text}};
+}
+
+}  // namespace sslv

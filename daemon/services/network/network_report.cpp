@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/network/network_report.h"
+
+#include "services/network/teams.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+std::string joined(const std::vector<std::string>& texts) {
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+/// What a second vision does to the teams, which cannot tell whose packets they get.
+void add_vision_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
+  for (const OtherVision& other : facts.other_visions) {
+    const auto add = [&](const char* id, Severity severity, std::string title, std::string fix,
+                         std::string page) {
+      alerts.push_back({.id = id,
+                        .check = "other_visions",
+                        .severity = severity,
+                        .title = std::move(title),
+                        .fix = std::move(fix),
+                        .page = std::move(page),
+                        .about = other.address});
+    };
+    std::vector<std::string> shared_ids, conflicts;
+    for (const CameraSettings& camera : facts.config->cameras) {
+      const auto id = static_cast<std::uint32_t>(camera.id);
+      if (std::find(other.cameras.begin(), other.cameras.end(), id) != other.cameras.end()) {
+        shared_ids.push_back(std::to_string(id));
+      }
+    }
+    for (const SizeConflict& size : field_conflicts(facts, other)) {
+      conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
+    }
+    if (!shared_ids.empty()) {
+      add("vision_same_camera", Severity::kBad,
+          fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
+          "Teams mix up what the two cameras see: give each its own id, or end one of the visions.",
+          "#/settings/cameras");
+    }
+    if (!conflicts.empty()) {
+      add("vision_other_field", Severity::kBad,
+          fmt::format("{} sends another field: {}", other.address, joined(conflicts)),
+          "Teams get both in turn: set the same sizes, or end one of the visions.", "#/field");
+    }
+    if (shared_ids.empty() && conflicts.empty()) {
+      add("vision_other", Severity::kInfo, fmt::format("{} sends to the vision group too", other.address),
+          "Nothing to do if it is the vision of this field's other cameras; otherwise end it.", "#/field");
+    }
+  }
+}
+
+std::string game_controller_text(const GameController& one) {
+  return one.source == one.address ? one.address : fmt::format("{} at {}", one.source, one.address);
+}
+
+void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
+  for (const TeamNow& team : teams_now(facts.config->teams, facts.referee.team_names)) {
+    if (!team.name_is_unknown) continue;
+    alerts.push_back({.id = "team_unknown",
+                      .check = "teams",
+                      .severity = Severity::kWarn,
+                      .title = fmt::format("Unknown team \"{}\": its robots are taken to be {:g} mm high",
+                                           team.name, team.robot_height_mm),
+                      .fix = "Measure the pattern's height and set robot_height in teams.",
+                      .page = "#/field",
+                      .about = team.name});
+  }
+  if (const auto& other = facts.referee.other) {
+    alerts.push_back(
+        {.id = "two_game_controllers",
+         .check = "referee",
+         .severity = Severity::kWarn,
+         .title = fmt::format("Two game controllers send: {}, which is followed, and {}",
+                              game_controller_text(facts.referee.followed), game_controller_text(*other)),
+         .fix =
+             "End the one that is not this field's, or set network/referee to this field's group and port.",
+         .page = "#/settings/network/referee"});
+  }
+}
+
+void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
+  if (!facts.multicast.error.empty()) {
+    alerts.push_back({.id = "not_sending",
+                      .check = "network",
+                      .severity = Severity::kBad,
+                      .title = "No packets leave",
+                      .fix = facts.multicast.error + "; sending is tried again by itself.",
+                      .page = "#/settings/network/vision"});
+    return;  // that says what to do about those below too
+  }
+  const auto add = [&](const char* check, const std::string& error, const char* group) {
+    if (error.empty()) return;
+    alerts.push_back({.id = "group_not_heard",
+                      .check = check,
+                      .severity = Severity::kWarn,
+                      .title = "A group cannot be heard",
+                      .fix = error + "; it is tried again by itself.",
+                      .page = fmt::format("#/settings/network/{}", group),
+                      .about = group});
+  };
+  add("other_visions", facts.listening_error, "vision");
+  add("referee", facts.referee.error, "referee");
+}
+
+Check check_network(const NetworkFacts& facts) {
+  const MulticastSettings& vision = facts.config->network.vision;
+  return {"network", "Network", CheckState::kPass, fmt::format("{:.0f}", facts.multicast.packets_per_s),
+          "packets/s", fmt::format("to {}:{}", vision.group, vision.port)};
+}
+
+Check check_other_visions(const NetworkFacts& facts) {
+  const std::size_t count = facts.other_visions.size();
+  return {"other_visions", "One vision", CheckState::kPass, std::to_string(count),
+          count == 1 ? "other" : "others", count == 0 ? "nobody else sends here" : "with other cameras"};
+}
+
+Check check_referee(const NetworkFacts& facts) {
+  const RefereeSettings& settings = facts.config->network.referee;
+  const RefereeStatus& referee = facts.referee;
+  Check check{"referee", "Game controller", CheckState::kPass, "off", "", "not listened to"};
+  if (!settings.enabled) return check;
+  check.state = CheckState::kWarn;
+  if (!referee.silent_s) {
+    check.value = kNoFigure;
+    check.text = fmt::format("not heard on {}:{}", settings.group, settings.port);
+    return check;
+  }
+  check.text = fmt::format("from {}", referee.followed.address);
+  if (*referee.silent_s <= RefereeListener::kForgottenAfter_s) {
+    check.state = CheckState::kPass;
+    check.value = "heard";
+  } else {
+    check.value = fmt::format("{:.0f}", *referee.silent_s);
+    check.unit = "s silent";
+  }
+  return check;
+}
+
+Check check_teams(const NetworkFacts& facts) {
+  const auto teams = teams_now(facts.config->teams, facts.referee.team_names);
+  const auto height = [&](Team which) {
+    return fmt::format("{:g}", teams[static_cast<std::size_t>(which)].robot_height_mm);
+  };
+  const auto name = [&](Team which) {
+    const TeamNow& team = teams[static_cast<std::size_t>(which)];
+    return team.name.empty() ? std::string("no name") : team.name;
+  };
+  return {"teams", "Teams", CheckState::kPass,
+          fmt::format("{} / {}", height(Team::kYellow), height(Team::kBlue)), "mm",
+          fmt::format("{} (yellow), {} (blue)", name(Team::kYellow), name(Team::kBlue))};
+}
+
+Json teams_json(const NetworkFacts& facts) {
+  const auto teams = teams_now(facts.config->teams, facts.referee.team_names);
+  const auto one = [&](Team which) {
+    const TeamNow& team = teams[static_cast<std::size_t>(which)];
+    return Json{{"name", team.name},
+                {"robot_height", team.robot_height_mm},
+                {"height_from", team.height_is_known ? "referee" : "settings"}};
+  };
+  return {{"yellow", one(Team::kYellow)}, {"blue", one(Team::kBlue)}};
+}
+
+Json other_visions_json(const NetworkFacts& facts) {
+  Json out = Json::array();
+  for (const OtherVision& other : facts.other_visions) {
+    Json conflicts = Json::array();
+    for (const SizeConflict& size : field_conflicts(facts, other)) {
+      conflicts.push_back({{"name", size.name}, {"ours", size.ours}, {"theirs", size.theirs}});
+    }
+    out.push_back({{"address", other.address},
+                   {"silent_s", other.silent_s},
+                   {"cameras", other.cameras},
+                   {"field_conflicts", std::move(conflicts)}});
+  }
+  return out;
+}
+
+Json game_controller_json(const GameController& one) {
+  return {{"source", one.source}, {"address", one.address}};
+}
+
+Json referee_json(const NetworkFacts& facts) {
+  const RefereeSettings& settings = facts.config->network.referee;
+  const RefereeStatus& referee = facts.referee;
+  return {{"enabled", settings.enabled},
+          {"group", settings.group},
+          {"port", settings.port},
+          {"error", referee.error},
+          {"source", referee.followed.source},
+          {"address", referee.followed.address},
+          {"other", referee.other ? game_controller_json(*referee.other) : Json(nullptr)},
+          {"silent_s", referee.silent_s ? Json(*referee.silent_s) : Json(nullptr)},
+          {"game_is_running", referee.game_is_running},
+          {"packets_refused", referee.refused}};
+}
+
+}  // namespace
+
+std::vector<SizeConflict> field_conflicts(const NetworkFacts& facts, const OtherVision& other) {
+  if (!other.field) return {};
+  SSL_WrapperPacket ours;
+  write_geometry(*facts.geometry, ours);
+  return size_conflicts(ours.geometry().field(), *other.field);
+}
+
+void report_network(const NetworkFacts& facts, HealthReport& report) {
+  report.another_host_sends = facts.another_host_sends;
+  add_network_alerts(report.alerts, facts);
+  add_vision_alerts(report.alerts, facts);
+  add_referee_alerts(report.alerts, facts);
+  for (const auto check : {check_network, check_other_visions, check_referee, check_teams})
+    report.checks.push_back(check(facts));
+}
+
+void add_network_status(const NetworkFacts& facts, Json& status) {
+  const MulticastSettings& vision = facts.config->network.vision;
+  status["network"] = {{"group", vision.group},
+                       {"port", vision.port},
+                       {"interface", vision.interface},
+                       {"error", facts.multicast.error},
+                       {"packets_sent", facts.multicast.packets_sent},
+                       {"send_errors", facts.multicast.send_errors},
+                       {"packets_per_s", facts.multicast.packets_per_s},
+                       {"packets_refused", facts.refused_packets},
+                       {"other_visions", other_visions_json(facts)}};
+  status["referee"] = referee_json(facts);
+  status["teams"] = teams_json(facts);
+}
+
+}  // namespace sslv

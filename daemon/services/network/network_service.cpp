@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/network/network_service.h"
+
+#include "base/clock.h"
+#include "health/metrics_text.h"
+#include "net/network_cards.h"
+#include "services/network/network_report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+Geometry make_geometry(const Config& config) {
+  Geometry geometry{config.field, {}, config.ball_models};
+  for (const CameraSettings& camera : config.cameras) {
+    if (camera.calibration) {
+      geometry.cameras.push_back({static_cast<std::uint32_t>(camera.id), CameraModel(*camera.calibration)});
+    }
+  }
+  return geometry;
+}
+
+std::chrono::duration<double> geometry_interval(const Config& config) {
+  return std::chrono::duration<double>(config.network.vision.geometry_interval_s);
+}
+
+GroupAddress vision_address(const Config& config) {
+  const MulticastSettings& vision = config.network.vision;
+  return {vision.group, vision.port, vision.interface};
+}
+
+std::optional<GroupAddress> referee_address(const Config& config) {
+  const RefereeSettings& referee = config.network.referee;
+  if (!referee.enabled) return std::nullopt;
+  return GroupAddress{referee.group, referee.port,
+                      referee.interface.empty() ? config.network.vision.interface : referee.interface};
+}
+
+bool is_of_another_host(const std::vector<OtherVision>& visions) {
+  if (visions.empty()) return false;
+  std::set<std::string> ours;
+  for (const NetworkCard& card : network_cards()) {
+    for (const auto& address : card.addresses) ours.insert(address.to_string());
+  }
+  return std::any_of(visions.begin(), visions.end(),
+                     [&](const OtherVision& other) { return !ours.contains(other.address); });
+}
+
+Json interfaces_json() {
+  Json interfaces = Json::array();
+  for (const NetworkCard& card : network_cards()) {
+    Json addresses = Json::array();
+    for (const auto& address : card.addresses) addresses.push_back(address.to_string());
+    interfaces.push_back({{"name", card.name},
+                          {"addresses", addresses},
+                          {"is_up", card.is_up},
+                          {"is_loopback", card.is_loopback},
+                          {"multicast", card.has_multicast}});
+  }
+  return {{"interfaces", std::move(interfaces)}};
+}
+
+}  // namespace
+
+NetworkService::NetworkService(const Snapshot<Config>& config, MulticastSender& multicast)
+    : config_(config),
+      multicast_(multicast),
+      geometry_(make_geometry(*config.load())),
+      geometry_sender_(multicast_, geometry_, geometry_interval(*config.load())),
+      referee_([this] {
+        if (on_new_names_) on_new_names_();
+      }),
+      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }) {}
+
+void NetworkService::stop_listening() {
+  referee_.listen(std::nullopt);
+}
+
+Commit NetworkService::prepare(const SettingsChange& change) {
+  auto geometry = std::make_shared<const Geometry>(make_geometry(change.next));
+  return [this, geometry, vision = change.next.network.vision, interval = geometry_interval(change.next),
+          heard = vision_address(change.next), referee = referee_address(change.next)]() mutable noexcept {
+    multicast_.configure(vision, "/network/vision");
+    geometry_.store(std::move(geometry));
+    geometry_sender_.restart(interval);
+    other_visions_.listen(heard);
+    referee_.listen(referee);
+  };
+}
+
+std::vector<Route> NetworkService::routes() {
+  return {{"GET", "/api/network/interfaces", [](const Request&) { return json_response(interfaces_json()); }}};
+}
+
+NetworkFacts NetworkService::facts() const {
+  return {.config = config_.load(),
+          .multicast = multicast_.status(),
+          .geometry = geometry_.load(),
+          .other_visions = other_visions_.seen(steady_s()),
+          .another_host_sends = another_host_sends_,
+          .listening_error = other_visions_.error(),
+          .refused_packets = other_visions_.refused(),
+          .referee = referee_.status(steady_s())};
+}
+
+void NetworkService::report(HealthReport& report) const {
+  report_network(facts(), report);
+}
+
+void NetworkService::add_status(Json& status, const HealthReport&) const {
+  add_network_status(facts(), status);
+}
+
+void NetworkService::write_metrics(MetricsText& out) const {
+  const MulticastStatus status = multicast_.status();
+  out.begin("sslv_packets_sent_total", "counter", "Packets sent to the vision group.");
+  out.add({}, status.packets_sent);
+  out.begin("sslv_send_errors_total", "counter", "Packets that did not leave.");
+  out.add({}, status.send_errors);
+}
+
+void NetworkService::each_second() {
+  another_host_sends_ = is_of_another_host(other_visions_.seen(steady_s()));
+}
+
+std::string NetworkService::summary() const {
+  const auto config = config_.load();
+  return fmt::format("{}:{}{}", config->network.vision.group, config->network.vision.port,
+                     multicast_.status().error.empty() ? "" : " (not sending)");
+}
+
+std::string NetworkService::missing() const {
+  const std::string error = multicast_.status().error;
+  return error.empty() ? "" : fmt::format("no packets leave: {}\n", error);
+}
+
+}  // namespace sslv

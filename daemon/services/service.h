@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "services/health_report.h"
+#include "settings/commit.h"
+#include "web/route.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+struct Config;
+class MetricsText;
+
+/// Settings that are to take the place of others.
+struct SettingsChange {
+  enum class Origin {
+    kStart,      // what is missing is reported, and the service starts all the same
+    kAdminFile,  // may name files anywhere
+    kNetwork,
+  };
+  const Config& now;  // in effect; at start the same as `next`
+  const Config& next;
+  Origin origin;
+};
+
+/// A file of the support bundle.
+struct SupportFile {
+  std::string name;
+  std::string what;  // for the bundle's README
+  std::function<std::string()> make;  // may throw: the bundle says that the file is missing, and why
+};
+
+/// One capability that the panel offers: it owns its state and its lock, its routes and their JSON, its
+/// alerts, checks and metrics. It takes by reference what it needs of others, never the daemon, and runs from
+/// its constructor to its destructor. All members may be called from any thread; only daemon.cpp knows all
+/// services.
+class Service {
+ public:
+  virtual ~Service() = default;
+
+  /// Rows of the route table, whose handlers live as long as this.
+  virtual std::vector<Route> routes() { return {}; }
+
+  /// Makes ready what changed settings need, without any effect outside; throws SettingsError when that fails.
+  /// One change at a time.
+  virtual Commit prepare(const SettingsChange&) { return {}; }
+
+  virtual void report(HealthReport&) const {}
+  /// Adds keys to docs/openapi.json's Status. `health` is finished.
+  virtual void add_status(Json&, const HealthReport&) const {}
+  /// Adds keys to docs/openapi.json's Diagnostics.
+  virtual void add_diagnostics(Json&) const {}
+  virtual void write_metrics(MetricsText&) const {}
+  virtual std::vector<SupportFile> support_files() const { return {}; }
+
+  /// Called once a second by a thread of low priority, one service after the other: for what may wait.
+  virtual void each_second() {}
+
+ protected:
+  Service() = default;
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+};
+
+/// A number of the path or the query may not be larger.
+inline constexpr int kMaxRouteNumber = 2'147'483'647;
+
+}  // namespace sslv

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/settings/settings_report.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+
+void report_settings(const SettingsFacts& facts, HealthReport& report) {
+  const auto warn = [&](const char* id, std::string title, std::string fix, const char* page) {
+    report.alerts.push_back({.id = id,
+                             .check = "computer",
+                             .severity = Severity::kWarn,
+                             .title = std::move(title),
+                             .fix = std::move(fix),
+                             .page = page});
+  };
+  if (!facts.start_problem.empty()) {
+    warn("settings_rejected", facts.start_problem,
+         "Look through the settings and save what is missing again.", "#/settings");
+  }
+  if (!facts.save_problem.empty()) {
+    warn("settings_not_saved",
+         fmt::format("The last change was refused, as it could not be saved: {}", facts.save_problem),
+         "Make room or mend the folder's rights, then make the change again.", "#/settings");
+  }
+  if (!facts.folder_problem.empty()) {
+    warn("state_not_writable", fmt::format("No change can be saved: {}", facts.folder_problem),
+         "Mend the folder's rights, or mount its disk for writing. All else goes on meanwhile.",
+         "#/diagnostics");
+  }
+  if (!facts.reload_problem.empty()) {
+    warn("settings_not_reloaded",
+         fmt::format("The settings file was not taken over, the settings before are in force: {}",
+                     facts.reload_problem),
+         "Mend the file, then reload: systemctl reload ssl-visiond", "#/settings");
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/settings/settings_service.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/params_json.h"
+#include "health/metrics_text.h"
+#include "services/settings/settings_report.h"
+#include "services/settings/settings_routes.h"
+#include "settings/named_files.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+CheckedSettings check(const Json& settings) {
+  auto config = std::make_shared<const Config>(read_config(settings));
+  return {params_to_json(*config), std::move(config)};
+}
+
+/// A change for the log; all of a long one is in the settings' history.
+std::string in_short(const Json& patch) {
+  constexpr std::size_t kMaxBytes = 300;
+  std::string text = patch.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() <= kMaxBytes) return text;
+  std::size_t end = kMaxBytes;
+  while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // whole characters of UTF-8
+  return text.substr(0, end) + " ...";
+}
+
+Json answer_of(const SettingsStore::Version& version) {
+  return {{"revision", version.revision}, {"settings", version.settings}};
+}
+
+std::string pretty(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// An edit of an older revision is the client's mistake, who is told what has changed since.
+template <class Act>
+SettingsStore::Version answering_stale(Act act) {
+  try {
+    return act();
+  } catch (const StaleRevision& error) {
+    throw HttpError(409, error.what(),
+                    {{"revision", error.revision}, {"changed_since", error.changed_since}});
+  }
+}
+
+}  // namespace
+
+SettingsService::SettingsService(const std::filesystem::path& settings_file, StateFolder& folder,
+                                 std::vector<std::filesystem::path> file_folders)
+    : folder_(folder),
+      file_folders_(std::move(file_folders)),
+      store_(settings_file, folder, check, settings_migrations()),
+      config_(store_.current().config),
+      folder_problem_(folder.find_problem()) {}
+
+void SettingsService::start(std::vector<Service*> services) {
+  use(std::move(services));
+  const SettingsStore::Version version = store_.current();
+  prepare_all({version.settings, version.config}, SettingsChange::Origin::kStart)();
+}
+
+void SettingsService::use(std::vector<Service*> services) {
+  services_.store(std::move(services));
+}
+
+Commit SettingsService::prepare_all(const CheckedSettings& next, SettingsChange::Origin origin) {
+  if (origin == SettingsChange::Origin::kNetwork) {
+    static const Json kSchema = settings_schema();
+    check_named_files(kSchema, next.tree, {store_.current().settings}, file_folders_);
+  }
+  const auto now = config_.load();
+  std::vector<Commit> commits;
+  const auto services = services_.load();
+  for (Service* service : *services) commits.push_back(service->prepare({*now, *next.config, origin}));
+  return [this, config = next.config, held = std::move(commits)]() mutable noexcept {
+    config_.store(std::move(config));
+    for (Commit& commit : held) commit();
+    since_s_ = unix_time_s();
+  };
+}
+
+void SettingsService::reload() {
+  const std::uint64_t before = store_.revision();
+  try {
+    const auto version = store_.reload(
+        [this](const CheckedSettings& next) { return prepare_all(next, SettingsChange::Origin::kAdminFile); });
+    if (version.revision == before) {
+      since_s_ = unix_time_s();
+      log::info("settings file reloaded: nothing has changed");
+    } else {
+      log::info("settings revision {} saved: settings file reloaded", version.revision);
+    }
+  } catch (const std::exception& error) {
+    log::error("settings file not reloaded, the settings before stay in effect: {}", error.what());
+  }
+}
+
+SettingsStore::Version SettingsService::patch(const Json& patch, const SettingsEdit& edit, SavedWith* with) {
+  bool is_saved = false;
+  try {
+    return answering_stale([&] {
+      return store_.patch(patch, edit, [&](const CheckedSettings& next) {
+        Commit commit = prepare_all(next, SettingsChange::Origin::kNetwork);
+        if (with) with->save();
+        is_saved = with != nullptr;
+        return commit;
+      });
+    });
+  } catch (...) {
+    if (is_saved) with->take_back();
+    throw;
+  }
+}
+
+std::vector<Route> SettingsService::routes() {
+  return {
+      {"GET", "/api/settings", [this](const Request&) { return json_response(answer_of(store_.current())); }},
+      {"PATCH", "/api/settings", [this](const Request& request) { return patch_settings(request); }},
+      {"POST", "/api/settings/check", [this](const Request& request) { return check_settings(request); },
+       Needs::kChange},
+      {"GET", "/api/settings/history", [this](const Request&) { return json_response(store_.history()); }},
+      {"POST", "/api/settings/undo", [this](const Request& request) { return undo_settings(request); }},
+      {"GET", "/api/schema", [](const Request&) { return json_response(settings_schema()); }},
+      {"GET", "/api/field/presets", [](const Request&) { return json_response(field_presets_json()); }},
+  };
+}
+
+Response SettingsService::patch_settings(const Request& request) {
+  const Json json = parse_json(request.body);
+  const auto version = patch(json, {request.address, if_match_of(request)});
+  log::info("settings revision {} saved, changed by {}: {}", version.revision, request.address,
+            in_short(json));
+  return json_response(saved_json(version));
+}
+
+Response SettingsService::check_settings(const Request& request) {
+  const Json changes = store_.check(parse_json(request.body), [this](const CheckedSettings& next) {
+    prepare_all(next, SettingsChange::Origin::kNetwork);  // and not committed
+  });
+  return json_response({{"changes", changes}});
+}
+
+Response SettingsService::undo_settings(const Request& request) {
+  const Json body = parse_json(request.body);
+  if (!body.is_object() || !body.contains("revision") || !body["revision"].is_number_unsigned())
+    throw HttpError(400, "revision: expected the number of a step of the history");
+  const auto revision = body["revision"].get<std::uint64_t>();
+  const auto version = answering_stale([&] {
+    return store_.undo(revision, {request.address}, [this](const CheckedSettings& next) {
+      return prepare_all(next, SettingsChange::Origin::kNetwork);
+    });
+  });
+  log::info("settings revision {} saved, revision {} undone by {}", version.revision, revision,
+            request.address);
+  return json_response(saved_json(version));
+}
+
+void SettingsService::report(HealthReport& report) const {
+  report_settings({.start_problem = store_.problem(),
+                   .save_problem = folder_.write_problem(),
+                   .folder_problem = *folder_problem_.load(),
+                   .reload_problem = store_.reload_problem()},
+                  report);
+}
+
+void SettingsService::add_status(Json& status, const HealthReport&) const {
+  const auto config = config_.load();
+  status["site"] = config->site;
+  status["field"] = params_to_json(config->field);
+  status["settings_revision"] = store_.revision();
+}
+
+void SettingsService::write_metrics(MetricsText& out) const {
+  out.begin("sslv_config_last_reload_success_timestamp_seconds", "gauge",
+            "Unix time when the newest settings took effect.");
+  out.add({}, since_s_);
+}
+
+std::vector<SupportFile> SettingsService::support_files() const {
+  return {{"settings.json", "all settings in effect, with defaults",
+           [this] { return pretty(answer_of(store_.current())); }},
+          {"settings_history.json", "who changed which setting, with the clients' addresses",
+           [this] { return pretty(store_.history()); }}};
+}
+
+void SettingsService::each_second() {
+  folder_problem_.store(folder_.find_problem());
+}
+
+}  // namespace sslv

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/snapshot.h"
+#include "config/config.h"
+#include "services/service.h"
+#include "services/settings/settings_editor.h"
+#include "settings/state_folder.h"
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// Carries out changes of settings: checked and read once, prepared by all services, saved, committed.
+class SettingsService final : public Service, public SettingsEditor {
+ public:
+  /// `file_folders`: where settings that come over the network may name files, besides those of the service
+  /// itself. `folder` must outlive this. Throws SettingsError.
+  SettingsService(const std::filesystem::path& settings_file, StateFolder& folder,
+                  std::vector<std::filesystem::path> file_folders);
+
+  /// Those in effect. Lives as long as this.
+  const Snapshot<Config>& config() const { return config_; }
+
+  /// From now on these prepare every change, in this order; the settings in effect are their first. They must
+  /// outlive all requests. Throws SettingsError.
+  void start(std::vector<Service*> services);
+  /// Likewise from now on, when one more is there that the settings in effect suit already.
+  void use(std::vector<Service*> services);
+
+  /// Reads the admin's file again and applies it; logs what came of it.
+  void reload();
+
+  // SettingsEditor
+  SettingsStore::Version current() const override { return store_.current(); }
+  Json history() const override { return store_.history(); }
+  SettingsStore::Version patch(const Json& patch, const SettingsEdit& edit,
+                               SavedWith* with = nullptr) override;
+
+  // Service
+  std::vector<Route> routes() override;
+  void report(HealthReport& report) const override;
+  void add_status(Json& status, const HealthReport& health) const override;
+  void write_metrics(MetricsText& out) const override;
+  std::vector<SupportFile> support_files() const override;
+  void each_second() override;
+
+ private:
+  Commit prepare_all(const CheckedSettings& next, SettingsChange::Origin origin);
+  Response patch_settings(const Request& request);
+  Response check_settings(const Request& request);
+  Response undo_settings(const Request& request);
+
+  StateFolder& folder_;
+  const std::vector<std::filesystem::path> file_folders_;
+  SettingsStore store_;
+  Snapshot<Config> config_;
+  Snapshot<std::vector<Service*>> services_{std::vector<Service*>{}};
+  std::atomic<double> since_s_{0};         // Unix time when the newest settings took effect
+  Snapshot<std::string> folder_problem_;  // as it was seen last: looking may take as long as the disk does
+};
+
+}  // namespace sslv

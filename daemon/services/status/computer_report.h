@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Alerts, checks and JSON of this computer.
+
+#include "base/json.h"
+#include "health/computer.h"
+#include "services/health_report.h"
+
+#include <optional>
+
+namespace sslv {
+
+/// Adds their alerts and the checks "clock" and "computer".
+void report_computer(const ComputerFigures& computer, const std::optional<ClockFigures>& clock,
+                     HealthReport& report);
+
+/// docs/openapi.json's Diagnostics: "system" and "clock".
+Json computer_json(const ComputerFigures& computer);
+Json clock_json(const std::optional<ClockFigures>& clock);
+
+}  // namespace sslv

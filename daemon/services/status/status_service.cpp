@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/status/status_service.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "config/version.h"
+#include "health/metrics_text.h"
+#include "services/status/computer_report.h"
+#include "services/status/support_bundle.h"
+
+#include <cstdint>
+#include <utility>
+
+namespace sslv {
+namespace {
+
+std::string pretty(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// For monitoring: 200 unless there is a problem.
+Response verdict(std::string problem) {
+  const int status = problem.empty() ? 200 : 503;
+  if (problem.empty()) problem = "ok";
+  if (!problem.ends_with('\n')) problem += '\n';
+  return text_response(std::move(problem), status);
+}
+
+Response get_log(const Request& request) {
+  const int after = query_number(request, "after", 0, 0, kMaxRouteNumber);
+  const auto named = request.query.find("level");
+  const std::string name = named == request.query.end() ? "debug" : named->second;
+  const auto least = log::level_named(name);
+  if (!least) {
+    throw HttpError(400, "level: \"" + name.substr(0, 40) +
+                             "\" is not allowed; expected \"debug\", \"info\", \"warning\" or \"error\"");
+  }
+  const auto [lines, newest] = log::recent().newer_than(static_cast<std::uint64_t>(after), *least);
+  Json out{{"lines", Json::array()}, {"next", newest}};
+  for (const auto& line : lines) {
+    out["lines"].push_back(
+        {{"seq", line.seq}, {"time", line.time_s}, {"level", log::name_of(line.level)}, {"text", line.text}});
+  }
+  return json_response(out);
+}
+
+}  // namespace
+
+StatusService::StatusService(const std::filesystem::path& state_folder, const Cameras& cameras,
+                             const WebCounters& web, std::function<std::string()> network_missing)
+    : started_s_(steady_s()),
+      cameras_(cameras),
+      web_(web),
+      network_missing_(std::move(network_missing)),
+      computer_reader_(state_folder),
+      computer_(computer_reader_.read()),
+      clock_(read_clock()) {}
+
+HealthReport StatusService::make_report() const {
+  HealthReport report;
+  for (const Service* service : services_) service->report(report);
+  report.finish();
+  alert_times_.stamp(report.alerts, unix_time_s(), steady_s());
+  return report;
+}
+
+Json StatusService::status_json() const {
+  const HealthReport report = make_report();
+  Json out{{"version", kVersion},
+           {"time", unix_time_s()},
+           {"uptime_s", steady_s() - started_s_},
+           {"viewers", web_.viewers.load()},
+           {"go", report.is_go()},
+           {"alerts", Json::array()},
+           {"checks", Json::array()}};
+  for (const Alert& alert : report.alerts) out["alerts"].push_back(to_json(alert));
+  for (const Check& check : report.checks) out["checks"].push_back(to_json(check));
+  for (const Service* service : services_) service->add_status(out, report);
+  return out;
+}
+
+Json StatusService::diagnostics_json() const {
+  Json out = Json::object();
+  for (const Service* service : services_) service->add_diagnostics(out);
+  return out;
+}
+
+std::string StatusService::metrics_text() const {
+  MetricsText out;
+  out.begin("sslv_build_info", "gauge", "Always 1; the label is the version.");
+  out.add({{"version", kVersion}}, std::uint64_t{1});
+  for (const Service* service : services_) service->write_metrics(out);
+  return out.take();
+}
+
+Response StatusService::get_support() const {
+  std::vector<SupportFile> files;
+  for (const Service* service : services_) {
+    for (SupportFile& file : service->support_files()) files.push_back(std::move(file));
+  }
+  return support_bundle(files);
+}
+
+std::vector<Route> StatusService::routes() {
+  const auto part_of_status = [this](std::vector<std::string> keys) -> Handler {
+    return [this, keys](const Request&) {
+      const Json status = status_json();
+      Json out = Json::object();
+      for (const std::string& key : keys) out[key] = status.at(key);
+      return json_response(out);
+    };
+  };
+  return {
+      {"GET", "/api/status", [this](const Request&) { return json_response(status_json()); }},
+      {"GET", "/api/alerts", part_of_status({"alerts"})},
+      {"GET", "/api/checks", part_of_status({"go", "checks"})},
+      {"GET", "/api/diagnostics", [this](const Request&) { return json_response(diagnostics_json()); }},
+      {"GET", "/api/log", get_log},
+      {"GET", "/api/support", [this](const Request&) { return get_support(); }, Needs::kChange},
+      // Where monitoring looks for them.
+      {"GET", "/metrics",
+       [this](const Request&) {
+         return Response{200, "text/plain; version=0.0.4; charset=utf-8", metrics_text()};
+       },
+       Needs::kNothing, Speed::kAtOnce},
+      {"GET", "/healthz", [this](const Request&) { return verdict(cameras_.hanging()); }, Needs::kNothing,
+       Speed::kAtOnce},
+      {"GET", "/readyz",
+       [this](const Request&) { return verdict(cameras_.missing() + network_missing_()); }, Needs::kNothing,
+       Speed::kAtOnce},
+  };
+}
+
+void StatusService::report(HealthReport& report) const {
+  const std::lock_guard lock(mutex_);
+  report_computer(computer_, clock_, report);
+}
+
+void StatusService::add_diagnostics(Json& diagnostics) const {
+  {
+    const std::lock_guard lock(mutex_);
+    diagnostics["system"] = computer_json(computer_);
+    diagnostics["clock"] = clock_json(clock_);
+  }
+  diagnostics["web"] = {{"connections", web_.connections.load()},
+                        {"viewers", web_.viewers.load()},
+                        {"jpegs_encoded", web_.jpegs_encoded.load()}};
+}
+
+void StatusService::write_metrics(MetricsText& out) const {
+  out.begin("sslv_preview_clients", "gauge", "Panels and other viewers connected by WebSocket.");
+  out.add({}, static_cast<double>(web_.viewers.load()));
+  const std::lock_guard lock(mutex_);
+  if (!clock_) return;
+  out.begin("sslv_clock_offset_seconds", "gauge",
+            "What the kernel still has to correct of the computer's clock.");
+  out.add({}, clock_->offset_ms * 1e-3);
+  out.begin("sslv_clock_synchronized", "gauge", "1 while the kernel says that the clock is synchronised.");
+  out.add({}, std::uint64_t{clock_->synchronised});
+}
+
+std::vector<SupportFile> StatusService::support_files() const {
+  return {{"version.txt", "the program's version", [] { return std::string(kVersion) + "\n"; }},
+          {"status.json", "cameras, network, alerts, as /api/status has them",
+           [this] { return pretty(status_json()); }},
+          {"diagnostics.json", "this computer, its clock, how long every stage takes",
+           [this] { return pretty(diagnostics_json()); }},
+          {"log.txt", "the last lines of the log", log_text}};
+}
+
+void StatusService::each_second() {
+  ComputerFigures computer = computer_reader_.read();
+  const auto clock = read_clock();
+  {
+    const std::lock_guard lock(mutex_);
+    computer_ = std::move(computer);
+    clock_ = clock;
+  }
+  make_report();  // so that a break of an alert is seen while nobody asks
+}
+
+}  // namespace sslv

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/status/support_bundle.h"
+
+#include "base/log.h"
+#include "web/tar_file.h"
+
+#include <array>
+#include <cctype>
+#include <cstdint>
+#include <ctime>
+#include <exception>
+#include <string_view>
+
+#include <fmt/chrono.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+/// This computer's name, as far as it may stand in a file's.
+std::string host_name() {
+  std::array<char, 65> name{};
+  gethostname(name.data(), name.size() - 1);
+  std::string out;
+  for (const char c : std::string_view(name.data())) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-') out += c;
+  }
+  return out.empty() ? "unnamed" : out;
+}
+
+}  // namespace
+
+std::string log_text() {
+  std::string out;
+  const auto recent = log::recent().newer_than(0, log::Level::kDebug);
+  for (const auto& line : recent.lines) {
+    const auto milliseconds = static_cast<std::int64_t>(line.time_s * 1e3);
+    out += fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {:7} {}\n",
+                       fmt::gmtime(static_cast<std::time_t>(milliseconds / 1000)), milliseconds % 1000,
+                       log::name_of(line.level), line.text);
+  }
+  return out;
+}
+
+Response support_bundle(const std::vector<SupportFile>& files) {
+  const std::time_t now = std::time(nullptr);
+  const std::string folder = fmt::format("ssl-visiond-{}-{:%Y%m%d-%H%M%S}", host_name(), fmt::gmtime(now));
+  std::string readme = fmt::format(
+      "What ssl-visiond on this computer was like at {:%Y-%m-%d %H:%M:%S} UTC, for a bug report. Look "
+      "through it\n"
+      "before you hand it on: it has pictures of the hall, addresses of clients and every setting.\n\n",
+      fmt::gmtime(now));
+  std::vector<TarEntry> entries(1);
+  for (const SupportFile& file : files) {
+    readme += fmt::format("{}: {}", file.name, file.what);
+    try {
+      entries.push_back({folder + "/" + file.name, file.make()});
+    } catch (const std::exception& error) {  // the rest is worth having all the same
+      readme += fmt::format("; missing: {}", error.what());
+    }
+    readme += "\n";
+  }
+  entries.front() = {folder + "/README.txt", readme};
+  Response response{200, "application/gzip", tar_gz(entries, now)};
+  response.headers.emplace_back("Content-Disposition",
+                                fmt::format("attachment; filename=\"{}.tar.gz\"", folder));
+  return response;
+}
+
+}  // namespace sslv

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/detections_json.h"
+
+#include "vision/label.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace sslv {
+
+Json detections_json(const RobotList& robots, const BallList& balls) {
+  Json out{{"robots", Json::array()}, {"balls", Json::array()}};
+  for (const Robot& robot : robots.robots) {
+    out["robots"].push_back({{"team", robot.team == Team::kBlue ? "blue" : "yellow"},
+                             {"id", robot.id},
+                             {"x", robot.x_mm},
+                             {"y", robot.y_mm},
+                             {"orientation", robot.orientation_rad},
+                             {"height", robot.height_mm},
+                             {"confidence", robot.confidence},
+                             {"pixel_x", robot.pixel_x},
+                             {"pixel_y", robot.pixel_y}});
+  }
+  for (const Ball& ball : balls.balls) {
+    out["balls"].push_back({{"x", ball.x_mm},
+                            {"y", ball.y_mm},
+                            {"confidence", ball.confidence},
+                            {"area", ball.area_px},
+                            {"pixel_x", ball.pixel_x},
+                            {"pixel_y", ball.pixel_y}});
+  }
+  return out;
+}
+
+Json regions_json(const RegionList& list, const LabelSet& labels) {
+  constexpr std::size_t kMost = 500;
+  std::vector<const Region*> largest;
+  for (const Region& region : list.regions) largest.push_back(&region);
+  const std::size_t shown = std::min(kMost, largest.size());
+  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(shown), largest.end(),
+                    [](const Region* a, const Region* b) { return a->area_px > b->area_px; });
+  Json boxes = Json::array();
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Region& region = *largest[i];
+    boxes.push_back({region.label, region.left, region.top, region.right - region.left + 1,
+                     region.bottom - region.top + 1, region.area_px});
+  }
+  Json names = Json::array();  // by value
+  for (std::size_t value = 0; value <= labels.all().back().value; ++value)
+    names.push_back(labels.name(static_cast<Label>(value)));
+  return {{"labels", std::move(names)}, {"boxes", std::move(boxes)}, {"total", list.regions.size()}};
+}
+
+}  // namespace sslv

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/route.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kMaxShownBytes = 40;
+
+template <class Number>
+Number read_any_number(std::string_view name, std::string_view text, Number min, Number max,
+                       const char* kind) {
+  Number value = 0;
+  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
+  if (error != std::errc() || end != text.end() || !(value >= min && value <= max)) {
+    throw HttpError(400, fmt::format("{}: \"{}\" is not allowed; expected a {} {} .. {}", name,
+                                     text.substr(0, kMaxShownBytes), kind, min, max));
+  }
+  return value;
+}
+
+}  // namespace
+
+Response json_response(const Json& json, int status) {
+  return {status, "application/json", to_text(json)};
+}
+
+Response text_response(std::string text, int status) {
+  return {status, "text/plain; charset=utf-8", std::move(text)};
+}
+
+Response bytes_response(std::span<const std::uint8_t> bytes, const char* type) {
+  return {200, type, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
+}
+
+int read_whole_number(std::string_view name, std::string_view text, int min, int max) {
+  return read_any_number(name, text, min, max, "whole number");
+}
+
+double read_number(std::string_view name, std::string_view text, double min, double max) {
+  return read_any_number(name, text, min, max, "number");
+}
+
+int query_number(const Request& request, const std::string& name, int fallback, int min, int max) {
+  const auto found = request.query.find(name);
+  return found == request.query.end() ? fallback : read_whole_number(name, found->second, min, max);
+}
+
+std::size_t query_choice(const Request& request, const std::string& name,
+                         const std::vector<std::string>& choices) {
+  const auto found = request.query.find(name);
+  if (found == request.query.end()) return 0;
+  std::string known;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (choices[i] == found->second) return i;
+    known += (known.empty() ? "\"" : ", \"") + choices[i] + "\"";
+  }
+  throw HttpError(400, fmt::format("{}: \"{}\" is not allowed; expected one of {}", name,
+                                   found->second.substr(0, kMaxShownBytes), known));
+}
+
+bool query_flag(const Request& request, const std::string& name) {
+  return query_choice(request, name, {"false", "true"}) == 1;
+}
+
+Json parse_json(std::string_view text) {
+  constexpr int kMaxDepth = 64;
+  const auto check_depth = [](int depth, Json::parse_event_t, const Json&) {
+    if (depth > kMaxDepth)
+      throw HttpError(400, "JSON nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    return true;
+  };
+  try {
+    return Json::parse(text, check_depth);
+  } catch (const Json::exception& error) {
+    throw HttpError(400, std::string("not JSON: ") + error.what());
+  }
+}
+
+Json body_json(const Request& request) {
+  return request.body.empty() ? Json::object() : parse_json(request.body);
+}
+
+std::string to_text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace sslv

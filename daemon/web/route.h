@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a service shows the web server: rows of its route table, with handlers that make a Response of a
+// Request. HTTP itself stays in the server.
+
+#include "base/json.h"
+#include "web/view.h"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace sslv {
+
+struct Request {
+  std::string method, path;                  // the path is decoded
+  std::vector<std::string> matches;          // [0]: the path; then the groups of the route's pattern
+  std::map<std::string, std::string> query;  // decoded
+  std::string body;
+  std::string address;   // of the client
+  std::string cookies;   // the Cookie header
+  std::string if_match;  // the If-Match header; empty: none
+};
+
+struct Response {
+  int status = 200;
+  std::string type;
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers{};
+  std::optional<StreamWish> stream{};  // pictures follow, of a route that streams; `type` is kStreamType
+};
+
+/// Thrown by a handler to answer {"error": what()} with this status, and with what stands in `more` beside.
+struct HttpError : std::runtime_error {
+  HttpError(int http_status, const std::string& text, Json more_members = Json::object())
+      : runtime_error(text), status(http_status), more(std::move(more_members)) {}
+  int status;
+  Json more;
+  std::vector<std::pair<std::string, std::string>> headers{};
+};
+
+/// Called from several threads at once. May throw HttpError, SettingsError (answered with 422) and
+/// StorageError (507); anything else is answered with 500.
+using Handler = std::function<Response(const Request& request)>;
+
+/// What a route asks of the client.
+enum class Needs {
+  kByMethod,  // GET: May::kLook; others: May::kChange, and a Gate that is not locked
+  kNothing,
+  kChange,  // May::kChange, also while the Gate is locked
+};
+
+/// Whether a handler may wait for a camera, a disk or the network. Those that do not are served while all
+/// others hang.
+enum class Speed { kMayWait, kAtOnce };
+
+struct Route {
+  const char* method;   // GET, POST, PUT, PATCH or DELETE
+  const char* pattern;  // regular expression of the whole path
+  Handler handle;
+  Needs needs = Needs::kByMethod;
+  Speed speed = Speed::kMayWait;
+  bool streams = false;  // pictures may follow its response, which is the last of its connection then
+};
+
+/// A text that viewers may subscribe to by its name. It is made while somebody has, twice a second.
+class Topic {
+ public:
+  virtual ~Topic() = default;
+  virtual const char* topic_name() const = 0;
+  /// Called from a thread that may wait.
+  virtual Json topic_data() = 0;
+};
+
+// ---- for handlers: answers
+
+Response json_response(const Json& json, int status = 200);
+Response text_response(std::string text, int status = 200);
+Response bytes_response(std::span<const std::uint8_t> bytes, const char* type = "application/octet-stream");
+
+// ---- for handlers: what clients send
+
+/// A whole number in min .. max from a path part or the query. Throws HttpError 400 naming `name`.
+int read_whole_number(std::string_view name, std::string_view text, int min, int max);
+/// Likewise, with a fraction.
+double read_number(std::string_view name, std::string_view text, double min, double max);
+/// Likewise from the query; `fallback` when it does not say.
+int query_number(const Request& request, const std::string& name, int fallback, int min, int max);
+/// A choice of the query, by its place; the first when it does not say. Throws HttpError 400.
+std::size_t query_choice(const Request& request, const std::string& name,
+                         const std::vector<std::string>& choices);
+/// "true" or "false"; false when the query does not say. Throws HttpError 400.
+bool query_flag(const Request& request, const std::string& name);
+
+/// Strict JSON of limited depth, so that no client can exhaust the stack. Throws HttpError 400.
+Json parse_json(std::string_view text);
+/// The request's body, likewise; an empty one is an empty object.
+Json body_json(const Request& request);
+
+/// Never throws for text that is not UTF-8 (a driver's message, say): such bytes are replaced.
+std::string to_text(const Json& json);
+
+}  // namespace sslv

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/access/access.h"
+
+#include "base/json.h"
+#include "support/temporary_folder.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+using testing::HasSubstr;
+
+class AccessTest : public testing::Test {
+ protected:
+  int refused(const auto& act) const {
+    try {
+      act();
+    } catch (const HttpError& error) {
+      return error.status;
+    }
+    return 0;
+  }
+  /// What a browser sends of a Set-Cookie header.
+  static std::string cookie(const std::string& set_cookie) {
+    return set_cookie.substr(0, set_cookie.find(';'));
+  }
+  std::string sign_in(const std::string& password) { return cookie(access_.sign_in(password, "192.0.2.1")); }
+
+  const test::TemporaryFolder folder_;
+  Passwords passwords_{folder_.path() / Passwords::kFileName};
+  double now_s_ = 1000;
+  Access access_{passwords_, "session", [this] { return now_s_; }};
+};
+
+TEST_F(AccessTest, WithoutAPasswordEverybodyMayChangeAll) {
+  EXPECT_EQ(access_.may(""), May::kChange);
+  EXPECT_EQ(refused([&] { access_.sign_in("whatever it is", "192.0.2.1"); }), 409);
+  EXPECT_EQ(access_.state("").dump(), R"({"may":"change","signed_in":false,"passwords":[]})");
+}
+
+TEST_F(AccessTest, WithAnAdminsPasswordOthersMayLook) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  EXPECT_EQ(access_.may(""), May::kLook);
+  EXPECT_EQ(access_.may("session=0123"), May::kLook);
+  EXPECT_EQ(access_.may(sign_in("correct horse")), May::kChange);
+}
+
+TEST_F(AccessTest, WithAViewersPasswordOthersMayDoNothing) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  EXPECT_EQ(access_.may(""), May::kNothing);
+  EXPECT_EQ(access_.may(sign_in("battery staple")), May::kLook);
+  EXPECT_EQ(access_.may(sign_in("correct horse")), May::kChange);
+}
+
+TEST_F(AccessTest, CookiesAreLongAndForThisServerAlone) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  const std::string one = access_.sign_in("correct horse", "192.0.2.1");
+  EXPECT_THAT(one,
+              testing::MatchesRegex("session=[0-9a-f]+; HttpOnly; SameSite=Strict; Path=/; Max-Age=604800"));
+  EXPECT_EQ(cookie(one).size(), std::string("session=").size() + 64);
+  EXPECT_NE(one, access_.sign_in("correct horse", "192.0.2.1"));
+  EXPECT_EQ(access_.may("a=b; " + cookie(one) + "; c=d"), May::kChange);
+  for (const std::string& wrong : std::vector<std::string>{
+           "session=", "session", "=", ";", "xsession" + cookie(one).substr(7), cookie(one) + "0"})
+    EXPECT_EQ(access_.may(wrong), May::kLook) << wrong;
+}
+
+TEST_F(AccessTest, SigningOutEndsTheSession) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  const std::string session = sign_in("correct horse"), other = sign_in("correct horse");
+  EXPECT_THAT(access_.sign_out(session), HasSubstr("Max-Age=0"));
+  EXPECT_EQ(access_.may(session), May::kLook);
+  EXPECT_EQ(access_.may(other), May::kChange);
+}
+
+TEST_F(AccessTest, SessionsEndWhenNobodyUsesThemAndInTheEnd) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  const std::string idle = sign_in("correct horse"), used = sign_in("correct horse");
+  for (int hours = 0; hours < 7 * 24; hours += 12) {
+    EXPECT_EQ(access_.may(used), May::kChange) << hours;
+    now_s_ += 12 * 3600.0;
+  }
+  EXPECT_EQ(access_.may(idle), May::kLook);
+  now_s_ += 1;
+  EXPECT_EQ(access_.may(used), May::kLook);
+}
+
+TEST_F(AccessTest, AnotherPasswordEndsTheSessionsOfThatRole) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  const std::string admin = sign_in("correct horse"), viewer = sign_in("battery staple");
+  // As ssl-visionctl does it.
+  Passwords(folder_.path() / Passwords::kFileName).set(Role::kViewer, "another staple");
+  passwords_.look_again();  // as the service does once a second
+  EXPECT_EQ(access_.may(viewer), May::kNothing);
+  EXPECT_EQ(access_.may(admin), May::kChange);
+  const std::string changed =
+      access_.set_password(Role::kAdmin, "another horse", "correct horse", "192.0.2.1");
+  EXPECT_EQ(access_.may(admin), May::kNothing);
+  EXPECT_EQ(access_.may(cookie(changed)), May::kChange) << "who changed it stays signed in";
+}
+
+TEST_F(AccessTest, APasswordIsSetByWhoKnowsTheAdmins) {
+  const std::string first = access_.set_password(Role::kAdmin, "correct horse", "", "192.0.2.1");
+  EXPECT_EQ(access_.may(cookie(first)), May::kChange);
+  EXPECT_EQ(refused([&] { access_.set_password(Role::kAdmin, "another horse", "", "192.0.2.1"); }), 401);
+  EXPECT_EQ(refused([&] { access_.set_password(Role::kAdmin, std::nullopt, "correct horse", "192.0.2.1"); }),
+            409);
+  access_.set_password(Role::kViewer, "battery staple", "correct horse", "192.0.2.1");
+  EXPECT_EQ(
+      refused([&] { access_.set_password(Role::kAdmin, "another horse", "battery staple", "192.0.2.1"); }),
+      401);
+  access_.set_password(Role::kViewer, std::nullopt, "correct horse", "192.0.2.1");
+  EXPECT_EQ(access_.may(""), May::kLook);
+}
+
+TEST_F(AccessTest, WrongPasswordsCostTime) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  const auto try_once = [&](const std::string& address) {
+    return refused([&] { access_.sign_in("wrong horse", address); });
+  };
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(try_once("192.0.2.1"), 401) << i;
+  EXPECT_EQ(try_once("192.0.2.1"), 429);
+  EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "192.0.2.1"); }), 429) << "not even the right one";
+  EXPECT_EQ(try_once("192.0.2.2"), 401) << "another address";
+  now_s_ += 10;
+  EXPECT_EQ(try_once("192.0.2.1"), 401);
+  try {
+    access_.sign_in("wrong horse", "192.0.2.1");
+    FAIL();
+  } catch (const TooManyTries& error) {
+    EXPECT_EQ(error.wait_s, 10);
+    EXPECT_STREQ(error.what(), "too many wrong passwords; try again in 10 s");
+  }
+}
+
+TEST_F(AccessTest, ARightPasswordGivesTheTriesBack) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(refused([&] { access_.sign_in("wrong horse", "192.0.2.1"); }), 401) << i;
+    now_s_ += 2;
+    sign_in("correct horse");
+  }
+}
+
+TEST_F(AccessTest, ManyAddressesTogetherHaveALimit) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  int tried = 0;
+  while (refused([&] { access_.sign_in("wrong horse", "192.0.2." + std::to_string(tried)); }) == 401) ++tried;
+  EXPECT_EQ(tried, 20);
+}
+
+}  // namespace
+}  // namespace sslv

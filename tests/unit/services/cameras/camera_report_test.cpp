@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/camera_report.h"
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000, kNow_ns = 100 * kSecond_ns;
+
+CameraProgress camera(int id, CameraState state, std::int64_t still_s = 0, const std::string& error = {}) {
+  return {id, {.state = state, .error = error, .progress_ns = kNow_ns - still_s * kSecond_ns}};
+}
+
+TEST(Hanging, IsACameraThatRunsAndDoesNotGoOn) {
+  EXPECT_EQ(find_hanging({}, kNow_ns), "");
+  EXPECT_EQ(find_hanging({camera(0, CameraState::kRunning, 4)}, kNow_ns), "");
+  EXPECT_EQ(find_hanging({camera(0, CameraState::kRunning), camera(3, CameraState::kRunning, 7)}, kNow_ns),
+            "camera 3 has hung for 7 s");
+  EXPECT_EQ(find_hanging({camera(0, CameraState::kRunning, 5), camera(3, CameraState::kRunning, 7)}, kNow_ns),
+            "camera 0 has hung for 5 s, camera 3 has hung for 7 s");
+}
+
+TEST(Hanging, IsNoCameraThatIsKnownToBeOpenedOrToHaveEnded) {
+  for (const CameraState state : {CameraState::kOpening, CameraState::kLost, CameraState::kEnded})
+    EXPECT_EQ(find_hanging({camera(0, state, 60)}, kNow_ns), "") << name_of(state);
+}
+
+TEST(Missing, HasALineForEachThing) {
+  EXPECT_EQ(find_missing({}), "");
+  EXPECT_EQ(find_missing({camera(0, CameraState::kRunning)}), "");
+  EXPECT_EQ(find_missing({camera(0, CameraState::kLost, 0, "unplugged"), camera(1, CameraState::kRunning),
+                          camera(2, CameraState::kOpening), camera(3, CameraState::kEnded)}),
+            "camera 0 is lost: unplugged\n"
+            "camera 2 is opening\n"
+            "camera 3 is ended\n");
+}
+
+}  // namespace
+}  // namespace sslv

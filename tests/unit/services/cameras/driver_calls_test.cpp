@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/driver_calls.h"
+
+#include "base/error.h"
+#include "capture/source.h"
+#include "services/cameras/control_change.h"
+
+#include <atomic>
+#include <future>
+#include <map>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+using std::chrono::milliseconds;
+
+TEST(DriverCalls, ReturnOrThrowWhatTheDriverDoes) {
+  const DriverCalls calls;
+  EXPECT_EQ(calls.run([] { return Json(7); }), 7);
+  EXPECT_THROW(calls.run([]() -> Json { throw std::runtime_error("no"); }), std::runtime_error);
+  EXPECT_EQ(calls.run([] { return Json(8); }), 8);
+}
+
+TEST(DriverCalls, OneThatHangsIsLeftBehindAndRefusesTheNext) {
+  const DriverCalls calls(milliseconds(1), milliseconds(1));
+  std::promise<void> answer;
+  auto answered = answer.get_future().share();
+  EXPECT_THROW(calls.run([answered] {
+    answered.wait();
+    return Json();
+  }),
+               CaptureError);
+  EXPECT_THROW(calls.run([] { return Json(7); }), CaptureError) << "it still hangs";
+  answer.set_value();
+  const DriverCalls& patient = calls;
+  for (;;) {  // soon it has returned
+    try {
+      EXPECT_EQ(patient.run([] { return Json(7); }), 7);
+      break;
+    } catch (const CaptureError&) {
+    }
+  }
+}
+
+/// Numbers by name. A set of "slow" waits until it is let go.
+class SlowControls : public Controls {
+ public:
+  std::vector<Control> list() override { return {}; }
+  Control get(const std::string& name) override {
+    const std::lock_guard lock(mutex);
+    Control control;
+    control.name = name;
+    control.kind = ControlKind::kInteger;
+    control.value = values[name];
+    return control;
+  }
+  Json value(const std::string& name) {
+    const std::lock_guard lock(mutex);
+    return values[name];
+  }
+  std::promise<void> let_go;
+
+ protected:
+  ControlEffect write(const Control& control, const Json& value) override {
+    if (control.name == "slow" && value == 2) released.wait();
+    const std::lock_guard lock(mutex);
+    values[control.name] = value;
+    return ControlEffect::kAtOnce;
+  }
+
+ private:
+  std::shared_future<void> released{let_go.get_future()};
+  std::mutex mutex;
+  std::map<std::string, Json> values{{"gain", 1}, {"slow", 1}};
+};
+
+TEST(ControlChange, IsSetBackUnlessItIsKept) {
+  const auto controls = std::make_shared<SlowControls>();
+  {
+    const ControlChange change(controls, DriverCalls(), Json::object(), {{"gain", 5}}, "/controls");
+    EXPECT_EQ(controls->value("gain"), 5);
+  }
+  EXPECT_EQ(controls->value("gain"), 1);
+  {
+    ControlChange change(controls, DriverCalls(), Json::object(), {{"gain", 5}}, "/controls");
+    change.keep();
+  }
+  EXPECT_EQ(controls->value("gain"), 5);
+}
+
+TEST(ControlChange, OfACameraThatDoesNotAnswerIsRefusedAndSetBackWhenItDoes) {
+  const auto controls = std::make_shared<SlowControls>();
+  const DriverCalls calls(milliseconds(1), milliseconds(1));
+  try {
+    const ControlChange change(controls, calls, Json::object(), {{"gain", 5}, {"slow", 2}}, "/controls");
+    FAIL() << "not refused";
+  } catch (const SettingsError& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("/controls: not set: the camera has not answered"));
+  }
+  controls->let_go.set_value();
+  for (;;) {  // the driver is free again once all is set back
+    try {
+      calls.run([] { return Json(); });
+      break;
+    } catch (const CaptureError&) {
+    }
+  }
+  EXPECT_EQ(controls->value("gain"), 1);
+  EXPECT_EQ(controls->value("slow"), 1);
+}
+
+}  // namespace
+}  // namespace sslv

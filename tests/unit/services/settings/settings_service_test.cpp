@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/settings/settings_service.h"
+
+#include "support/temporary_folder.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Writes down what is asked of it.
+class Recorder : public Service {
+ public:
+  Recorder(std::string name, std::vector<std::string>& log) : name_(std::move(name)), log_(log) {}
+  Commit prepare(const SettingsChange& change) override {
+    if (change.next.site == refused) throw SettingsError("/site: refused by " + name_);
+    log_.push_back(name_ + " prepares " + change.now.site + " -> " + change.next.site);
+    return [this, site = change.next.site]() noexcept { log_.push_back(name_ + " commits " + site); };
+  }
+  std::string refused;
+
+ private:
+  const std::string name_;
+  std::vector<std::string>& log_;
+};
+
+class Attached : public SavedWith {
+ public:
+  void save() override { saved = true; }
+  void take_back() noexcept override { saved = false; }
+  bool saved = false;
+};
+
+class Transaction : public testing::Test {
+ protected:
+  Transaction() { service_.start({&first_, &second_}); }
+
+  static std::filesystem::path write_settings(const std::filesystem::path& folder) {
+    std::ofstream(folder / "settings.json") << R"({"site": "a"})";
+    return folder / "settings.json";
+  }
+  static Json site(const std::string& name) {
+    return Json{{{"op", "replace"}, {"path", "/site"}, {"value", name}}};
+  }
+  /// As a disk that cannot be written.
+  void break_folder() {
+    std::filesystem::remove_all(state_.path());
+    std::ofstream(state_.path()) << "a file where the folder should be";
+  }
+
+  const test::TemporaryFolder folder_;
+  StateFolder state_{folder_.path() / "state"};
+  SettingsService service_{write_settings(folder_.path()), state_, {}};
+  std::vector<std::string> log_;
+  Recorder first_{"first", log_}, second_{"second", log_};
+};
+
+TEST_F(Transaction, PreparesAllThenCommitsAllInOrder) {
+  log_.clear();
+  service_.patch(site("b"), {});
+  EXPECT_THAT(log_, ElementsAre("first prepares a -> b", "second prepares a -> b", "first commits b",
+                                "second commits b"));
+  EXPECT_EQ(service_.config().load()->site, "b");
+  EXPECT_EQ(service_.current().settings["site"], "b");
+}
+
+TEST_F(Transaction, WhatOneRefusesTakesEffectNowhere) {
+  log_.clear();
+  second_.refused = "b";
+  EXPECT_THROW(service_.patch(site("b"), {}), SettingsError);
+  EXPECT_THAT(log_, ElementsAre("first prepares a -> b"));
+  EXPECT_EQ(service_.config().load()->site, "a");
+  EXPECT_EQ(service_.current().revision, 1u);
+}
+
+TEST_F(Transaction, AnEditOfAnOlderRevisionIsTheClientsMistake) {
+  service_.patch(site("b"), {});
+  try {
+    service_.patch(site("c"), {"Mia", 1});
+    FAIL() << "not refused";
+  } catch (const HttpError& error) {
+    EXPECT_EQ(error.status, 409);
+    EXPECT_EQ(error.more["revision"], 2);
+    EXPECT_EQ(error.more["changed_since"].size(), 1u);
+  }
+}
+
+TEST_F(Transaction, AFileThatBelongsToItIsSavedWithItOrNotAtAll) {
+  Attached file;
+  second_.refused = "b";
+  EXPECT_THROW(service_.patch(site("b"), {}, &file), SettingsError);
+  EXPECT_FALSE(file.saved);
+  service_.patch(site("c"), {}, &file);
+  EXPECT_TRUE(file.saved);
+  file.saved = false;
+  break_folder();
+  log_.clear();
+  EXPECT_THROW(service_.patch(site("d"), {}, &file), StorageError);
+  EXPECT_FALSE(file.saved) << "taken back";
+  EXPECT_THAT(log_, testing::Each(testing::HasSubstr("prepares"))) << "nothing is committed";
+  EXPECT_EQ(service_.config().load()->site, "c");
+}
+
+TEST_F(Transaction, TheFolderIsLookedAtOnceASecondAndNotByWhoAsks) {
+  HealthReport before;
+  service_.report(before);
+  EXPECT_THAT(before.alerts, IsEmpty());
+  break_folder();
+  HealthReport asked;
+  service_.report(asked);
+  EXPECT_THAT(asked.alerts, IsEmpty()) << "a disk that hangs must not hang the service";
+  service_.each_second();
+  HealthReport after;
+  service_.report(after);
+  ASSERT_EQ(after.alerts.size(), 1u);
+  EXPECT_EQ(after.alerts[0].id, "state_not_writable");
+}
+
+}  // namespace
+}  // namespace sslv

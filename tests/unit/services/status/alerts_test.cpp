@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: Apache-2.0
+// What all services report, put together as the status service does.
+#include "services/calibration/calibration_report.h"
+#include "services/cameras/camera_report.h"
+#include "services/colors/color_report.h"
+#include "services/network/network_report.h"
+#include "services/settings/settings_report.h"
+#include "services/status/alert_times.h"
+#include "services/status/computer_report.h"
+
+#include <fstream>
+#include <set>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct AnyCamera : CameraFacts {
+  std::optional<CameraCalibration> calibration;
+  bool field_changed_since_calibrated = false;
+  std::optional<ColorFacts::Margin> least_margin;
+};
+
+struct Input {
+  MulticastStatus network;
+  std::vector<OtherVision> other_visions;
+  bool another_host_sends = false;
+  std::string listening_error;
+  RefereeStatus referee;
+  std::string settings_problem, save_problem, state_problem, reload_problem;
+  std::vector<std::string> lost_tables;
+  ComputerFigures computer;
+  std::optional<ClockFigures> clock;
+  std::vector<AnyCamera> cameras;
+};
+
+HealthReport report_of(const Input& input) {
+  std::vector<CameraFacts> cameras;
+  std::vector<CalibrationFacts> calibrations;
+  std::vector<ColorFacts> colors;
+  auto config = std::make_shared<Config>();
+  for (const AnyCamera& camera : input.cameras) {
+    cameras.push_back(camera);
+    calibrations.push_back({camera.id, camera.health.width, camera.health.height, camera.calibration,
+                            camera.field_changed_since_calibrated});
+    colors.push_back({camera.id, camera.least_margin});
+    config->cameras.emplace_back().id = camera.id;
+  }
+  HealthReport report;
+  report_cameras(cameras, report);
+  report_calibrations(calibrations, report);
+  report_colors(colors, input.lost_tables, report);
+  report_network({.config = config,
+                  .multicast = input.network,
+                  .geometry = std::make_shared<const Geometry>(),
+                  .other_visions = input.other_visions,
+                  .another_host_sends = input.another_host_sends,
+                  .listening_error = input.listening_error,
+                  .referee = input.referee},
+                 report);
+  report_computer(input.computer, input.clock, report);
+  report_settings({input.settings_problem, input.save_problem, input.state_problem, input.reload_problem},
+                  report);
+  report.finish();
+  return report;
+}
+
+class Alerts : public ::testing::Test {
+ protected:
+  Alerts() {
+    input_.network.packets_per_s = 122.4;
+    input_.referee.silent_s = 0.2;
+    input_.referee.followed = {"gc", "192.168.1.7"};
+    input_.computer.memory_bytes = 8'000'000'000;
+    input_.computer.memory_available_bytes = 5'000'000'000;
+    input_.computer.disk = {"/var/lib/ssl-visiond", 100'000'000'000, 50'000'000'000};
+    input_.clock = ClockFigures{true, 0.01, 0.5};
+    for (int id = 0; id < 2; ++id) {
+      AnyCamera& camera = input_.cameras.emplace_back();
+      camera.id = id;
+      camera.backend = "simulator";
+      camera.wanted_fps = 60;
+      camera.health.state = CameraState::kRunning;
+      camera.health.fps = 60 + id;
+      camera.health.width = 780;
+      camera.health.height = 580;
+      camera.calibration.emplace();
+      camera.calibration->pixel_image_width = 780;
+      camera.calibration->pixel_image_height = 580;
+      camera.latency_p99_ms = 0.9;
+      camera.last_minute = {60, 3600, 0, 0, 0};
+      camera.last_seconds = {10, 600, 0, 0, 0};
+      camera.exposure = Exposure{0.005, 0.01, 90};
+    }
+  }
+
+  std::vector<Alert> alerts() const { return report_of(input_).alerts; }
+  std::vector<std::string> kinds() const {
+    std::vector<std::string> out;
+    for (const Alert& alert : alerts()) out.push_back(alert.id);
+    return out;
+  }
+  Alert only_alert() const {
+    EXPECT_THAT(kinds(), testing::SizeIs(1));
+    return alerts().at(0);
+  }
+  Check check(const std::string& id) const {
+    for (Check& one : report_of(input_).checks) {
+      if (one.id == id) return std::move(one);
+    }
+    throw std::logic_error("no such check");
+  }
+  bool is_go() const { return report_of(input_).is_go(); }
+
+  Input input_;
+};
+
+TEST_F(Alerts, AreNoneWhenAllIsWell) {
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
+  AnyCamera& camera = input_.cameras[1];
+  camera.last_minute = {60, 3600, 0, 0, 120};
+  EXPECT_EQ(only_alert().title, "Camera 1: too much to look at, in 120 of 3600 pictures of the last minute");
+  camera.flood = "green floods the picture between (0, 64) and (1279, 511) px";
+  EXPECT_EQ(only_alert().id, "frames_capped");
+  EXPECT_EQ(
+      only_alert().title,
+      "Camera 1: green floods the picture between (0, 64) and (1279, 511) px, in 120 of 3600 pictures of the "
+      "last minute");
+}
+
+TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
+  AnyCamera& camera = input_.cameras[0];
+  camera.health.state = CameraState::kLost;
+  camera.health.warnings = {"Gain: 99"};
+  camera.health.width = 640;
+  camera.last_minute = {60, 3000, 300, 300, 300};
+  camera.last_seconds = {10, 300, 0, 0, 0};
+  camera.exposure = Exposure{0.5, 0.5, 10};
+  camera.field_changed_since_calibrated = true;
+  camera.least_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
+  input_.cameras[1].calibration.reset();
+  input_.listening_error = "no card";
+  input_.referee.other = GameController{"other", "192.168.1.8"};
+  input_.referee.team_names = {"Nobody knows us", ""};
+  OtherVision same, other;
+  same.address = "192.168.1.9";
+  same.cameras = {0};
+  same.field.emplace().set_field_length(1);
+  other.address = "192.168.1.10";
+  input_.other_visions = {same, other};
+  input_.another_host_sends = true;
+  input_.clock->synchronised = false;
+  input_.computer.disk->free_bytes = 1;
+  input_.computer.memory_available_bytes = 1;
+  input_.settings_problem = "saved changes were set aside";
+  input_.save_problem = "cannot write";
+  input_.state_problem = "/state: Read-only file system";
+  input_.reload_problem = "/etc/x.json: line 1";
+  input_.lost_tables = {"no such table"};
+  std::set<std::string> found;
+  for (const std::string& kind : kinds()) found.insert(kind);
+  input_.network.error = "no card";
+  for (const std::string& kind : kinds()) found.insert(kind);
+
+  const Json file = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/docs/openapi.json"));
+  EXPECT_EQ(found, file["components"]["schemas"]["AlertId"]["enum"].get<std::set<std::string>>());
+}
+
+TEST_F(Alerts, ComeWorstFirstEachWithItsPage) {
+  input_.cameras[0].calibration.reset();
+  input_.cameras[1].health.state = CameraState::kLost;
+  input_.cameras[1].health.error = "no answer";
+  const auto found = alerts();
+  ASSERT_EQ(found.size(), 2u);
+  const Json lost = to_json(found[0]), uncalibrated = to_json(found[1]);
+  EXPECT_EQ(lost["id"], "camera_lost");
+  EXPECT_EQ(lost["severity"], "bad");
+  EXPECT_EQ(lost["title"], "Camera 1 is lost: no answer");
+  EXPECT_EQ(lost["camera"], 1);
+  EXPECT_EQ(lost["page"], "#/camera/1");
+  EXPECT_EQ(uncalibrated["page"], "#/calibration/0");
+}
+
+TEST_F(Alerts, OfLostPicturesBeginAtOneInAThousand) {
+  input_.cameras[0].last_minute.dropped = 3;
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[0].last_minute.dropped = 4;
+  EXPECT_THAT(only_alert().title, HasSubstr("4 of 3604 pictures"));
+  input_.cameras[0].last_minute = {5, 300, 3, 3, 0};  // it has just begun
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[0].last_minute = {60, 3600, 0, 4, 0};
+  EXPECT_EQ(only_alert().id, "frames_incomplete");
+  input_.cameras[0].last_minute = {60, 3600, 0, 0, 1};
+  EXPECT_EQ(only_alert().page, "#/colors/0");
+}
+
+TEST_F(Alerts, OfExposureBeginAboveWhatPaintedLinesAre) {
+  input_.cameras[1].exposure = Exposure{0.02, 0, 90};
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[1].exposure->clipped_share = 0.021;
+  EXPECT_EQ(only_alert().id, "picture_clipped");
+  input_.cameras[1].exposure = Exposure{0, 0.3, 24};
+  EXPECT_EQ(only_alert().id, "picture_dark");
+  input_.cameras[1].exposure.reset();
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Alerts, OfThinMarginsNameTheirSurfaceAndLabel) {
+  input_.cameras[0].least_margin = ColorFacts::Margin{0.30, "carpet becomes green at +30 %"};
+  input_.cameras[1].least_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[1].least_margin = ColorFacts::Margin{0.29, "floor becomes orange at \u221229 %"};
+  const Alert thin = only_alert();
+  EXPECT_EQ(thin.id, "margin_thin");
+  EXPECT_EQ(thin.title, "Camera 1: floor becomes orange at \u221229 %");
+  EXPECT_EQ(thin.page, "#/colors/1");
+  EXPECT_EQ(thin.severity, Severity::kWarn);
+  input_.cameras[1].least_margin->share = 0.099;
+  EXPECT_EQ(only_alert().severity, Severity::kBad);
+}
+
+TEST_F(Alerts, TellASlowCameraFromASlowComputer) {
+  input_.cameras[0].last_seconds = {10, 530, 0, 0, 0};
+  EXPECT_THAT(only_alert().title, AllOf(HasSubstr("53.0"), HasSubstr("60 are asked for")));
+  input_.cameras[0].last_seconds.dropped = 70;  // they came, but were not taken
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[0].last_seconds = {9, 100, 0, 0, 0};  // it has just begun
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {
+  input_.clock->synchronised = false;
+  EXPECT_THAT(kinds(), IsEmpty());
+  OtherVision other;
+  other.address = "192.168.1.9";
+  input_.other_visions = {other};
+  EXPECT_THAT(kinds(), ElementsAre("vision_other"));  // on this computer
+  input_.another_host_sends = true;
+  EXPECT_THAT(kinds(), ElementsAre("clock_not_synchronised", "vision_other"));
+  input_.clock.reset();
+  EXPECT_THAT(kinds(), ElementsAre("vision_other"));
+}
+
+TEST_F(Alerts, OfADiskBeginAtHundredMegabytesOrTwoPercent) {
+  auto& disk = *input_.computer.disk;
+  disk.free_bytes = 1'900'000'000;
+  EXPECT_EQ(only_alert().id, "disk_full");
+  disk = {"/", 1'000'000'000, 99'000'000};
+  EXPECT_EQ(only_alert().id, "disk_full");
+  disk.free_bytes = 101'000'000;
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Alerts, KeepTheTimeSinceWhenTheyHaveBeenThere) {
+  AlertTimes times;
+  input_.cameras[0].last_minute.dropped = 100;
+  auto alerts = this->alerts();
+  times.stamp(alerts, 1050, 50);
+  EXPECT_EQ(alerts[0].since_s, 1050);
+  input_.cameras[0].last_minute.dropped = 101;  // another title
+  input_.cameras[1].last_minute.dropped = 100;
+  alerts = this->alerts();
+  times.stamp(alerts, 1060, 60);
+  EXPECT_EQ(alerts[0].since_s, 1050);
+  EXPECT_EQ(alerts[1].since_s, 1060);
+  times.stamp(alerts, 4670, 70);  // the clock was set forward by an hour meanwhile
+  EXPECT_EQ(alerts[0].since_s, 4650) << "20 s ago, as it is";
+  std::vector<Alert> none;
+  times.stamp(none, 4675, 75);
+  times.stamp(alerts, 4680, 80);
+  EXPECT_EQ(alerts[0].since_s, 4680);
+}
+
+using Checks = Alerts;
+
+TEST_F(Checks, AllPassWithFacts) {
+  const auto checks = report_of(input_).checks;
+  for (const Check& one : checks) EXPECT_EQ(one.state, CheckState::kPass) << one.text;
+  EXPECT_TRUE(is_go());
+  const auto words = [&](const char* id) {
+    const Check one = check(id);
+    return one.value + " " + one.unit + ", " + one.text;
+  };
+  EXPECT_EQ(words("cameras"), "2 of 2, all run");
+  EXPECT_THAT(words("pictures"), HasSubstr("60.0 per second, none lost in 60 s"));
+  EXPECT_EQ(words("calibration"), "2 of 2, all calibrated");
+  EXPECT_EQ(words("network"), "122 packets/s, to 224.5.23.2:10006");
+  EXPECT_EQ(words("referee"), "heard , from 192.168.1.7");
+}
+
+TEST_F(Checks, AreThoseThatTheInterfaceNames) {
+  std::vector<std::string> names;
+  for (const Check& one : report_of(input_).checks) names.push_back(to_json(one)["id"]);
+  const Json file = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/docs/openapi.json"));
+  EXPECT_EQ(Json(names), file["components"]["schemas"]["Check"]["properties"]["id"]["enum"]);
+}
+
+TEST_F(Checks, ALostCameraIsNoGo) {
+  input_.cameras[1].health.state = CameraState::kLost;
+  EXPECT_EQ(check("cameras").state, CheckState::kFail);
+  EXPECT_THAT(check("cameras").text, HasSubstr("Camera 1 is lost"));
+  EXPECT_FALSE(is_go());
+}
+
+TEST_F(Checks, NoCameraAtAllIsNoGo) {
+  input_.cameras.clear();
+  EXPECT_FALSE(is_go());
+}
+
+TEST_F(Checks, AWarningIsAGo) {
+  input_.cameras[0].calibration.reset();
+  input_.cameras[1].calibration.reset();
+  const Check calibration = check("calibration");
+  EXPECT_EQ(calibration.state, CheckState::kWarn);
+  EXPECT_EQ(calibration.text, "Camera 0 is not calibrated (and 1 more)");
+  EXPECT_TRUE(is_go());
+}
+
+TEST_F(Checks, OfColoursAreTheLeastMarginOfAllCameras) {
+  EXPECT_EQ(check("colors").state, CheckState::kPass);
+  EXPECT_THAT(check("colors").text, HasSubstr("not known"));
+  input_.cameras[0].least_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
+  EXPECT_EQ(check("colors").value, "> 150");
+  EXPECT_EQ(check("colors").text, "carpet and floor stay clear");
+  input_.cameras[1].least_margin = ColorFacts::Margin{0.45, "carpet becomes green at +45 %"};
+  EXPECT_EQ(check("colors").value, "45");
+  EXPECT_EQ(check("colors").text, "carpet becomes green at +45 %");
+  input_.cameras[1].least_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
+  EXPECT_EQ(check("colors").state, CheckState::kWarn);
+  EXPECT_TRUE(is_go());
+  input_.cameras[0].least_margin = ColorFacts::Margin{0.09, "carpet becomes blue at +9 %"};
+  EXPECT_EQ(check("colors").state, CheckState::kFail);
+  EXPECT_EQ(check("colors").value, "9");
+  EXPECT_EQ(check("colors").text, "Camera 0: carpet becomes blue at +9 % (and 1 more)");
+  EXPECT_FALSE(is_go());
+}
+
+TEST_F(Checks, AnAlertThatOnlyInformsPasses) {
+  OtherVision other;
+  other.address = "192.168.1.9";
+  input_.other_visions = {other};
+  EXPECT_EQ(check("other_visions").state, CheckState::kPass);
+  EXPECT_EQ(check("other_visions").value, "1");
+  EXPECT_EQ(check("other_visions").text, "with other cameras");
+}
+
+TEST_F(Checks, WarnOfWhatMattersBeforeAMatchAlone) {
+  input_.referee.silent_s.reset();
+  input_.cameras[0].latency_p99_ms = 5.1;
+  input_.clock.reset();
+  EXPECT_THAT(kinds(), IsEmpty());
+  for (const char* id : {"referee", "latency", "clock"})
+    EXPECT_EQ(check(id).state, CheckState::kWarn);
+  input_.referee.silent_s = 12;
+  EXPECT_EQ(check("referee").value, "12");
+  EXPECT_EQ(check("referee").unit, "s silent");
+}
+
+}  // namespace
+}  // namespace sslv
