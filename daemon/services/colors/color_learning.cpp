@@ -18,13 +18,13 @@
 namespace sslv {
 namespace {
 
-using Pictures = std::vector<std::shared_ptr<const StillPicture>>;
+using StillPictures = std::vector<std::shared_ptr<const StillPicture>>;
 
 /// Fresh pictures some time apart, so that things have moved; fewer when it was stopped. Throws CaptureError.
-Pictures collect(FreshFrames frames, int wanted, const JobProgress& progress, const std::stop_token& stop) {
+StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progress, const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kLook{100};  // how soon a cancellation is seen
   constexpr double kApart_s = 0.3;
-  Pictures pictures;
+  StillPictures pictures;
   while (static_cast<int>(pictures.size()) < wanted && !stop.stop_requested()) {
     const auto frame = frames.next(kLook);
     if (!frame) continue;
@@ -79,7 +79,7 @@ LearningReport::Cells cells_of(const ColorTable& table) {
   return cells;
 }
 
-LearningReport learn(const LearningOrder& order, const Pictures& pictures, const std::stop_token& stop) {
+LearningReport learn(const LearningOrder& order, const StillPictures& pictures, const std::stop_token& stop) {
   const auto begun = std::chrono::steady_clock::now();
   LearningReport report;
   report.calibrated = order.world.scene->camera.has_value();
@@ -115,7 +115,7 @@ ColorLearning make_color_learning(WaitFrame wait_frame, std::chrono::millisecond
   const auto work = [wait_frame = std::move(wait_frame), silence](
                         int camera_id, const LearningOrder& order, const JobProgress& progress,
                         const std::stop_token& stop) -> LearningReport {
-    const Pictures pictures = collect({wait_frame, camera_id, silence}, order.frames, progress, stop);
+    const StillPictures pictures = collect({wait_frame, camera_id, silence}, order.frames, progress, stop);
     if (stop.stop_requested()) return {};
     progress.solving();
     return learn(order, pictures, stop);
