@@ -58,12 +58,14 @@ struct NetworkParts {
 
 struct CameraParts {
   CameraParts(SettingsService& settings, NetworkParts& network, const SavedTables& tables)
-      : service(settings.config(), network.multicast, network.service.referee(),
+      : running(settings.config(), network.multicast, network.service.referee(),
                 [&tables](const std::string& name, const std::string& path, const LabelSet& labels) {
                   return tables.load(name, path, labels);
                 }),
-        stills(service) {}
+        service(running),
+        stills(running) {}
 
+  RunningCameras running;
   CameraService service;
   StillService stills;
 };
@@ -71,9 +73,9 @@ struct CameraParts {
 struct CalibrationParts {
   CalibrationParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras)
       : records(kept.folder, settings),
-        service(settings.config(), settings, cameras.service, records, network.match_lock,
+        service(settings.config(), settings, cameras.running, records, network.match_lock,
                 network.service.referee()),
-        joint(settings.config(), settings, cameras.service, records, network.match_lock,
+        joint(settings.config(), settings, cameras.running, records, network.match_lock,
               network.service.referee()) {}
 
   CalibrationRecords records;
@@ -83,9 +85,9 @@ struct CalibrationParts {
 
 struct ColorParts {
   ColorParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras)
-      : tables(cameras.service, settings, kept.tables, kept.profiles),
-        service(cameras.service, cameras.stills, tables, kept.tables, network.service.referee()),
-        learning(cameras.service, cameras.stills, tables, service) {}
+      : tables(cameras.running, settings, kept.tables, kept.profiles),
+        service(cameras.running, cameras.stills, tables, kept.tables, network.service.referee()),
+        learning(cameras.running, cameras.stills, tables, service) {}
 
   ColorTables tables;
   ColorService service;
@@ -111,7 +113,7 @@ struct Daemon::Parts {
         cameras(settings, network, kept.tables),
         calibration(kept, settings, network, cameras),
         colors(kept, settings, network, cameras),
-        status(options.state_folder, cameras.service, web_counters,
+        status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
     std::vector<Service*> services{&cameras.service,   &cameras.stills, &calibration.service,
@@ -123,13 +125,13 @@ struct Daemon::Parts {
       for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
     }
     for (Route& route : websocket_routes()) panel.routes.push_back(std::move(route));
-    network.service.on_new_team_names([this] { cameras.service.update_robot_heights(); });
+    network.service.on_new_team_names([this] { cameras.running.update_robot_heights(); });
 
     // Cameras come last: preparing them may already set controls of theirs.
     settings.start({&network.service, &colors.service, &cameras.service});
     const PanelSettings& wanted = settings.config().load()->panel;
     const std::string address = listening_address(wanted, kept.passwords.has(Role::kAdmin));
-    panel.web.emplace(WebParts{access, cameras.service, {&status}, panel.routes},
+    panel.web.emplace(WebParts{access, cameras.running, {&status}, panel.routes},
                       WebOptions{address, wanted.port, options.panel_folder}, web_counters);
     panel.place.emplace(settings.config(), kept.passwords, *panel.web);
     settings.use({&*panel.place, &network.service, &colors.service, &cameras.service});
@@ -176,7 +178,7 @@ void Daemon::reload() {
 }
 
 std::string Daemon::hanging() const {
-  return parts_->cameras.service.hanging();
+  return parts_->cameras.running.hanging();
 }
 
 const std::vector<Route>& Daemon::routes() const {

@@ -1,52 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "net/multicast.h"
-#include "net/referee_listener.h"
 #include "services/cameras/camera_report.h"
 #include "services/cameras/camera_watch.h"
-#include "services/cameras/cameras.h"
-#include "services/cameras/running_camera.h"
+#include "services/cameras/running_cameras.h"
 #include "services/service.h"
 
-#include <list>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 namespace sslv {
 
-/// The cameras that run, one for each of the settings.
-class CameraService final : public Service, public Cameras, public ViewSource {
+/// What the panel, alerts and metrics say of the cameras that run.
+class CameraService final : public Service {
  public:
-  /// All must outlive this. `config`: in effect. `load_table`: see make_world(). No camera runs before the
-  /// first change is committed.
-  CameraService(const Snapshot<Config>& config, MulticastSender& multicast, const RefereeListener& referee,
-                LoadTable load_table);
-  /// Stops all cameras at once.
-  ~CameraService() override;
-
-  // Cameras
-  std::vector<CameraNow> all() const override;
-  CameraNow get(int camera_id) const override;
-  std::optional<LentFrame> wait_frame(int camera_id, std::uint64_t newer_than,
-                                      std::chrono::milliseconds timeout) override;
-  bool change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,
-                    std::shared_ptr<const Lut> adapted) override;
-  void add_observer(CameraObserver& observer) override { observers_.push_back(&observer); }
-  std::string hanging() const override;
-  std::string missing() const override;
-
-  // ViewSource
-  std::vector<std::uint32_t> camera_ids() const override;
-  std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than_version,
-                                std::chrono::milliseconds timeout) override;
+  /// `cameras` must outlive this.
+  explicit CameraService(RunningCameras& cameras) : cameras_(cameras) {}
 
   // Service
   std::vector<Route> routes() override;
-  Commit prepare(const SettingsChange& change) override;
+  Commit prepare(const SettingsChange& change) override { return cameras_.prepare(change); }
   void report(HealthReport& report) const override;
   void add_status(Json& status, const HealthReport& health) const override;
   void add_diagnostics(Json& diagnostics) const override;
@@ -54,30 +27,14 @@ class CameraService final : public Service, public Cameras, public ViewSource {
   std::vector<SupportFile> support_files() const override;
   void each_second() override;
 
-  /// Gives every camera the heights of the teams that play now. For the referee's thread.
-  void update_robot_heights();
   /// See camera_summary().
   std::string summary() const;
 
  private:
-  using Running = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
-  struct Prepared;
-
-  std::shared_ptr<RunningCamera> find(int camera_id) const;
-  std::vector<std::shared_ptr<RunningCamera>> running() const;
   std::vector<CameraFacts> facts() const;
-  void commit(Prepared& prepared) noexcept;
 
-  const Snapshot<Config>& config_;
-  MulticastSender& multicast_;
-  const RefereeListener& referee_;
-  const LoadTable load_table_;
-  std::vector<CameraObserver*> observers_;
+  RunningCameras& cameras_;
   CameraWatch watch_;
-  std::mutex mutex_;                                       // held while cameras get new setups; guards the next two
-  std::map<int, std::shared_ptr<CameraTotals>> totals_;    // by id
-  std::list<std::shared_ptr<RunningCamera>> gone_;         // that still have to end
-  Snapshot<Running> running_{Running{}};
 };
 
 }  // namespace sslv

@@ -137,8 +137,8 @@ TEST(SimulatorSensor, ABoxDevelopsAsInTheWholePicture) {
     const auto whole = developed(options, light);
     SimulatorSensor sensor(options, 0);
     auto picture = developed(options, even_light(20, 80, 40));
-    for (const PixelBox& box : {PixelBox{13, 9, 14, 10}, PixelBox{0, 31, 1, 32}}) {
-      const PixelBox reached = sensor.reached_from(box);
+    for (const DrawnBox& box : {DrawnBox{13, 9, 14, 10}, DrawnBox{0, 31, 1, 32}}) {
+      const DrawnBox reached = sensor.reached_from(box);
       EXPECT_EQ(reached.left % 2, 0);
       EXPECT_EQ(reached.right % 2, 0);
       sensor.develop(light, reached, picture.data());

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/running_cameras.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "services/cameras/camera_report.h"
+#include "services/network/teams.h"
+#include "vision/detections_json.h"
+#include "vision/label_picture.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListener& referee) {
+  const auto teams = teams_now(config.teams, referee.team_names());
+  return {teams[0].robot_height_mm, teams[1].robot_height_mm};
+}
+
+/// A camera's finished frame on loan. The camera is held too, because the frame lies in its ring.
+struct HeldFrame {
+  std::shared_ptr<RunningCamera> camera;
+  FrameRef frame;
+};
+struct NewestFrame {
+  std::uint64_t version;
+  std::shared_ptr<const HeldFrame> hold;
+};
+
+std::optional<NewestFrame> hold_frame(std::shared_ptr<RunningCamera> camera, std::uint64_t newer_than,
+                                      std::chrono::milliseconds timeout) {
+  if (!camera) return std::nullopt;
+  auto newest = camera->pipeline().finished().wait_newer(newer_than, timeout);
+  if (!newest) return std::nullopt;
+  return NewestFrame{newest->version, std::make_shared<const HeldFrame>(
+                                          HeldFrame{std::move(camera), std::move(newest->value)})};
+}
+
+CameraNow now_of(const RunningCamera& camera) {
+  const auto settings = camera.settings();
+  return {settings->id, settings, camera.pipeline().setup(), camera.health()};
+}
+
+}  // namespace
+
+/// A change of the list of cameras, made ready.
+struct RunningCameras::Prepared {
+  struct Changed {
+    std::shared_ptr<RunningCamera> camera;
+    RunningCamera::Change change;
+  };
+  std::vector<Changed> changed;                       // that go on, whatever changes about them
+  std::vector<std::shared_ptr<RunningCamera>> added;  // not started yet
+  std::list<std::shared_ptr<RunningCamera>> removed;
+  std::shared_ptr<const Running> running;  // all that are to run
+};
+
+RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast,
+                               const RefereeListener& referee, LoadTable load_table)
+    : config_(config), multicast_(multicast), referee_(referee), load_table_(std::move(load_table)) {}
+
+RunningCameras::~RunningCameras() {
+  for (const auto& camera : list()) camera->ask_to_stop();
+}
+
+std::shared_ptr<RunningCamera> RunningCameras::find(int camera_id) const {
+  const auto running = running_.load();
+  const auto found = running->find(camera_id);
+  return found == running->end() ? nullptr : found->second;
+}
+
+std::vector<std::shared_ptr<RunningCamera>> RunningCameras::list() const {
+  std::vector<std::shared_ptr<RunningCamera>> out;
+  const auto running = running_.load();
+  for (const auto& [id, camera] : *running) out.push_back(camera);
+  return out;
+}
+
+std::vector<CameraNow> RunningCameras::all() const {
+  std::vector<CameraNow> out;
+  for (const auto& camera : list()) out.push_back(now_of(*camera));
+  return out;
+}
+
+CameraNow RunningCameras::get(int camera_id) const {
+  const auto camera = find(camera_id);
+  if (!camera) throw HttpError(404, fmt::format("no camera {}", camera_id));
+  return now_of(*camera);
+}
+
+std::optional<LentFrame> RunningCameras::wait_frame(int camera_id, std::uint64_t newer_than,
+                                                    std::chrono::milliseconds timeout) {
+  auto camera = find(camera_id);
+  if (!camera) throw CaptureError("the camera is not in the settings any more");
+  const auto held = hold_frame(std::move(camera), newer_than, timeout);
+  if (!held) return std::nullopt;
+  const Frame& frame = *held->hold->frame;
+  return LentFrame{held->version,       held->hold,       frame.image.view(), frame.info.times.t_capture_s,
+                   frame.robots.robots, frame.info.whole, frame.info.number,  frame.balls.balls};
+}
+
+bool RunningCameras::change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,
+                                  std::shared_ptr<const Lut> adapted) {
+  const std::lock_guard lock(mutex_);
+  const auto camera = find(camera_id);
+  return camera && camera->change_light(accepted, std::move(adapted));
+}
+
+std::vector<std::uint32_t> RunningCameras::camera_ids() const {
+  std::vector<std::uint32_t> ids;
+  const auto running = running_.load();
+  for (const auto& [id, camera] : *running) ids.push_back(static_cast<std::uint32_t>(id));
+  return ids;
+}
+
+std::optional<View> RunningCameras::wait_view(std::uint32_t camera_id, std::uint64_t newer_than_version,
+                                              std::chrono::milliseconds timeout) {
+  const auto newest = hold_frame(find(static_cast<int>(camera_id)), newer_than_version, timeout);
+  if (!newest) return std::nullopt;
+  const auto& hold = newest->hold;
+  const Frame& frame = *hold->frame;
+  View view{newest->version,
+            hold,
+            frame.image.view(),
+            camera_id,
+            frame.info.number,
+            frame.info.times.t_capture_s,
+            detections_json(frame.robots, frame.balls),
+            {},
+            {}};
+  if (frame.runs.width > 0) {
+    const auto labels = hold->camera->pipeline().setup()->world.labels;
+    view.regions = [hold, labels] { return regions_json(hold->frame->regions, *labels); };
+    view.draw_labels = [hold, labels](std::vector<std::uint8_t>& buffer) {
+      return draw_label_picture(hold->frame->runs, buffer, *labels);
+    };
+  }
+  return view;
+}
+
+Commit RunningCameras::prepare(const SettingsChange& change) {
+  Prepared prepared;
+  const auto old = running_.load();
+  auto running = std::make_shared<Running>();
+  std::vector<std::optional<NewSetup>> setups;
+  for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
+    const CameraSettings& camera = change.next.cameras[i];
+    const auto found = old->find(camera.id);
+    if (found == old->end()) {
+      setups.push_back(make_setup(change.next, i, std::nullopt, load_table_));
+      continue;
+    }
+    const auto settings = found->second->settings();
+    const auto setup = found->second->pipeline().setup();
+    setups.push_back(make_setup(change.next, i, CameraInUse{change.now, *settings, *setup}, load_table_));
+  }
+  for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
+    const CameraSettings& camera = change.next.cameras[i];
+    if (old->contains(camera.id)) continue;
+    std::shared_ptr<CameraTotals> totals;
+    {
+      const std::lock_guard lock(mutex_);
+      auto& known = totals_[camera.id];
+      if (!known) known = std::make_shared<CameraTotals>();
+      totals = known;
+    }
+    prepared.added.push_back(
+        std::make_shared<RunningCamera>(camera, std::move(setups[i]->setup), multicast_, totals));
+    running->emplace(camera.id, prepared.added.back());
+  }
+  // Last, when all the rest is known to be allowed: this may set controls of cameras.
+  for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
+    const CameraSettings& camera = change.next.cameras[i];
+    const auto found = old->find(camera.id);
+    if (found == old->end()) continue;
+    prepared.changed.push_back(
+        {found->second, found->second->prepare(camera, std::move(setups[i]),
+                                               fmt::format("/cameras/{}/source/controls", i))});
+    running->emplace(camera.id, found->second);
+  }
+  for (const auto& [id, camera] : *old) {
+    if (!running->contains(id)) prepared.removed.push_back(camera);
+  }
+  prepared.running = std::move(running);
+  return [this, held = std::move(prepared)]() mutable noexcept { commit(held); };
+}
+
+void RunningCameras::commit(Prepared& prepared) noexcept {
+  std::set<int> changed;  // ids of the cameras that do not go on showing what they showed
+  {
+    const std::lock_guard lock(mutex_);
+    const auto heights_mm = robot_heights_mm(*config_.load(), referee_);
+    for (auto& [camera, change] : prepared.changed) {
+      const int id = change.settings->id;
+      if (camera->commit(change, heights_mm)) changed.insert(id);
+    }
+    for (const auto& camera : prepared.added) camera->change_robot_heights(heights_mm);
+    for (const auto& camera : prepared.removed) {
+      changed.insert(camera->settings()->id);
+      camera->ask_to_stop();
+    }
+    running_.store(std::move(prepared.running));
+    gone_.splice(gone_.end(), prepared.removed);
+  }
+  for (CameraObserver* observer : observers_) observer->cameras_changed(changed);
+  for (const auto& camera : prepared.added) camera->start();
+}
+
+std::vector<std::shared_ptr<RunningCamera>> RunningCameras::take_gone() {
+  std::list<std::shared_ptr<RunningCamera>> gone;
+  {
+    const std::lock_guard lock(mutex_);
+    gone.swap(gone_);
+  }
+  return {gone.begin(), gone.end()};
+}
+
+void RunningCameras::update_robot_heights() {
+  const std::lock_guard lock(mutex_);
+  const auto teams = teams_now(config_.load()->teams, referee_.team_names());
+  // The names come from the network: as JSON, so that one cannot forge a line of the log.
+  log::info("teams: yellow {} {} mm, blue {} {} mm", Json(teams[0].name).dump(), teams[0].robot_height_mm,
+            Json(teams[1].name).dump(), teams[1].robot_height_mm);
+  for (const auto& camera : list())
+    camera->change_robot_heights({teams[0].robot_height_mm, teams[1].robot_height_mm});
+}
+
+std::string RunningCameras::hanging() const {
+  std::vector<CameraProgress> progress;
+  for (const auto& camera : list()) progress.push_back({camera->settings()->id, camera->health()});
+  return find_hanging(progress, steady_ns());
+}
+
+std::string RunningCameras::missing() const {
+  std::vector<CameraProgress> progress;
+  for (const auto& camera : list()) progress.push_back({camera->settings()->id, camera->health()});
+  return find_missing(progress);
+}
+
+}  // namespace sslv
