@@ -299,7 +299,7 @@ describe('panel', () => {
     const { settings: { cameras } } = await (await fetch(address('api/settings'))).json();
     await patch({ op: 'replace', path: '/cameras/1/stack', value: [] });
     await pictureIs(page, 1, 'camera');
-    await page.waitForSelector(`${byId('picture-note')}:has-text("The stack makes no labels")`);
+    await page.waitForSelector(`${byId('picture-note')}:has-text("The stack produces no labels")`);
     await patch({ op: 'replace', path: '/cameras/1/stack', value: cameras[1].stack });
     await pictureIs(page, 1, 'labels');
   }));
@@ -324,7 +324,7 @@ describe('panel', () => {
     const whole = await percent();
     await page.click('button[aria-label="Zoom in"]');
     await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector)?.textContent, 10) > last, [byId('zoom'), whole]);
-    await page.click('button[aria-label="Show the whole picture"]');
+    await page.click('button[aria-label="Show the whole image"]');
     await page.waitForFunction(([selector, last]) => Number.parseInt(document.querySelector(selector)?.textContent, 10) === last, [byId('zoom'), whole]);
 
     await page.click(byId('freeze'));

@@ -70,7 +70,7 @@ describe('who may do what, in the panel', () => {
           await accessible(page, 'the first password');
           await page.fill('label:has-text("New password") + div input', ADMIN);
           await page.fill('label:has-text("again") + div input', 'correct house');
-          await page.waitForSelector(`${dialog}:has-text("The two are not the same")`);
+          await page.waitForSelector(`${dialog}:has-text("The two passwords differ")`);
           assert.ok(await page.isDisabled('button:has-text("Set password")'));
           await page.fill('label:has-text("again") + div input', ADMIN);
           await page.click('button:has-text("Set password")');
@@ -143,7 +143,7 @@ describe('who may do what, in the panel', () => {
           await page.waitForSelector(`${dialog}:has-text("Settings are locked again.")`);
           await page.click(`${dialog} button:has-text("Close")`);
           await renameTo(page, 'Too late');
-          await page.click(`${dialog} button:has-text("Leave it as it is")`);
+          await page.click(`${dialog} button:has-text("Keep it locked")`);
           await page.waitForSelector('[role="alert"]:has-text("the game is running")');
         })();
         assert.equal(await site(), 'In the match');

@@ -131,7 +131,7 @@ describe('calibration page', () => {
 
       await click(byId('revert'));
       await untilSaved(async () => (await calibration()).calibration === null);
-      await page.waitForSelector(`${byId('record')}:has-text("taken back")`);
+      await page.waitForSelector(`${byId('record')}:has-text("reverted")`);
       await patch({ op: 'replace', path: '/cameras/0/calibration', value: truth });
     }));
 
@@ -346,7 +346,7 @@ describe('calibration page', () => {
 
   it('says what to do with a camera that is lost, and with one that is not there', withPage(DESKTOP, '#/calibration/1', {}, async (page) => {
     await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: join(service.folder, 'no-such-recording') } });
-    await page.waitForSelector(`${byId('hint')}:has-text("No pictures come")`);
+    await page.waitForSelector(`${byId('hint')}:has-text("sends no images")`);
     await page.waitForSelector(byId('picture-trouble'));
     await patch({ op: 'replace', path: '/cameras/1/source', value: settings.cameras[1].source });
     await page.waitForSelector(byId('hint'), { state: 'detached' });

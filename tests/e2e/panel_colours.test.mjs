@@ -515,7 +515,7 @@ describe('colours page', () => {
     panel.errorsExpected = true; // the browser names the refused request
     await page.click(byId('more-tools'));
     await page.setInputFiles(byId('import-file'), { name: 'notes.lut', mimeType: 'application/octet-stream', buffer: Buffer.from('no table at all') });
-    await page.waitForSelector(`${byId('file-problem')}:has-text("notes.lut"):has-text("The table is as it was")`);
+    await page.waitForSelector(`${byId('file-problem')}:has-text("notes.lut"):has-text("The table has not changed")`);
     assert.deepEqual(await tableFile(), before);
   }));
 

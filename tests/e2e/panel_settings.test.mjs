@@ -227,7 +227,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     assert.equal(await value(), 0.5);
     await page.keyboard.press('Control+z');
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 6);
-    await page.waitForSelector(`${byId('notice')}:has-text("taken back")`);
+    await page.waitForSelector(`${byId('notice')}:has-text("undone")`);
   }));
 
   it('finds settings, and those that are changed', withPage(DESKTOP, '#/settings', {}, async (page) => {
@@ -299,7 +299,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.click(byId('profile-save'));
     await page.waitForSelector(byId('profile-Evening'));
     await patch({ op: 'replace', path: '/site', value: 'Hall 3' }, { op: 'replace', path: '/cameras/1/calibration/tx', value: 77 });
-    await page.click(`${byId('profile-Evening')} button:has-text("Look and apply")`);
+    await page.click(`${byId('profile-Evening')} button:has-text("Review and apply")`);
     assert.match(await page.textContent(byId('section-/site')), /site.*Hall 3.*Demo field/s);
     assert.equal(await page.isChecked(`${byId('section-/cameras/1/calibration')} input`), false);
     await page.click(byId('apply-changes'));
@@ -307,7 +307,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     assert.equal(now.cameras[1].calibration.tx, 77, 'calibrations stay unless ticked');
     await page.waitForSelector(byId('changes'), { state: 'detached' });
 
-    await page.click(`${byId('profile-Evening')} button:has-text("Look and apply")`);
+    await page.click(`${byId('profile-Evening')} button:has-text("Review and apply")`);
     await page.check(`${byId('section-/cameras/1/calibration')} input`);
     await page.click(byId('apply-changes'));
     await treeBecomes(({ cameras }) => cameras[1].calibration.tx === first.cameras[1].calibration.tx);

@@ -376,7 +376,7 @@ describe('files that settings name', () => {
     await service.patch({ op: 'replace', path: '/cameras/1/source', value: service.settings.cameras[1].source });
   });
 
-  it('are not written by whoever asks for an address of them', async () => {
+  it('are not written by a client that asks for an address of them', async () => {
     for (const path of ['../state/passwords.json', '%2e%2e/state/passwords.json', 'assets/../../state/passwords.json', '/etc/passwd', '..%2f..%2fetc/passwd', 'api/profiles/..%2fpasswords']) {
       const answer = await ask('GET', path);
       assert.ok([400, 403, 404].includes(answer.status), `${path}: ${answer.status}`);

@@ -57,7 +57,7 @@ export const api = {
   put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
   patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
   delete: <T>(path: string) => request<T>('DELETE', path),
-  /** What is no JSON: a picture, a table. */
+  /** What is no JSON: an image, a table. */
   blob: async (path: string) => (await ask(path, {})).blob(),
   /** Sends a file as it is. */
   upload: async <T>(path: string, file: Blob) =>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ApiError, errorText } from './client';
 
-/** Saves what `api/path` answers as a file. Its name is that of the service, else this one. Throws ApiError. */
+/** Saves what `api/path` answers as a file. The service gives its name, else it has this one. Throws ApiError. */
 export async function saveFile(path: string, name: string): Promise<void> {
   const answer = await fetch(`api/${path}`, { cache: 'no-store' }).catch(() => { throw new ApiError(0, 'No answer from the service'); });
   if (!answer.ok) throw new ApiError(answer.status, errorText(await answer.json().catch(() => null), answer.status));

@@ -25,7 +25,7 @@ describe('text messages', () => {
 });
 
 describe('preview messages', () => {
-  it('splits header and picture', () => {
+  it('splits header and image', () => {
     const message = parsePreview(previewBytes('{"camera":2,"frame":9,"width":780}', [0xff, 0xd8, 0xff]));
     expect(message?.header).toMatchObject({ camera: 2, frame: 9, width: 780 });
     expect([...message!.jpeg]).toEqual([0xff, 0xd8, 0xff]);

@@ -50,7 +50,7 @@ describe('camera model', () => {
           }
     });
 
-  it('does not fold points into the picture with a negative distortion', () => {
+  it('does not fold points into the image with a negative distortion', () => {
     expect(distortRadius(0.5, -0.3)).not.toBeNull();
     expect(distortRadius(2, -0.3)).toBeNull();
     expect(new CameraModel({ ...overhead, distortion: -0.3 }).project(20000, 0, 0)).toBeNull();

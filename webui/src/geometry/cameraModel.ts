@@ -25,7 +25,7 @@ function rotation(c: CameraGeometry): Matrix {
   ];
 }
 
-/** Solves ru = rd (1 + d rd²) for rd. Null beyond the radius where a negative d folds the picture over. */
+/** Solves ru = rd (1 + d rd²) for rd. Null beyond the radius where a negative d folds the image over. */
 export function distortRadius(ru: number, d: number): number | null {
   if (d === 0 || ru === 0) return ru;
   const turning = d < 0 ? 1 / Math.sqrt(-3 * d) : Infinity;

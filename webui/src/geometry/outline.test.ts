@@ -7,7 +7,7 @@ import { turnPixel } from './turn';
 
 const model = new CameraModel(camera().calibration!);
 
-describe('the field in a picture', () => {
+describe('the field in an image', () => {
   it('passes through the crossing of halfway line and centre line', () => {
     const crossing = turnPixel(1, camera(), model.project(0, 0, 0)!);
     const points = linesPath(model, camera(), 1, divisionB).split(/[ML]/).slice(1).map((text) => text.split(' ').map(Number));

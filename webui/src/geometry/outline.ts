@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Field shapes as SVG paths in a camera's (turned) picture.
+// Field shapes as SVG paths in a camera's (turned) image.
 import type { CameraStatus, FieldSize } from '../api/types';
 import { CameraModel, type Point } from './cameraModel';
 import { alongLine, fieldArcs, fieldLines, gridLines } from './fieldLines';

@@ -6,14 +6,14 @@ import { fieldTurn, turnedSize, turnPixel, unturnPixel, type Turn } from './turn
 
 const size = { width: 780, height: 580 };
 
-describe('turning pictures', () => {
-  it('lays a picture with +x up on its right side', () => {
+describe('turning images', () => {
+  it('lays an image with +x up on its right side', () => {
     expect(fieldTurn(new CameraModel(camera().calibration!), size)).toBe(1);
     const opposite = { ...camera().calibration!, q0: 0.7071, q1: 0.7071, ty: -1250 };
     expect(fieldTurn(new CameraModel(opposite), size)).toBe(3);
   });
 
-  it('leaves an uncalibrated picture alone', () => {
+  it('leaves an uncalibrated image alone', () => {
     expect(fieldTurn(null, size)).toBe(0);
   });
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pixels of a picture say nothing any more because there was too much or too little light.
+// Which pixels of an image say nothing any more because there was too much or too little light.
 
 /** Any channel from here on. Noise and the JPEG keep a clipped channel from always being 255. */
 export const OVER_FROM = 250;
@@ -14,7 +14,7 @@ export interface ExposureMarks {
 }
 
 export interface ExposureShare {
-  /** Share of the picture's pixels, 0 to 1. */
+  /** Share of the image's pixels, 0 to 1. */
   over: number;
   under: number;
 }
@@ -24,7 +24,7 @@ const STRIPE_PX = 4;
 const STRONG = 255;
 const WEAK = 150;
 
-/** Paints the marks (RGBA, clear where there is none) of a picture (RGBA). A kind without a colour is only counted. */
+/** Paints the marks (RGBA, clear where there is none) of an image (RGBA). A kind without a colour is only counted. */
 export function markExposure(picture: Uint8ClampedArray, width: number, marks: Uint8ClampedArray, { over, under }: ExposureMarks): ExposureShare {
   const count = { over: 0, under: 0 };
   const pixels = picture.length / 4;

@@ -15,7 +15,7 @@ export const labelColours: Readonly<Record<string, Rgb>> = {
   black: [0, 0, 0],
 };
 
-/** The label whose colour a pixel of the labelled picture has; a JPEG changes colours a little. */
+/** The label whose colour a pixel of the labelled image has; a JPEG changes colours a little. */
 export function labelOf([r, g, b]: Rgb): string {
   const distance = ([lr, lg, lb]: Rgb) => (lr - r) ** 2 + (lg - g) ** 2 + (lb - b) ** 2;
   return Object.entries(labelColours).reduce((best, one) => (distance(one[1]) < distance(best[1]) ? one : best))[0];

@@ -11,7 +11,7 @@ describe('adaptation to the link', () => {
     expect(after(LINK_START, ...times(100, fine)).effort).toBe(0);
   });
 
-  it('takes smaller pictures when they come late, and no smaller than the least', () => {
+  it('takes smaller images when they come late, and no smaller than the least', () => {
     const late = (delayMs: number) => ({ ...fine, delayMs });
     expect(after(LINK_START, fine, late(130)).effort).toBe(1);
     expect(after(LINK_START, fine, late(500), late(300), late(200)).effort).toBe(3);
@@ -25,7 +25,7 @@ describe('adaptation to the link', () => {
     expect(after(LINK_START, slow, { ...slow, fps: 15 }).effort).toBe(2);
   });
 
-  it('takes smaller pictures when few of those wanted come', () => {
+  it('takes smaller images when few of those wanted come', () => {
     expect(after(LINK_START, { ...fine, fps: 12 }).effort).toBe(1);
     expect(after(LINK_START, { delayMs: 20, fps: 12, wantedFps: 15 }).effort).toBe(0);
   });
@@ -41,7 +41,7 @@ describe('adaptation to the link', () => {
     expect(state.effort).toBe(0);
   });
 
-  it('takes better pictures again when there is room', () => {
+  it('takes better images again when there is room', () => {
     const low = { ...LINK_START, effort: 3, floorMs: 20 };
     expect(after(low, ...times(3, fine)).effort).toBe(3);
     expect(after(low, ...times(4, fine)).effort).toBe(2);

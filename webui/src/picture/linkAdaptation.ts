@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits the pictures to the link: smaller and coarser ones while they come late or seldom, better ones again when there is room.
+// Fits the images to the link: smaller and coarser ones while they come late or seldom, better ones again when there is room.
 
 export interface PictureEffort {
   /** Factor on the width that would be sharp. */
@@ -8,7 +8,7 @@ export interface PictureEffort {
   quality: number;
 }
 
-/** From the best picture to the smallest; each takes about 0.6 of the bytes of the one before. */
+/** From the best image to the smallest; each takes about 0.6 of the bytes of the one before. */
 export const EFFORTS: readonly PictureEffort[] = [
   { width: 1, quality: 75 },
   { width: 1, quality: 55 },
@@ -34,11 +34,11 @@ export interface LinkState {
   floorMs: number;
   /** Good periods in a row. */
   good: number;
-  /** Good periods that are wanted before better pictures are tried. */
+  /** Good periods that are wanted before better images are tried. */
   patience: number;
-  /** Periods since better pictures were tried; those that then come late show that there is no room. */
+  /** Periods since better images were tried; those that then come late show that there is no room. */
   sinceRaise: number;
-  /** What there was when smaller pictures were taken last, and periods since. */
+  /** What there was when smaller images were taken last, and periods since. */
   lowered: { delayMs: number; fps: number; ago: number } | null;
 }
 
@@ -48,11 +48,11 @@ const LATE_MS = 100;
 const EASY_MS = 40;
 const SELDOM = 0.6;
 const OFTEN = 0.8;
-/** The floor rises by this with each period, so that one lucky picture, or another clock, does not count for ever. */
+/** The floor rises by this with each period, so that one lucky image, or another clock, does not count for ever. */
 const FLOOR_RISE_MS = 1;
 const FAILED_AFTER = 3;
 const MOST_PATIENCE = 64;
-/** Where smaller pictures changed less than this, it is not the link (a slow computer), and still smaller ones wait this long. */
+/** Where smaller images changed less than this, it is not the link (a slow computer), and still smaller ones wait this long. */
 const HELPED = 0.87;
 const HOLD = 20;
 

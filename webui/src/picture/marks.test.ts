@@ -15,7 +15,7 @@ const header = (robots: ReturnType<typeof seen>[]) =>
   ({ camera: 0, frame: 1, t_capture: 0, picture: 'camera' as const, width: 780, height: 580, robots, balls: [] });
 
 describe('marks', () => {
-  it('draws a robot looking along +x to the right in a picture laid as the field lies', () => {
+  it('draws a robot looking along +x to the right in an image laid as the field lies', () => {
     const [mark] = marks(header([seen(1250, 0)]), radii, model, 1).robots;
     expect(mark!.ahead.x).toBeCloseTo(1, 2);
     expect(mark!.ahead.y).toBeCloseTo(0, 2);

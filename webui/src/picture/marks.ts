@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a picture's robots, balls and their tags are drawn, in the (turned) picture's own pixels.
+// Where an image's robots, balls and their tags are drawn, in the (turned) image's own pixels.
 import type { Ball, PreviewHeader, Robot } from '../api/types';
 import type { CameraModel, Point, Point3 } from '../geometry/cameraModel';
 import { turnPixel, turnedSize, type Size, type Turn } from '../geometry/turn';
@@ -12,7 +12,7 @@ export interface RobotMark {
   radius: number;
   ring: string;
   heading: string;
-  /** Unit direction of the heading in the picture. */
+  /** Unit direction of the heading in the image. */
   ahead: Point;
 }
 
@@ -29,7 +29,7 @@ export interface Marks {
   balls: BallMark[];
 }
 
-/** Without a calibration a ring is drawn at this share of the picture's width. */
+/** Without a calibration a ring is drawn at this share of the image's width. */
 const BLIND_RADIUS = 0.02;
 /** A ball's ring is drawn wider than the ball, or it would hide it. */
 const BALL_RING = 2.2;
@@ -37,7 +37,7 @@ const BALL_RING = 2.2;
 const round = (value: number) => Math.round(value * 10) / 10;
 const at = (p: Point) => `${round(p.x)} ${round(p.y)}`;
 
-/** What a radius along the field's x and along its y is in the picture. */
+/** What a radius along the field's x and along its y is in the image. */
 function axes({ x, y, z }: Point3, radius: number, model: CameraModel | null, picture: Size, turn: Turn): [Point, Point] {
   const centre = model?.project(x, y, z);
   const alongX = model?.project(x + radius, y, z);
@@ -67,7 +67,7 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
     key, robot, centre,
     radius: Math.max(Math.hypot(ux.x, ux.y), Math.hypot(uy.x, uy.y)),
     ring: `M${ring.join('L')}Z`,
-    // Where the field's x lies in an uncalibrated picture is not known, so neither is the heading.
+    // Where the field's x lies in an uncalibrated image is not known, so neither is the heading.
     heading: model ? `M${at(front)}L${at(tip)}` : '',
     ahead: !model ? { x: 0, y: 0 } : { x: (front.x - centre.x) / length, y: (front.y - centre.y) / length },
   };
@@ -110,7 +110,7 @@ const TAG = { width: 22, height: 15, gap: 5 };
 
 /**
  * Puts each tag on the side of its robot that is clear of its heading, of other robots, balls and tags, and inside the
- * picture. A tag keeps its side until another is clearly better, so that it does not jump about; `sides` remembers it.
+ * image. A tag keeps its side until another is clearly better, so that it does not jump about; `sides` remembers it.
  */
 export function placeTags({ size, robots, balls }: Marks, scale: number, sides: Map<string, number>): Tag[] {
   const things = [...robots, ...balls].map(({ centre, radius }) => ({ x: centre.x * scale, y: centre.y * scale, reach: radius * scale }));

@@ -9,7 +9,7 @@ describe('mask', () => {
   it('is drawn through the centres of its pixels', () => {
     expect(maskPaths({ include: [], exclude: [triangle] }, [], picture, 0)).toEqual({ include: [], exclude: ['M0.5 0.5L10.5 0.5L10.5 20.5Z'], beyond: '' });
   });
-  it('turns with the picture', () => {
+  it('turns with the image', () => {
     expect(maskPaths({ include: [triangle], exclude: [] }, [], picture, 2)?.include).toEqual(['M99.5 79.5L89.5 79.5L89.5 59.5Z']);
   });
   it('has what lies beyond the field, by the edges of its pixels', () => {

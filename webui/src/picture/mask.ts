@@ -31,7 +31,7 @@ const cornersOf = ([left, top, width, height]: Rectangle): MaskPolygon => {
   return { points: [[x1, y1], [x2, y1], [x2, y2], [x1, y2]] };
 };
 
-/** As SVG draws them over a picture that is not turned. */
+/** As SVG draws them over an image that is not turned. */
 export const rectanglesPath = (rectangles: Rectangle[]): string => rectangles.map(([left, top, width, height]) => `M${left} ${top}h${width}v${height}h${-width}Z`).join('');
 
 /** null when nothing is left out. */

@@ -13,7 +13,7 @@ describe('regions', () => {
     ]);
   });
 
-  it('turn with the picture', () => {
+  it('turn with the image', () => {
     expect(regionPaths(regions, picture, 1)[0]!.path).toMatch(/^M54 10h6v4h-6z/);
   });
 

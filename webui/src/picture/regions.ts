@@ -10,7 +10,7 @@ export interface RegionPath {
   path: string;
 }
 
-/** Boxes round whole pixels, in the (turned) picture's own pixels. */
+/** Boxes round whole pixels, in the (turned) image's own pixels. */
 export function regionPaths(regions: PreviewRegions | null | undefined, picture: Size, turn: Turn): RegionPath[] {
   const paths = new Map<string, string>();
   for (const [index, x, y, width, height] of regions?.boxes ?? []) {

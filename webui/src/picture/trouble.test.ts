@@ -4,15 +4,15 @@ import { pictureTrouble } from './trouble';
 
 const fine = { state: 'running' as const, error: '', silentSeconds: null, age: 0.1 };
 
-describe('why a picture is not live', () => {
+describe('why an image is not live', () => {
   it('says nothing of a live one', () => expect(pictureTrouble(fine)).toBeNull());
-  it('says how old a lost camera\'s picture is and why', () => {
+  it('says how old a lost camera\'s image is and why', () => {
     expect(pictureTrouble({ ...fine, state: 'lost', error: 'no answer from 10.0.0.7', age: 12.4 }))
-      .toMatchObject({ title: 'Camera lost', notes: ['Last picture 12 s old', 'no answer from 10.0.0.7'], bad: true });
+      .toMatchObject({ title: 'Camera lost', notes: ['Last image 12 s old', 'no answer from 10.0.0.7'], bad: true });
   });
   it('blames the connection before the camera', () => {
     expect(pictureTrouble({ ...fine, state: 'lost', silentSeconds: 4, age: 4 })).toMatchObject({ title: 'No data for 4 s', bad: false });
   });
-  it('sees a stuck picture', () => expect(pictureTrouble({ ...fine, age: 5 })?.title).toBe('No picture for 5 s'));
-  it('waits for the first', () => expect(pictureTrouble({ ...fine, age: null })?.title).toBe('Waiting for a picture'));
+  it('sees a stuck image', () => expect(pictureTrouble({ ...fine, age: 5 })?.title).toBe('No image for 5 s'));
+  it('waits for the first', () => expect(pictureTrouble({ ...fine, age: null })?.title).toBe('Waiting for an image'));
 });

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits a picture into its frame, and knows its scale on the screen.
+// Fits an image into its frame, and knows its scale on the screen.
 import { computed, onMounted, onUnmounted, ref, type Ref } from 'vue';
 import type { Size } from '../geometry/turn';
 
 export interface View {
-  /** 1 shows the whole picture. */
+  /** 1 shows the whole image. */
   zoom: number;
-  /** The picture's middle from the frame's middle, in screen pixels. */
+  /** The image's middle from the frame's middle, in screen pixels. */
   x: number;
   y: number;
 }
@@ -16,7 +16,7 @@ export const WHOLE: View = { zoom: 1, x: 0, y: 0 };
 export interface Box extends Size {
   left: number;
   top: number;
-  /** Screen pixels per picture pixel. */
+  /** Screen pixels per image pixel. */
   scale: number;
 }
 
@@ -48,10 +48,10 @@ export function isEnlarged(jpegWidth: number, cameraWidth: number, scale: number
   return cameraWidth * scale * ratio > jpegWidth;
 }
 
-/** JPEG widths worth asking for: few steps, so that a resized window does not ask anew with every pixel. */
+/** JPEG widths worth asking for: few steps, so that a resized window does not ask again with every pixel. */
 const WIDTHS = [240, 320, 480, 640, 800, 1024, 1280, 1600, 2048];
 
-/** The width to ask for so that a picture shown at this scale is sharp. */
+/** The width to ask for so that an image shown at this scale is sharp. */
 export function sharpWidth(cameraWidth: number, scale: number): number {
   const wanted = cameraWidth * scale * Math.min(devicePixelRatio, 2);
   return Math.min(cameraWidth, WIDTHS.find((width) => width >= wanted) ?? cameraWidth);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches how pictures come and says what to ask for.
+// Watches how images come and says what to ask for.
 import { computed, shallowRef } from 'vue';
 import { adapt, EFFORTS, LINK_START } from './linkAdaptation';
 import type { Shown } from './useLivePicture';
 
 const PERIOD_MS = 1000;
-/** A fresh picture after a gap like this came after a freeze, a tab in the background, a lost camera: a period begins anew. */
+/** A fresh image after a gap like this came after a freeze, a tab in the background, a lost camera: a period begins again. */
 const GAP_MS = 700;
 
 export function useLinkAdaptation(wantedFps: () => number) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's pictures on a canvas, each together with the detections of its own frame.
+// A camera's images on a canvas, each together with the detections of its own frame.
 import { onUnmounted, shallowRef, watch, type Ref } from 'vue';
 import type { PreviewMessage } from '../api/messages';
 import type { PreviewHeader, PreviewRequest } from '../api/types';
@@ -23,7 +23,7 @@ export interface Shown {
 
 const same = (a: PreviewRequest | null, b: PreviewRequest | null) => JSON.stringify(a) === JSON.stringify(b);
 
-/** `request` null: no picture is asked for and the last one stays (a frozen or hidden view). */
+/** `request` null: no image is asked for and the last one stays (a frozen or hidden view). */
 export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: () => PreviewRequest | null, turn: () => Turn, line: PictureLine = sharedLine) {
   const shown = shallowRef<Shown | null>(null);
   let bitmap: ImageBitmap | null = null;
@@ -49,12 +49,12 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
     try {
       next = await createImageBitmap(new Blob([jpeg], { type: 'image/jpeg' }));
     } catch {
-      // A damaged picture: ask for the next one all the same.
+      // A damaged image: ask for the next one all the same.
       line.acknowledge(header.camera, header.frame);
       return;
     }
     requestAnimationFrame(() => {
-      // After a freeze or a change of camera a picture may still be on its way.
+      // After a freeze or a change of camera an image may still be on its way.
       if (!alive || request()?.camera !== header.camera) {
         next.close();
         return;
@@ -62,12 +62,12 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
       const old = bitmap;
       bitmap = next;
       draw();
-      // Vue draws the overlay before this frame is painted, so that picture and vectors change together.
+      // Vue draws the overlay before this frame is painted, so that image and vectors change together.
       shown.value = {
         header, picture: next, width: next.width, height: next.height, bytes: jpeg.length, delayMs: ageOf(header.t_capture) * 1000, at: performance.now(),
       };
       old?.close();
-      // A task of its own runs after the paint: only then is the picture on the screen.
+      // A task of its own runs after the paint: only then is the image on the screen.
       setTimeout(() => line.acknowledge(header.camera, header.frame));
     });
   }

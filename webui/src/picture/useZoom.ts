@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wheel, drag and pinch on a picture's frame.
+// Wheel, drag and pinch on an image's frame.
 import { ref, shallowRef, type Ref } from 'vue';
 import type { Size } from '../geometry/turn';
 import { WHOLE, type View } from './useBox';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zooming and panning a picture within its frame.
+// Zooming and panning an image within its frame.
 import type { Size } from '../geometry/turn';
 import { WHOLE, type View } from './useBox';
 
@@ -7,7 +7,7 @@ export const MAX_ZOOM = 12;
 
 const clamp = (value: number, limit: number) => Math.min(limit, Math.max(-limit, value));
 
-/** Keeps the picture over the frame: no pan beyond its edge, and centred where it is smaller. */
+/** Keeps the image over the frame: no pan beyond its edge, and centred where it is smaller. */
 function keepInside(view: View, frame: Size, picture: Size): View {
   const scale = Math.min(frame.width / picture.width, frame.height / picture.height) * view.zoom;
   return {

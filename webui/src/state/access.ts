@@ -75,6 +75,6 @@ export function followAccess(): void {
     return isLocked.value && await askAbout('match');
   });
   void loadAccess();
-  // The service may have been started anew, or a match may have begun or ended.
+  // The service may have been started again, or a match may have begun or ended.
   watch([connection, () => liveStatus.value?.referee.game_is_running], () => { void loadAccess(); });
 }

@@ -23,7 +23,7 @@ export class History {
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
-      // A camera that does not run has no latency; its figures are those of before.
+      // A camera that does not run has no latency; its figures are old.
       if (camera.state !== 'running') continue;
       let samples = this.cameras.get(camera.id);
       if (!samples) this.cameras.set(camera.id, (samples = []));

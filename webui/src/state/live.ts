@@ -57,7 +57,7 @@ function gatherObjects(): void {
 
 const watchers = new Set<(data: Detections) => void>();
 
-/** Calls with every picture's detections, of all cameras. Returns how to stop that. */
+/** Calls with every image's detections, of all cameras. Returns how to stop that. */
 export function watchDetections(watcher: (data: Detections) => void): () => void {
   watchers.add(watcher);
   return () => { watchers.delete(watcher); };
@@ -99,7 +99,7 @@ export type PreviewListener = (message: PreviewMessage) => void;
 const previews = new Map<number, { request: PreviewRequest; listener: PreviewListener }>();
 let socket: PanelSocket | null = null;
 
-/** Asks for a camera's pictures; asking again changes size and rate. Survives reconnects. */
+/** Asks for a camera's images; asking again changes size and rate. Survives reconnects. */
 export function startPreview(request: PreviewRequest, listener: PreviewListener): void {
   previews.set(request.camera, { request, listener });
   socket?.send({ preview: request });
@@ -116,7 +116,7 @@ export function acknowledge(camera: number, frame: number): void {
   socket?.send({ ack: { camera, frame } });
 }
 
-/** How a view gets a camera's pictures. */
+/** How a view gets a camera's images. */
 export interface PictureLine {
   start: typeof startPreview;
   stop: typeof stopPreview;
@@ -124,7 +124,7 @@ export interface PictureLine {
 }
 export const sharedLine: PictureLine = { start: startPreview, stop: stopPreview, acknowledge };
 
-/** A connection of its own for a second picture of the same camera: the shared one carries one of each. */
+/** A connection of its own for a second image of the same camera: the shared one carries one of each. */
 export function openLine(): PictureLine & { end(): void } {
   let wanted: { request: PreviewRequest; listener: PreviewListener } | null = null;
   const line = new PanelSocket(socketUrl(), {

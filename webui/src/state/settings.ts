@@ -165,7 +165,7 @@ export function saveValue(pointer: string, value: Json): Promise<Outcome> {
   return entry.outcome;
 }
 
-/** Puts the parts of a profile that lie at `paths` into force. */
+/** Applies the parts of a profile that lie at `paths`. */
 export const applyProfile = (name: string, paths: string[]): Promise<Outcome> => inTurn(() => attempt(async () => {
   try {
     return takeOwn(await api.post<SettingsRevision>(`profiles/${encodeURIComponent(name)}/apply`, { paths }, sameRevision()));

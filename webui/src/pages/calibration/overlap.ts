@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far apart two cameras have the same robot. Their pictures are not taken at the same moment, so a robot of one is
-// compared with where the other has it between two of its pictures.
+// How far apart two cameras have the same robot. Their images are not taken at the same moment, so a robot of one is
+// compared with where the other has it between two of its images.
 import type { Detections, Robot } from '../../api/types';
 import type { CameraModel } from '../../geometry/cameraModel';
 
-/** Of a camera's robots, the newest two pictures are kept. */
+/** Of a camera's robots, the newest two images are kept. */
 export type Pictures = { older: Detections | null; newer: Detections };
 
-/** Two pictures further apart than this say nothing about what was between them, s. */
+/** Two images further apart than this say nothing about what was between them, s. */
 const LONGEST_GAP_S = 0.2;
 
 export interface Meeting {
@@ -18,7 +18,7 @@ export interface Meeting {
   proposed: number | null;
 }
 
-/** The robots of one picture that another camera has too, at the moment of that picture. */
+/** The robots of one image that another camera has too, at the moment of that image. */
 export function meetings(mine: Detections, theirs: Pictures, proposal: CameraModel | null): Meeting[] {
   const { older, newer } = theirs;
   if (!older || newer.t_capture - older.t_capture > LONGEST_GAP_S) return [];

@@ -15,18 +15,18 @@ const reportWith = (given: ReturnType<typeof point>[], control: ReturnType<typeo
   ({ points: given, control_points: control, notes }) as unknown as CalibrationReport;
 
 describe('points', () => {
-  it('are proposed where a camera sees them, and only those in the picture', () => {
+  it('are proposed where a camera sees them, and only those in the image', () => {
     const named = [{ name: 'centre', field_x: 0, field_y: 0 }, { name: 'corner', field_x: 1000, field_y: 1000 }, { name: 'far', field_x: 9000, field_y: 0 }];
     expect(seenPoints(model, named, size)).toEqual([{ name: 'centre', x: 390, y: 290 }, { name: 'corner', x: 490, y: 190 }]);
   });
 
-  it('of a report are those that were given, else those that were found in the picture', () => {
+  it('of a report are those that were given, else those that were found in the image', () => {
     const control = [point('a', 10.04, 20), point('b', -9, 20)];
     expect(pointsOf(reportWith([], control), size)).toEqual([{ name: 'a', x: 10, y: 20 }]);
     expect(pointsOf(reportWith([point('c', -0.2, 1)], control), size)).toEqual([{ name: 'c', x: -0.2, y: 1 }]);
   });
 
-  it('stay in the picture, whose pixel centres are whole numbers', () => {
+  it('stay in the image, whose pixel centres are whole numbers', () => {
     expect(clampInto({ x: -5, y: 900 }, size)).toEqual({ x: 0, y: 579 });
     expect([isInside({ x: -0.5, y: 0 }, size), isInside({ x: 779.6, y: 0 }, size)]).toEqual([true, false]);
   });

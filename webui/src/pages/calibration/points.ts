@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of the field that somebody pointed at in the picture, and what is known before a calibration.
+// Points of the field that somebody pointed at in the image, and what is known before a calibration.
 import type { CalibrationReport, CalibrationRequest, CalibrationState, FieldPoint } from '../../api/types';
 import type { CameraModel, Point } from '../../geometry/cameraModel';
 import type { Size } from '../../geometry/turn';
 
-/** A point in the picture; an empty name is found out by the service. */
+/** A point in the image; an empty name is found out by the service. */
 export interface Corner extends Point {
   name: string;
 }
@@ -22,7 +22,7 @@ export interface Known {
 
 export const NOTHING_KNOWN: Known = { height_mm: null, height_sigma_mm: 20, focal_px: null, plus_x: null, lines_measured_to: null };
 
-/** Pixel centres are whole numbers, so that the picture ends half a pixel beyond the last. */
+/** Pixel centres are whole numbers, so that the image ends half a pixel beyond the last. */
 export const isInside = ({ x, y }: Point, { width, height }: Size) => x >= -0.5 && y >= -0.5 && x <= width - 0.5 && y <= height - 0.5;
 
 export const clampInto = ({ x, y }: Point, { width, height }: Size): Point => ({
@@ -76,7 +76,7 @@ export function knownText(known: Known): string {
   return words.length ? words.join(', ') : 'nothing given';
 }
 
-/** The service says so when a picture does not tell the two halves of the field apart. */
+/** The service says so when an image does not tell the two halves of the field apart. */
 export const asksForPlusX = (report: CalibrationReport | null): boolean => report?.notes.some((note) => note.includes('say where +x is')) ?? false;
 /** ... and when the lines do not tell how high the camera hangs. */
 export const asksForHeight = (report: CalibrationReport | null): boolean => report?.notes.some((note) => note.startsWith("The camera's height")) ?? false;

@@ -26,7 +26,7 @@ describe('a polygon', () => {
     expect(pairOf({ x: -1e9, y: 1e9 })).toEqual([-16384, 32768]);
   });
 
-  it('begins in the picture', () => {
+  it('begins in the image', () => {
     for (const already of [0, 1, 4, 9]) {
       for (const [x, y] of newPolygon({ width: 780, height: 580 }, already).points) expect(x > 0 && x < 780 && y > 0 && y < 580).toBe(true);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mask polygons in pixels of the picture. They may reach beyond it.
+// Mask polygons in pixels of the image. They may reach beyond it.
 import type { FieldSize } from '../../api/types';
 import type { CameraModel, Point } from '../../geometry/cameraModel';
 import type { Size } from '../../geometry/turn';
@@ -45,7 +45,7 @@ export const middles = ({ points }: Polygon): Point[] => points.map(([x, y], i) 
 /** As SVG draws it: half a pixel from where pixel centres are whole numbers. */
 export const polygonPath = ({ points }: Polygon): string => `M${points.map(([x, y]) => `${x + 0.5} ${y + 0.5}`).join('L')}Z`;
 
-/** A quarter of the picture's sides around its middle; several at once lie beside each other. */
+/** A quarter of the image's sides around its middle; several at once lie beside each other. */
 export function newPolygon({ width, height }: Size, already: number): Polygon {
   const shift = (already % 5) * 0.03;
   const [left, top] = [(0.375 + shift) * width, (0.375 + shift) * height];

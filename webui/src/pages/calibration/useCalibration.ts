@@ -61,7 +61,7 @@ export function useCalibration(camera: () => CameraStatus) {
     return list.length ? Math.sqrt(list.reduce((sum, { off_px }) => sum + off_px * off_px, 0) / list.length) : null;
   });
 
-  const start = (withPoints: boolean) => attempt('Calibrate all the same', async (force) => {
+  const start = (withPoints: boolean) => attempt('Calibrate anyway', async (force) => {
     await job.start(requestOf(withPoints ? points.value : [], known.value, force));
     chosen.value = null;
   });
@@ -89,12 +89,12 @@ export function useCalibration(camera: () => CameraStatus) {
     run: () => start(true),
     cancel: () => attempt('', () => job.cancel()),
     accept: async () => {
-      if (await attempt('Use it all the same', job.accept, forceable)) chosen.value = 'history';
+      if (await attempt('Use it anyway', job.accept, forceable)) chosen.value = 'history';
     },
     reject: async () => {
       if (await attempt('', () => job.reject())) chosen.value = 'points';
     },
-    revert: () => attempt('Revert all the same', job.revert, () => state.value?.history.some(({ reverted }) => reverted === null) ?? false),
+    revert: () => attempt('Revert anyway', job.revert, () => state.value?.history.some(({ reverted }) => reverted === null) ?? false),
     propose() {
       if (inUse.value) points.value = seenPoints(new CameraModel(inUse.value), state.value!.points, camera());
     },

@@ -15,7 +15,7 @@ describe('layers', () => {
     expect(new Set(layerList.map(({ key }) => key)).size).toBe(layerList.length);
   });
 
-  it('are hidden all at once, the labelled picture too, and come back', () => {
+  it('are hidden all at once, the labelled image too, and come back', () => {
     toggleLayer('labels');
     expect(shownLayers.value).toEqual({ ...FIRST, labels: true });
     allHidden.value = true;

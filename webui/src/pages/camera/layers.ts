@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which picture and which overlays are on, for all cameras; the reader's choice is kept in the browser.
+// Which image and which overlays are on, for all cameras; the reader's choice is kept in the browser.
 import { computed, reactive, ref, watch } from 'vue';
 import type { Layers } from '../../picture/LivePicture.vue';
 
@@ -14,13 +14,13 @@ export interface Layer {
 }
 
 export const layerList: readonly Layer[] = [
-  { name: 'detections', title: 'Detections', key: '1', isOn: true, what: 'Robots with their heading, and balls, as found in this very frame.' },
+  { name: 'detections', title: 'Detections', key: '1', isOn: true, what: 'Robots with their heading, and balls, as found in this frame.' },
   { name: 'lines', title: 'Field lines', key: '2', isOn: true, what: 'The lines of the field where the calibration puts them: they should cover the painted ones.' },
   { name: 'regions', title: 'Regions', key: '3', isOn: false, what: 'Connected pixels of one label, each in its label’s colour; the largest 500.' },
-  { name: 'mask', title: 'Mask', key: '4', isOn: true, what: 'Hatched: not looked at, because the mask hides it or it lies too far beyond the field.' },
-  { name: 'over', title: 'Over-exposed', key: '5', isOn: false, what: 'Pixels of the shown picture with red, green or blue at 250 or more of 255: their colour is lost.' },
-  { name: 'under', title: 'Under-exposed', key: '6', isOn: false, what: 'Pixels of the shown picture with red, green and blue at 6 or less of 255.' },
-  { name: 'labels', title: 'Labels', key: '7', isOn: false, what: 'Instead of the camera’s picture: what the colour table makes of each pixel.' },
+  { name: 'mask', title: 'Mask', key: '4', isOn: true, what: 'Hatched: not searched, because the mask hides it or it lies too far beyond the field.' },
+  { name: 'over', title: 'Over-exposed', key: '5', isOn: false, what: 'Pixels of the shown image with red, green or blue at 250 or more of 255: their colour is lost.' },
+  { name: 'under', title: 'Under-exposed', key: '6', isOn: false, what: 'Pixels of the shown image with red, green and blue at 6 or less of 255.' },
+  { name: 'labels', title: 'Labels', key: '7', isOn: false, what: 'The label that the colour table gives each pixel, instead of the camera’s image.' },
   { name: 'grid', title: 'Grid, 1 m', key: '8', isOn: false, what: 'Lines on the floor every metre from the middle of the field.' },
 ];
 

@@ -12,14 +12,14 @@ import type { Shown } from '../../picture/useLivePicture';
 import { now } from '../../state/live';
 
 export interface Pixel {
-  /** Of the camera's picture. */
+  /** Of the camera's image. */
   x: number;
   y: number;
   /** On the floor, mm. */
   ground: Point | null;
   rgb: Rgb;
   tone: Tone;
-  /** In the labelled picture. */
+  /** In the labelled image. */
   label: string;
 }
 
@@ -67,12 +67,12 @@ export function usePixel(frame: Ref<HTMLElement | null>, box: Ref<Box | null>, s
       label: current.header.picture === 'labels' ? labelOf(rgb) : '',
     };
   }
-  // With the pointer and a few times a second, not with every picture: faster nobody reads.
+  // With the pointer and a few times a second, not with every image: faster nobody reads.
   watch([under, pinned, now], read);
 
   return {
     pixel,
-    /** Where the clicked one lies in the camera's picture. */
+    /** Where the clicked one lies in the camera's image. */
     pinned,
     onMove(event: PointerEvent) { under.value = event.pointerType === 'mouse' ? placeOf(event) : null; },
     onLeave() { under.value = null; },

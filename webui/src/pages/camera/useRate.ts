@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many pictures and bits a view really gets.
+// How many images and bits a view really gets.
 import { computed } from 'vue';
 import { now } from '../../state/live';
 import type { Shown } from '../../picture/useLivePicture';

@@ -7,14 +7,14 @@ export interface Found {
   balls: number;
 }
 
-/** In all pictures, or in one. */
+/** In all images, or in one. */
 export function found(pictures: readonly LearningPicture[], when: 'before' | 'after'): Found {
   return pictures.reduce((sum, picture) => ({ robots: sum.robots + picture[when].robots.length, balls: sum.balls + picture[when].balls.length }), { robots: 0, balls: 0 });
 }
 
-/** "12 robots (6 yellow, 6 blue) and 3 balls in 3 pictures" */
+/** "12 robots (6 yellow, 6 blue) and 3 balls in 3 images" */
 export function sourceText({ robots, balls, pictures }: LearningReport): string {
   const all = robots.yellow + robots.blue;
   const count = (value: number, word: string) => `${value} ${word}${value === 1 ? '' : 's'}`;
-  return `${count(all, 'robot')} (${robots.yellow} yellow, ${robots.blue} blue) and ${count(balls, 'ball')} in ${count(pictures.length, 'picture')}`;
+  return `${count(all, 'robot')} (${robots.yellow} yellow, ${robots.blue} blue) and ${count(balls, 'ball')} in ${count(pictures.length, 'image')}`;
 }

@@ -16,7 +16,7 @@ describe('raw pixels', () => {
     expect(yuvAt(look, look.index)).toEqual([150, 160, 170]);
     expect(look.labels[look.index]).toBe(5);
   });
-  it('knows that a Bayer picture has a cell for four pixels', () => {
+  it('knows that a Bayer image has a cell for four pixels', () => {
     expect(lookOf({ x: 15, y: 23 }, pixels({ cell_px: 2, width: 6, height: 4 }))?.index).toBe(5);
   });
   it('has nothing to show of what was left out', () => {
@@ -31,7 +31,7 @@ describe('rectangles', () => {
     expect(around({ x: 5, y: 6 }, 1)).toEqual({ x: 5, y: 6, width: 1, height: 1 });
     expect(around({ x: 5, y: 6 }, 9)).toEqual({ x: 1, y: 2, width: 9, height: 9 });
   });
-  it('span two corners within the picture', () => {
+  it('span two corners within the image', () => {
     const picture = { width: 100, height: 80 };
     expect(spanned({ x: 30, y: 40 }, { x: 10, y: 50 }, picture)).toEqual({ x: 10, y: 40, width: 21, height: 11 });
     expect(spanned({ x: 95, y: 75 }, { x: 400, y: -9 }, picture)).toEqual({ x: 95, y: 0, width: 5, height: 76 });

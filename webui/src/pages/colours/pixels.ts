@@ -20,7 +20,7 @@ export function bytesOf(base64: string): Uint8Array {
 /** A square of pixels around a place. */
 export const around = ({ x, y }: Place, side: number): Rect => ({ x: x - ((side - 1) >> 1), y: y - ((side - 1) >> 1), width: side, height: side });
 
-/** The rectangle that two corners span, within the picture; null when nothing of it lies there. */
+/** The rectangle that two corners span, within the image; null when nothing of it lies there. */
 export function spanned(a: Place, b: Place, picture: { width: number; height: number }): Rect | null {
   const x = Math.max(0, Math.min(a.x, b.x));
   const y = Math.max(0, Math.min(a.y, b.y));

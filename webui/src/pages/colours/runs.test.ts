@@ -2,7 +2,7 @@
 import { expect, it } from 'vitest';
 import { decodeLabelPicture } from './runs';
 
-it('reads a labelled picture', () => {
+it('reads a labelled image', () => {
   const { width, height, labels } = decodeLabelPicture(Uint8Array.from([3, 0, 2, 0, 5, 2, 0, 3, 7, 1]).buffer);
   expect([width, height]).toEqual([3, 2]);
   expect([...labels]).toEqual([5, 5, 0, 0, 0, 7]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels as runs: a label's value, then the run's length as LEB128 (seven bits a byte, lowest first). Tables and
-// labelled pictures come so.
+// labelled images come so.
 
 /** Throws what is wrong with them, unless they fill `count` labels exactly. */
 export function decodeRuns(bytes: Uint8Array, from: number, count: number): Uint8Array {
@@ -36,7 +36,7 @@ export interface LabelPicture {
 /** Width and height, 16 bits each, little-endian, then runs in reading order. */
 export function decodeLabelPicture(buffer: ArrayBuffer): LabelPicture {
   const bytes = new Uint8Array(buffer);
-  if (bytes.length < 4) throw new Error('a labelled picture is cut short');
+  if (bytes.length < 4) throw new Error('a labelled image is cut short');
   const view = new DataView(buffer);
   const [width, height] = [view.getUint16(0, true), view.getUint16(2, true)];
   return { width, height, labels: decodeRuns(bytes, 4, width * height) };

@@ -66,7 +66,7 @@ export function useColours(camera: number) {
   }
 
   function take(next: ColorState): Promise<void> {
-    // Answers may overtake each other; a service that was restarted begins anew, which load() takes over.
+    // Answers may overtake each other; a service that was restarted begins again, which load() takes over.
     if (!state.value || next.revision >= state.value.revision) state.value = next;
     return fetchTable();
   }

@@ -74,7 +74,7 @@ export function useLook(camera: number, still: () => number | null) {
     trial.value = null;
     area.value = picked;
   }
-  /** Of another picture nothing is known any more. */
+  /** Of another image nothing is known any more. */
   watch(still, () => { picked = null; leave(); });
   onUnmounted(() => clearTimeout(rest));
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pixels of a frozen picture have a colour where two labels meet. Its raw pixels are fetched once, when asked for.
+// Which pixels of a frozen image have a colour where two labels meet. Its raw pixels are fetched once, when asked for.
 import { computed, onUnmounted, shallowRef, watch } from 'vue';
 import { api } from '../../api/client';
 import type { Pixels, Still } from '../../api/types';
@@ -45,7 +45,7 @@ export function useMeeting(camera: number, still: () => Still | null, conflicts:
     if (of && raw.value?.still !== of.still) void fetchAll(of).catch(() => { /* The slices show them all the same. */ });
   });
 
-  /** 1 for each cell of the picture that lies there; null: not known. */
+  /** 1 for each cell of the image that lies there; null: not known. */
   const bright = computed(() => {
     const [mask, of, pixels] = [conflicts(), table(), raw.value];
     if (!mask || !of || !pixels || pixels.still !== still()?.still) return null;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture that the service keeps still, and what the table makes of it.
+// An image that the service keeps still, and what the table makes of it.
 import { onUnmounted, ref, shallowRef } from 'vue';
 import { api, ApiError, messageOf } from '../../api/client';
 import type { Still } from '../../api/types';
 import { decodeLabelPicture, type LabelPicture } from './runs';
 
-/** Wider pictures come smaller: the magnifier shows raw pixels anyway. */
+/** Wider images come smaller: the magnifier shows raw pixels anyway. */
 const MOST_WIDTH = 2048;
 
 export function useStill(camera: number) {
@@ -64,7 +64,7 @@ export function useStill(camera: number) {
         if (still.value !== current) break;
         // It is not kept for ever.
         if (error instanceof ApiError && error.status === 404) forget();
-        problem.value = error instanceof ApiError && error.status === 404 ? 'The frozen picture is gone at the service: freeze another one.' : messageOf(error);
+        problem.value = error instanceof ApiError && error.status === 404 ? 'The service no longer has the frozen image. Freeze another one.' : messageOf(error);
       }
     } while (again);
     looking = false;

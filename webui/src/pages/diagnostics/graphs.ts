@@ -61,7 +61,7 @@ export const graphKinds: readonly GraphKind[] = [
     figures: [{ figure: 'robots', name: 'robots' }, { figure: 'balls', name: 'balls' }],
   },
   {
-    key: 'lost', title: 'Lost', unit: 'pictures per s', height: 1, text: figure, scale: fromZero(2), isCount: true,
+    key: 'lost', title: 'Lost', unit: 'frames per s', height: 1, text: figure, scale: fromZero(2), isCount: true,
     figures: [{ figure: 'dropped', name: 'dropped' }, { figure: 'incomplete', name: 'incomplete' }],
   },
 ];

@@ -15,7 +15,7 @@ export const levelFilters = [
   { level: 'error', title: 'Errors' },
 ] as const satisfies readonly { level: LogLevel; title: string }[];
 
-/** The lines with those of the answer that are new, oldest first. */
+/** The lines with the new ones of the answer, oldest first. */
 export function followLog(lines: readonly LogLine[], { lines: answer }: LogLines): readonly LogLine[] {
   const known = new Set(lines.map(({ seq, time }) => `${seq} ${time}`));
   const news = answer.filter(({ seq, time }) => !known.has(`${seq} ${time}`));

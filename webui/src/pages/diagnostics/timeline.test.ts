@@ -13,7 +13,7 @@ function cameraTimeline(id: number, fps: (number | null)[]): CameraTimeline {
 const timeline = (time_s: number[], ...cameras: CameraTimeline[]): Timeline => ({ interval_s: 1, time_s, cameras });
 
 describe('a followed timeline', () => {
-  it('begins anew when the clock was set back', () => {
+  it('begins again when the clock was set back', () => {
     const first = follow(noSeries, timeline([5000, 5001], cameraTimeline(0, [70, 71])));
     const next = follow(first, timeline([1401, 1402], cameraTimeline(0, [71, 72])));
     expect(next.times).toEqual([1401, 1402]);

@@ -24,7 +24,7 @@ export const noSeries: Series = { times: [], cameras: new Map() };
 const emptyCamera = (length: number) =>
   Object.fromEntries(figures.map((figure) => [figure, new Array<number | null>(length).fill(null)])) as CameraSeries;
 
-/** The series with the answer's newer seconds, ten minutes at most; begun anew when the service's clock was set back. */
+/** The series with the answer's newer seconds, ten minutes at most; begun again when the service's clock was set back. */
 export function follow(series: Series, { interval_s, time_s, cameras }: Timeline): Series {
   const last = series.times.at(-1) ?? -Infinity;
   if (time_s.length && time_s.at(-1)! < last - CLOCK_WAS_SET_S) return follow(noSeries, { interval_s, time_s, cameras });

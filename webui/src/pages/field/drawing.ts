@@ -50,7 +50,7 @@ export function planeFor(fields: FieldSize[], box: Size): Plane {
   };
 }
 
-/** Where a point of the field (mm, +y up) lies in the picture. */
+/** Where a point of the field (mm, +y up) lies in the image. */
 export const place = ({ scale, middle }: Plane, x: number, y: number): Point => ({ x: middle.x + x * scale, y: middle.y - y * scale });
 
 const round = (value: number) => Math.round(value * 100) / 100;
@@ -91,7 +91,7 @@ export function dimensionsOf(field: FieldSize, plane: Plane): Dimension[] {
   const middleOf = (p: Point, q: Point): Point => ({ x: (p.x + q.x) / 2, y: (p.y + q.y) / 2 });
 
   const dimensions: Dimension[] = [];
-  /** Measured between two points of the picture, its line moved aside. */
+  /** Measured between two points of the image, its line moved aside. */
   const add = (key: SizeKey, p: Point, q: Point, aside: Point, label?: Point, anchor: Dimension['anchor'] = 'middle') => {
     const from = { x: p.x + aside.x, y: p.y + aside.y };
     const to = { x: q.x + aside.x, y: q.y + aside.y };

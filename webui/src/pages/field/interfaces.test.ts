@@ -16,7 +16,7 @@ describe('network cards to choose from', () => {
   });
   it('keep what is set, by address or gone', () => {
     expect(interfaceChoices(cards, '10.0.0.2', '')[1]).toEqual({ value: '10.0.0.2', text: '10.0.0.2 (on eth0)' });
-    expect(interfaceChoices(cards, 'eth9', '')[1]).toEqual({ value: 'eth9', text: 'eth9 (not there now)' });
+    expect(interfaceChoices(cards, 'eth9', '')[1]).toEqual({ value: 'eth9', text: 'eth9 (not present)' });
     expect(interfaceChoices(cards, 'eth0', '')).toHaveLength(4);
   });
 });

@@ -21,6 +21,6 @@ export function interfaceChoices(cards: NetworkInterface[], set: string, none: s
     .map((card) => ({ value: card.name, text: `${card.name} (${factOf(card)})` }));
   const byAddress = cards.find(({ addresses }) => addresses.includes(set));
   if (byAddress) choices.unshift({ value: set, text: `${set} (on ${byAddress.name})` });
-  else if (set !== '' && !cards.some(({ name }) => name === set)) choices.unshift({ value: set, text: `${set} (not there now)` });
+  else if (set !== '' && !cards.some(({ name }) => name === set)) choices.unshift({ value: set, text: `${set} (not present)` });
   return [{ value: '', text: none }, ...choices];
 }

@@ -6,7 +6,7 @@ import { fieldCurves, fieldLines } from '../../geometry/fieldLines';
 export type LineRow = NonNullable<FieldSize['field_lines']>[number] & { thickness: number };
 export type ArcRow = NonNullable<FieldSize['field_arcs']>[number] & { thickness: number };
 
-/** 0 means that of the field. */
+/** 0 means the field's value. */
 const thicknessOf = (field: FieldSize, own: number | null | undefined) => own || field.line_thickness;
 
 export const publishedLines = (field: FieldSize): LineRow[] => fieldLines(field).map(({ name, p1, p2 }, i) => ({

@@ -48,7 +48,7 @@ export function readTree(name: string, text: string): { settings: Json } | { err
   try {
     parsed = JSON.parse(text);
   } catch (error) {
-    return { error: `${name} is no JSON: ${error instanceof Error ? error.message : String(error)}` };
+    return { error: `${name} is not valid JSON: ${error instanceof Error ? error.message : String(error)}` };
   }
   if (typeof parsed !== 'object' || parsed === null || Array.isArray(parsed)) return { error: `${name} holds no settings: expected an object { … }` };
   return { settings: parsed as Json };

@@ -31,5 +31,5 @@ export function sayOutcome(outcome: Outcome, done: string, undo?: () => Promise<
 /** Says what was saved, and offers to take just that back. */
 export function saySaved(outcome: Outcome, done: string): void {
   const step = revision.value;
-  sayOutcome(outcome, done, async () => sayOutcome(await undoStep(step), 'Taken back'));
+  sayOutcome(outcome, done, async () => sayOutcome(await undoStep(step), 'Undone'));
 }

@@ -9,7 +9,7 @@ export interface StackItem {
 
 export const namesOf = (items: StackItem[]): string[] => items.filter(({ isOn }) => isOn).map(({ name }) => name);
 
-/** The stack in force, with the stages of the usual stack that it lacks at their places, switched off. */
+/** The stack in use, with the stages of the usual stack that it lacks at their places, switched off. */
 export function itemsOf(stack: string[], usual: string[]): StackItem[] {
   const items = stack.map((name): StackItem => ({ name, isOn: true }));
   usual.forEach((name, i) => {

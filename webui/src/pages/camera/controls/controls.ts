@@ -18,7 +18,7 @@ const IMPORTANT: readonly RegExp[] = [
 const plain = (name: string) => name.toLowerCase().replace(/[^a-z0-9]/g, '');
 const rank = ({ name }: Control) => IMPORTANT.findIndex((pattern) => pattern.test(plain(name)));
 
-/** So few that none needs to be hidden: those of a played recording, for instance. */
+/** So few that none needs to be hidden: the controls of a recording, for instance. */
 const FEW = 10;
 
 /** The important ones first, in their order, then the others in the camera's. */
@@ -50,7 +50,7 @@ export function unitOf({ name, unit }: Control): string {
   return UNIT_SIGNS[own] ?? own;
 }
 
-/** A camera is opened anew to change these: they are typed, not dragged. */
+/** A camera is opened again to change these: they are typed, not dragged. */
 const LAYOUT = /^(width|height|offset[xy]|pixelformat|(binning|decimation).*|.*packetsize)$/;
 export const isTyped = ({ name }: Control) => LAYOUT.test(plain(name));
 

@@ -97,7 +97,7 @@ export function useControls(camera: () => CameraStatus) {
     });
     isSaving.value = false;
     saveError.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text
-      : outcome.kind === 'stale' ? `${outcome.step.who} changed the camera's controls meanwhile; look, and save again` : '';
+      : outcome.kind === 'stale' ? `${outcome.step.who} has changed the camera's controls; check them and save again` : '';
     await load();
   }
   const goBack = (control: Control) => {
