@@ -23,8 +23,8 @@ class Daemon {
   ~Daemon();
 
   int panel_port() const;
-  /// One line for the service manager and the log, at most a second old: cameras, rate, latency, where packets
-  /// go. Does not wait for anything.
+  /// One line for the service manager and the log, at most a second old: cameras, rate, latency, where
+  /// packets go. Does not wait for anything.
   std::string summary() const;
   /// Reads the settings file again and applies it; logs what came of it.
   void reload();

@@ -41,7 +41,9 @@ std::string type_of(const Json& schema) {
   if (schema.contains("const")) return words_of(Json::array({schema["const"]}), "");
   if (schema.contains("enum")) return "one of " + words_of(schema["enum"], ", ");
   const Json type = schema.value("type", Json());
-  std::string out = type.is_array() ? words_of(type, " or ") : type.is_string() ? type.get<std::string>() : "";
+  std::string out = type.is_array()    ? words_of(type, " or ")
+                    : type.is_string() ? type.get<std::string>()
+                                       : "";
   if (schema.contains("minimum"))
     out += fmt::format(" {} to {}", schema["minimum"].get<double>(), schema["maximum"].get<double>());
   if (const std::string unit = schema.value("x-unit", ""); !unit.empty()) out += " " + unit;

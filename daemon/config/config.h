@@ -7,6 +7,7 @@
 #include "base/params.h"
 #include "capture/camera_thread.h"
 #include "colors/light_follower.h"
+#include "config/stages.h"
 #include "geometry/ball_models.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
@@ -14,7 +15,6 @@
 #include "net/referee_listener.h"
 #include "pipeline/frame.h"
 #include "settings/migrations.h"
-#include "config/stages.h"
 #include "vision/lut.h"
 
 #include <functional>
@@ -94,7 +94,8 @@ struct CameraSettings {
   MaskSettings mask;
   std::vector<std::string> stack = default_stack();
   Json stages = Json::object();
-  std::vector<StageParams> stage_params{};  // of `stages`, by the table of stages; read_config() fills them in
+  std::vector<StageParams>
+      stage_params{};  // of `stages`, by the table of stages; read_config() fills them in
   ThreadSettings thread;
   static constexpr auto fields() {
     using C = CameraSettings;
@@ -140,8 +141,9 @@ struct Config {
   }
 };
 
-/// Reads a tree that may be incomplete, each part once. Throws SettingsError for whatever is not allowed: unknown keys,
-/// values out of range, two cameras with one id, an impossible stack, a calibration that is no camera.
+/// Reads a tree that may be incomplete, each part once. Throws SettingsError for whatever is not allowed:
+/// unknown keys, values out of range, two cameras with one id, an impossible stack, a calibration that is no
+/// camera.
 Config read_config(const Json& settings);
 
 /// How settings of earlier versions become those of today. To change what settings mean: one more function at

@@ -6,8 +6,8 @@
 #include "ctl/accuracy_colors.h"
 #include "ctl/accuracy_trial.h"
 #include "ctl/no_sink.h"
-#include "vision/detections_json.h"
 #include "pipeline/camera_pipeline.h"
+#include "vision/detections_json.h"
 
 #include <algorithm>
 #include <cmath>

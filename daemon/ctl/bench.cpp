@@ -2,9 +2,9 @@
 #include "ctl/bench.h"
 
 #include "base/params_json.h"
-#include "config/backends.h"
 #include "capture/simulator/simulator.h"
 #include "capture/simulator/simulator_camera.h"
+#include "config/backends.h"
 #include "ctl/no_sink.h"
 #include "pipeline/pipeline.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
 #include "base/error.h"
-#include "ctl/commands/commands.h"
 #include "config/version.h"
+#include "ctl/commands/commands.h"
 
 #include <cstdlib>
 #include <iostream>

@@ -3,8 +3,8 @@
 
 #include "config/backends.h"
 #include "ctl/no_sink.h"
-#include "vision/detections_json.h"
 #include "pipeline/camera_pipeline.h"
+#include "vision/detections_json.h"
 
 #include <chrono>
 #include <ostream>

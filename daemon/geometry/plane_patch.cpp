@@ -27,7 +27,8 @@ std::optional<PlanePatch> plane_patch(const CameraModel& camera, const Eigen::Ve
   const Eigen::Vector2d uu = (*right + *left - 2 * field_mm) / (2 * e * e);
   const Eigen::Vector2d vv = (*down + *up - 2 * field_mm) / (2 * e * e);
   const Eigen::Vector2d uv = (*both + *neither - 2 * field_mm) / (2 * e * e) - uu - vv;
-  return PlanePatch{*pixel, field_mm, u.x(), v.x(), uu.x(), uv.x(), vv.x(), u.y(), v.y(), uu.y(), uv.y(), vv.y()};
+  return PlanePatch{*pixel, field_mm, u.x(), v.x(),  uu.x(), uv.x(),
+                    vv.x(), u.y(),    v.y(), uu.y(), uv.y(), vv.y()};
 }
 
 }  // namespace sslv

@@ -80,8 +80,8 @@ class MulticastReceiver::Listener {
       socket_ = join(io_, *where_);
     } catch (const std::exception& caught) {
       socket_ = udp::socket(io_);
-      error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " + caught.what() +
-              "; " + network_cards_text();
+      error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " +
+              caught.what() + "; " + network_cards_text();
     }
     silent_looks_ = 0;
     ++opened_;

@@ -105,8 +105,7 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
     return;
   }
   SSL_WrapperPacket packet;
-  const bool good =
-      parse(packet, datagram) && makes_sense(packet);
+  const bool good = parse(packet, datagram) && makes_sense(packet);
   std::optional<SSL_GeometryFieldSize> field;
   if (good && packet.has_geometry()) field = sizes_of(packet.geometry().field());
 

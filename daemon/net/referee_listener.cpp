@@ -60,8 +60,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
 void RefereeListener::receive(std::span<const std::byte> datagram, const udp::endpoint& sender,
                               double now_s) {
   Referee referee;
-  const bool good =
-      parse(referee, datagram) && makes_sense(referee);
+  const bool good = parse(referee, datagram) && makes_sense(referee);
   {
     const std::lock_guard lock(mutex_);
     if (!good) {

@@ -40,7 +40,8 @@ void HealthReport::finish() {
     const auto count = std::count_if(alerts.begin(), alerts.end(), counts);
     check.text = worst->title;
     if (count > 1) check.text += fmt::format(" (and {} more)", count - 1);
-    check.state = std::max(check.state, worst->severity == Severity::kBad ? CheckState::kFail : CheckState::kWarn);
+    check.state =
+        std::max(check.state, worst->severity == Severity::kBad ? CheckState::kFail : CheckState::kWarn);
   }
 }
 

@@ -45,8 +45,8 @@ struct HealthReport {
   std::vector<Check> checks;
   bool another_host_sends = false;  // another computer sends detections too, with times of its own clock
 
-  /// Sorts alerts, the worst first. Each check becomes as bad as its alerts, and the worst stands in the place
-  /// of its text, unless it only informs.
+  /// Sorts alerts, the worst first. Each check becomes as bad as its alerts, and the worst stands in the
+  /// place of its text, unless it only informs.
   void finish();
 
   /// A match may begin: no check fails.

@@ -30,7 +30,7 @@ struct SettingsChange {
 /// A file of the support bundle.
 struct SupportFile {
   std::string name;
-  std::string what;  // for the bundle's README
+  std::string what;                   // for the bundle's README
   std::function<std::string()> make;  // may throw: the bundle says that the file is missing, and why
 };
 
@@ -45,8 +45,8 @@ class Service {
   /// Rows of the route table, whose handlers live as long as this.
   virtual std::vector<Route> routes() { return {}; }
 
-  /// Makes ready what changed settings need, without any effect outside; throws SettingsError when that fails.
-  /// One change at a time.
+  /// Makes ready what changed settings need, without any effect outside; throws SettingsError when that
+  /// fails. One change at a time.
   virtual Commit prepare(const SettingsChange&) { return {}; }
 
   virtual void report(HealthReport&) const {}

@@ -15,8 +15,8 @@ class Commit {
   Commit() = default;
 
   template <class Act>
-  requires(!std::is_same_v<std::remove_cvref_t<Act>, Commit>)
-  Commit(Act act) : act_(std::make_unique<Held<Act>>(std::move(act))) {
+  requires(!std::is_same_v<std::remove_cvref_t<Act>, Commit>) Commit(Act act)
+      : act_(std::make_unique<Held<Act>>(std::move(act))) {
     static_assert(std::is_nothrow_invocable_v<Act&>, "what commits a change must be noexcept");
   }
 

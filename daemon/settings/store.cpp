@@ -98,7 +98,8 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
     }
     if (!made_on.is_null()) check_same_ids(changes, made_on, admin_settings_);
     CheckedSettings result = check_(apply_patch(admin_settings_, changes));
-    Version loaded{saved.at("revision").get<std::uint64_t>(), std::move(result.tree), std::move(result.config)};
+    Version loaded{saved.at("revision").get<std::uint64_t>(), std::move(result.tree),
+                   std::move(result.config)};
     history_ = SettingsHistory(saved.value("history", Json::array()));
     return loaded;
   } catch (const std::exception& error) {

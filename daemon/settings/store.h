@@ -54,7 +54,7 @@ class SettingsStore {
  public:
   struct Version {
     std::uint64_t revision;
-    Json settings;                         // complete: defaults filled in
+    Json settings;                           // complete: defaults filled in
     std::shared_ptr<const Config> config{};  // read from them
   };
   /// Checks a tree and fills in its defaults; throws SettingsError.

@@ -118,8 +118,7 @@ std::span<const char> jpeg_in(const std::string& preview_message) {
   return std::span(preview_message).subspan(sizeof(header_size) + header_size);
 }
 
-CameraFeed::CameraFeed(ViewSource& views, std::uint32_t camera_id,
-                       std::atomic<std::uint64_t>& jpegs_encoded)
+CameraFeed::CameraFeed(ViewSource& views, std::uint32_t camera_id, std::atomic<std::uint64_t>& jpegs_encoded)
     : views_(views),
       camera_id_(camera_id),
       jpegs_encoded_(jpegs_encoded),

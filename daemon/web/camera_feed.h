@@ -33,8 +33,8 @@ class CameraFeed {
   /// removed.
   using Sink = std::function<void(const Message&)>;
 
-  /// `views` and `jpegs_encoded`, which counts, must outlive the feed. Throws std::system_error when its thread
-  /// cannot start.
+  /// `views` and `jpegs_encoded`, which counts, must outlive the feed. Throws std::system_error when its
+  /// thread cannot start.
   CameraFeed(ViewSource& views, std::uint32_t camera_id, std::atomic<std::uint64_t>& jpegs_encoded);
 
   /// Asks the thread to end; the destructor waits for it.

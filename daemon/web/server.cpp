@@ -44,8 +44,8 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
     throw SettingsError(port +
                         " is not allowed without privileges; expected 1024 .. 65535, or 0 for any free one");
   }
-  const std::string problem = "/panel/address: \"" + address + "\" cannot be listened on (" + error.message() +
-                              "); expected an address of this computer, or 0.0.0.0 for all";
+  const std::string problem = "/panel/address: \"" + address + "\" cannot be listened on (" +
+                              error.message() + "); expected an address of this computer, or 0.0.0.0 for all";
   // The card may get its address in a moment.
   if (error == boost::system::errc::address_not_available) throw BusyError(problem);
   throw SettingsError(problem);

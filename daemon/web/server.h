@@ -33,8 +33,8 @@ struct WebParts {
 /// The panel's HTTP and WebSocket server (docs/api.md), on one port and on threads of its own.
 class WebServer {
  public:
-  /// Listens when it returns. `parts` and `counters`, which it counts in, must outlive it. Throws SettingsError naming /panel/address or /panel/port when it cannot listen
-  /// there.
+  /// Listens when it returns. `parts` and `counters`, which it counts in, must outlive it. Throws
+  /// SettingsError naming /panel/address or /panel/port when it cannot listen there.
   WebServer(WebParts parts, const WebOptions& options, WebCounters& counters);
   ~WebServer();  // stop()
 

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <map>
 #include <string_view>
-#include <vector>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -43,8 +43,8 @@ class WebSocketHub {
  private:
   friend class WebSocketSession;
 
-/// What a plain request gets where a WebSocket is expected.
-std::vector<Route> websocket_routes();
+  /// What a plain request gets where a WebSocket is expected.
+  std::vector<Route> websocket_routes();
 
   void joined(WebSocketSession& session);
   void left(WebSocketSession& session);

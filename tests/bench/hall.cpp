@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hall.h"
 
-#include "config/backends.h"
 #include "colors/learn_colors.h"
+#include "config/backends.h"
 #include "config/config.h"
 #include "image/color.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who may use the panel: its passwords, on the daemon's own computer; the match lock, by asking the daemon.
 #include "base/error.h"
+#include "config/version.h"
 #include "ctl/commands/commands.h"
 #include "settings/passwords.h"
 #include "settings/store.h"
-#include "config/version.h"
 
 #include <cstdlib>
 #include <iostream>

@@ -32,7 +32,10 @@ std::string listening_address(const PanelSettings& panel, bool has_password) {
 }
 
 PanelPlace::PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, WebServer& server)
-    : config_(config), passwords_(passwords), server_(server), place_(place_of(config.load()->panel, passwords)) {}
+    : config_(config),
+      passwords_(passwords),
+      server_(server),
+      place_(place_of(config.load()->panel, passwords)) {}
 
 Commit PanelPlace::prepare(const SettingsChange& change) {
   return prepare(change.next.panel);

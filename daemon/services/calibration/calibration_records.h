@@ -33,8 +33,8 @@ class CalibrationRecords {
   void accept(const std::vector<NewCalibration>& calibrations, const SettingsStore::Version& current,
               const std::string& who);
 
-  /// Back to what the newest record that was not taken back replaced. Throws HttpError 409 when there is none,
-  /// or when the calibration was changed in another way since, unless forced; and as accept() does.
+  /// Back to what the newest record that was not taken back replaced. Throws HttpError 409 when there is
+  /// none, or when the calibration was changed in another way since, unless forced; and as accept() does.
   void revert(int camera_id, bool force, const std::string& who);
 
   /// Ids of the cameras that were calibrated on another field than that of the settings.

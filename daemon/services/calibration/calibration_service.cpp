@@ -73,7 +73,8 @@ Json CalibrationService::state_json(int camera_id) const {
               {"points", named_points_json(config->field, lines_measured_to(job))},
               {"history", records_.history_json(camera_id)}});
   for (const CameraSettings& camera : config->cameras) {
-    if (camera.id == camera_id && camera.calibration) out["calibration"] = params_to_json(*camera.calibration);
+    if (camera.id == camera_id && camera.calibration)
+      out["calibration"] = params_to_json(*camera.calibration);
   }
   return out;
 }
@@ -121,7 +122,8 @@ Response CalibrationService::accept(const Request& request) {
   if (!force)
     refuse_acceptance(match_lock_, job.report->accepted, job.report->problems,
                       fmt::format("camera {}'s new calibration is", camera_id));
-  records_.accept({{camera_id, job.report->calibration, figures_json(*job.report)}}, current, request.address);
+  records_.accept({{camera_id, job.report->calibration, figures_json(*job.report)}}, current,
+                  request.address);
   jobs_.forget(camera_id, job.report.get());
   return json_response(state_json(camera_id));
 }

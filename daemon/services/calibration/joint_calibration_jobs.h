@@ -3,8 +3,8 @@
 
 #include "base/background_jobs.h"
 #include "calibration/calibrate_jointly.h"
-#include "services/cameras/fresh_frames.h"
 #include "calibration/joint_calibration_json.h"
+#include "services/cameras/fresh_frames.h"
 
 #include <chrono>
 #include <set>

@@ -98,8 +98,8 @@ Response JointCalibrationService::start(const Request& request) {
   wanted.cameras.clear();
   for (const JointCalibrationOrder::Camera& camera : cameras) wanted.cameras.push_back(camera.id);
   const std::string ids = joined(wanted.cameras);
-  if (!jobs_.start(kJointKey, {std::move(wanted), std::move(cameras), config->field, request.address,
-                               unix_time_s()})) {
+  if (!jobs_.start(kJointKey,
+                   {std::move(wanted), std::move(cameras), config->field, request.address, unix_time_s()})) {
     throw HttpError(409, "cameras are being calibrated together already; cancel that first");
   }
   log::info("cameras {}: calibration together started by {}", ids, request.address);

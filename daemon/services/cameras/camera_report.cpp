@@ -134,8 +134,9 @@ std::size_t running(std::span<const CameraFacts> cameras) {
 
 Check check_cameras(std::span<const CameraFacts> cameras) {
   const std::size_t count = running(cameras);
-  Check check{"cameras", "Cameras", CheckState::kPass, std::to_string(count),
-              fmt::format("of {}", cameras.size()), "all run"};
+  Check check{
+      "cameras", "Cameras", CheckState::kPass, std::to_string(count), fmt::format("of {}", cameras.size()),
+      "all run"};
   if (cameras.empty()) {
     check.state = CheckState::kFail;
     check.text = "there is no camera in the settings";
@@ -163,7 +164,7 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
                          ? "none lost in 60 s"
                          : fmt::format("{} dropped, {} damaged in 60 s", sum.dropped, sum.incomplete);
   if (clipped >= 0.001) text += fmt::format(", {:.1f} % too bright", 100 * clipped);
-  return {"pictures", "Pictures", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
+  return {"pictures",   "Pictures", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
           "per second", text};
 }
 

@@ -74,8 +74,8 @@ Json ask_driver(const RunningCamera& camera, std::function<Json(Controls&)> ask)
   const auto controls = camera.controls();
   if (!controls) {
     const bool is_open = camera.health().state == CameraState::kRunning;
-    throw HttpError(409, fmt::format("camera {} {}", camera.settings()->id,
-                                     is_open ? "has no controls" : "is not open"));
+    throw HttpError(
+        409, fmt::format("camera {} {}", camera.settings()->id, is_open ? "has no controls" : "is not open"));
   }
   try {
     return camera.driver_calls().run([controls, ask = std::move(ask)] { return ask(*controls); });
@@ -150,7 +150,8 @@ std::vector<Route> camera_routes(const CameraRoutes& of) {
   return {
       {"GET", "/api/cameras", [of](const Request&) { return get_cameras(of); }},
       {"GET", R"(/api/cameras/(\d+)/snapshot\.jpg)", about(get_snapshot)},
-      {"GET", R"(/api/cameras/(\d+)/stream\.mjpg)", about(get_stream), Needs::kByMethod, Speed::kMayWait, true},
+      {"GET", R"(/api/cameras/(\d+)/stream\.mjpg)", about(get_stream), Needs::kByMethod, Speed::kMayWait,
+       true},
       {"GET", R"(/api/cameras/(\d+)/controls)", about(get_controls)},
       {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", about(set_control)},
       {"GET", R"(/api/cameras/(\d+)/field_view)", about(get_field_view)},
@@ -160,7 +161,9 @@ std::vector<Route> camera_routes(const CameraRoutes& of) {
          return json_response(of.timeline.to_json(static_cast<std::size_t>(seconds)));
        }},
       {"GET", "/api/sources",
-       [](const Request&) { return json_response({{"sources", found_cameras_json()}}); }},
+       [](const Request&) {
+         return json_response({{"sources", found_cameras_json()}});
+       }},
   };
 }
 

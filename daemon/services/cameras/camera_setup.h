@@ -25,8 +25,8 @@ struct NewSetup {
 };
 
 /// For the camera at place `i` of the list; `previous`: when it runs already. Nothing when nothing that its
-/// frames are processed with has changed. The pipeline before, with what its stages remember, is kept when the
-/// stack is the same, and its colour tables when the colours are. Throws SettingsError.
+/// frames are processed with has changed. The pipeline before, with what its stages remember, is kept when
+/// the stack is the same, and its colour tables when the colours are. Throws SettingsError.
 std::optional<NewSetup> make_setup(const Config& config, std::size_t i,
                                    const std::optional<CameraInUse>& previous, const LoadTable& load_table);
 

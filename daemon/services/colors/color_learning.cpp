@@ -5,8 +5,8 @@
 #include "base/log.h"
 #include "capture/source.h"
 #include "colors/table_edit.h"
-#include "pipeline/camera_pipeline.h"
 #include "config/stages.h"
+#include "pipeline/camera_pipeline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,8 @@ namespace {
 using StillPictures = std::vector<std::shared_ptr<const StillPicture>>;
 
 /// Fresh pictures some time apart, so that things have moved; fewer when it was stopped. Throws CaptureError.
-StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progress, const std::stop_token& stop) {
+StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progress,
+                      const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kLook{100};  // how soon a cancellation is seen
   constexpr double kApart_s = 0.3;
   StillPictures pictures;

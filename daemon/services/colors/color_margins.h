@@ -2,8 +2,8 @@
 #pragma once
 
 #include "colors/surfaces.h"
-#include "services/cameras/fresh_frames.h"
 #include "geometry/scene.h"
+#include "services/cameras/fresh_frames.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
 #include "vision/patterns.h"

@@ -46,8 +46,9 @@ void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::s
          .check = "pictures",
          .severity = Severity::kWarn,
          .title = problem,
-         .fix = "The camera has the table of its settings' classes or file. Learn its colours, import a table, "
-                "or take an older one from the settings' history.",
+         .fix =
+             "The camera has the table of its settings' classes or file. Learn its colours, import a table, "
+             "or take an older one from the settings' history.",
          .page = "#/colors"});
   }
   report.checks.push_back(check_colors(cameras));

@@ -139,8 +139,8 @@ TableEdit ColorService::read_command(const ColorTables::AtDesk& at, const Json& 
     params_from_json<WidenCommand>(json, path);
     auto surfaces = margins_.surfaces(at.camera.id);
     if (!surfaces) {
-      throw SettingsError(
-          fmt::format("{}: camera {}'s carpet was not seen yet: its margins are not known", path, at.camera.id));
+      throw SettingsError(fmt::format("{}: camera {}'s carpet was not seen yet: its margins are not known",
+                                      path, at.camera.id));
     }
     return WidenMarginsEdit{std::move(surfaces)};
   }
@@ -257,7 +257,8 @@ Response ColorService::import(const Request& request) {
   Json out{{"tables", imported_json(tables, at.labels())}};
   if (!only_try) {
     const ImportedTable& chosen = choose_table(tables, table, {}, file_name);
-    tables_.take_over(at, std::make_shared<const Lut>(chosen.table), "imported " + file_name, request.address);
+    tables_.take_over(at, std::make_shared<const Lut>(chosen.table), "imported " + file_name,
+                      request.address);
   }
   out["state"] = state_json(at);
   return json_response(out);

@@ -15,8 +15,8 @@
 
 namespace sslv {
 
-/// Colour tables: looked at, edited, imported, exported, following the light; and how far they are from carpet
-/// and floor.
+/// Colour tables: looked at, edited, imported, exported, following the light; and how far they are from
+/// carpet and floor.
 class ColorService final : public Service, public CameraObserver {
  public:
   /// All must outlive this.

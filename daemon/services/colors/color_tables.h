@@ -14,8 +14,8 @@
 
 namespace sslv {
 
-/// The cameras' accepted colour tables: each on a desk of its own, where it is changed, saved and named in the
-/// settings. May be used from any thread.
+/// The cameras' accepted colour tables: each on a desk of its own, where it is changed, saved and named in
+/// the settings. May be used from any thread.
 class ColorTables {
  public:
   /// All must outlive this.
@@ -50,7 +50,7 @@ class ColorTables {
   SettingsEditor& settings_;
   SavedTables& saved_;
   const Profiles& profiles_;
-  std::mutex mutex_;                 // guards what follows; held during a whole change of a table
+  std::mutex mutex_;                // guards what follows; held during a whole change of a table
   std::map<int, ColorDesk> desks_;  // by camera
   int saved_since_tidied_ = 0;
 };

@@ -4,11 +4,11 @@
 // Colour tables as docs/openapi.json has them.
 
 #include "base/json.h"
-#include "services/colors/color_desk.h"
-#include "services/colors/color_learning.h"
 #include "colors/light_follower.h"
 #include "colors/lut_file.h"
 #include "colors/surfaces.h"
+#include "services/colors/color_desk.h"
+#include "services/colors/color_learning.h"
 
 #include <optional>
 #include <string>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "colors/light_follower.h"
-#include "services/cameras/fresh_frames.h"
 #include "geometry/scene.h"
+#include "services/cameras/fresh_frames.h"
 #include "vision/lut.h"
 #include "vision/patterns.h"
 

@@ -43,7 +43,8 @@ std::vector<Route> LearningService::routes() {
       {"POST", R"(/api/cameras/(\d+)/colors/learning)", call(&LearningService::start)},
       {"DELETE", R"(/api/cameras/(\d+)/colors/learning)", call(&LearningService::cancel), Needs::kChange},
       {"POST", R"(/api/cameras/(\d+)/colors/learning/accept)", call(&LearningService::accept)},
-      {"POST", R"(/api/cameras/(\d+)/colors/learning/reject)", call(&LearningService::reject), Needs::kChange},
+      {"POST", R"(/api/cameras/(\d+)/colors/learning/reject)", call(&LearningService::reject),
+       Needs::kChange},
       {"GET", R"(/api/cameras/(\d+)/colors/learning/pictures/(\d+))", call(&LearningService::get_picture)},
   };
 }
@@ -56,8 +57,7 @@ Json LearningService::state_json(int camera_id) const {
 Response LearningService::start(const Request& request) {
   const CameraNow camera = cameras_.get(path_camera_id(request));
   const LearningRequest wanted = read_learning_request(body_json(request));
-  LearningOrder order{wanted.frames,   {},           *camera.settings, camera.world(),
-                      request.address, unix_time_s()};
+  LearningOrder order{wanted.frames, {}, *camera.settings, camera.world(), request.address, unix_time_s()};
   for (std::size_t i = 0; i < wanted.guide.size(); ++i) {
     const LearningClick& click = wanted.guide[i];
     const std::string path = fmt::format("/guide/{}", i);
@@ -105,8 +105,8 @@ Response LearningService::accept(const Request& request) {
     throw HttpError(409, fmt::format("camera {} has learnt nothing: {}", camera_id, report->learnt.problem));
   {
     ColorTables::AtDesk at = tables_.open(camera_id);
-    tables_.take_over(at, report->learnt.lut, fmt::format("learnt from {} robots", report->learnt.robots.size()),
-                      request.address);
+    tables_.take_over(at, report->learnt.lut,
+                      fmt::format("learnt from {} robots", report->learnt.robots.size()), request.address);
   }
   jobs_.forget(camera_id, report.get());
   return json_response(colors_.state_json(camera_id));

@@ -29,8 +29,8 @@ class SavedTables {
   /// Its name; on disk when it returns. Throws StorageError.
   std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
 
-  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up to
-  /// end_start() it returns null instead: a service that starts reports what it has lost, see lost().
+  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up
+  /// to end_start() it returns null instead: a service that starts reports what it has lost, see lost().
   std::shared_ptr<const Lut> load(const std::string& name, const std::string& path,
                                   const LabelSet& labels) const;
 

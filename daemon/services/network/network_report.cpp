@@ -111,14 +111,19 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
 
 Check check_network(const NetworkFacts& facts) {
   const MulticastSettings& vision = facts.config->network.vision;
-  return {"network", "Network", CheckState::kPass, fmt::format("{:.0f}", facts.multicast.packets_per_s),
-          "packets/s", fmt::format("to {}:{}", vision.group, vision.port)};
+  return {"network",         "Network",
+          CheckState::kPass, fmt::format("{:.0f}", facts.multicast.packets_per_s),
+          "packets/s",       fmt::format("to {}:{}", vision.group, vision.port)};
 }
 
 Check check_other_visions(const NetworkFacts& facts) {
   const std::size_t count = facts.other_visions.size();
-  return {"other_visions", "One vision", CheckState::kPass, std::to_string(count),
-          count == 1 ? "other" : "others", count == 0 ? "nobody else sends here" : "with other cameras"};
+  return {"other_visions",
+          "One vision",
+          CheckState::kPass,
+          std::to_string(count),
+          count == 1 ? "other" : "others",
+          count == 0 ? "nobody else sends here" : "with other cameras"};
 }
 
 Check check_referee(const NetworkFacts& facts) {
@@ -152,8 +157,11 @@ Check check_teams(const NetworkFacts& facts) {
     const TeamNow& team = teams[static_cast<std::size_t>(which)];
     return team.name.empty() ? std::string("no name") : team.name;
   };
-  return {"teams", "Teams", CheckState::kPass,
-          fmt::format("{} / {}", height(Team::kYellow), height(Team::kBlue)), "mm",
+  return {"teams",
+          "Teams",
+          CheckState::kPass,
+          fmt::format("{} / {}", height(Team::kYellow), height(Team::kBlue)),
+          "mm",
           fmt::format("{} (yellow), {} (blue)", name(Team::kYellow), name(Team::kBlue))};
 }
 

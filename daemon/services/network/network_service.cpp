@@ -96,7 +96,8 @@ Commit NetworkService::prepare(const SettingsChange& change) {
 }
 
 std::vector<Route> NetworkService::routes() {
-  return {{"GET", "/api/network/interfaces", [](const Request&) { return json_response(interfaces_json()); }}};
+  return {
+      {"GET", "/api/network/interfaces", [](const Request&) { return json_response(interfaces_json()); }}};
 }
 
 NetworkFacts NetworkService::facts() const {

@@ -25,8 +25,8 @@ class SettingsEditor {
   /// Steps, newest first: see SettingsStep.
   virtual Json history() const = 0;
   /// Applies a JSON Patch; saved and in effect when it returns. Throws SettingsError when the result is not
-  /// allowed, HttpError 409 when `edit` was made for a revision that is no longer the newest, StorageError when
-  /// it cannot be saved; in each case nothing has changed.
+  /// allowed, HttpError 409 when `edit` was made for a revision that is no longer the newest, StorageError
+  /// when it cannot be saved; in each case nothing has changed.
   virtual SettingsStore::Version patch(const Json& patch, const SettingsEdit& edit,
                                        SavedWith* with = nullptr) = 0;
 };

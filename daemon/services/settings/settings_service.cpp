@@ -89,8 +89,9 @@ Commit SettingsService::prepare_all(const CheckedSettings& next, SettingsChange:
 void SettingsService::reload() {
   const std::uint64_t before = store_.revision();
   try {
-    const auto version = store_.reload(
-        [this](const CheckedSettings& next) { return prepare_all(next, SettingsChange::Origin::kAdminFile); });
+    const auto version = store_.reload([this](const CheckedSettings& next) {
+      return prepare_all(next, SettingsChange::Origin::kAdminFile);
+    });
     if (version.revision == before) {
       since_s_ = unix_time_s();
       log::info("settings file reloaded: nothing has changed");

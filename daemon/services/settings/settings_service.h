@@ -60,7 +60,7 @@ class SettingsService final : public Service, public SettingsEditor {
   SettingsStore store_;
   Snapshot<Config> config_;
   Snapshot<std::vector<Service*>> services_{std::vector<Service*>{}};
-  std::atomic<double> since_s_{0};         // Unix time when the newest settings took effect
+  std::atomic<double> since_s_{0};        // Unix time when the newest settings took effect
   Snapshot<std::string> folder_problem_;  // as it was seen last: looking may take as long as the disk does
 };
 

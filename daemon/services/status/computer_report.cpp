@@ -20,8 +20,8 @@ Check check_clock(const std::optional<ClockFigures>& clock) {
   } else if (!clock->synchronised) {
     check.text = "not synchronised: timedatectl set-ntp true";
   } else {
-    check = {"clock", "Clock", CheckState::kPass, fmt::format("±{:.1f}", clock->estimated_error_ms), "ms",
-             "synchronised"};
+    check = {"clock", "Clock",       CheckState::kPass, fmt::format("±{:.1f}", clock->estimated_error_ms),
+             "ms",    "synchronised"};
   }
   return check;
 }

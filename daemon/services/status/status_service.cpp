@@ -125,9 +125,8 @@ std::vector<Route> StatusService::routes() {
        Needs::kNothing, Speed::kAtOnce},
       {"GET", "/healthz", [this](const Request&) { return verdict(cameras_.hanging()); }, Needs::kNothing,
        Speed::kAtOnce},
-      {"GET", "/readyz",
-       [this](const Request&) { return verdict(cameras_.missing() + network_missing_()); }, Needs::kNothing,
-       Speed::kAtOnce},
+      {"GET", "/readyz", [this](const Request&) { return verdict(cameras_.missing() + network_missing_()); },
+       Needs::kNothing, Speed::kAtOnce},
   };
 }
 

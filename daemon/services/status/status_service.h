@@ -54,8 +54,8 @@ class StatusService final : public Service, public Topic {
   const std::function<std::string()> network_missing_;
   std::vector<Service*> services_;
   mutable AlertTimes alert_times_;
-  Computer computer_reader_;   // of the thread of each_second()
-  mutable std::mutex mutex_;   // guards the next two
+  Computer computer_reader_;  // of the thread of each_second()
+  mutable std::mutex mutex_;  // guards the next two
   ComputerFigures computer_;
   std::optional<ClockFigures> clock_;
 };

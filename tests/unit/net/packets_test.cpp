@@ -433,8 +433,8 @@ TEST(Packets, OrientationIsAboveMinusPiAndAtMostPi) {
 TEST(Packets, AUsedMessageKeepsNothingOfTheLastFrame) {
   SSL_WrapperPacket packet;
   write_geometry({.field = {}, .cameras = {{4, camera()}}}, packet);
-  write_detection({.camera_id = 1, .number = 2, .times = {3, 4}},
-                  {{robot(Team::kBlue, 1)}}, {{ball(1)}}, 5, packet);
+  write_detection({.camera_id = 1, .number = 2, .times = {3, 4}}, {{robot(Team::kBlue, 1)}}, {{ball(1)}}, 5,
+                  packet);
   write_detection({.camera_id = 1, .number = 3, .times = {4}}, {}, {}, 6, packet);
   EXPECT_FALSE(packet.has_geometry());
   EXPECT_FALSE(packet.detection().has_t_capture_camera());

@@ -89,10 +89,10 @@ class Api : public testing::Test {
              {"tz", 4000},
              {"pixel_image_width", 320},
              {"pixel_image_height", 240}}},
-           {"source",
-            {{"backend", "simulator"}, {"width", 320}, {"height", 240}, {"frame_rate_hz", 30}}}}}}};
+           {"source", {{"backend", "simulator"}, {"width", 320}, {"height", 240}, {"frame_rate_hz", 30}}}}}}};
     std::ofstream(folder_.path() / "settings.json") << settings;
-    daemon_.emplace(Daemon::Options{folder_.path() / "settings.json", folder_.path() / "state", "/var/empty"});
+    daemon_.emplace(
+        Daemon::Options{folder_.path() / "settings.json", folder_.path() / "state", "/var/empty"});
   }
 
   Reply ask(const std::string& method, const std::string& target, const std::string& body = {},
@@ -152,8 +152,7 @@ TEST_F(Api, EveryRouteAsksForWhatItNeeds) {
     const std::string cookie = reply.header("Set-Cookie");
     return cookie.substr(0, cookie.find(';'));
   };
-  const std::string admin =
-      cookie_of(ask("PUT", "/api/passwords/admin", R"({"password": "correct horse"})"));
+  const std::string admin = cookie_of(ask("PUT", "/api/passwords/admin", R"({"password": "correct horse"})"));
   ask("PUT", "/api/passwords/viewer", R"({"password": "battery staple", "admin_password": "correct horse"})",
       {{"Cookie", admin}});
   const std::string viewer = cookie_of(ask("POST", "/api/session", R"({"password": "battery staple"})"));
@@ -222,9 +221,10 @@ TEST_F(Api, ChangesAreCheckedWithoutASave) {
   EXPECT_EQ(ask("POST", "/api/settings/check", patch).json()["changes"][0]["after"], "x");
   EXPECT_EQ(ask("GET", "/api/settings").json()["settings"]["site"], "test");
   EXPECT_EQ(ask("POST", "/api/settings/check", "[").status, 400);
-  EXPECT_EQ(ask("POST", "/api/settings/check", R"([{"op":"replace","path":"/cameras/0/stack","value":["x"]}])")
-                .status,
-            422);
+  EXPECT_EQ(
+      ask("POST", "/api/settings/check", R"([{"op":"replace","path":"/cameras/0/stack","value":["x"]}])")
+          .status,
+      422);
   EXPECT_EQ(ask("GET", "/api/settings/check").status, 405);
 }
 

@@ -204,8 +204,8 @@ TEST_F(RouterTest, WritesLeaveALineInTheLogAndReadsNone) {
 }
 
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
-  for (const char* target :
-       {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0", "/api/cameras/0/stream.mjpg/x", "/api/../secret.txt"}) {
+  for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
+                             "/api/cameras/0/stream.mjpg/x", "/api/../secret.txt"}) {
     const Answer response = ask("GET", target);
     EXPECT_EQ(response.status, 404) << target;
     EXPECT_THAT(response.header, HasSubstr("Content-Type: application/json\r\n"));

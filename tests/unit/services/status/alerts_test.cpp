@@ -358,8 +358,7 @@ TEST_F(Checks, WarnOfWhatMattersBeforeAMatchAlone) {
   input_.cameras[0].latency_p99_ms = 5.1;
   input_.clock.reset();
   EXPECT_THAT(kinds(), IsEmpty());
-  for (const char* id : {"referee", "latency", "clock"})
-    EXPECT_EQ(check(id).state, CheckState::kWarn);
+  for (const char* id : {"referee", "latency", "clock"}) EXPECT_EQ(check(id).state, CheckState::kWarn);
   input_.referee.silent_s = 12;
   EXPECT_EQ(check("referee").value, "12");
   EXPECT_EQ(check("referee").unit, "s silent");
