@@ -208,7 +208,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     const { revision } = await ask('settings');
     const step = await page.waitForSelector(byId(`step-${revision}`));
     assert.match(await step.textContent(), /camera 1 \/ detect_robots \/ max_rms_mm.*6.*5 mm/s);
-    await page.click(`${byId(`step-${revision}`)} button[aria-label^="Take back"]`);
+    await page.click(`${byId(`step-${revision}`)} button[aria-label^="Undo the step"]`);
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 6);
     await page.waitForFunction((selector) => document.querySelector(selector)?.value === '6', `${row(pointer)} input[type="text"]`);
   }));
@@ -348,7 +348,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       await page.waitForSelector(byId('changes'), { state: 'detached' });
 
       panel.errorsExpected = true; // the browser calls a refusal one
-      for (const [broken, what] of [['{"site":', /all\.json is no JSON/], ['[]', /expected an object/], [JSON.stringify({ ...first, sight: 1 }), /all\.json: .*\/sight: no such parameter/]]) {
+      for (const [broken, what] of [['{"site":', /all\.json is not valid JSON/], ['[]', /expected an object/], [JSON.stringify({ ...first, sight: 1 }), /all\.json: .*\/sight: no such parameter/]]) {
         await give(broken);
         await page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector)?.textContent ?? ''), [byId('import-error'), what.source]);
         assert.equal(await page.locator(byId('changes')).count(), 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /**
- * Sends values one after the other. Of those that come for one name while another is on its way only the newest is
+ * Sends values one after the other. While one value of a name is on its way, only the newest of the others is kept and
  * sent: a slider may be dragged faster than a camera answers.
  */
 export function newestOnly<T>(send: (name: string, value: T) => Promise<void>, atRest: () => void) {

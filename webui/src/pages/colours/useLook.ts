@@ -97,7 +97,7 @@ export function useLook(camera: number, still: () => number | null) {
         problem.value = messageOf(error);
       }
     },
-    /** Looks again at the same place: the table is another one now. */
+    /** Asks again for the same place: the table is another one now. */
     again() { if (wanted) looks.put('look', wanted); },
   };
 }

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plain words: finds words and phrases that readers whose first language is not English stumble over.
+//
+//   node tests/words.mjs [PATH ...]    files and folders; without: docs, README.md, webui
+//
+// Markdown: prose outside code. Vue, TypeScript, C++: comments, texts between tags, and string literals that hold prose.
+// Exit code 1 when something was found.
+import { readdirSync, readFileSync, statSync } from 'node:fs';
+import { extname, join } from 'node:path';
+
+/** What is searched (whole words, any case, plain text or regular expression) and what to write in its place. */
+const AVOID = [
+  ['anew', 'write "again", "new" or "re-" (reopen, restart)'],
+  ['afresh', 'write "again" or "new"'],
+  ['(?:takes?|took|taking) force', 'write "takes effect"'],
+  ['(?:put|puts|putting) (?:\\w+ )?into force', 'write "apply"'],
+  ['(?:in|into) force', 'write "in effect", "in use" or "current"'],
+  ['whoever|whosoever', 'write "a person who", "anyone who" or a noun'],
+  ['whence|thence|wherefore', 'write "from where" or "why"'],
+  ['pictures?', 'write "image", or "frame" if it is a frame of a camera'],
+  ['pictured', 'write "shown"'],
+  ['at the camera itself', 'write "on the camera itself"'],
+  ['set at the camera', 'write "set on the camera"'],
+  ['as it stands|as the camera stands', 'write "current"'],
+  ['look(?:s|ed)? again', 'write "check again" or "reload"'],
+  ['mend(?:s|ed|ing)?', 'write "fix" or "repair"'],
+  ['today\u2019s light|today\'s light', 'write "the current light"'],
+  ['twins?', 'write "copy", or name the thing'],
+  ['tried out|try out', 'write "test" or "preview"'],
+  ['set out for', 'write "target" or "goal"'],
+  ['by itself alone|of itself', 'write "automatically"'],
+  ['deserves? a word', 'say it'],
+  ['put by under', 'write "saved under"'],
+  ['Of (?:one|those|that|it|what|this|him|them)\\b(?! (?:the|these|kind))', 'start with the subject: "If the calibration was set by hand, its field size is unknown."', 'cased'],
+  ['(?:is|are) those of', 'name the thing'],
+];
+
+/** Legitimate uses that a pattern would hit: names of the API and of files, quoted as they are. */
+const ALLOWED = ['picture=camera', 'picture=labels', 'picture.jpg', 'x-sslv-picture'];
+
+const rules = AVOID.map(([pattern, advice, cased]) => ({ pattern: new RegExp(`(?<![\\w/_.-])(?:${pattern})(?![\\w(_-]|[.=:]\\w)`, cased ? 'g' : 'gi'), advice }));
+
+const blank = (text) => text.replace(/[^\n]/g, ' ');
+
+/** Markdown without fenced and indented code, code spans, addresses of links and HTML comments; lines stay in place. */
+function proseOfMarkdown(text) {
+  return text.replace(/^```[^]*?^```/gm, blank).replace(/^ {4}.*$/gm, (line) => (/^ {4,}(?:[-*]|\d+\.) /.test(line) ? line : blank(line)))
+    .replace(/`[^`\n]*`/g, blank).replace(/\]\([^)]*\)/g, blank);
+}
+
+/** A string literal is prose when it has two words, or begins like a title. */
+const isProse = (text) => /[A-Za-z]{2,}[,.:;]? [A-Za-z]{2,}/.test(text) || /^[A-Z][a-z]+$/.test(text);
+const isCodeLike = (text) => /^[\w-]+(?: [\w:-]*-[\w:-]*)*$/.test(text) && !/^[A-Z]/.test(text);
+
+/** Comments and strings of a source in the C family; with `tags` also what stands between tags and in texts of attributes. */
+function proseOfSource(text, tags) {
+  const out = blank(text).split('');
+  const keep = (start, end) => { for (let i = start; i < end; i++) if (text[i] !== '\n') out[i] = text[i]; };
+  const keepText = (start, end) => keep(start, end);
+  const source = tags ? text.replace(/<style[^]*?<\/style>/g, blank) : text;
+  const token = /\/\/[^\n]*|\/\*[^]*?\*\/|<!--[^]*?-->|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'|`(?:[^`\\]|\\.)*`/g;
+  const inScript = tags ? source.replace(/<template>[^]*<\/template>/, blank) : source;
+  for (const found of inScript.matchAll(token)) {
+    const [all] = found;
+    const start = found.index;
+    if (/^(?:\/|<!)/.test(all)) keepText(start, start + all.length);
+    else {
+      const inner = all.slice(1, -1).replace(/\$\{[^}]*\}/g, (code) => ' '.repeat(code.length));
+      if (isProse(inner) && !isCodeLike(inner)) [...inner].forEach((char, i) => { if (char !== '\n') out[start + 1 + i] = char; });
+    }
+  }
+  const template = tags ? source.match(/<template>[^]*<\/template>/) : null;
+  if (template) {
+    const at = template.index;
+    // An expression keeps only its own strings; an attribute only where it is read out or shown.
+    for (const found of template[0].matchAll(/(?:title|aria-label|placeholder|alt|label|hint|why)="([^"]*)"|>([^<>]+)</g)) {
+      const value = found[1] ?? found[2];
+      const start = at + found.index + found[0].indexOf(value);
+      const bound = found[1] !== undefined && template[0][found.index - 1] === ':';
+      const visible = bound ? blank(value).split('') : [...value.replace(/\{\{[^]*?\}\}/g, blank)];
+      const strings = bound ? [[value, 0]] : [...value.matchAll(/\{\{([^]*?)\}\}/g)].map((one) => [one[1], one.index + 2]);
+      for (const [code, offset] of strings) {
+        for (const one of code.matchAll(/'((?:[^'\\\n]|\\.)*)'|`((?:[^`\\]|\\.)*)`/g)) {
+          const inner = (one[1] ?? one[2]).replace(/\$\{[^}]*\}/g, (hole) => ' '.repeat(hole.length));
+          if (isProse(inner) && !isCodeLike(inner)) [...inner].forEach((char, i) => { visible[offset + one.index + 1 + i] = char; });
+        }
+      }
+      visible.forEach((char, i) => { if (char !== '\n') out[start + i] = char; });
+    }
+    for (const found of template[0].matchAll(/<!--[^]*?-->/g)) keep(at + found.index, at + found.index + found[0].length);
+  }
+  return out.join('').replace(/`[^`\n]*`/g, blank);
+}
+
+const PROSE = {
+  '.md': proseOfMarkdown,
+  '.vue': (text) => proseOfSource(text, true),
+  ...Object.fromEntries(['.ts', '.mjs', '.h', '.cpp'].map((type) => [type, (text) => proseOfSource(text, false)])),
+};
+const SKIP = ['node_modules', 'dist', 'build', 'images'];
+/** The generated types, and tests, which quote what the service says. */
+const NOT_OURS = /schema\.d\.ts$|\.test\.ts$/;
+
+function* files(path) {
+  if (!statSync(path).isDirectory()) { yield path; return; }
+  for (const entry of readdirSync(path, { withFileTypes: true }).sort((a, b) => (a.name < b.name ? -1 : 1))) {
+    if (entry.isDirectory() ? !SKIP.includes(entry.name) && !entry.name.startsWith('.') : !NOT_OURS.test(entry.name) && extname(entry.name) in PROSE) yield* files(join(path, entry.name));
+  }
+}
+
+let count = 0;
+for (const path of process.argv.length > 2 ? process.argv.slice(2) : ['docs', 'README.md', 'webui']) {
+  for (const file of files(path)) {
+    const prose = PROSE[extname(file)]?.(readFileSync(file, 'utf8'));
+    prose?.split('\n').forEach((whole, i) => {
+      const line = ALLOWED.reduce((left, one) => left.replaceAll(one, ' '.repeat(one.length)), whole);
+      for (const { pattern, advice } of rules) {
+        for (const found of line.matchAll(pattern)) {
+          console.log(`${file}:${i + 1}: "${found[0]}": ${advice}`);
+          count++;
+        }
+      }
+    });
+  }
+}
+process.exitCode = count ? 1 : 0;
