@@ -20,9 +20,9 @@ inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t val
   static_assert(sizeof word == sizeof(std::uint32_t) && std::atomic<std::uint32_t>::is_always_lock_free);
   const auto since_boot = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
   if (since_boot.count() <= 0) return;
-  constexpr std::int64_t kSecondNs = 1'000'000'000;
+  constexpr std::int64_t kNsPerSecond = 1'000'000'000;
   // This operation takes a moment of CLOCK_MONOTONIC, which is the steady clock.
-  const timespec deadline{since_boot.count() / kSecondNs, since_boot.count() % kSecondNs};
+  const timespec deadline{since_boot.count() / kNsPerSecond, since_boot.count() % kNsPerSecond};
   syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, &deadline, nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 

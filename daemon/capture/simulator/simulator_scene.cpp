@@ -112,9 +112,9 @@ SimulatedDistractor make_distractor(SimulatorRandom& random) {
 }
 
 double normalized(double angle_rad) {
-  constexpr double kTwoPi = 2 * std::numbers::pi;
-  const double angle = std::remainder(angle_rad, kTwoPi);
-  return angle <= -std::numbers::pi ? angle + kTwoPi : angle;
+  constexpr double kFullTurn = 2 * std::numbers::pi;
+  const double angle = std::remainder(angle_rad, kFullTurn);
+  return angle <= -std::numbers::pi ? angle + kFullTurn : angle;
 }
 
 SettingsError no_room(std::string_view key, const SimulatorOptions& options, const FieldSize& field) {
