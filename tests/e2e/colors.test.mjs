@@ -426,6 +426,8 @@ describe('colour tables', () => {
     await post('colors/undo');
     assert.deepEqual(await bytes('colors/table'), accepted);
     await service.patch({ op: 'replace', path: '/cameras/0/follow_light/enabled', value: false }, { op: 'replace', path: '/cameras/0/source/light', value: 1 });
+    // What it learnt in this light is forgotten when it sees that it is off, which takes it up to 200 ms.
+    await becomes(async () => (await get('colors')).light.state === 'off', 'the light is still followed');
   });
 
   it('follow the light no further than they may, and say each state as the interface names it', async () => {
