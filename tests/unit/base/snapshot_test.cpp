@@ -30,7 +30,7 @@ TEST(Snapshot, AnOldVersionGoesWithItsLastReader) {
   Snapshot<std::shared_ptr<int>> value(std::make_shared<int>(1));
   const std::weak_ptr<int> old = *value.load();
   auto held = value.load();
-  value.store(nullptr);
+  value.store(std::shared_ptr<int>());
   EXPECT_FALSE(old.expired());
   held.reset();
   EXPECT_TRUE(old.expired());

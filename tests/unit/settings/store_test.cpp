@@ -319,11 +319,11 @@ TEST_F(Store, ReadsDoNotWaitForAnEdit) {
   SettingsStore store = open();
   std::future<bool> read;  // by another thread, while the edit is made ready
   bool was_read = false;
-  store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const Json&) {
+  store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const CheckedSettings&) {
     read = std::async(std::launch::async,
                       [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
     was_read = read.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
-    return [] {};
+    return Commit();
   });
   EXPECT_TRUE(was_read);
   EXPECT_TRUE(read.get());
@@ -490,8 +490,8 @@ TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
 }
 
 /// Any tree will do.
-Json anything(const Json& settings) {
-  return settings;
+CheckedSettings anything(const Json& settings) {
+  return {settings};
 }
 
 TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {

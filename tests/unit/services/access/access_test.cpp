@@ -155,13 +155,5 @@ TEST_F(AccessTest, ManyAddressesTogetherHaveALimit) {
   EXPECT_EQ(tried, 20);
 }
 
-TEST(NetworkOf, IsTheHalfOfAnIpv6Address) {
-  EXPECT_EQ(network_of("192.0.2.1"), "192.0.2.1");
-  EXPECT_EQ(network_of("2001:db8::1:2:3:4"), network_of("2001:db8::ffff"));
-  EXPECT_NE(network_of("2001:db8:0:1::1"), network_of("2001:db8:0:2::1"));
-  EXPECT_NE(network_of("::ffff:192.0.2.1"), network_of("::ffff:192.0.2.2"));
-  EXPECT_EQ(network_of("nonsense"), "nonsense");
-}
-
 }  // namespace
 }  // namespace sslv

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/driver_calls.h"
 
+#include "base/error.h"
 #include "capture/source.h"
 #include "services/cameras/control_change.h"
 
