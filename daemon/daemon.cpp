@@ -34,89 +34,128 @@ std::vector<std::filesystem::path> file_folders(const Daemon::Options& options) 
   return folders;
 }
 
+/// What is kept in the state folder, but for the settings.
+struct Kept {
+  explicit Kept(const std::filesystem::path& path)
+      : folder(path), passwords(path / Passwords::kFileName), profiles(folder), tables(folder) {}
+
+  StateFolder folder;
+  Passwords passwords;
+  Profiles profiles;
+  SavedTables tables;
+};
+
+struct NetworkParts {
+  explicit NetworkParts(SettingsService& settings)
+      : multicast(settings.config().load()->network.vision, "/network/vision"),
+        service(settings.config(), multicast),
+        match_lock(settings.config(), service.referee()) {}
+
+  MulticastSender multicast;
+  NetworkService service;
+  MatchLock match_lock;
+};
+
+struct CameraParts {
+  CameraParts(SettingsService& settings, NetworkParts& network, const SavedTables& tables)
+      : service(settings.config(), network.multicast, network.service.referee(),
+                [&tables](const std::string& name, const std::string& path, const LabelSet& labels) {
+                  return tables.load(name, path, labels);
+                }),
+        stills(service) {}
+
+  CameraService service;
+  StillService stills;
+};
+
+struct CalibrationParts {
+  CalibrationParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras)
+      : records(kept.folder, settings),
+        service(settings.config(), settings, cameras.service, records, network.match_lock,
+                network.service.referee()),
+        joint(settings.config(), settings, cameras.service, records, network.match_lock,
+              network.service.referee()) {}
+
+  CalibrationRecords records;
+  CalibrationService service;
+  JointCalibrationService joint;
+};
+
+struct ColorParts {
+  ColorParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras)
+      : tables(cameras.service, settings, kept.tables, kept.profiles),
+        service(cameras.service, cameras.stills, tables, kept.tables, network.service.referee()),
+        learning(cameras.service, cameras.stills, tables, service) {}
+
+  ColorTables tables;
+  ColorService service;
+  LearningService learning;
+};
+
+struct Panel {
+  std::vector<Route> routes;
+  std::optional<WebServer> web;
+  std::optional<PanelPlace> place;
+};
+
 }  // namespace
 
 /// In the order in which they are made; each may use those above it. They end in the other order.
 struct Daemon::Parts {
   explicit Parts(const Options& options)
-      : folder(options.state_folder),
-        passwords(options.state_folder / Passwords::kFileName),
-        settings(options.settings_file, folder, file_folders(options)),
-        profiles(folder),
-        saved_tables(folder),
-        profile_service(profiles, settings),
-        multicast(settings.config().load()->network.vision, "/network/vision"),
-        network(settings.config(), multicast),
-        match_lock(settings.config(), network.referee()),
-        access(settings.config(), passwords, match_lock),
-        cameras(settings.config(), multicast, network.referee(),
-                [this](const std::string& name, const std::string& path, const LabelSet& labels) {
-                  return saved_tables.load(name, path, labels);
-                }),
-        stills(cameras),
-        records(folder, settings),
-        calibration(settings.config(), settings, cameras, records, match_lock, network.referee()),
-        joint_calibration(settings.config(), settings, cameras, records, match_lock, network.referee()),
-        tables(cameras, settings, saved_tables, profiles),
-        colors(cameras, stills, tables, saved_tables, network.referee()),
-        learning(cameras, stills, tables, colors),
-        status(options.state_folder, cameras, counters, [this] { return network.missing(); }) {
+      : kept(options.state_folder),
+        settings(options.settings_file, kept.folder, file_folders(options)),
+        profiles(kept.profiles, settings),
+        network(settings),
+        access(settings.config(), kept.passwords, network.match_lock),
+        cameras(settings, network, kept.tables),
+        calibration(kept, settings, network, cameras),
+        colors(kept, settings, network, cameras),
+        status(options.state_folder, cameras.service, web_counters,
+               [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
-    const std::vector<Service*> services{&cameras, &stills,          &calibration, &joint_calibration, &colors,
-                                         &learning, &network,        &status,      &settings,
-                                         &profile_service, &access};
+    std::vector<Service*> services{&cameras.service,   &cameras.stills, &calibration.service,
+                                   &calibration.joint, &colors.service, &colors.learning,
+                                   &network.service,   &status,         &settings,
+                                   &profiles,          &access};
     status.set_services(services);
     for (Service* service : services) {
-      for (Route& route : service->routes()) routes.push_back(std::move(route));
+      for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
     }
-    for (Route& route : websocket_routes()) routes.push_back(std::move(route));
-    network.on_new_team_names([this] { cameras.update_robot_heights(); });
+    for (Route& route : websocket_routes()) panel.routes.push_back(std::move(route));
+    network.service.on_new_team_names([this] { cameras.service.update_robot_heights(); });
 
-    const PanelSettings& panel = settings.config().load()->panel;
-    const std::string address = listening_address(panel, passwords.has(Role::kAdmin));
     // Cameras come last: preparing them may already set controls of theirs.
-    settings.start({&network, &colors, &cameras});
-    web.emplace(WebParts{access, cameras, {&status}, routes}, WebOptions{address, panel.port, options.panel_folder},
-                counters);
-    panel_place.emplace(settings.config(), passwords, *web);
-    settings.use({&*panel_place, &network, &colors, &cameras});
+    settings.start({&network.service, &colors.service, &cameras.service});
+    const PanelSettings& wanted = settings.config().load()->panel;
+    const std::string address = listening_address(wanted, kept.passwords.has(Role::kAdmin));
+    panel.web.emplace(WebParts{access, cameras.service, {&status}, panel.routes},
+                      WebOptions{address, wanted.port, options.panel_folder}, web_counters);
+    panel.place.emplace(settings.config(), kept.passwords, *panel.web);
+    settings.use({&*panel.place, &network.service, &colors.service, &cameras.service});
 
-    std::vector<Service*> beating = services;
-    beating.push_back(&*panel_place);
-    heartbeat.emplace(beating, [this] { summary.store(cameras.summary() + " -> " + network.summary()); });
-    summary.store(cameras.summary() + " -> " + network.summary());
+    services.push_back(&*panel.place);
+    heartbeat.emplace(std::move(services),
+                      [this] { return cameras.service.summary() + " -> " + network.service.summary(); });
   }
 
   ~Parts() {
     heartbeat.reset();
-    if (web) web->stop();      // from here on nobody asks for a change
-    network.stop_listening();  // nor gives cameras other heights
+    if (panel.web) panel.web->stop();  // from here on nobody asks for a change
+    network.service.stop_listening();  // nor gives cameras other heights
   }
 
-  StateFolder folder;
-  Passwords passwords;
+  Kept kept;
   SettingsService settings;
-  Profiles profiles;
-  SavedTables saved_tables;
-  ProfileService profile_service;
-  MulticastSender multicast;
-  NetworkService network;
-  MatchLock match_lock;
+  ProfileService profiles;
+  NetworkParts network;
   AccessService access;
-  CameraService cameras;
-  StillService stills;
-  CalibrationRecords records;
-  CalibrationService calibration;
-  JointCalibrationService joint_calibration;
-  ColorTables tables;
-  ColorService colors;
-  LearningService learning;
-  WebCounters counters;
+  CameraParts cameras;
+  CalibrationParts calibration;
+  ColorParts colors;
+  WebCounters web_counters;
   StatusService status;
-  std::vector<Route> routes;
-  std::optional<WebServer> web;
-  std::optional<PanelPlace> panel_place;
-  Snapshot<std::string> summary;
+  Panel panel;
   std::optional<Heartbeat> heartbeat;
 };
 
@@ -125,11 +164,11 @@ Daemon::Daemon(const Options& options) : parts_(std::make_unique<Parts>(options)
 Daemon::~Daemon() = default;
 
 int Daemon::panel_port() const {
-  return parts_->web->port();
+  return parts_->panel.web->port();
 }
 
 std::string Daemon::summary() const {
-  return *parts_->summary.load();
+  return parts_->heartbeat->summary();
 }
 
 void Daemon::reload() {
@@ -137,11 +176,11 @@ void Daemon::reload() {
 }
 
 std::string Daemon::hanging() const {
-  return parts_->cameras.hanging();
+  return parts_->cameras.service.hanging();
 }
 
 const std::vector<Route>& Daemon::routes() const {
-  return parts_->routes;
+  return parts_->panel.routes;
 }
 
 }  // namespace sslv

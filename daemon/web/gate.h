@@ -12,11 +12,14 @@ namespace sslv {
 /// What a visitor may do; each may do what stands before it, too.
 enum class May { kNothing, kLook, kChange };
 
-/// Who may do what, as the server asks for every request. May be asked from any thread, and must not block:
-/// also the thread that serves all sockets asks.
+/// Who may do what, as the server asks for every request. May be asked from any thread, and must not block but
+/// where it says so: also the thread that serves all sockets asks.
 class Gate {
  public:
   virtual ~Gate() = default;
+  /// Reads what other programs changed about who may do what; called before a request that may wait, so that a
+  /// password that was changed counts at once. May block.
+  virtual void refresh() {}
   /// By the Cookie header, "" when there is none.
   virtual May may(std::string_view cookies) = 0;
   /// Why nothing may be changed now, whoever asks; empty: it may.

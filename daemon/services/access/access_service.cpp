@@ -62,8 +62,8 @@ std::vector<Route> AccessService::routes() {
 }
 
 void AccessService::each_second() {
-  passwords_.look_again();  // ssl-visionctl may have set one
-  match_lock_.state();      // so that it is closed when the match ends
+  refresh();            // also for those who stay connected
+  match_lock_.state();  // so that it is closed when the match ends
 }
 
 Response AccessService::state_response(const std::string& cookies) {

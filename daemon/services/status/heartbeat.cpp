@@ -14,8 +14,11 @@
 
 namespace sslv {
 
-Heartbeat::Heartbeat(std::vector<Service*> services, std::function<void()> then)
-    : services_(std::move(services)), then_(std::move(then)), thread_([this](const std::stop_token& stop) {
+Heartbeat::Heartbeat(std::vector<Service*> services, std::function<std::string()> make_summary)
+    : services_(std::move(services)),
+      make_summary_(std::move(make_summary)),
+      summary_(make_summary_()),
+      thread_([this](const std::stop_token& stop) {
         become_background_thread("heartbeat");
         std::mutex idle;
         std::condition_variable_any alarm;
@@ -39,7 +42,7 @@ void Heartbeat::beat() noexcept {
     }
   };
   for (Service* service : services_) call([&] { service->each_second(); });
-  if (then_) call(then_);
+  call([this] { summary_.store(make_summary_()); });
 }
 
 }  // namespace sslv

@@ -1,26 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/snapshot.h"
 #include "services/service.h"
 
 #include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 
 namespace sslv {
 
-/// Calls each_second() of all services once a second, in a thread of low priority, then `then`. What hangs
-/// there delays nothing else.
+/// Calls each_second() of all services once a second, in a thread of low priority, then makes the line that
+/// the service manager shows. What hangs there delays nothing else.
 class Heartbeat {
  public:
   /// Starts at once. All must outlive this.
-  Heartbeat(std::vector<Service*> services, std::function<void()> then);
+  Heartbeat(std::vector<Service*> services, std::function<std::string()> make_summary);
+
+  /// The newest line. Waits for nothing.
+  std::string summary() const { return *summary_.load(); }
 
  private:
   void beat() noexcept;
 
   const std::vector<Service*> services_;
-  const std::function<void()> then_;
+  const std::function<std::string()> make_summary_;
+  Snapshot<std::string> summary_;
   std::jthread thread_;  // last, so that it ends before what it uses
 };
 

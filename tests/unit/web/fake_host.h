@@ -145,7 +145,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
            if (request.matches[1] != "0") throw HttpError(404, "no camera " + request.matches[1]);
            Response response{200, kStreamType, {}};
            response.stream = StreamWish{0, {}};
-           response.stream->preview.width = query_number(request, "width", PreviewWish{}.width, 1, 1000);
+           response.stream->preview.width = query_number(request, "width", PreviewWish{}.width, 1, 16384);
            return response;
          },
          Needs::kByMethod, Speed::kMayWait, true},

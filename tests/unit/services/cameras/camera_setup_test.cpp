@@ -45,9 +45,10 @@ TEST_F(CameraSetups, AreLeftAloneByWhatDoesNotConcernThem) {
 TEST_F(CameraSetups, AreMadeForWhatConcernsThem) {
   EXPECT_TRUE(after(config_with({{"field", {{"field_length", 4321}}}})));
   EXPECT_TRUE(after(config_with({{"teams", {{"blue", {{"robot_height", 150}}}}}})));
-  EXPECT_TRUE(after(camera_with({{"stages", {{"detect_balls", {{"min_area_px", 5}}}}}})));
+  EXPECT_TRUE(after(camera_with({{"stages", {{"detect_balls", {{"max_balls", 5}}}}}})));
   EXPECT_TRUE(after(camera_with({{"colors", {{"bits", 6}}}})));
-  const auto other_stack = after(camera_with({{"stack", {"segment", "publish"}}}));
+  const auto other_stack = after(camera_with(
+      {{"stack", {"threshold", "find_runs", "find_regions", "detect_robots", "detect_balls", "publish"}}}));
   ASSERT_TRUE(other_stack);
   EXPECT_NE(other_stack->setup.pipeline, setup_.pipeline);
 }

@@ -72,7 +72,7 @@ TEST(SavedTables, RefuseWhatIsNoneOfThem) {
 
   const std::filesystem::path file = folder.path() / "tables" / (name + ".lut");
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
-  const SavedTables later(state);
+  const Running later(state);
   EXPECT_THAT(refusal(later, name), HasSubstr(file.string())) << "damaged";
   // What is saved anew does not trust the damaged file.
   SavedTables again(state);
