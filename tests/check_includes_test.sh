@@ -10,7 +10,7 @@ failed=0
 # expect RESULT FILE INCLUDE: RESULT is "allowed" or the beginning of the message after FILE:LINE.
 expect() {
   local answer result=allowed
-  rm -rf "$tree"/*
+  rm -rf "${tree:?}"/*
   mkdir -p "$(dirname "$tree/$2")"
   printf '// a comment\n#include <vector>\n#include "%s"\n' "$3" > "$tree/$2"
   answer=$("$check" "$tree") || result=forbidden

@@ -62,10 +62,11 @@ class Paint {
 };
 
 /// Parameters: each camera's step, each piece of paint, and the place of each tie.
-class Problem : public LeastSquaresTypes {
+class JointProblem : public LeastSquaresTypes {
  public:
-  Problem(std::span<const LensCamera> starts, std::span<const RefinedCamera> cameras,
-          std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties, const std::stop_token& stop)
+  JointProblem(std::span<const LensCamera> starts, std::span<const RefinedCamera> cameras,
+               std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties,
+               const std::stop_token& stop)
       : starts_(starts), cameras_(cameras), curves_(curves), ties_(ties), stop_(stop), paint_(curves) {
     for (const RefinedCamera& camera : cameras)
       rows_ += static_cast<int>(camera.sightings.size()) + PriorRows::kCount;
@@ -216,14 +217,14 @@ JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::spa
   constexpr int kRounds = 3, kMostSteps = 25;
   Eigen::VectorXd paint;  // goes on from round to round
   for (int round = 0; round < kRounds; ++round) {
-    Problem problem(out.cameras, cameras, curves, ties, stop);
+    JointProblem problem(out.cameras, cameras, curves, ties, stop);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.inputs());
     if (paint.size() > 0) x.segment(problem.first_paint(), paint.size()) = paint;
     for (std::size_t t = 0; t < ties.size(); ++t) {
       const auto place = out.cameras[ties[t].camera_a].unproject(ties[t].pixel_a, ties[t].height_mm);
       if (place) x.segment<2>(problem.first_tie() + 2 * static_cast<int>(t)) = *place;
     }
-    Eigen::LevenbergMarquardt<Problem> solver(problem);
+    Eigen::LevenbergMarquardt<JointProblem> solver(problem);
     solver.parameters.maxfev = kMostSteps;
     solver.parameters.ftol = solver.parameters.xtol = 1e-9;
     solver.minimize(x);

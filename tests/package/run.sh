@@ -5,7 +5,6 @@
 # fake_gige_camera. The system is kept in FOLDER for the next time. Needs root. Exit code 77: cannot be done here.
 # TRIES: how often the service is killed (5); half as often it is made to hang.
 set -euo pipefail
-here=$(dirname "$(realpath "$0")")
 packages=$(realpath "$1") programs=$(realpath "$2")
 mkdir -p "$3" && cd "$3"
 tries=${TRIES:-5}

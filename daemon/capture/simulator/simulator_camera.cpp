@@ -109,7 +109,7 @@ void SimulatedCamera::develop_background() {
     sensor_.develop_blurred(blurred_background_, clean_background_.data());
   } else {
     for (int top = 0; top < options_.height; top += kBandRows) {
-      const PixelBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
+      const DrawnBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
       sensor_.develop(background_, band, clean_background_.data());
     }
   }
@@ -143,17 +143,17 @@ void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
   const bool rolls = options_.rolling_shutter_ms > 0;
   if (rolls) motions_ = world_.motions_at(t_s, options_.rolling_shutter_ms * 0.5e-3);
   renderer_.draw(moments_, light_, boxes_, rolls ? &motions_ : nullptr);
-  for (const PixelBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());
+  for (const DrawnBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());
   sensor_.add_noise(clean_.data(), picture);
 
   // Wipe what was drawn, for the next frame.
   const auto stride = static_cast<std::size_t>(layout_.stride_bytes);
   const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(layout_.format));
-  for (const PixelBox& box : boxes_) {
+  for (const DrawnBox& box : boxes_) {
     for (int y = box.top; y < box.bottom; ++y) {
       std::copy(background_.at(box.left, y), background_.at(box.right, y), light_.at(box.left, y));
     }
-    const PixelBox reached = sensor_.reached_from(box);
+    const DrawnBox reached = sensor_.reached_from(box);
     const std::size_t bytes = static_cast<std::size_t>(reached.right - reached.left) * pixel_bytes;
     for (int y = reached.top; y < reached.bottom; ++y) {
       const std::size_t at =

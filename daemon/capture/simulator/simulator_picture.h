@@ -8,7 +8,7 @@
 namespace sslv {
 
 /// A rectangle of pixels; right and bottom are one past the last.
-struct PixelBox {
+struct DrawnBox {
   int left, top, right, bottom;
   bool empty() const { return left >= right || top >= bottom; }
 };

@@ -40,7 +40,7 @@ float covered(float distance, float dx, float dy) {
   return distance >= 0 ? inside : 1 - inside;
 }
 
-PixelBox join(const PixelBox& a, const PixelBox& b) {
+DrawnBox join(const DrawnBox& a, const DrawnBox& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
   return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
@@ -138,7 +138,7 @@ struct SimulatorRenderer::Footprint {
 };
 
 struct SimulatorRenderer::Spot {
-  PixelBox box;  // also beyond the picture; empty when the camera cannot see there
+  DrawnBox box;  // also beyond the picture; empty when the camera cannot see there
   Vec2 middle;
   float reach_px;  // all of the disc is nearer to the middle
 };
@@ -320,10 +320,10 @@ SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center
 }
 
 /// Of a disc wherever a row may see it.
-PixelBox SimulatorRenderer::box_of(const Eigen::Vector3d& center_mm, double radius_mm,
+DrawnBox SimulatorRenderer::box_of(const Eigen::Vector3d& center_mm, double radius_mm,
                                    const SimulatorMotion* motion) const {
   if (motion == nullptr) return spot_of(center_mm, radius_mm).box;
-  PixelBox box{};
+  DrawnBox box{};
   for (const int row : {0, (options_.height - 1) / 2, options_.height - 1}) {
     const Eigen::Vector2d way_mm = motion->way_mm(row_delay_s(row));
     box = join(box, spot_of(center_mm + Eigen::Vector3d(way_mm.x(), way_mm.y(), 0), radius_mm).box);
@@ -335,13 +335,13 @@ double SimulatorRenderer::row_delay_s(double y) const {
   return (y / std::max(1, options_.height - 1) - 0.5) * options_.rolling_shutter_ms * 1e-3;
 }
 
-PixelBox SimulatorRenderer::in_picture(const PixelBox& box) const {
+DrawnBox SimulatorRenderer::in_picture(const DrawnBox& box) const {
   return {std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, options_.width),
           std::min(box.bottom, options_.height)};
 }
 
 template <class CoatOf, class MayShow>
-void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes,
+void SimulatorRenderer::paint(const DrawnBox& box, double height_mm, std::span<const Shape> shapes,
                               const CoatOf& coat_of, const MayShow& may_show, LightPicture& picture,
                               const SimulatorMotion* motion) const {
   const float weight = 1 / static_cast<float>(shapes.size());
@@ -381,9 +381,9 @@ void SimulatorRenderer::paint(const PixelBox& box, double height_mm, std::span<c
 }
 
 /// Returns the box it drew in, which may be empty.
-PixelBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightPicture& picture) const {
+DrawnBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightPicture& picture) const {
   const auto a = static_cast<float>(d.length_mm / 2), b = static_cast<float>(d.width_mm / 2);
-  const PixelBox box = in_picture(spot_of({d.x_mm, d.y_mm, 0}, std::hypot(a, b)).box);
+  const DrawnBox box = in_picture(spot_of({d.x_mm, d.y_mm, 0}, std::hypot(a, b)).box);
   if (box.empty()) return box;
   const Shape shape{
       {d.x_mm, d.y_mm}, static_cast<float>(std::cos(d.turn_rad)), static_cast<float>(std::sin(d.turn_rad))};
@@ -414,7 +414,7 @@ void SimulatorRenderer::draw_slice(const SimulatedSurroundings::Slice& slice, Li
   const Eigen::Vector3d& center = slice.center_mm;
   if (center.z() >= camera_.position_mm().z()) return;
   const auto a = static_cast<float>(slice.half_length_mm), b = static_cast<float>(slice.half_width_mm);
-  const PixelBox box = in_picture(spot_of(center, std::hypot(a, b)).box);
+  const DrawnBox box = in_picture(spot_of(center, std::hypot(a, b)).box);
   if (box.empty()) return;
   const Shape shape{center.head<2>(), static_cast<float>(std::cos(slice.turn_rad)),
                     static_cast<float>(std::sin(slice.turn_rad))};
@@ -447,7 +447,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
                                  [&](const PatternTable::Code& c) { return c.id == robot.id; });
 
   boost::container::static_vector<Shape, kMaxMoments> shapes;
-  PixelBox box{};
+  DrawnBox box{};
   Spot top{}, foot{};
   for (const SimulatedScene& moment : moments) {
     const SimulatedRobot& r = moment.robots[index];
@@ -531,7 +531,7 @@ void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments
   }
   const float reach = std::max(away[0].norm(), away[1].norm()) + radius + soft;
   boost::container::static_vector<Shape, kMaxMoments> shapes;
-  PixelBox box{};
+  DrawnBox box{};
   for (const SimulatedScene& moment : moments) {
     const auto& thing = (moment.*list)[index];
     shapes.push_back({{thing.x_mm, thing.y_mm}});
@@ -561,7 +561,7 @@ void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std
   const auto radius = static_cast<float>(field_.ball_radius);
   const Vec2 away = -kLampDirection.head<2>() / kLampDirection.z() * radius;
   boost::container::static_vector<Shape, kMaxMoments> shapes;
-  PixelBox box{};
+  DrawnBox box{};
   for (const SimulatedScene& moment : moments) {
     const SimulatedBall& ball = moment.balls[index];
     const Eigen::Vector2d middle = Eigen::Vector2d(ball.x_mm, ball.y_mm) + away.cast<double>();
@@ -583,7 +583,7 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
   const Eigen::Vector3d& eye = camera_.position_mm();
   Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // from the camera
   boost::container::static_vector<Shape, kMaxMoments> shapes;
-  PixelBox box{};
+  DrawnBox box{};
   for (const SimulatedScene& moment : moments) {
     const SimulatedBall& ball = moment.balls[index];
     shapes.push_back({{ball.x_mm, ball.y_mm}});
@@ -630,7 +630,7 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
   const SimulatedScene& scene = moments.front();
   if (options_.placement == SimulatorPlacement::kScatter) {
     for (const SimulatedDistractor& distractor : scene.distractors) {
-      const PixelBox box = draw_distractor(distractor, picture);
+      const DrawnBox box = draw_distractor(distractor, picture);
       if (!box.empty()) boxes.push_back(box);
     }
   }

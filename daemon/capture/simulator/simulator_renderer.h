@@ -29,7 +29,7 @@ namespace sslv {
 class SimulatorRenderer {
  public:
   static constexpr std::size_t kMaxMoments = 8;
-  using Boxes = boost::container::static_vector<PixelBox, 2 * SimulatedScene::kMaxRobots +
+  using Boxes = boost::container::static_vector<DrawnBox, 2 * SimulatedScene::kMaxRobots +
                                                               3 * SimulatedScene::kMaxBalls +
                                                               SimulatedScene::kMaxDistractors>;
 
@@ -64,9 +64,9 @@ class SimulatorRenderer {
   float lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const;
   Footprint footprint_at(const Eigen::Vector2d& pixel, double height_mm) const;
   Spot spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const;
-  PixelBox box_of(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatorMotion* motion) const;
-  PixelBox in_picture(const PixelBox& box) const;
-  PixelBox draw_distractor(const SimulatedDistractor& distractor, LightPicture& picture) const;
+  DrawnBox box_of(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatorMotion* motion) const;
+  DrawnBox in_picture(const DrawnBox& box) const;
+  DrawnBox draw_distractor(const SimulatedDistractor& distractor, LightPicture& picture) const;
   void draw_slice(const SimulatedSurroundings::Slice& slice, LightPicture& picture) const;
   void draw_robot(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
                   LightPicture& picture, Boxes& boxes) const;
@@ -79,7 +79,7 @@ class SimulatorRenderer {
   void draw_ball(std::span<const SimulatedScene> moments, std::size_t index, const SimulatorMotion* motion,
                  LightPicture& picture, Boxes& boxes) const;
   template <class CoatOf, class MayShow>
-  void paint(const PixelBox& box, double height_mm, std::span<const Shape> shapes, const CoatOf& coat_of,
+  void paint(const DrawnBox& box, double height_mm, std::span<const Shape> shapes, const CoatOf& coat_of,
              const MayShow& may_show, LightPicture& picture, const SimulatorMotion* motion = nullptr) const;
 
   SimulatorOptions options_;

@@ -124,7 +124,7 @@ std::size_t SimulatorSensor::plane_bytes() const {
          static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
 }
 
-PixelBox SimulatorSensor::reached_from(const PixelBox& box) const {
+DrawnBox SimulatorSensor::reached_from(const DrawnBox& box) const {
   const int blur = static_cast<int>(kernel_.size()) - 1;
   const int left = std::max(0, box.left - blur), right = std::min(options_.width, box.right + blur);
   return {left & ~1, std::max(0, box.top - blur), std::min(options_.width, (right + 1) & ~1),
@@ -132,7 +132,7 @@ PixelBox SimulatorSensor::reached_from(const PixelBox& box) const {
 }
 
 /// Row y of the box's columns, blurred sideways; at the rim the outermost pixel is repeated.
-void SimulatorSensor::blur_row(const LightPicture& light, const PixelBox& box, int y, float* out) const {
+void SimulatorSensor::blur_row(const LightPicture& light, const DrawnBox& box, int y, float* out) const {
   const int radius = static_cast<int>(kernel_.size()) - 1;
   const int row = std::clamp(y, 0, light.height - 1);
   constexpr float kGrey = 1.0F / LightPicture::kPerGrey;
@@ -148,7 +148,7 @@ void SimulatorSensor::blur_row(const LightPicture& light, const PixelBox& box, i
   }
 }
 
-void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const {
+void SimulatorSensor::write_row(const float* rgb, const DrawnBox& box, int y, std::uint8_t* picture) const {
   const int pixel_bytes = bytes_per_pixel(options_.pixel_format);
   std::uint8_t* out = picture + (static_cast<std::size_t>(y) * static_cast<std::size_t>(options_.width) +
                                  static_cast<std::size_t>(box.left)) *
@@ -202,7 +202,7 @@ void SimulatorSensor::write_row(const float* rgb, const PixelBox& box, int y, st
 
 /// Hands over each row of the box after the lens.
 template <class Use>
-void SimulatorSensor::blur(const LightPicture& light, const PixelBox& box, const Use& use) {
+void SimulatorSensor::blur(const LightPicture& light, const DrawnBox& box, const Use& use) {
   const int radius = static_cast<int>(kernel_.size()) - 1;
   const int rows = box.bottom - box.top + 2 * radius;
   const auto row_floats = 3 * static_cast<std::size_t>(box.right - box.left);
@@ -226,7 +226,7 @@ void SimulatorSensor::blur(const LightPicture& light, const PixelBox& box, const
 }
 
 /// From light to bytes; `rgb` is spent.
-void SimulatorSensor::expose_row(float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const {
+void SimulatorSensor::expose_row(float* rgb, const DrawnBox& box, int y, std::uint8_t* picture) const {
   // A pixel's well is full at 255, before any mixing of colours.
   std::array<float, 3> gains = gains_;
   for (float& gain : gains) gain *= row_gains_[static_cast<std::size_t>(y)];
@@ -237,7 +237,7 @@ void SimulatorSensor::expose_row(float* rgb, const PixelBox& box, int y, std::ui
   write_row(rgb, box, y, picture);
 }
 
-void SimulatorSensor::develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture) {
+void SimulatorSensor::develop(const LightPicture& light, const DrawnBox& box, std::uint8_t* picture) {
   blur(light, box, [&](int y, float* rgb) { expose_row(rgb, box, y, picture); });
 }
 
@@ -247,14 +247,14 @@ std::vector<float> SimulatorSensor::blurred(const LightPicture& light) {
   const auto row_floats = 3 * static_cast<std::size_t>(light.width);
   constexpr int kBandRows = 64;  // to need less memory
   for (int top = 0; top < light.height; top += kBandRows) {
-    const PixelBox band{0, top, light.width, std::min(light.height, top + kBandRows)};
+    const DrawnBox band{0, top, light.width, std::min(light.height, top + kBandRows)};
     blur(light, band, [&](int /*y*/, const float* rgb) { to = std::copy_n(rgb, row_floats, to); });
   }
   return out;
 }
 
 void SimulatorSensor::develop_blurred(const std::vector<float>& blurred, std::uint8_t* picture) {
-  const PixelBox whole{0, 0, options_.width, options_.height};
+  const DrawnBox whole{0, 0, options_.width, options_.height};
   const auto row_floats = 3 * static_cast<std::size_t>(options_.width);
   line_.resize(std::max(line_.size(), row_floats));
   for (int y = 0; y < options_.height; ++y) {

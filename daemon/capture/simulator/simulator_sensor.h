@@ -24,14 +24,14 @@ class SimulatorSensor {
   std::size_t picture_bytes() const { return (is_deep() ? 2 : 1) * plane_bytes(); }
 
   /// The pixels that the light inside `box` reaches, in whole units of the pixel format.
-  PixelBox reached_from(const PixelBox& box) const;
+  DrawnBox reached_from(const DrawnBox& box) const;
 
   /// Factors on red, green and blue from now on, and on each row; 1 at first.
   void set_gains(const std::array<float, 3>& gains) { gains_ = gains; }
   void set_row_gain(int y, float gain) { row_gains_[static_cast<std::size_t>(y)] = gain; }
 
   /// Writes the bytes of `box`, which must be in whole units of the pixel format, without noise.
-  void develop(const LightPicture& light, const PixelBox& box, std::uint8_t* picture);
+  void develop(const LightPicture& light, const DrawnBox& box, std::uint8_t* picture);
 
   /// All of a picture's light after the lens, for develop_blurred(): red, green, blue of each pixel.
   std::vector<float> blurred(const LightPicture& light);
@@ -52,15 +52,15 @@ class SimulatorSensor {
 
   bool is_deep() const { return options_.bits > 8; }
   template <class Use>
-  void blur(const LightPicture& light, const PixelBox& box, const Use& use);
-  void blur_row(const LightPicture& light, const PixelBox& box, int y, float* out) const;
-  void expose_row(float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const;
+  void blur(const LightPicture& light, const DrawnBox& box, const Use& use);
+  void blur_row(const LightPicture& light, const DrawnBox& box, int y, float* out) const;
+  void expose_row(float* rgb, const DrawnBox& box, int y, std::uint8_t* picture) const;
   void fill_noise(std::size_t entries);
   void fill_block_noise();
   void place_hot_pixels(std::uint64_t stream);
   void add_deep_noise(const std::uint8_t* clean, std::uint8_t* noisy);
   void add_block_noise(std::uint8_t* picture);
-  void write_row(const float* rgb, const PixelBox& box, int y, std::uint8_t* picture) const;
+  void write_row(const float* rgb, const DrawnBox& box, int y, std::uint8_t* picture) const;
 
   SimulatorOptions options_;  // with a hall that is resolved
   std::array<float, 3> gains_{1, 1, 1};

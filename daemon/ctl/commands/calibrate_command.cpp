@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   CalibrateWords words;
   RawFormat raw;
   std::string input, field, previous_file, calibration_file, report_file;
@@ -28,7 +28,7 @@ struct Options {
 
 /// Writes what became of a calibration: the calibration to its file when there is one, the whole report to
 /// its own, and what a person wants to know. Answers with the exit code.
-int tell(const Options& o, const Json& report, const std::string& calibration_file,
+int tell(const CalibrateOptions& o, const Json& report, const std::string& calibration_file,
          std::string (*text)(const Json&)) {
   const auto write = [](const std::string& file, const Json& json) {
     Output output(file);
@@ -44,7 +44,7 @@ int tell(const Options& o, const Json& report, const std::string& calibration_fi
   return report.at("accepted") == true ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-int calibrate_several_cameras(const Options& o, const Client& client) {
+int calibrate_several_cameras(const CalibrateOptions& o, const Client& client) {
   const Json report = calibrate_together(client, {{"cameras", o.together_ids},
                                                   {"frames", o.words.frames.value_or(10)},
                                                   {"seconds", o.together_s},
@@ -57,7 +57,7 @@ int calibrate_several_cameras(const Options& o, const Client& client) {
   return exit_code;
 }
 
-int calibrate_camera(const Options& o, const Client& client) {
+int calibrate_camera(const CalibrateOptions& o, const Client& client) {
   Json asked = calibration_request(o.words);
   asked["force"] = o.force;
   const Json report = calibrate_running(client, o.camera_id, asked);
@@ -69,7 +69,7 @@ int calibrate_camera(const Options& o, const Client& client) {
   return exit_code;
 }
 
-int calibrate_files(Options& o) {
+int calibrate_files(CalibrateOptions& o) {
   const Json asked = calibration_request(o.words);
   o.raw.parse();
   const CalibrationRequest request = read_calibration_request(asked);
@@ -84,7 +84,7 @@ int calibrate_files(Options& o) {
 }  // namespace
 
 void add_calibrate(CommandLine& line) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<CalibrateOptions>();
   CLI::App* command = line.app.add_subcommand(
       "calibrate", "find where a camera hangs, from its picture: of the daemon's camera, or of files");
   CLI::Option* of_daemon = command->add_option("--camera", o->camera_id, "id of the daemon's camera");

@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-struct Options {
+struct ColorOptions {
   int camera_id = 0;
   bool as_json = false;
 };
@@ -24,7 +24,8 @@ std::string colors_path(int camera_id) {
 }
 
 /// One of the things that may be done to a table, with its camera and what it answers.
-CLI::App* add_action(CLI::App* group, const char* name, const char* help, const std::shared_ptr<Options>& o) {
+CLI::App* add_action(CLI::App* group, const char* name, const char* help,
+                     const std::shared_ptr<ColorOptions>& o) {
   CLI::App* command = group->add_subcommand(name, help);
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   add_json_flag(command, o->as_json);
@@ -38,7 +39,7 @@ std::string file_content(const std::string& file) {
 }
 
 void add_post(CommandLine& line, CLI::App* group, const char* name, const char* path, const char* help) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ColorOptions>();
   line.on(add_action(group, name, help, o), [&line, o, path] {
     print_answer(line.client().post(colors_path(o->camera_id) + path, Json::object()), o->as_json,
                  colors_text);
@@ -46,13 +47,13 @@ void add_post(CommandLine& line, CLI::App* group, const char* name, const char* 
   });
 }
 
-void add_import(CommandLine& line, CLI::App* group) {
+void add_color_import(CommandLine& line, CLI::App* group) {
   struct ImportOptions {
     std::string file;
     int table = -1;
     bool only_try = false;
   };
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ColorOptions>();
   const auto import = std::make_shared<ImportOptions>();
   CLI::App* command =
       add_action(group, "import", "take a table from a file: .lut, our JSON, or SSL-Vision's XML", o);
@@ -73,8 +74,8 @@ void add_import(CommandLine& line, CLI::App* group) {
   });
 }
 
-void add_export(CommandLine& line, CLI::App* group) {
-  const auto o = std::make_shared<Options>();
+void add_color_export(CommandLine& line, CLI::App* group) {
+  const auto o = std::make_shared<ColorOptions>();
   const auto file = std::make_shared<std::string>();
   CLI::App* command = group->add_subcommand("export", "write the table to a file");
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
@@ -91,7 +92,7 @@ void add_export(CommandLine& line, CLI::App* group) {
 }
 
 void add_copy(CommandLine& line, CLI::App* group) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ColorOptions>();
   const auto from = std::make_shared<int>(0);
   CLI::App* command = add_action(group, "copy", "take another camera's table over", o);
   command->add_option("--from", *from, "id of the other camera")->required();
@@ -115,7 +116,7 @@ std::string tried_text(const Json& edited) {
 }
 
 void add_widen_margins(CommandLine& line, CLI::App* group) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ColorOptions>();
   const auto only_try = std::make_shared<bool>(false);
   CLI::App* command =
       add_action(group, "widen-margins",
@@ -134,15 +135,15 @@ void add_widen_margins(CommandLine& line, CLI::App* group) {
 void add_colours(CommandLine& line) {
   CLI::App* group = line.app.add_subcommand("colours", "a camera's colour table");
   group->require_subcommand(1);
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ColorOptions>();
   line.on(add_action(group, "show",
                      "its labels, where they touch, margins, what was done, how it follows the light", o),
           [&line, o] {
             print_answer(line.client().get_json(colors_path(o->camera_id)), o->as_json, colors_text);
             return EXIT_SUCCESS;
           });
-  add_import(line, group);
-  add_export(line, group);
+  add_color_import(line, group);
+  add_color_export(line, group);
   add_copy(line, group);
   add_widen_margins(line, group);
   add_post(line, group, "undo", "/undo", "take the newest step back");

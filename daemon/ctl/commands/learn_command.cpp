@@ -15,7 +15,7 @@
 namespace sslv {
 namespace {
 
-struct Options {
+struct LearnOptions {
   CameraChoice choice;
   RawFormat raw;
   LearnInput input;
@@ -24,7 +24,7 @@ struct Options {
 };
 
 /// From the running daemon's live picture.
-int learn_live(const Options& o, const Client& daemon) {
+int learn_live(const LearnOptions& o, const Client& daemon) {
   const Json report = learn_running(daemon, o.choice.camera_id, o.input.frames);
   std::cout << (o.as_json ? report.dump(2) + "\n" : learning_text(report));
   if (report.at("learnt") != true) return EXIT_FAILURE;
@@ -35,7 +35,7 @@ int learn_live(const Options& o, const Client& daemon) {
   return EXIT_SUCCESS;
 }
 
-int learn(Options& o) {
+int learn(LearnOptions& o) {
   o.raw.parse();
   o.input.pixel_format = o.raw.pixel_format;
   o.input.width = o.raw.width;
@@ -59,7 +59,7 @@ int learn(Options& o) {
 }  // namespace
 
 void add_learn_colours(CommandLine& line) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<LearnOptions>();
   CLI::App* command = line.app.add_subcommand("learn-colours",
                                               "learn a camera's colour table with nobody pointing at "
                                               "anything: from the daemon's picture, or from files");

@@ -94,7 +94,7 @@ void add_remove(CommandLine& line, CLI::App* parent) {
   });
 }
 
-void add_export(CommandLine& line, CLI::App* parent) {
+void add_settings_export(CommandLine& line, CLI::App* parent) {
   const auto file = std::make_shared<std::string>("-");
   CLI::App* command = parent->add_subcommand("export", "write all settings as a settings file");
   command->add_option("file", *file, "file to write; -: standard output")->capture_default_str();
@@ -107,7 +107,7 @@ void add_export(CommandLine& line, CLI::App* parent) {
   });
 }
 
-void add_import(CommandLine& line, CLI::App* parent) {
+void add_settings_import(CommandLine& line, CLI::App* parent) {
   struct Options {
     std::string file;
     EditOptions edit;
@@ -196,8 +196,8 @@ void add_settings(CommandLine& line) {
   add_get(line, settings);
   add_set(line, settings);
   add_remove(line, settings);
-  add_export(line, settings);
-  add_import(line, settings);
+  add_settings_export(line, settings);
+  add_settings_import(line, settings);
   add_schema(line, settings);
 }
 

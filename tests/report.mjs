@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// The end of ./run test: what was skipped and why, the slowest tests, the work of each suite against its budget, and
+// last a line 'N passed, N failed, N skipped'.
+//
+//   node tests/report.mjs FOLDER
+//
+// FOLDER has a folder for each suite: `suite.json` {name, exit, seconds, work_s} and what its tests left: *.xml of
+// gtest and ctest, *.jsonl of tests/node_reporter.mjs, vitest.json. Exit code: 1 when something failed or when the work
+// of all suites together has doubled (tests/budget.json).
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const SLOWEST = 10;
+const ENTITIES = { lt: '<', gt: '>', quot: '"', apos: "'", amp: '&', '#x0A': '\n', '#x0a': '\n' };
+const plain = (text) => text.replace(/&([a-z]+|#x0A);/gi, (all, name) => ENTITIES[name] ?? all);
+const attributes = (text) => Object.fromEntries([...text.matchAll(/([\w-]+)="([^"]*)"/g)].map(([, key, value]) => [key, plain(value)]));
+
+/** Tests of a file of JUnit's kind, as gtest and ctest write it. */
+function testsOfXml(text) {
+  return [...text.matchAll(/<testcase\s([^>]*?)(\/>|>([\s\S]*?)<\/testcase>)/g)].map(([, head, , inside = '']) => {
+    const { name, classname, time, result, status } = attributes(head);
+    const skipped = result === 'skipped' || ['notrun', 'disabled'].includes(status) || /<skipped/.test(inside);
+    const failed = /<failure/.test(inside) || status === 'fail';
+    // The reason is what follows the place in the file.
+    const why = plain(/<skipped[^>]*?message="([^"]*)"/.exec(inside)?.[1] ?? '').split('\n').filter((line) => !/\.cpp:\d+$/.test(line)).join(' ').trim();
+    return {
+      name: classname && classname !== name ? `${classname}.${name}` : name,
+      result: failed ? 'failed' : skipped ? 'skipped' : 'passed', seconds: Number(time ?? 0), why,
+    };
+  });
+}
+
+function testsOfVitest(text) {
+  return JSON.parse(text).testResults.flatMap(({ assertionResults }) => assertionResults.map(({ fullName, status, duration = 0 }) => ({
+    name: fullName, result: { passed: 'passed', failed: 'failed' }[status] ?? 'skipped', seconds: duration / 1000,
+  })));
+}
+
+/** All tests of a suite's folder. An entry of ctest that told nothing of its tests counts as one itself. */
+function testsOf(folder) {
+  const files = readdirSync(folder);
+  const read = (file) => readFileSync(join(folder, file), 'utf8');
+  const tests = files.flatMap((file) => {
+    if (file === 'ctest.xml' || file === 'suite.json') return [];
+    if (file.endsWith('.xml')) return testsOfXml(read(file));
+    if (file.endsWith('.jsonl')) return read(file).split('\n').filter(Boolean).map((line) => JSON.parse(line));
+    return file === 'vitest.json' ? testsOfVitest(read(file)) : [];
+  });
+  if (!files.includes('ctest.xml')) return tests;
+  for (const entry of testsOfXml(read('ctest.xml'))) {
+    const told = files.find((file) => file === `${entry.name}.xml` || file === `${entry.name}.jsonl`);
+    const failedInside = told && read(told).match(/<failure|"result":"failed"/);
+    // One that ended before it could tell failed all the same.
+    if (!told || (entry.result === 'failed' && !failedInside)) tests.push(entry);
+  }
+  return tests;
+}
+
+const folder = process.argv[2];
+const suites = readdirSync(folder).filter((name) => existsSync(join(folder, name, 'suite.json'))).sort().map((name) => {
+  const suite = JSON.parse(readFileSync(join(folder, name, 'suite.json'), 'utf8'));
+  const tests = testsOf(join(folder, name)).map((test) => ({ ...test, suite: suite.name }));
+  // A suite that has no tests to count, or broke before them, is one itself.
+  const result = suite.exit === 0 ? 'passed' : suite.exit === 77 ? 'skipped' : 'failed';
+  const broke = result === 'failed' && !tests.some((test) => test.result === 'failed');
+  if (tests.length === 0 || broke) tests.push({ name: suite.name, suite: suite.name, result, seconds: suite.seconds });
+  return { ...suite, tests };
+});
+const tests = suites.flatMap((suite) => suite.tests);
+const withResult = (wanted) => tests.filter(({ result }) => result === wanted);
+const seconds = (value) => value.toFixed(1).padStart(8);
+
+const say = (title) => console.log(`\n== ${title}`);
+if (withResult('skipped').length) {
+  say('skipped');
+  for (const { suite, name, why } of withResult('skipped')) console.log(`${suite}: ${name}${why ? `: ${why}` : ''}`);
+}
+say(`the slowest of ${tests.length} tests`);
+for (const test of tests.filter(({ group }) => !group).sort((a, b) => b.seconds - a.seconds).slice(0, SLOWEST)) {
+  console.log(`${seconds(test.seconds)} s  ${test.suite}: ${test.name}`);
+}
+
+// Work is the processors' time, which says the same on a busy machine: one timing proves nothing.
+const budget = JSON.parse(readFileSync(fileURLToPath(new URL('budget.json', import.meta.url)), 'utf8'));
+say('suites: time that passed, work of the processors, budget (s)');
+let work = 0, allowed = 0;
+for (const suite of suites) {
+  const own = budget.work_s[suite.name];
+  if (own !== undefined) {
+    work += suite.work_s;
+    allowed += own;
+  }
+  console.log(`${seconds(suite.seconds)} ${seconds(suite.work_s)} ${own === undefined ? '       -' : seconds(own)}  ${suite.name}${suite.work_s > budget.factor * own ? '  MORE WORK THAN ITS BUDGET' : ''}`);
+}
+const overspent = work > budget.factor * allowed;
+if (overspent) console.log(`\nthe suites' work is ${work.toFixed(0)} s, more than ${budget.factor} times the ${allowed} s of tests/budget.json`);
+
+if (withResult('failed').length) {
+  say('failed');
+  for (const { suite, name } of withResult('failed')) console.log(`FAILED: ${suite}: ${name}`);
+}
+console.log();
+const failed = withResult('failed').length + (overspent ? 1 : 0);
+console.log(`${withResult('passed').length} passed, ${failed} failed, ${withResult('skipped').length} skipped`);
+process.exitCode = failed ? 1 : 0;
