@@ -89,7 +89,7 @@ std::string Client::answer(Request request) const {
     if (one.if_revision) call.headers.emplace_back("If-Match", std::to_string(*one.if_revision));
     if (!sign_in_->cookie.empty()) call.headers.emplace_back("Cookie", sign_in_->cookie);
     try {
-      return exchange(address_, call);
+      return http_exchange(address_, call);
     } catch (const ExchangeError& error) {
       throw ClientError(error.what());
     }

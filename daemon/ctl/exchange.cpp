@@ -99,7 +99,7 @@ class Exchange {
     });
     auto& answer = parser.get();
     const auto cookie = answer[http::field::set_cookie];
-    return {answer.result_int(), std::move(answer.body()), {cookie.data(), cookie.size()}};
+    return {static_cast<int>(answer.result_int()), std::move(answer.body()), {cookie.data(), cookie.size()}};
   }
 
  private:
@@ -141,7 +141,7 @@ class Exchange {
 
 }  // namespace
 
-HttpReply exchange(const std::string& address, const HttpCall& call, const ExchangeLimits& limits) {
+HttpReply http_exchange(const std::string& address, const HttpCall& call, const ExchangeLimits& limits) {
   return Exchange(address, limits).answer_to(call);
 }
 

@@ -40,6 +40,6 @@ struct ExchangeError : std::runtime_error {
 
 /// Sends a request over a connection of its own and reads the answer, which is not unpacked, and no other
 /// address is gone to. `address`: http://HOST or http://HOST:PORT. Throws ExchangeError.
-HttpReply exchange(const std::string& address, const HttpCall& call, const ExchangeLimits& limits = {});
+HttpReply http_exchange(const std::string& address, const HttpCall& call, const ExchangeLimits& limits = {});
 
 }  // namespace sslv

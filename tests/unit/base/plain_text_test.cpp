@@ -53,7 +53,7 @@ TEST(PlainText, HasNoCharactersThatAreObeyedOrMoveOthers) {
 }
 
 TEST(PlainText, EscapesNameTheCharacter) {
-  EXPECT_EQ(escaped_text(std::string_view("lo\0;\x1b[31m\u009b\u202e\xffü\n", 17)),
+  EXPECT_EQ(escaped_text(std::string_view("lo\0;\x1b[31m\u009b\u202e\xffü\n", 18)),
             "lo\\u0000;\\u001b[31m\\u009b\\u202e\\xffü\\u000a");
   EXPECT_EQ(escaped_lines("a\nb\x1b\n"), "a\nb\\u001b\n");
 }

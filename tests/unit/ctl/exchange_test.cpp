@@ -106,7 +106,7 @@ TEST(Exchange, BringsStatusBodyAndCookie) {
   const Server server = answering(
       "HTTP/1.1 201 Created\r\nSet-Cookie: a=b; HttpOnly\r\nContent-Encoding: gzip\r\nContent-Length: "
       "5\r\n\r\nhello");
-  const HttpReply reply = exchange(server.address(), {"POST", "/x?y", {{"If-Match", "7"}}, "[1]"});
+  const HttpReply reply = http_exchange(server.address(), {"POST", "/x?y", {{"If-Match", "7"}}, "[1]"});
   EXPECT_EQ(reply.status, 201);
   EXPECT_EQ(reply.body, "hello") << "as it came: nothing is unpacked";
   EXPECT_EQ(reply.set_cookie, "a=b; HttpOnly");
@@ -116,13 +116,13 @@ TEST(Exchange, AsksAsAClientDoes) {
   std::string address;
   {
     Server server = answering("HTTP/1.1 200 OK\r\n\r\nto the end");
-    EXPECT_EQ(exchange(server.address() + "/", {"GET", "/x"}).body, "to the end");
+    EXPECT_EQ(http_exchange(server.address() + "/", {"GET", "/x"}).body, "to the end");
     EXPECT_THAT(server.asked(), AllOf(StartsWith("GET /x HTTP/1.1\r\n"), HasSubstr("Host: 127.0.0.1:"),
                                       HasSubstr("Connection: close\r\n")));
     address = server.address();
   }
   EXPECT_THAT(refusal([&] {
-                exchange(address, {"GET", "/"});
+                http_exchange(address, {"GET", "/"});
               }),
               StartsWith("no daemon answers at " + address + " (Connection refused); is it running"));
 }
@@ -130,7 +130,7 @@ TEST(Exchange, AsksAsAClientDoes) {
 TEST(Exchange, AddressesAreReadStrictly) {
   for (const char* address : {"", "http://", "http://a b", "http://a:", "http://a:x", "http://a:1:2",
                               "https://a", "http://[::1", "http://[::1]x", "http://u@a", "http://a/b"}) {
-    EXPECT_THAT(refusal([&] { exchange(address, {"GET", "/"}); }), HasSubstr("is no address")) << address;
+    EXPECT_THAT(refusal([&] { http_exchange(address, {"GET", "/"}); }), HasSubstr("is no address")) << address;
   }
 }
 
@@ -144,7 +144,7 @@ TEST(Exchange, AnAnswerWithoutEndIsNotReadToItsEnd) {
   const auto refused_by = [](const Server& server) {
     ExchangeLimits limits = small();
     limits.header = limits.whole = std::chrono::seconds(60);
-    return refusal([&] { exchange(server.address(), {"GET", "/"}, limits); });
+    return refusal([&] { http_exchange(server.address(), {"GET", "/"}, limits); });
   };
   EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\n\r\n", megabyte)), HasSubstr("sends more than 1 MiB"));
   EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n",
@@ -166,7 +166,7 @@ TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
       }
     });
     EXPECT_THAT(refusal([&] {
-                  exchange(server.address(), {"GET", "/"}, small());
+                  http_exchange(server.address(), {"GET", "/"}, small());
                 }),
                 HasSubstr("no daemon answers at"))
         << head;

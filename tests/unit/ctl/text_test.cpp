@@ -55,10 +55,10 @@ TEST(Refusal, SaysWhoChangedWhatSince) {
 }
 
 TEST(TerminalText, IsPlainWhateverTheDaemonSays) {
-  const Json bad =
-      Json::parse(R"([{"severity": "bad", "title": "[2J ‮", "fix": "a\b\nGO", "\u001b": 1}])");
+  const Json bad = Json::parse(
+      R"([{"severity": "bad", "title": "\u001b[2J\u0007\u009b\u007f \u202e", "fix": "a\\b\nGO", "\u001b": 1}])");
   const std::string text = answer_text(bad, false, alerts_text);
-  EXPECT_EQ(text, "bad   \u001b[2J\u0007\u009b\u007f \u202e\n      a\\u000aGO\n");
+  EXPECT_EQ(text, "bad   \\u001b[2J\\u0007\\u009b\\u007f \\u202e\n      a\\b\\u000aGO\n");
   const std::string json = answer_text(bad, true, alerts_text);
   EXPECT_TRUE(is_plain_text(json_text(bad, -1)));
   EXPECT_EQ(Json::parse(json), bad) << "JSON stays what it is";
