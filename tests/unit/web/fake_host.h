@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/error.h"
+#include "services/access/access.h"
 #include "support/latest.h"
 #include "support/temporary_folder.h"
-#include "services/access/access.h"
 #include "web/gate.h"
 #include "web/http.h"
 #include "web/route.h"
@@ -25,7 +25,8 @@
 
 namespace sslv {
 
-/// All that a web server asks for: a daemon with camera 0, whose frames a test publishes. Every server made of it must be gone before it is.
+/// All that a web server asks for: a daemon with camera 0, whose frames a test publishes. Every server made
+/// of it must be gone before it is.
 class FakeHost : public Gate, public ViewSource, public Topic {
  public:
   static constexpr int kWidth = 64, kHeight = 48;
@@ -90,6 +91,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   May may(std::string_view cookies) override { return access_.may(cookies); }
   std::string lock_reason() override { return game_is_running_ ? "the game is running" : ""; }
   std::vector<std::string> names() const override { return {"field-pc", "test"}; }
+  bool is_trusted(const std::string& address) override { return access_.is_trusted(address); }
 
   // ViewSource
   std::vector<std::uint32_t> camera_ids() const override { return {0}; }
@@ -113,12 +115,23 @@ class FakeHost : public Gate, public ViewSource, public Topic {
     return {
         {"GET", "/api/status", [this](const Request&) { return json_response(topic_data()); }},
         {"GET", "/api/broken", [](const Request&) -> Response { throw std::runtime_error("disk on fire"); }},
-        {"GET", "/api/cameras", [](const Request&) { return json_response(Json{{{"id", 0}}}); }},
-        {"GET", "/api/schema", [](const Request&) { return json_response({{"type", "object"}}); }},
-        {"GET", "/api/settings", [](const Request&) { return json_response({{"revision", 7}}); }},
+        {"GET", "/api/cameras",
+         [](const Request&) {
+           return json_response(Json{{{"id", 0}}});
+         }},
+        {"GET", "/api/schema",
+         [](const Request&) {
+           return json_response({{"type", "object"}});
+         }},
+        {"GET", "/api/settings",
+         [](const Request&) {
+           return json_response({{"revision", 7}});
+         }},
         {"PATCH", "/api/settings", [this](const Request& request) { return patch(request); }},
         {"POST", "/api/settings/check",
-         [](const Request& request) { return json_response({{"changes", parse_json(request.body)}}); },
+         [](const Request& request) {
+           return json_response({{"changes", parse_json(request.body)}});
+         },
          Needs::kChange},
         {"GET", "/healthz", [](const Request&) { return text_response("ok\n"); }, Needs::kNothing,
          Speed::kAtOnce},
@@ -132,14 +145,16 @@ class FakeHost : public Gate, public ViewSource, public Topic {
            return response;
          },
          Needs::kNothing},
-        {"GET", "/api/file/([^/]+)",
-         [this](const Request&) { return bytes_response(file_); }},
-        {"GET", "/api/hangs", [this](const Request&) {
+        {"GET", "/api/file/([^/]+)", [this](const Request&) { return bytes_response(file_); }},
+        {"GET", "/api/hangs",
+         [this](const Request&) {
            let_go_.wait_for(std::chrono::seconds(30));
            return text_response("");
          }},
         {"PUT", "/api/names/(.+)",
-         [](const Request& request) { return json_response({{"name", request.matches[1]}}); }},
+         [](const Request& request) {
+           return json_response({{"name", request.matches[1]}});
+         }},
         {"GET", R"(/api/cameras/(\d+)/stream\.mjpg)",
          [](const Request& request) {
            if (request.matches[1] != "0") throw HttpError(404, "no camera " + request.matches[1]);
