@@ -37,10 +37,10 @@ void check_name(const std::string& name) {
       is_printable(name) && name.find('/') == std::string::npos && name.front() != '.' &&
       name.front() != ' ' && name.back() != ' ')
     return;
-  throw SettingsError(
-      fmt::format("name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
-                  "the beginning or a space at either end",
-                  Json(name).dump(-1, ' ', false, Json::error_handler_t::replace), Profiles::kLongestName));
+  throw SettingsError(fmt::format(
+      "name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
+      "the beginning or a space at either end",
+      shortened(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)), Profiles::kLongestName));
 }
 
 auto place_of(std::vector<Profile>& profiles, const std::string& name) {

@@ -12,10 +12,14 @@
 namespace sslv {
 namespace {
 
+/// Which passwords may be set is not decided here: a text that is refused is shown, and a password must not
+/// be. A request's body ends before this does.
+constexpr std::size_t kMaxPassword = 2'000'000;
+
 struct SignIn {
   std::string password;
   static constexpr auto fields() {
-    return std::tuple{text("password", &SignIn::password, "the admin's or the viewers'")};
+    return std::tuple{text("password", &SignIn::password, "the admin's or the viewers'", kMaxPassword)};
   }
 };
 
@@ -23,8 +27,9 @@ struct NewPassword {
   std::string password, admin_password;
   static constexpr auto fields() {
     return std::tuple{
-        text("password", &NewPassword::password, "the new one; empty: none any more"),
-        text("admin_password", &NewPassword::admin_password, "the admin's one of now, where there is one")};
+        text("password", &NewPassword::password, "the new one; empty: none any more", kMaxPassword),
+        text("admin_password", &NewPassword::admin_password, "the admin's one of now, where there is one",
+             kMaxPassword)};
   }
 };
 

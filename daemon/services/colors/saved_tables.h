@@ -9,8 +9,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -29,8 +31,8 @@ class SavedTables {
   /// Its name; on disk when it returns. Throws StorageError.
   std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
 
-  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up to
-  /// end_start() it returns null instead: a service that starts reports what it has lost, see lost().
+  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up
+  /// to end_start() it returns null instead: a service that starts reports what it has lost, see lost().
   std::shared_ptr<const Lut> load(const std::string& name, const std::string& path,
                                   const LabelSet& labels) const;
 
@@ -44,6 +46,7 @@ class SavedTables {
  private:
   std::shared_ptr<const Lut> load_now(const std::string& name, const std::string& path,
                                       const LabelSet& labels) const;
+  std::optional<std::string> find_same(const std::vector<std::uint8_t>& bytes) const;
   std::filesystem::path file_of(const std::string& name) const { return folder_ / (name + ".lut"); }
 
   StateFolder& state_;

@@ -53,7 +53,9 @@ class Store : public ::testing::Test {
   static SettingsStore::Version undo(SettingsStore& store, std::uint64_t revision) {
     return store.undo(revision, {"Tom"}, kNothingToPrepare);
   }
-  static inline const SettingsStore::Prepare kNothingToPrepare = [](const CheckedSettings&) { return Commit(); };
+  static inline const SettingsStore::Prepare kNothingToPrepare = [](const CheckedSettings&) {
+    return Commit();
+  };
   template <class Error, class Act>
   static std::string error_of(Act act) {
     try {
@@ -142,8 +144,10 @@ TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
   std::filesystem::remove(state_);
   write(state_, "a file where the folder should be");
   bool in_force = false;
-  EXPECT_THAT(error_of<StorageError>(
-                  [&] { store.patch(patch, {}, [&](const CheckedSettings&) { return [&]() noexcept { in_force = true; }; }); }),
+  EXPECT_THAT(error_of<StorageError>([&] {
+                store.patch(patch, {},
+                            [&](const CheckedSettings&) { return [&]() noexcept { in_force = true; }; });
+              }),
               HasSubstr("cannot write"));
   EXPECT_FALSE(in_force);
   EXPECT_EQ(store.current().settings["a"], 1);
@@ -319,12 +323,13 @@ TEST_F(Store, ReadsDoNotWaitForAnEdit) {
   SettingsStore store = open();
   std::future<bool> read;  // by another thread, while the edit is made ready
   bool was_read = false;
-  store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const CheckedSettings&) {
-    read = std::async(std::launch::async,
-                      [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
-    was_read = read.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
-    return Commit();
-  });
+  store.patch(
+      Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const CheckedSettings&) {
+        read = std::async(std::launch::async,
+                          [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
+        was_read = read.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+        return Commit();
+      });
   EXPECT_TRUE(was_read);
   EXPECT_TRUE(read.get());
   EXPECT_EQ(store.current().settings.at("a"), 5);
@@ -479,11 +484,10 @@ TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
     EXPECT_EQ(store.current().revision, 2u);
   }
   write(admin_file_, R"({"a": 2})");
-  EXPECT_THAT(
-      error_of<SettingsError>([&] {
-        store.reload([](const CheckedSettings&) -> Commit { throw SettingsError("no such file"); });
-      }),
-      HasSubstr("no such file"));
+  EXPECT_THAT(error_of<SettingsError>([&] {
+                store.reload([](const CheckedSettings&) -> Commit { throw SettingsError("no such file"); });
+              }),
+              HasSubstr("no such file"));
   EXPECT_EQ(store.current().settings["a"], 1);
   EXPECT_EQ(store.reload(kNothingToPrepare).settings, (Json{{"a", 2}, {"b", 7}}));
   EXPECT_THAT(store.reload_problem(), IsEmpty());
@@ -621,6 +625,47 @@ TEST(ChangesBelow, AreThoseAtOrBelowAPath) {
   EXPECT_THAT(below({"/cameras/1"}), UnorderedElementsAre("/cameras/1"));
   EXPECT_THAT(below({"/cameras/1/id"}), IsEmpty());
   EXPECT_THAT(below({}), IsEmpty());
+}
+
+TEST_F(Store, IsReadWhileAnEditIsUnderWay) {
+  std::promise<void> reached, go_on;
+  SettingsStore store = open();
+  const SettingsStore::Prepare slow = [&](const Json&) {
+    reached.set_value();
+    go_on.get_future().wait();
+    return [] {};
+  };
+  auto edit = std::async(std::launch::async, [&] {
+    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, slow);
+  });
+  reached.get_future().wait();
+  EXPECT_EQ(store.current().settings["a"], 1);
+  EXPECT_EQ(store.history(), Json::array());
+  EXPECT_EQ(store.check(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 7}}}), [](const Json&) {})
+                .size(),
+            1U);
+  go_on.set_value();
+  EXPECT_EQ(edit.get().settings["a"], 5);
+}
+
+TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
+  // "b" is changed while "a" is under way: its patch may have been applied to the old tree already.
+  SettingsStore store = open();
+  std::promise<void> reached, go_on;
+  auto first = std::async(std::launch::async, [&] {
+    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"},
+                       [&](const Json&) {
+                         reached.set_value();
+                         go_on.get_future().wait();
+                         return [] {};
+                       });
+  });
+  reached.get_future().wait();
+  auto second = std::async(std::launch::async, [&] { return set(store, "b", 8); });
+  go_on.set_value();
+  first.get();
+  EXPECT_EQ(second.get().settings, (Json{{"a", 5}, {"b", 8}}));
+  EXPECT_EQ(store.current().revision, 3U);
 }
 
 }  // namespace

@@ -61,6 +61,20 @@ TEST(SavedTables, TheSameTableHasTheSameName) {
   EXPECT_EQ(tables.save(table_with(label::kPink), LabelSet::built_in()), name);
 }
 
+TEST(SavedTables, ATableOfAnEarlierVersionKeepsItsName) {
+  const TemporaryFolder folder;
+  StateFolder state(folder.path());
+  const std::string name = SavedTables(state).save(table_with(label::kPink), LabelSet::built_in());
+  // It was made by another hash.
+  const std::string earlier = "c0ffee0123456789";
+  std::filesystem::rename(folder.path() / "tables" / (name + ".lut"),
+                          folder.path() / "tables" / (earlier + ".lut"));
+  SavedTables tables(state);
+  EXPECT_EQ(tables.load(earlier, "", LabelSet::built_in())->color_table(),
+            table_with(label::kPink)->color_table());
+  EXPECT_EQ(tables.save(table_with(label::kPink), LabelSet::built_in()), earlier);
+}
+
 TEST(SavedTables, RefuseWhatIsNoneOfThem) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
