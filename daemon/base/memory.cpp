@@ -8,16 +8,19 @@
 namespace sslv {
 namespace {
 
-std::atomic<bool> was_used{false};
+constexpr int kTimes = 2;  // what was still in use the first time is free the second
+std::atomic<int> times_left{0};
 
 }  // namespace
 
 void memory_was_used() noexcept {
-  was_used = true;
+  times_left = kTimes;
 }
 
 void give_memory_back() noexcept {
-  if (was_used.exchange(false)) malloc_trim(0);
+  int left = times_left;
+  // A call of memory_was_used() in between counts.
+  if (left > 0 && times_left.compare_exchange_strong(left, left - 1)) malloc_trim(0);
 }
 
 }  // namespace sslv

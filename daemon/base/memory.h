@@ -7,8 +7,9 @@ namespace sslv {
 /// allocator keeps such pieces; give_memory_back() hands them to the system. From any thread; takes no lock.
 void memory_was_used() noexcept;
 
-/// Hands free memory back to the system if memory_was_used() was called since the last time. Whoever
-/// allocates meanwhile waits, for some 10 ms where 100 MB are free: not for a thread of low priority.
+/// Once a second: hands free memory back to the system, this time and the next, if memory_was_used() was
+/// called since the last time. Threads that allocate meanwhile wait, some 10 ms where 100 MB are free: not
+/// for a thread of low priority.
 void give_memory_back() noexcept;
 
 }  // namespace sslv

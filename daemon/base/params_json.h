@@ -213,7 +213,7 @@ template <class P, class J>
 void read_field(P& params, const ObjectField<P, J>& field, const Json& json, const std::string& path) {
   if (!json.is_object()) refuse(path, json, "an object");
   if (extent_of(json, field.max_size).size > field.max_size) {
-    throw SettingsError(path + ": so large an object is not allowed; expected at most " +
+    throw SettingsError(path + ": the object is too large; expected at most " +
                         std::to_string(field.max_size) + " values and bytes of text in it");
   }
   params.*field.member = json;

@@ -104,10 +104,8 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
       }
       if (work > limits.work) refuse("more to do", limits.work);
       if (op != "test" && op != "replace" && is_in_primitive(document, path)) {
-        throw SettingsError(
-            fmt::format("not a JSON Patch that fits the settings: {} would be in what is no list "
-                        "and no object",
-                        shortened(path)));
+        throw SettingsError(fmt::format(
+            "not a JSON Patch that fits the settings: {} is not in a list or an object", shortened(path)));
       }
       document.patch_inplace(Json::array({operation}));
     }

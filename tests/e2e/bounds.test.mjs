@@ -37,7 +37,7 @@ describe('settings', () => {
     ['/cameras/0/source', () => simulator({ width: 16384, height: 16384 }), /^\/cameras\/0\/source: width 16384 and height 16384 are not allowed; expected at most 25000000 pixels$/],
     ['/cameras/0/source', () => simulator({ light_swing: points(1001) }), /^\/cameras\/0\/source\/light_swing: 1001 entries are not allowed; expected at most 1000$/],
     ['/cameras/0/source', () => ({ backend: 'b'.repeat(50_000) }), /^\/cameras\/0\/source\/backend: no capture backend "b+\.\.\."; known: /],
-    ['/cameras/0/source', () => ({ backend: 'v4l2', controls: { gain: 'x'.repeat(200_000) } }), /^\/cameras\/0\/source: so large an object is not allowed; expected at most 100000 values and bytes of text in it$/],
+    ['/cameras/0/source', () => ({ backend: 'v4l2', controls: { gain: 'x'.repeat(200_000) } }), /^\/cameras\/0\/source: the object is too large; expected at most 100000 values and bytes of text in it$/],
     ['/cameras/0/stages', () => ({ ['s'.repeat(50_000)]: {} }), /^\/cameras\/0\/stages\/s+\.\.\.: unknown stage 's+\.\.\.'; known: /],
     ['/cameras', () => Array.from({ length: 33 }, (_, id) => ({ id })), /^\/cameras: 33 entries are not allowed; expected at most 32$/],
     ['/cameras', () => Array.from({ length: 5 }, (_, id) => ({ id, source: { backend: 'simulator', width: 5000, height: 5000 } })), /^\/cameras\/4\/source: simulated cameras of 125000000 pixels together are not allowed; expected at most 100000000$/],

@@ -103,7 +103,7 @@ struct SimulatorOptions {
         number("blue_gain", &O::blue_gain, 0.2, 4.0, "", "cast of the light"),
         point_list("light_swing", &O::light_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",
                    "light that changes: [seconds, factor on the brightness], by rising time, straight from "
-                   "one to the next; after the last it begins anew. Empty: it stays"),
+                   "one to the next; after the last it starts again. Empty: it stays"),
         point_list("cast_swing", &O::cast_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",
                    "the same for its colour: [seconds, factor on red], by which blue is divided"),
         group("hall", &O::hall, "carpet, lamps, prints and surroundings as halls have them"),

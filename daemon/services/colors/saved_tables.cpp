@@ -70,37 +70,17 @@ SavedTables::SavedTables(StateFolder& folder) : state_(folder), folder_(folder.p
 
 std::string SavedTables::save(std::shared_ptr<const Lut> lut, const LabelSet& labels) {
   const std::vector<std::uint8_t> bytes = encode_lut(lut->color_table(), labels);
-  const std::string hash = hash_of(bytes);
+  const std::string name = hash_of(bytes).substr(0, kNameLength);
   const std::lock_guard lock(mutex_);
-  std::error_code error;
-  if (const auto there = find_same(bytes)) {
+  if (std::error_code error; bytes_of(file_of(name)) == bytes) {
     // As if it were new: it is not to be tidied away soon.
-    std::filesystem::last_write_time(file_of(*there), std::filesystem::file_time_type::clock::now(), error);
-    in_memory_[*there] = lut;
-    return *there;
+    std::filesystem::last_write_time(file_of(name), std::filesystem::file_time_type::clock::now(), error);
+  } else {
+    state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
   }
-  std::string name = hash.substr(0, kNameLength);
-  // A damaged file is of that name.
-  for (std::size_t i = kNameLength; std::filesystem::exists(file_of(name), error); i += kNameLength) {
-    if (i == hash.size())
-      throw StorageError(file_of(name).string() + ": is damaged, as are others; remove it");
-    name = hash.substr(i, kNameLength);
-  }
-  state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
   in_memory_[name] = lut;
+  lost_.erase(name);
   return name;
-}
-
-/// Whatever its name: earlier versions made names by another hash.
-std::optional<std::string> SavedTables::find_same(const std::vector<std::uint8_t>& bytes) const {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
-    const std::string name = entry.path().stem().string();
-    if (is_name(name) && entry.path().extension() == ".lut" && entry.file_size(error) == bytes.size() &&
-        bytes_of(entry.path()) == bytes)
-      return name;
-  }
-  return std::nullopt;
 }
 
 std::shared_ptr<const Lut> SavedTables::load(const std::string& name, const std::string& path,

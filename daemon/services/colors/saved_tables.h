@@ -9,10 +9,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <string>
-#include <vector>
 
 namespace sslv {
 
@@ -28,7 +26,7 @@ class SavedTables {
 
   explicit SavedTables(StateFolder& folder);
 
-  /// Its name; on disk when it returns. Throws StorageError.
+  /// Its name; on disk when it returns, and whole where a damaged file was. Throws StorageError.
   std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
 
   /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up
@@ -46,7 +44,6 @@ class SavedTables {
  private:
   std::shared_ptr<const Lut> load_now(const std::string& name, const std::string& path,
                                       const LabelSet& labels) const;
-  std::optional<std::string> find_same(const std::vector<std::uint8_t>& bytes) const;
   std::filesystem::path file_of(const std::string& name) const { return folder_ / (name + ".lut"); }
 
   StateFolder& state_;

@@ -264,7 +264,7 @@ TEST(Params, EverythingHasAnEnd) {
   EXPECT_EQ(bounded_error_of({{"corners", Json(std::vector<Json>(60'000, {1, 2}))}}),
             "/corners: 60000 entries are not allowed; expected at most 3");
   EXPECT_EQ(bounded_error_of({{"rest", {{"key", std::string(90'000, 'v')}}}}),
-            "/rest: so large an object is not allowed; expected at most 20 values and bytes of text in it");
+            "/rest: the object is too large; expected at most 20 values and bytes of text in it");
   EXPECT_THAT(bounded_error_of({{std::string(90'000, 'k'), 1}}),
               testing::AllOf(
                   testing::StartsWith("/kkk"), testing::HasSubstr("k...: no such parameter"),
