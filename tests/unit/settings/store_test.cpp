@@ -630,10 +630,10 @@ TEST(ChangesBelow, AreThoseAtOrBelowAPath) {
 TEST_F(Store, IsReadWhileAnEditIsUnderWay) {
   std::promise<void> reached, go_on;
   SettingsStore store = open();
-  const SettingsStore::Prepare slow = [&](const Json&) {
+  const SettingsStore::Prepare slow = [&](const CheckedSettings&) {
     reached.set_value();
     go_on.get_future().wait();
-    return [] {};
+    return Commit();
   };
   auto edit = std::async(std::launch::async, [&] {
     return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, slow);
@@ -641,7 +641,9 @@ TEST_F(Store, IsReadWhileAnEditIsUnderWay) {
   reached.get_future().wait();
   EXPECT_EQ(store.current().settings["a"], 1);
   EXPECT_EQ(store.history(), Json::array());
-  EXPECT_EQ(store.check(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 7}}}), [](const Json&) {})
+  EXPECT_EQ(store
+                .check(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 7}}}),
+                       [](const CheckedSettings&) {})
                 .size(),
             1U);
   go_on.set_value();
@@ -654,10 +656,10 @@ TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
   std::promise<void> reached, go_on;
   auto first = std::async(std::launch::async, [&] {
     return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"},
-                       [&](const Json&) {
+                       [&](const CheckedSettings&) {
                          reached.set_value();
                          go_on.get_future().wait();
-                         return [] {};
+                         return Commit();
                        });
   });
   reached.get_future().wait();
