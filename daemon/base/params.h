@@ -46,6 +46,7 @@ struct TextField {
   std::string P::*member;
   std::string_view help;
   bool names_file = false;
+  bool is_secret = false;
 };
 
 template <class E>
@@ -134,9 +135,15 @@ template <class P>
 constexpr auto flag(std::string_view key, bool P::*member, std::string_view help) {
   return FlagField<P>{key, member, help};
 }
+/// Plain text (plain_text.h): anything else is refused.
 template <class P>
 constexpr auto text(std::string_view key, std::string P::*member, std::string_view help) {
   return TextField<P>{key, member, help};
+}
+/// A password: any text. What is refused is not shown.
+template <class P>
+constexpr auto secret(std::string_view key, std::string P::*member, std::string_view help) {
+  return TextField<P>{key, member, help, false, true};
 }
 /// The name of a file or folder on the daemon's computer: which ones the panel may set is limited.
 template <class P>

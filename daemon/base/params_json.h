@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/params.h"
+#include "base/plain_text.h"
 
 #include <cmath>
 #include <limits>
@@ -30,7 +31,7 @@ struct IsOptional<std::optional<T>> : std::true_type {
 
 [[noreturn]] inline void refuse(const std::string& path, const Json& value, const std::string& allowed) {
   constexpr std::size_t kLongest = 60;
-  std::string shown = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string shown = escaped_text(value.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (shown.size() > kLongest) {
     std::size_t cut = kLongest - 3;
     while ((shown[cut] & 0xC0) == 0x80) --cut;  // never inside a UTF-8 character
@@ -84,7 +85,8 @@ void read_field(P& params, const FlagField<P>& field, const Json& json, const st
 
 template <class P>
 void read_field(P& params, const TextField<P>& field, const Json& json, const std::string& path) {
-  if (!json.is_string()) refuse(path, json, "a text");
+  if (!json.is_string()) refuse(path, field.is_secret ? Json("(hidden)") : json, "a text");
+  if (!field.is_secret) check_plain_text(json.get_ref<const std::string&>(), path);
   params.*field.member = json.get<std::string>();
 }
 
@@ -145,6 +147,7 @@ void read_field(P& params, const NamesField<P>& field, const Json& json, const s
   std::vector<std::string> values;
   for (std::size_t i = 0; i < json.size(); ++i) {
     if (!json[i].is_string()) refuse(path + "/" + std::to_string(i), json[i], "a name");
+    check_plain_text(json[i].get_ref<const std::string&>(), path + "/" + std::to_string(i));
     values.push_back(json[i].get<std::string>());
   }
   params.*field.member = std::move(values);
@@ -218,7 +221,8 @@ void read_params(P& params, const Json& json, const std::string& path) {
     };
     std::apply([&](const auto&... field) { (try_field(field), ...); }, P::fields());
     if (!found)
-      throw SettingsError(item_path + ": no such parameter; known: " + (known.empty() ? "none" : known));
+      throw SettingsError(escaped_text(item_path) +
+                          ": no such parameter; known: " + (known.empty() ? "none" : known));
   }
 }
 

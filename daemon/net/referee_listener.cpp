@@ -2,6 +2,7 @@
 #include "net/referee_listener.h"
 
 #include "base/clock.h"
+#include "base/plain_text.h"
 #include "net/parse.h"
 #include "ssl_gc_referee_message.pb.h"
 
@@ -68,7 +69,8 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
       return;
     }
     const std::string address = sender.address().to_string();
-    GameController from{referee.source_identifier().empty() ? address : referee.source_identifier(), address};
+    const std::string source = plain_part(referee.source_identifier());
+    GameController from{source.empty() ? address : source, address};
     const bool is_other = heard_s_ && from.source != followed_.source;
     if (is_other && now_s - *heard_s_ <= kForgottenAfter_s) {
       other_ = std::move(from);
@@ -79,7 +81,8 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
     followed_ = std::move(from);
     heard_s_ = now_s;
     game_is_running_ = says_that_robots_play(referee);
-    const std::array<std::string, 2> names{referee.yellow().name(), referee.blue().name()};
+    const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
+                                           plain_part(referee.blue().name())};
     if (names == team_names_) return;
     team_names_ = names;
   }

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/params_json.h"
+#include "base/plain_text.h"
 #include "settings/state_folder.h"
 
 #include <algorithm>
@@ -20,27 +21,15 @@ struct File {
   static constexpr auto fields() { return std::tuple{list("profiles", &File::profiles, "by name")}; }
 };
 
-bool is_utf8(const std::string& text) {
-  return g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr) != FALSE;
-}
-
-bool is_printable(const std::string& text) {
-  for (const char* at = text.c_str(); *at != '\0'; at = g_utf8_next_char(at)) {
-    if (g_unichar_isprint(g_utf8_get_char(at)) == FALSE) return false;
-  }
-  return true;
-}
-
 /// A name must also fit between two slashes of an address.
 void check_name(const std::string& name) {
-  if (is_utf8(name) && !name.empty() && g_utf8_strlen(name.c_str(), -1) <= Profiles::kLongestName &&
-      is_printable(name) && name.find('/') == std::string::npos && name.front() != '.' &&
-      name.front() != ' ' && name.back() != ' ')
+  if (is_plain_text(name) && !name.empty() && g_utf8_strlen(name.c_str(), -1) <= Profiles::kLongestName &&
+      name.find('/') == std::string::npos && name.front() != '.' && name.front() != ' ' && name.back() != ' ')
     return;
-  throw SettingsError(
-      fmt::format("name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
-                  "the beginning or a space at either end",
-                  Json(name).dump(-1, ' ', false, Json::error_handler_t::replace), Profiles::kLongestName));
+  throw SettingsError(fmt::format(
+      "name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
+      "the beginning or a space at either end",
+      escaped_text(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)), Profiles::kLongestName));
 }
 
 auto place_of(std::vector<Profile>& profiles, const std::string& name) {

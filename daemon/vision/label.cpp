@@ -2,6 +2,7 @@
 #include "vision/label.h"
 
 #include "base/error.h"
+#include "base/plain_text.h"
 
 #include <algorithm>
 #include <cctype>
@@ -17,15 +18,9 @@ constexpr Rgb kNamelessColor{180, 92, 255};
 /// LabelSet::name() begins so for these.
 constexpr std::string_view kNameless = "label ";
 
-/// UTF-8 without control characters (C0, DEL, C1), and no space at its ends.
+/// Plain text with no space at its ends.
 bool can_be_shown(std::string_view name) {
-  if (name.empty() || name.front() == ' ' || name.back() == ' ') return false;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(name[i]);
-    if (byte < 0x20 || byte == 0x7F) return false;
-    if (byte == 0xC2 && i + 1 < name.size() && static_cast<unsigned char>(name[i + 1]) < 0xA0) return false;
-  }
-  return true;
+  return !name.empty() && name.front() != ' ' && name.back() != ' ' && is_plain_text(name);
 }
 
 bool looks_nameless(std::string_view name) {
@@ -79,7 +74,7 @@ LabelSet::LabelSet(const std::vector<OwnLabel>& own, const std::string& path) : 
              fmt::format("is not allowed; expected {} .. {}", label::kCount, label::kMost - 1));
     }
     const auto value = static_cast<Label>(label.value);
-    const std::string quoted = '"' + label.name + '"';
+    const std::string quoted = '"' + escaped_text(label.name) + '"';
     if (has(value)) refuse("value", label.value, fmt::format("is \"{}\" already", name(value)));
     if (label.name.size() > kLongestName || !can_be_shown(label.name) || looks_nameless(label.name)) {
       refuse("name", quoted,

@@ -123,6 +123,32 @@ TEST(Params, CommentsAreIgnoredInEveryObject) {
   EXPECT_EQ(sample.origin.x, 2);
 }
 
+TEST(Params, TextsAreShownAsWhatTheyAre) {
+  EXPECT_EQ(error_of(R"({"title": "lo\u0000;id"})"),
+            R"(/camera/title: "lo\u0000;id" is not allowed; expected a text without control characters and )"
+            "without characters that change the direction of writing");
+  EXPECT_THAT(error_of(R"({"stack": ["a", "b\u202e"]})"),
+              testing::StartsWith(R"(/camera/stack/1: "b\u202e" is not allowed; expected a text without)"));
+  EXPECT_EQ(error_of(R"({"count": "\u202e\u009b"})"),
+            R"(/camera/count: "\u202e\u009b" is not allowed; expected a whole number 0 .. 100 px)");
+  EXPECT_THAT(error_of(R"({"\u202e": 1})"), testing::StartsWith(R"(/camera/\u202e: no such parameter)"));
+}
+
+struct Secret {
+  std::string word;
+  static constexpr auto fields() { return std::tuple{secret("word", &Secret::word, "hidden")}; }
+};
+
+TEST(Params, SecretsMayBeAnythingAndAreNotShown) {
+  EXPECT_EQ(params_from_json<Secret>(Json{{"word", "a\u202e\n"}}, "").word, "a\u202e\n");
+  try {
+    params_from_json<Secret>(Json{{"word", 12345678}}, "");
+    FAIL();
+  } catch (const SettingsError& error) {
+    EXPECT_STREQ(error.what(), "/word: \"(hidden)\" is not allowed; expected a text");
+  }
+}
+
 TEST(Params, UnknownKeysAreErrorsThatNameTheKnownOnes) {
   EXPECT_EQ(error_of(R"({"origin": {"y": 1}})"), "/camera/origin/y: no such parameter; known: x, weight");
   EXPECT_THAT(error_of(R"({"cuont": 1})"),

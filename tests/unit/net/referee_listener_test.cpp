@@ -55,6 +55,13 @@ TEST(RefereeListener, HearsTheNamesOfTheTeams) {
   EXPECT_EQ(status.refused, 0U);
 }
 
+TEST(RefereeListener, NamesAreShownAsWhatTheyAre) {
+  Listener listener;
+  listener.receive(message("MRL\u202e\x1b[2J", "KI\u0085KS\n", "\u2066field"));
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL[2J", "KIKS"));
+  EXPECT_EQ(listener.referee.status(100).followed.source, "field");
+}
+
 TEST(RefereeListener, SaysWhenANameIsAnotherAndOnlyThen) {
   Listener listener;
   for (int i = 0; i < 3; ++i) listener.receive(message("MRL", "KIKS"));

@@ -89,8 +89,8 @@ TEST_F(ProfilesTest, NamesAreShortPrintableText) {
             "without a slash, a dot at the beginning or a space at either end");
   for (const std::string& name :
        {std::string(), repeated("ä", 61), std::string("a\nb"), std::string("a\0b", 3), std::string("a\xff"),
-        std::string("\u202eb"), std::string(" a"), std::string("a "), std::string(".."), std::string("."),
-        std::string("a/b")}) {
+        std::string("\u202eb"), std::string("a\u009b"), std::string(" a"), std::string("a "),
+        std::string(".."), std::string("."), std::string("a/b")}) {
     EXPECT_THAT(refusal(profiles, name), AllOf(StartsWith("name: "), HasSubstr("1 .. 60 printable"))) << name;
   }
   EXPECT_EQ(profiles.all().size(), 1u);

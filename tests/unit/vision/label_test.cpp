@@ -48,7 +48,7 @@ TEST(LabelSet, RefusesWhatCannotBeToldApart) {
   EXPECT_THAT(error_of({{10, "pink"}}), HasSubstr("\"pink\" is taken"));
   EXPECT_THAT(error_of({{10, "a", "blue"}}), HasSubstr("/own_labels/0/color: \"blue\""));
   EXPECT_THAT(error_of({{10, "a", "#12345g"}}), HasSubstr("expected #rrggbb"));
-  for (const char* name : {"", " a", "a ", "a\nb", "\x7f", "a\xC2\x85", "label 11"}) {
+  for (const char* name : {"", " a", "a ", "a\nb", "\x7f", "a\xC2\x85", "a\u202e", "a\xff", "label 11"}) {
     EXPECT_THAT(error_of({{10, name}}), HasSubstr("/own_labels/0/name")) << name;
   }
   EXPECT_THAT(error_of({{10, std::string(33, 'a')}}), HasSubstr("1 .. 32 bytes"));
