@@ -1,36 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/client.h"
 
+#include "base/plain_text.h"
 #include "ctl/change_text.h"
+#include "ctl/exchange.h"
+#include "ctl/terminal_text.h"
 
 #include <algorithm>
 #include <cstddef>
 
 #include <fmt/format.h>
-#include <httplib.h>
 
 namespace sslv {
 
 namespace {
 
-/// The body of an answer. Throws ClientError.
-std::string body_of(const httplib::Result& response, const std::string& address, const std::string& path) {
-  if (!response) {
-    throw ClientError(fmt::format("no daemon answers at {} ({}); is it running, and is --daemon right?",
-                                  address, httplib::to_string(response.error())));
-  }
-  if (response->status < 200 || response->status > 299)
-    throw ClientError(refusal_text(path, response->status, response->body));
-  return response->body;
-}
-
-httplib::Client client_of(const std::string& address) {
-  httplib::Client http(address);
-  if (!http.is_valid())
-    throw ClientError(fmt::format("\"{}\" is no address; expected http://HOST:PORT", address));
-  http.set_connection_timeout(2);
-  http.set_read_timeout(30);
-  return http;
+/// JSON that is no deeper than what walks through it can stand. Throws ClientError.
+Json parse_answer(const std::string& text, const std::string& path) {
+  constexpr int kMaxDepth = 64;
+  bool is_too_deep = false;
+  const Json answer = Json::parse(
+      text,
+      [&](int depth, Json::parse_event_t, const Json&) {
+        is_too_deep = is_too_deep || depth > kMaxDepth;
+        return !is_too_deep;
+      },
+      false);
+  if (is_too_deep || answer.is_discarded())
+    throw ClientError(fmt::format("{}: the answer is not JSON of a daemon", path));
+  return answer;
 }
 
 /// Who changed what, the newest first: SettingsStep[] of docs/openapi.json.
@@ -51,6 +49,8 @@ std::string steps_text(const Json& steps) {
 
 }  // namespace
 
+ClientError::ClientError(const std::string& text) : runtime_error(escaped_text(text)) {}
+
 std::string path_part(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -62,9 +62,14 @@ std::string path_part(const std::string& name) {
 }
 
 std::string refusal_text(const std::string& path, int http_status, const std::string& body) {
-  const Json answer = Json::parse(body, nullptr, false);
-  if (!answer.is_object() || !answer.contains("error") || !answer["error"].is_string())
-    return fmt::format("{}: HTTP status {}", path, http_status);
+  const std::string bare = fmt::format("{}: HTTP status {}", path, http_status);
+  Json answer;
+  try {
+    answer = plain_answer(parse_answer(body, path));
+  } catch (const ClientError&) {
+    return bare;
+  }
+  if (!answer.is_object() || !answer.contains("error") || !answer["error"].is_string()) return bare;
   const std::string error = answer["error"].get<std::string>();
   return answer.contains("changed_since") ? error + steps_text(answer["changed_since"]) : error;
 }
@@ -78,53 +83,60 @@ struct Client::Request {
 };
 
 std::string Client::answer(Request request) const {
-  httplib::Client http = client_of(address_);
-  const auto send = [&] {
-    httplib::Request one;
-    one.method = request.method;
-    one.path = request.path;
-    one.body = request.body;
-    if (!one.body.empty()) one.set_header("Content-Type", request.type);
-    if (request.if_revision) one.set_header("If-Match", std::to_string(*request.if_revision));
-    if (!sign_in_->cookie.empty()) one.set_header("Cookie", sign_in_->cookie);
-    return http.send(one);
+  const auto send = [&](const Request& one) {
+    HttpCall call{one.method, one.path, {}, one.body};
+    if (!one.body.empty()) call.headers.emplace_back("Content-Type", one.type);
+    if (one.if_revision) call.headers.emplace_back("If-Match", std::to_string(*one.if_revision));
+    if (!sign_in_->cookie.empty()) call.headers.emplace_back("Cookie", sign_in_->cookie);
+    try {
+      return http_exchange(address_, call);
+    } catch (const ExchangeError& error) {
+      throw ClientError(error.what());
+    }
   };
-  httplib::Result result = send();
-  if (result && result->status == 401 && sign_in_->cookie.empty()) {
-    const Json password{{"password", sign_in_->password()}};
+  const auto accepted = [](const HttpReply& reply, const std::string& path) {
+    if (reply.status < 200 || reply.status > 299)
+      throw ClientError(refusal_text(path, reply.status, reply.body));
+  };
+  HttpReply reply = send(request);
+  if (reply.status == 401 && sign_in_->cookie.empty()) {
     const std::string session = "/api/session";
-    const httplib::Result signed_in = http.Post(session, password.dump(), "application/json");
-    body_of(signed_in, address_, session);
-    const std::string cookie = signed_in->get_header_value("Set-Cookie");
-    sign_in_->cookie = cookie.substr(0, cookie.find(';'));
-    result = send();
+    const HttpReply signed_in = send({"POST", session, Json{{"password", sign_in_->password()}}.dump()});
+    accepted(signed_in, session);
+    sign_in_->cookie = signed_in.set_cookie.substr(0, signed_in.set_cookie.find(';'));
+    reply = send(request);
   }
-  return body_of(result, address_, request.path);
+  accepted(reply, request.path);
+  return std::move(reply.body);
 }
 
 std::string Client::get(const std::string& path) const {
   return answer({"GET", path});
 }
 
+Json Client::get_json(const std::string& path) const {
+  return parse_answer(get(path), path);
+}
+
 Json Client::post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision) const {
-  return Json::parse(answer({"POST", path, body.dump(), "application/json", if_revision}));
+  return parse_answer(answer({"POST", path, body.dump(), "application/json", if_revision}), path);
 }
 
 Json Client::post_bytes(const std::string& path, const std::string& bytes) const {
-  return Json::parse(answer({"POST", path, bytes, "application/octet-stream"}));
+  return parse_answer(answer({"POST", path, bytes, "application/octet-stream"}), path);
 }
 
 Json Client::patch(const std::string& path, const Json& body,
                    std::optional<std::uint64_t> if_revision) const {
-  return Json::parse(answer({"PATCH", path, body.dump(), "application/json-patch+json", if_revision}));
+  return parse_answer(answer({"PATCH", path, body.dump(), "application/json-patch+json", if_revision}), path);
 }
 
 Json Client::put(const std::string& path, const Json& body) const {
-  return Json::parse(answer({"PUT", path, body.dump()}));
+  return parse_answer(answer({"PUT", path, body.dump()}), path);
 }
 
 Json Client::remove(const std::string& path) const {
-  return Json::parse(answer({"DELETE", path}));
+  return parse_answer(answer({"DELETE", path}), path);
 }
 
 }  // namespace sslv

@@ -13,9 +13,9 @@
 
 namespace sslv {
 
-/// The daemon cannot be reached, or refused; one line.
+/// The daemon cannot be reached, or refused; one line, and plain text whatever the daemon said.
 struct ClientError : std::runtime_error {
-  using runtime_error::runtime_error;
+  explicit ClientError(const std::string& text);
 };
 
 /// How a daemon that wants a password gets it.
@@ -33,7 +33,7 @@ class Client {
 
   /// Body of GET `path`. Throws ClientError with the daemon's own words when it refuses.
   std::string get(const std::string& path) const;
-  Json get_json(const std::string& path) const { return Json::parse(get(path)); }
+  Json get_json(const std::string& path) const;
   /// Answers of the other methods; they throw likewise. `if_revision`: refused unless the settings are still
   /// at this revision; then the error says who changed what since.
   Json post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision = {}) const;

@@ -24,8 +24,8 @@ std::string light_text(const Json& light) {
   const Json& gain = light.at("gain");
   std::string out =
       fmt::format("{}; red x {:.2f}, green x {:.2f}, blue x {:.2f} since the table was accepted",
-                  state == "at_bound" ? "at its bound" : state, gain[0].get<double>(), gain[1].get<double>(),
-                  gain[2].get<double>());
+                  state == "at_bound" ? "at its bound" : state, gain.at(0).get<double>(),
+                  gain.at(1).get<double>(), gain.at(2).get<double>());
   const std::string reason = light.at("reason").get<std::string>();
   return out + (reason.empty() ? "\n" : "; " + reason + "\n");
 }
@@ -50,8 +50,9 @@ std::string colors_text(const Json& state) {
                        label.at("cells").get<std::size_t>());
   }
   for (const Json& conflict : state.at("conflicts")) {
-    out += fmt::format("  {} and {} touch in {} cells\n", conflict.at("labels")[0].get<std::string>(),
-                       conflict.at("labels")[1].get<std::string>(), conflict.at("cells").get<std::size_t>());
+    out +=
+        fmt::format("  {} and {} touch in {} cells\n", conflict.at("labels").at(0).get<std::string>(),
+                    conflict.at("labels").at(1).get<std::string>(), conflict.at("cells").get<std::size_t>());
   }
   out += margins_text(state.at("margins"));
   out += "  to undo: " + step_text(state.at("undo")) + "\n  light: " + light_text(state.at("light"));
@@ -124,7 +125,7 @@ std::string learning_text(const Json& report) {
     out +=
         fmt::format("  {:<8} {:>4} samples, red {:.0f}, green {:.0f}, blue {:.0f}; {} cells, {} before\n",
                     color.at("label").get<std::string>(), color.at("samples").get<int>(),
-                    mean[0].get<double>(), mean[1].get<double>(), mean[2].get<double>(),
+                    mean.at(0).get<double>(), mean.at(1).get<double>(), mean.at(2).get<double>(),
                     color.at("after_cells").get<std::size_t>(), color.at("before_cells").get<std::size_t>());
   }
   for (const Json& note : report.at("notes")) out += "note: " + note.get<std::string>() + "\n";

@@ -63,8 +63,8 @@ std::optional<double> quantile_us(const Json& histogram, double share) {
   for (const Json& count : counts) all += count.get<double>();
   if (all == 0) return {};
   double below = 0;
-  for (std::size_t i = 0;; ++i) {
-    const double here = counts[i].get<double>();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double here = counts.at(i).get<double>();
     if (here > 0 && (below + here >= share * all || i + 1 == counts.size())) {
       // Bins are as wide as their times are long: within one, by the same factor.
       const double from = histogram.at("edges_us").at(i).get<double>();
@@ -74,6 +74,7 @@ std::optional<double> quantile_us(const Json& histogram, double share) {
     }
     below += here;
   }
+  return {};  // no histogram of a daemon
 }
 
 std::string diagnostics_text(const Json& diagnostics) {

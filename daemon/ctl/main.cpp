@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
 #include "base/error.h"
+#include "base/plain_text.h"
 #include "config/version.h"
 #include "ctl/commands/commands.h"
 
@@ -67,10 +68,10 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const SettingsError& error) {
-    std::cerr << "ssl-visionctl: " << error.what() << "\n";
+    std::cerr << "ssl-visionctl: " << escaped_lines(error.what()) << "\n";
     return EX_CONFIG;
   } catch (const std::exception& error) {
-    std::cerr << "ssl-visionctl: " << error.what() << "\n";
+    std::cerr << "ssl-visionctl: " << escaped_lines(error.what()) << "\n";
     return EXIT_FAILURE;
   }
 }

@@ -83,14 +83,14 @@ std::string range_of(const Json& schema) {
   if (schema.contains("const")) return joined(Json::array({schema["const"]}), "");
   if (schema.contains("enum")) return joined(schema["enum"], " | ");
   if (schema.contains("minimum"))
-    return fmt::format("{} .. {}", schema["minimum"].get<double>(), schema["maximum"].get<double>());
+    return fmt::format("{} .. {}", schema["minimum"].get<double>(), schema.at("maximum").get<double>());
   return schema.contains("items") ? range_of(schema["items"]) : "";
 }
 
 void add_rows(const SchemaPart& part, std::vector<std::vector<std::string>>& rows) {
   const Json& schema = *part.schema;
   const bool is_group = schema.contains("properties");
-  if (!part.key.empty() && (!is_group || schema["type"].is_array())) {
+  if (!part.key.empty() && (!is_group || schema.at("type").is_array())) {
     rows.push_back({part.key, type_of(schema), range_of(schema), schema.value("x-unit", ""),
                     (part.of.empty() ? "" : part.of + ": ") + schema.value("description", "")});
   }

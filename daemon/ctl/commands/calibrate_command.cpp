@@ -3,6 +3,7 @@
 #include "ctl/calibrate.h"
 #include "ctl/commands/commands.h"
 #include "ctl/commands/offline_options.h"
+#include "ctl/terminal_text.h"
 
 #include <cstdlib>
 #include <iostream>
@@ -32,7 +33,7 @@ int tell(const CalibrateOptions& o, const Json& report, const std::string& calib
          std::string (*text)(const Json&)) {
   const auto write = [](const std::string& file, const Json& json) {
     Output output(file);
-    output.stream() << json.dump(2) << "\n";
+    output.stream() << json_text(json) << "\n";
     output.finish();
   };
   if (!o.report_file.empty()) write(o.report_file, report);
@@ -40,7 +41,7 @@ int tell(const CalibrateOptions& o, const Json& report, const std::string& calib
     write(calibration_file, report.at("calibration"));
   // Standard output belongs to the file that is written there.
   (calibration_file == "-" || o.report_file == "-" ? std::cerr : std::cout)
-      << (o.as_json ? report.dump(2) + "\n" : text(report));
+      << answer_text(report, o.as_json, text);
   return report.at("accepted") == true ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 

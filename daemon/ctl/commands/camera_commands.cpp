@@ -23,9 +23,7 @@ void add_snapshot(CommandLine& line) {
   command->add_option("--output", o->file, "file to write; -: standard output")->required();
   line.on(command, [&line, o] {
     const std::string jpeg = line.client().get(fmt::format("/api/cameras/{}/snapshot.jpg", o->camera_id));
-    Output output(o->file);
-    output.stream() << jpeg;
-    output.finish();
+    write_bytes(o->file, jpeg);
     return EXIT_SUCCESS;
   });
 }

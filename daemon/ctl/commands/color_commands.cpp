@@ -84,9 +84,7 @@ void add_color_export(CommandLine& line, CLI::App* group) {
     const char* format = file->ends_with(".json") ? "json" : "lut";
     const std::string bytes =
         line.client().get(fmt::format("{}/export?format={}", colors_path(o->camera_id), format));
-    Output output(*file);
-    output.stream() << bytes;
-    output.finish();
+    write_bytes(*file, bytes);
     return EXIT_SUCCESS;
   });
 }

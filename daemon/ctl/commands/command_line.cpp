@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/commands/command_line.h"
 
+#include "ctl/terminal_text.h"
 #include "settings/store.h"
 
 #include <cerrno>
@@ -59,13 +60,21 @@ void add_json_flag(CLI::App* command, bool& as_json) {
 }
 
 void print_answer(const Json& answer, bool as_json, std::string (*text)(const Json&)) {
-  std::cout << (as_json ? answer.dump(2) + "\n" : text(answer));
+  std::cout << answer_text(answer, as_json, text);
 }
 
 Output::Output(const std::string& file) : name_(file == "-" ? "standard output" : file) {
   if (file == "-") return;
   file_.open(file, std::ios::binary);
   if (!file_) refuse_to_write(name_);
+}
+
+void write_bytes(const std::string& file, const std::string& bytes) {
+  if (file == "-" && isatty(STDOUT_FILENO) != 0)
+    throw StorageError("a terminal cannot show this: name a file, or send standard output to one");
+  Output output(file);
+  output.stream() << bytes;
+  output.finish();
 }
 
 std::ostream& Output::stream() {

@@ -37,8 +37,12 @@ void add_json_flag(CLI::App* command, bool& as_json);
 /// A line typed at the terminal, which does not show it. Throws StorageError without a terminal.
 std::string typed_secret(const std::string& prompt);
 
-/// Prints an answer as the API gives it, or as a text for people.
+/// Prints an answer as the API gives it, or as a text for people; plain text, whatever the daemon said.
 void print_answer(const Json& answer, bool as_json, std::string (*text)(const Json&));
+
+/// Writes what a daemon sent to a file, or to standard output for "-", but not to a terminal, which might
+/// obey it. Throws StorageError.
+void write_bytes(const std::string& file, const std::string& bytes);
 
 /// A file to write, or standard output for "-". Throws StorageError.
 class Output {

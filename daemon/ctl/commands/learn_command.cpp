@@ -4,6 +4,7 @@
 #include "ctl/commands/offline_options.h"
 #include "ctl/learn.h"
 #include "ctl/learnt_colors_json.h"
+#include "ctl/terminal_text.h"
 
 #include <cstdlib>
 #include <iostream>
@@ -26,7 +27,7 @@ struct LearnOptions {
 /// From the running daemon's live picture.
 int learn_live(const LearnOptions& o, const Client& daemon) {
   const Json report = learn_running(daemon, o.choice.camera_id, o.input.frames);
-  std::cout << (o.as_json ? report.dump(2) + "\n" : learning_text(report));
+  print_answer(report, o.as_json, learning_text);
   if (report.at("learnt") != true) return EXIT_FAILURE;
   if (o.accept) {
     daemon.post(fmt::format("/api/cameras/{}/colors/learning/accept", o.choice.camera_id), Json::object());
@@ -51,8 +52,7 @@ int learn(LearnOptions& o) {
                           static_cast<std::streamsize>(bytes.size()));
     output.finish();
   }
-  (o.lut_file == "-" ? std::cerr : std::cout)
-      << (o.as_json ? report.dump(2) + "\n" : learnt_colors_text(report));
+  (o.lut_file == "-" ? std::cerr : std::cout) << answer_text(report, o.as_json, learnt_colors_text);
   return learnt.problem.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 

@@ -2,6 +2,7 @@
 #include "ctl/change_text.h"
 #include "ctl/commands/commands.h"
 #include "ctl/settings_edit.h"
+#include "ctl/terminal_text.h"
 #include "settings/store.h"
 
 #include <cstdlib>
@@ -44,9 +45,9 @@ void add_get(CommandLine& line, CLI::App* parent) {
   command->add_flag("--json", o->as_json, "a text in quotes too");
   line.on(command, [&line, o] {
     const Json settings = line.client().get_json("/api/settings").at("settings");
-    print_answer(value_at(settings, o->pointer), o->as_json, [](const Json& value) {
-      return (value.is_string() ? value.get<std::string>() : value.dump(2)) + "\n";
-    });
+    const Json& value = value_at(settings, o->pointer);
+    print_answer(value, o->as_json || !value.is_string(),
+                 [](const Json& text) { return text.get<std::string>() + "\n"; });
     return EXIT_SUCCESS;
   });
 }
@@ -101,7 +102,7 @@ void add_settings_export(CommandLine& line, CLI::App* parent) {
   line.on(command, [&line, file] {
     const Json settings = line.client().get_json("/api/settings").at("settings");
     Output output(*file);
-    output.stream() << settings.dump(2) << "\n";
+    output.stream() << json_text(settings) << "\n";
     output.finish();
     return EXIT_SUCCESS;
   });
@@ -137,7 +138,7 @@ void add_schema(CommandLine& line, CLI::App* parent) {
   command->add_flag("--json", o->as_json, "all of it as a JSON Schema")->excludes("pointer");
   line.on(command, [&line, o] {
     const Json schema = line.client().get_json("/api/schema");
-    std::cout << (o->as_json ? schema.dump(2) + "\n" : schema_text(schema, o->pointer));
+    std::cout << (o->as_json ? json_text(schema) + "\n" : schema_text(plain_answer(schema), o->pointer));
     return EXIT_SUCCESS;
   });
 }

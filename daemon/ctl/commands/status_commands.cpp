@@ -2,6 +2,7 @@
 #include "ctl/commands/commands.h"
 #include "ctl/diagnostics_text.h"
 #include "ctl/status_text.h"
+#include "ctl/terminal_text.h"
 
 #include <chrono>
 #include <cstdint>
@@ -44,7 +45,8 @@ void add_watch(CommandLine& line) {
     for (int i = 0; o->count == 0 || i < o->count; ++i) {
       if (i > 0) std::this_thread::sleep_for(std::chrono::duration<double>(o->interval_s));
       const Json status = client.get_json("/api/status");
-      std::cout << (o->as_json ? status.dump() : status_text(status)) << std::endl;
+      std::cout << (o->as_json ? json_text(status, -1) : answer_text(status, false, status_text))
+                << std::endl;
     }
     return EXIT_SUCCESS;
   });
@@ -113,7 +115,7 @@ void add_log(CommandLine& line) {
     do {
       const Json answer = client.get_json(fmt::format("/api/log?after={}&level={}", next, o->level));
       for (const Json& one : answer.at("lines"))
-        std::cout << (o->as_json ? one.dump() + "\n" : log_line_text(one));
+        std::cout << (o->as_json ? json_text(one, -1) + "\n" : answer_text(one, false, log_line_text));
       std::cout << std::flush;
       next = answer.at("next").get<std::uint64_t>();
       if (o->follow) std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -128,9 +130,7 @@ void add_support_bundle(CommandLine& line) {
   command->add_option("file", *file, "file to write; -: standard output")->capture_default_str();
   line.on(command, [&line, file] {
     const std::string bundle = line.client().get("/api/support");
-    Output output(*file);
-    output.stream() << bundle;
-    output.finish();
+    write_bytes(*file, bundle);
     if (*file != "-") std::cerr << "written to " << *file << "\n";
     return EXIT_SUCCESS;
   });

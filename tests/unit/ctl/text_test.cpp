@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What ssl-visionctl makes of the daemon's answers for people.
+#include "base/plain_text.h"
 #include "ctl/client.h"
 #include "ctl/colors.h"
 #include "ctl/diagnostics_text.h"
 #include "ctl/status_text.h"
 #include "ctl/table.h"
+#include "ctl/terminal_text.h"
 
 #include <cmath>
 
@@ -50,6 +52,26 @@ TEST(Refusal, SaysWhoChangedWhatSince) {
   EXPECT_EQ(refusal_text("/api/settings", 409, stale.dump()),
             "the settings are at revision 3, this edit was made on 1; 192.168.1.5 made revision 3: /site: "
             "\"A\" -> \"B\", /ids/0: nothing -> 1; 192.168.1.6 made revision 2");
+}
+
+TEST(TerminalText, IsPlainWhateverTheDaemonSays) {
+  const Json bad = Json::parse(
+      R"([{"severity": "bad", "title": "\u001b[2J\u0007\u009b\u007f \u202e", "fix": "a\\b\nGO", "\u001b": 1}])");
+  const std::string text = answer_text(bad, false, alerts_text);
+  EXPECT_EQ(text, "bad   \\u001b[2J\\u0007\\u009b\\u007f \\u202e\n      a\\b\\u000aGO\n");
+  const std::string json = answer_text(bad, true, alerts_text);
+  EXPECT_TRUE(is_plain_text(json_text(bad, -1)));
+  EXPECT_EQ(Json::parse(json), bad) << "JSON stays what it is";
+}
+
+TEST(TerminalText, LeavesOrdinaryWordsAlone) {
+  const Json good = Json::parse(R"([{"severity": "bad", "title": "Größe \"x\" \\ 日本", "fix": "2"}])");
+  EXPECT_EQ(answer_text(good, false, alerts_text), alerts_text(good));
+  EXPECT_EQ(answer_text(good, true, alerts_text), good.dump(2) + "\n");
+}
+
+TEST(Quantiles, OfNonsenseAreNone) {
+  EXPECT_FALSE(quantile_us(Json::parse(R"({"edges_us": [0, 1, 2], "counts": [5, -1]})"), 2));
 }
 
 TEST(PathPart, EscapesWhatMeansSomethingElseInAnAddress) {

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// What ssl-visionctl stands of whatever answers at the daemon's address.
+#include "ctl/exchange.h"
+
+#include "ctl/client.h"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// Answers every connection in the same way: reads its request to the end of the header, and then does this.
+class Server {
+ public:
+  /// Whether more may be sent: not once the client is gone.
+  using Send = std::function<bool(std::string_view)>;
+
+  explicit Server(std::function<void(const Send&)> answer)
+      : answer_(std::move(answer)), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    ::bind(listener_, reinterpret_cast<const sockaddr*>(&address), size);
+    ::listen(listener_, 16);
+    ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Server() {
+    ::shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    ::close(listener_);
+  }
+
+  std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
+  const std::string& asked() const { return asked_; }  // once it was answered
+
+ private:
+  void serve() {
+    for (;;) {
+      const int socket = ::accept(listener_, nullptr, nullptr);
+      if (socket < 0) return;
+      asked_.clear();
+      char bytes[4096];
+      while (asked_.find("\r\n\r\n") == std::string::npos) {
+        const ssize_t got = ::recv(socket, bytes, sizeof bytes, 0);
+        if (got <= 0) break;
+        asked_.append(bytes, static_cast<std::size_t>(got));
+      }
+      answer_([&](std::string_view part) {
+        while (!part.empty()) {
+          const ssize_t sent = ::send(socket, part.data(), part.size(), MSG_NOSIGNAL);
+          if (sent <= 0) return false;
+          part.remove_prefix(static_cast<std::size_t>(sent));
+        }
+        char ignored;
+        return ::recv(socket, &ignored, 1, MSG_PEEK | MSG_DONTWAIT) != 0;
+      });
+      ::close(socket);
+    }
+  }
+
+  const std::function<void(const Send&)> answer_;
+  const int listener_;
+  std::uint16_t port_ = 0;
+  std::string asked_;
+  std::thread thread_;
+};
+
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+ExchangeLimits small() {
+  ExchangeLimits limits;
+  limits.body_bytes = 1 << 20;
+  limits.header = limits.whole = std::chrono::milliseconds(300);
+  return limits;
+}
+
+Server answering(const std::string& bytes) {
+  return Server([bytes](const Server::Send& send) { send(bytes); });
+}
+
+TEST(Exchange, BringsStatusBodyAndCookie) {
+  const Server server = answering(
+      "HTTP/1.1 201 Created\r\nSet-Cookie: a=b; HttpOnly\r\nContent-Encoding: gzip\r\nContent-Length: "
+      "5\r\n\r\nhello");
+  const HttpReply reply = http_exchange(server.address(), {"POST", "/x?y", {{"If-Match", "7"}}, "[1]"});
+  EXPECT_EQ(reply.status, 201);
+  EXPECT_EQ(reply.body, "hello") << "as it came: nothing is unpacked";
+  EXPECT_EQ(reply.set_cookie, "a=b; HttpOnly");
+}
+
+TEST(Exchange, AsksAsAClientDoes) {
+  std::string address;
+  {
+    Server server = answering("HTTP/1.1 200 OK\r\n\r\nto the end");
+    EXPECT_EQ(http_exchange(server.address() + "/", {"GET", "/x"}).body, "to the end");
+    EXPECT_THAT(server.asked(), AllOf(StartsWith("GET /x HTTP/1.1\r\n"), HasSubstr("Host: 127.0.0.1:"),
+                                      HasSubstr("Connection: close\r\n")));
+    address = server.address();
+  }
+  EXPECT_THAT(refusal([&] {
+                http_exchange(address, {"GET", "/"});
+              }),
+              StartsWith("no daemon answers at " + address + " (Connection refused); is it running"));
+}
+
+TEST(Exchange, AddressesAreReadStrictly) {
+  for (const char* address : {"", "http://", "http://a b", "http://a:", "http://a:x", "http://a:1:2",
+                              "https://a", "http://[::1", "http://[::1]x", "http://u@a", "http://a/b"}) {
+    EXPECT_THAT(refusal([&] {
+                  http_exchange(address, {"GET", "/"});
+                }),
+                HasSubstr("is no address"))
+        << address;
+  }
+}
+
+TEST(Exchange, AnAnswerWithoutEndIsNotReadToItsEnd) {
+  const std::string megabyte(1 << 20, 'x');
+  const auto endless = [&](std::string head, std::string part) {
+    return Server([head = std::move(head), part = std::move(part)](const Server::Send& send) {
+      for (bool more = send(head); more;) more = send(part);
+    });
+  };
+  const auto refused_by = [](const Server& server) {
+    ExchangeLimits limits = small();
+    limits.header = limits.whole = std::chrono::seconds(60);
+    return refusal([&] { http_exchange(server.address(), {"GET", "/"}, limits); });
+  };
+  EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\n\r\n", megabyte)), HasSubstr("sends more than 1 MiB"));
+  EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n",
+                                 "100000\r\n" + megabyte + "\r\n")),
+              HasSubstr("sends more than 1 MiB"));
+  EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\nContent-Length: 99999999999\r\n\r\n", megabyte)),
+              HasSubstr("sends more than 1 MiB"));
+  EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\n", "X: y\r\n")), HasSubstr("header that is too long"));
+  EXPECT_THAT(refused_by(endless("HTTP/1.1 200 ", megabyte)), HasSubstr("too long"));
+}
+
+TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
+  for (const char* head : {"", "HTTP/1.1 200 OK\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n"}) {
+    const Server server([head](const Server::Send& send) {
+      // A byte now and then is no silence, and no end.
+      for (bool more = send(head); more;) {
+        more = send("x");
+        ::poll(nullptr, 0, 10);
+      }
+    });
+    EXPECT_THAT(refusal([&] {
+                  http_exchange(server.address(), {"GET", "/"}, small());
+                }),
+                HasSubstr("no daemon answers at"))
+        << head;
+  }
+}
+
+TEST(Client, ShowsWordsOfAServerAsText) {
+  const std::string body = R"({"error": "no\u001b]0;x\u0007 \u009b \u202e\nssl-visionctl: all is well"})";
+  const Server server =
+      answering("HTTP/1.1 422 No\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  const Client client(server.address(), std::make_shared<SignIn>());
+  EXPECT_EQ(refusal([&] { client.get("/"); }),
+            R"(no\u001b]0;x\u0007 \u009b \u202e\u000assl-visionctl: all is well)");
+}
+
+TEST(Client, TakesNoJsonThatIsTooDeepOrNone) {
+  for (const std::string& body : {std::string(500'000, '['), std::string("\x1b[2J"),
+                                  std::string(500'000, '[') + std::string(500'000, ']')}) {
+    const Server server =
+        answering("HTTP/1.1 200 OK\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+    const Client client(server.address(), std::make_shared<SignIn>());
+    EXPECT_EQ(refusal([&] { client.get_json("/api/x"); }), "/api/x: the answer is not JSON of a daemon");
+  }
+}
+
+}  // namespace
+}  // namespace sslv
