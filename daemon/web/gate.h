@@ -26,6 +26,8 @@ class Gate {
   virtual std::string lock_reason() = 0;
   /// Names by which browsers reach this computer, besides its own name and addresses.
   virtual std::vector<std::string> names() const = 0;
+  /// Whether strangers must leave room for connections from this address.
+  virtual bool is_trusted(const std::string& address) = 0;
 };
 
 /// Whether a viewer that stays connected may go on looking: asked now and then.

@@ -10,16 +10,18 @@
 #include <cstdint>
 #include <utility>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <sys/random.h>
 
 namespace sslv {
 namespace {
 
-// Five tries at once, then one in ten seconds; all addresses together twenty, then one a second: hashing
-// takes a core that the cameras need.
-constexpr double kMostTries = 5, kTryBack_s = 10, kMostTriesOfAll = 20, kTryOfAllBack_s = 1;
-constexpr std::size_t kMostAddresses = 1024;
+// Five tries at once, then one in ten seconds; all addresses of a circle together twenty, then one a second:
+// hashing takes a core that the cameras need.
+constexpr double kMaxTries = 5, kTryBack_s = 10, kMaxTriesOfCircle = 20, kTryOfCircleBack_s = 1;
+constexpr std::size_t kMaxAddresses = 1024;
+constexpr std::size_t kMaxKnown = 256;  // addresses, of each role
 
 std::string random_token() {
   std::array<std::uint8_t, 32> bytes{};
@@ -28,6 +30,16 @@ std::string random_token() {
   std::string out;
   for (const std::uint8_t byte : bytes) out += fmt::format("{:02x}", byte);
   return out;
+}
+
+/// Whether it is a loopback address.
+bool is_own_computer(const std::string& address) {
+  constexpr std::uint8_t kLoopback = 127;
+  in_addr v4{};
+  if (inet_pton(AF_INET, address.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == kLoopback;
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return false;
+  return IN6_IS_ADDR_LOOPBACK(&v6) || (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == kLoopback);
 }
 
 }  // namespace
@@ -50,10 +62,9 @@ int Access::Tries::wait_s(double back_s) const {
 }
 
 Access::Access(Passwords& passwords, std::string cookie, Clock now_s)
-    : passwords_(passwords),
-      cookie_(std::move(cookie)),
-      now_s_(std::move(now_s)),
-      all_tries_{kMostTriesOfAll, now_s_()} {}
+    : passwords_(passwords), cookie_(std::move(cookie)), now_s_(std::move(now_s)) {
+  circle_tries_.fill({kMaxTriesOfCircle, now_s_()});
+}
 
 May Access::may(std::string_view cookies) {
   if (!passwords_.has(Role::kAdmin)) return May::kChange;
@@ -90,37 +101,87 @@ std::string Access::set_password(Role role, const std::optional<std::string>& pa
   if (passwords_.has(Role::kAdmin) && check(admin_password, address) != Role::kAdmin)
     throw HttpError(401, "current_password: this is not the admin's password");
   passwords_.set(role, password);
+  if (role == Role::kAdmin) {
+    const std::lock_guard lock(mutex_);
+    remember(role, address);
+  }
   log::info("the {}'s password was {} by {}", name_of(role), password ? "set" : "taken away", address);
   return open_session(Role::kAdmin);
+}
+
+bool Access::is_trusted(const std::string& address) {
+  const std::lock_guard lock(mutex_);
+  const Circle circle = circle_of(address);
+  return circle == Circle::kAdmins || circle == Circle::kThisComputer;
 }
 
 Role Access::check(const std::string& password, const std::string& address) {
   passwords_.look_again();
   if (!passwords_.has(Role::kAdmin)) throw HttpError(409, "no password is set: everything is allowed");
-  take_try(network_of(address));
+  std::string key;
+  {
+    const std::lock_guard lock(mutex_);
+    const Circle circle = circle_of(address);
+    // An admin's IPv6 network may have others in it, who must not use up the admin's tries.
+    key = circle == Circle::kAdmins ? "admin " + address : network_of(address);
+    take_try(circle, key);
+  }
   const auto role = passwords_.role_of(password);
   if (!role) {
     log::warning("audit: {} gave a wrong password", address);
     throw HttpError(401, "this is not a password of this service");
   }
   const std::lock_guard lock(mutex_);
-  tries_.erase(network_of(address));
+  if (*role == Role::kAdmin) {
+    tries_.erase(key);
+  } else if (const auto own = tries_.find(key); own != tries_.end()) {
+    own->second.left += 1;  // no more than was taken: who knows the viewers' may still guess the admin's
+  }
+  remember(*role, address);
   return *role;
 }
 
-void Access::take_try(const std::string& address) {
+Access::Circle Access::circle_of(const std::string& address) const {
+  if (is_own_computer(address)) return Circle::kThisComputer;
+  const auto found = known_.find(address);
+  if (found == known_.end()) return Circle::kStrangers;
+  const Known& known = found->second;
+  if (now_s_() - known.at_s > kLongest_s || known.hash != passwords_.hash(known.role))
+    return Circle::kStrangers;
+  return known.role == Role::kAdmin ? Circle::kAdmins : Circle::kViewers;
+}
+
+void Access::take_try(Circle circle, const std::string& key) {
   const double now_s = now_s_();
-  const std::lock_guard lock(mutex_);
-  if (tries_.size() >= kMostAddresses && !tries_.contains(address)) {
+  if (tries_.size() >= kMaxAddresses && !tries_.contains(key)) {
     const auto oldest = std::min_element(tries_.begin(), tries_.end(), [](const auto& a, const auto& b) {
       return a.second.at_s < b.second.at_s;
     });
     tries_.erase(oldest);
   }
-  Tries& own = tries_.try_emplace(address, Tries{kMostTries, now_s}).first->second;
-  if (!own.take(now_s, kMostTries, kTryBack_s)) throw TooManyTries(own.wait_s(kTryBack_s));
-  if (!all_tries_.take(now_s, kMostTriesOfAll, kTryOfAllBack_s))
-    throw TooManyTries(all_tries_.wait_s(kTryOfAllBack_s));
+  Tries& own = tries_.try_emplace(key, Tries{kMaxTries, now_s}).first->second;
+  if (!own.take(now_s, kMaxTries, kTryBack_s)) throw TooManyTries(own.wait_s(kTryBack_s));
+  Tries& common = circle_tries_.at(static_cast<std::size_t>(circle));
+  if (!common.take(now_s, kMaxTriesOfCircle, kTryOfCircleBack_s)) {
+    own.left += 1;  // nothing was tried
+    throw TooManyTries(common.wait_s(kTryOfCircleBack_s));
+  }
+}
+
+void Access::remember(Role role, const std::string& address) {
+  if (role == Role::kViewer && circle_of(address) == Circle::kAdmins) return;
+  const auto has_role = [&](const auto& entry) { return entry.second.role == role; };
+  known_.erase(address);
+  if (std::count_if(known_.begin(), known_.end(), has_role) >= static_cast<std::ptrdiff_t>(kMaxKnown)) {
+    // One role's addresses take no place of the other's: everybody may know the viewers' password.
+    auto oldest = known_.end();
+    for (auto entry = known_.begin(); entry != known_.end(); ++entry) {
+      if (has_role(*entry) && (oldest == known_.end() || entry->second.at_s < oldest->second.at_s))
+        oldest = entry;
+    }
+    known_.erase(oldest);
+  }
+  known_[address] = {role, passwords_.hash(role), now_s_()};
 }
 
 std::string Access::open_session(Role role) {

@@ -5,11 +5,13 @@
 #include "web/gate.h"
 #include "web/route.h"
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -52,13 +54,27 @@ class Access {
   std::string set_password(Role role, const std::optional<std::string>& password,
                            const std::string& admin_password, const std::string& address);
 
+  /// Whether strangers must leave room for this address: it is this computer's own, or the admin's password
+  /// of now came from it within kLongest_s. Takes no time.
+  bool is_trusted(const std::string& address);
+
  private:
   struct Session {
     Role role;
     std::string hash;  // of the password it was opened with
     double opened_s, used_s;
   };
-  /// Tries that an address may still make: they come back with time.
+  /// An address that somebody signed in from.
+  struct Known {
+    Role role;
+    std::string hash;  // of the password that was given
+    double at_s;
+  };
+  /// Addresses that share a limit of tries. Each circle has its own, so that none of them can use up
+  /// another's.
+  enum class Circle { kStrangers, kViewers, kAdmins, kThisComputer };
+  static constexpr std::size_t kCircles = 4;
+  /// Tries that may still be made: they come back with time.
   struct Tries {
     double left, at_s;
     bool take(double now_s, double most, double back_s);
@@ -66,17 +82,22 @@ class Access {
   };
   std::optional<Role> session_role(std::string_view cookies);
   Role check(const std::string& password, const std::string& address);
-  void take_try(const std::string& address);
   std::string open_session(Role role);
   std::string token_in(std::string_view cookies) const;
+
+  // With mutex_ held:
+  Circle circle_of(const std::string& address) const;
+  void take_try(Circle circle, const std::string& key);
+  void remember(Role role, const std::string& address);
 
   Passwords& passwords_;
   const std::string cookie_;
   const Clock now_s_;
   std::mutex mutex_;                         // guards what follows
   std::map<std::string, Session> sessions_;  // by token
-  std::map<std::string, Tries> tries_;       // by address
-  Tries all_tries_;
+  std::map<std::string, Known> known_;       // by address
+  std::map<std::string, Tries> tries_;       // by network, an admin's by address
+  std::array<Tries, kCircles> circle_tries_;
 };
 
 }  // namespace sslv

@@ -15,7 +15,7 @@ namespace {
 struct SignIn {
   std::string password;
   static constexpr auto fields() {
-    return std::tuple{text("password", &SignIn::password, "the admin's or the viewers'")};
+    return std::tuple{secret("password", &SignIn::password, "the admin's or the viewers'")};
   }
 };
 
@@ -23,8 +23,8 @@ struct NewPassword {
   std::string password, admin_password;
   static constexpr auto fields() {
     return std::tuple{
-        text("password", &NewPassword::password, "the new one; empty: none any more"),
-        text("admin_password", &NewPassword::admin_password, "the admin's one of now, where there is one")};
+        secret("password", &NewPassword::password, "the new one; empty: none any more"),
+        secret("admin_password", &NewPassword::admin_password, "the admin's one of now, where there is one")};
   }
 };
 

@@ -24,6 +24,7 @@ class AccessService final : public Service, public Gate {
   May may(std::string_view cookies) override { return access_.may(cookies); }
   std::string lock_reason() override { return match_lock_.state().is_locked() ? MatchLock::kReason : ""; }
   std::vector<std::string> names() const override { return config_.load()->panel.names; }
+  bool is_trusted(const std::string& address) override { return access_.is_trusted(address); }
 
   // Service
   std::vector<Route> routes() override;

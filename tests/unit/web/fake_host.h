@@ -91,6 +91,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   May may(std::string_view cookies) override { return access_.may(cookies); }
   std::string lock_reason() override { return game_is_running_ ? "the game is running" : ""; }
   std::vector<std::string> names() const override { return {"field-pc", "test"}; }
+  bool is_trusted(const std::string& address) override { return access_.is_trusted(address); }
 
   // ViewSource
   std::vector<std::uint32_t> camera_ids() const override { return {0}; }

@@ -156,5 +156,88 @@ TEST_F(AccessTest, ManyAddressesTogetherHaveALimit) {
   EXPECT_EQ(tried, 20);
 }
 
+TEST_F(AccessTest, TheViewersPasswordDoesNotHelpToGuessTheAdmins) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  int guesses = 0;
+  for (int second = 0; second < 40; ++second) {
+    while (refused([&] { access_.sign_in("wrong horse", "192.0.2.1"); }) == 401) ++guesses;
+    refused([&] { access_.sign_in("battery staple", "192.0.2.1"); });
+    now_s_ += 1;
+  }
+  EXPECT_LE(guesses, 9);
+}
+
+TEST_F(AccessTest, ARightViewersPasswordCostsNoTry) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(refused([&] { sign_in("battery staple"); }), 0) << i;
+}
+
+TEST_F(AccessTest, ManyGuessersDoNotLockOutTheAdmin) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  sign_in("correct horse");
+  const auto everybody_guesses = [&] {
+    for (int i = 0; i < 250; ++i)
+      refused([&] { access_.sign_in("wrong horse", "198.51.100." + std::to_string(i)); });
+  };
+  for (int second = 0; second < 20; ++second) {
+    everybody_guesses();
+    EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "203.0.113.1"); }), 429) << "a stranger";
+    EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "127.0.0.1"); }), 0) << second;
+    EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "::1"); }), 0) << second;
+    EXPECT_EQ(refused([&] { sign_in("correct horse"); }), 0) << "signed in before, " << second;
+    now_s_ += 3;
+  }
+}
+
+TEST_F(AccessTest, ManyWhoKnowTheViewersPasswordDoNotLockOutTheAdmin) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  sign_in("correct horse");
+  for (int i = 0; i < 260; ++i) {
+    access_.sign_in("battery staple", "198.51.100." + std::to_string(i));
+    now_s_ += 1;
+  }
+  for (int i = 0; i < 260; ++i)
+    refused([&] { access_.sign_in("wrong horse", "198.51.100." + std::to_string(i)); });
+  EXPECT_EQ(refused([&] { sign_in("correct horse"); }), 0);
+}
+
+TEST_F(AccessTest, OthersInTheAdminsNetworkDoNotLockOutTheAdmin) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  access_.sign_in("correct horse", "2001:db8::1");
+  for (int i = 0; i < 10; ++i)
+    refused([&] { access_.sign_in("wrong horse", "2001:db8::bad:" + std::to_string(i)); });
+  EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "2001:db8::2"); }), 429);
+  EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "2001:db8::1"); }), 0);
+}
+
+TEST_F(AccessTest, RoomIsKeptForThisComputerAndForWhoGaveTheAdminsPasswordOfNow) {
+  const auto trusts = [&](const char* address) { return access_.is_trusted(address); };
+  EXPECT_TRUE(trusts("127.0.0.1"));
+  EXPECT_TRUE(trusts("127.1.2.3"));
+  EXPECT_TRUE(trusts("::1"));
+  EXPECT_TRUE(trusts("::ffff:127.0.0.1"));
+  for (const char* address : {"192.0.2.1", "::ffff:192.0.2.1", "::2", "nonsense", ""})
+    EXPECT_FALSE(trusts(address)) << address;
+
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  access_.sign_in("battery staple", "192.0.2.1");
+  EXPECT_FALSE(trusts("192.0.2.1"));
+  access_.sign_in("correct horse", "192.0.2.1");
+  EXPECT_TRUE(trusts("192.0.2.1"));
+  access_.sign_in("battery staple", "192.0.2.1");
+  EXPECT_TRUE(trusts("192.0.2.1"));
+  now_s_ += Access::kLongest_s + 1;
+  EXPECT_FALSE(trusts("192.0.2.1"));
+
+  access_.sign_in("correct horse", "192.0.2.1");
+  access_.set_password(Role::kAdmin, "another horse", "correct horse", "192.0.2.2");
+  EXPECT_FALSE(trusts("192.0.2.1")) << "the password was changed";
+  EXPECT_TRUE(trusts("192.0.2.2"));
+}
+
 }  // namespace
 }  // namespace sslv
