@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sslv {
@@ -22,9 +23,11 @@ CameraFeed& CameraFeeds::of(std::uint32_t camera_id) {
   if (std::find(known.begin(), known.end(), camera_id) == known.end()) {
     throw HttpError(404, "no camera " + std::to_string(camera_id));
   }
-  std::unique_ptr<CameraFeed>& feed = feeds_[camera_id];
-  if (!feed) feed = std::make_unique<CameraFeed>(views_, camera_id, jpegs_encoded_);
-  return *feed;
+  const auto feed = feeds_.find(camera_id);
+  if (feed != feeds_.end()) return *feed->second;
+  // Made before it has a place: its thread may not start, and every place must hold a feed.
+  auto made = std::make_unique<CameraFeed>(views_, camera_id, jpegs_encoded_);
+  return *feeds_.emplace(camera_id, std::move(made)).first->second;
 }
 
 void CameraFeeds::stop_previews(CameraFeed::ViewerId viewer) {

@@ -19,7 +19,8 @@ class CameraFeeds {
 
   CameraFeed::ViewerId new_viewer() { return ++last_viewer_; }
 
-  /// Of a camera. Throws HttpError 404 when there is no such camera.
+  /// Of a camera. Throws HttpError 404 when there is no such camera, std::system_error when its
+  /// thread cannot start.
   CameraFeed& of(std::uint32_t camera_id);
 
   /// Of every camera.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/http.h"
 
+#include "base/plain_text.h"
 #include "web/route.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
@@ -18,30 +19,67 @@
 #include <unistd.h>
 
 namespace sslv {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+struct HostParts {
+  std::string name;  // in lower case, an IPv6 address without its brackets
+  bool is_bracketed;
+};
+
+/// Of "name", "name:port", "[address]" or "[address]:port", and of nothing else.
+std::optional<HostParts> host_parts(std::string_view host) {
+  HostParts out{"", host.starts_with('[')};
+  std::string_view rest;
+  if (out.is_bracketed) {
+    const std::size_t end = host.find(']');
+    if (end == std::string_view::npos) return std::nullopt;
+    out.name = lower(host.substr(1, end - 1));
+    rest = host.substr(end + 1);
+  } else {
+    const std::size_t end = std::min(host.find(':'), host.size());
+    out.name = lower(host.substr(0, end));
+    rest = host.substr(end);
+  }
+  const std::string_view allowed =
+      out.is_bracketed ? "0123456789abcdef:." : "abcdefghijklmnopqrstuvwxyz0123456789.-_";
+  constexpr std::size_t kMaxPort = 6;  // with its colon
+  const bool is_port = rest.empty() || (rest.size() <= kMaxPort && rest.front() == ':' &&
+                                        rest.find_first_not_of("0123456789", 1) == std::string_view::npos);
+  if (out.name.empty() || out.name.find_first_not_of(allowed) != std::string::npos || !is_port)
+    return std::nullopt;
+  return out;
+}
+
+}  // namespace
 
 bool is_same_origin(std::string_view origin, std::string_view host) {
   if (origin.empty()) return true;
-  const std::size_t scheme = origin.find("://");
-  if (scheme == std::string_view::npos || host.empty()) return false;
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  const std::string_view site = origin.substr(scheme + 3);
-  return std::equal(site.begin(), site.end(), host.begin(), host.end(),
-                    [&](char a, char b) { return lower(a) == lower(b); });
+  const std::string site = lower(origin);
+  // A panel behind a proxy with TLS is https.
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (site.starts_with(scheme)) return !host.empty() && site.substr(scheme.size()) == lower(host);
+  }
+  return false;
 }
 
 bool is_own_name(std::string_view host, const std::vector<std::string>& names) {
-  std::string name(host);
-  if (name.starts_with('[')) {  // IPv6
-    name = name.substr(1, name.find(']') == std::string::npos ? 0 : name.find(']') - 1);
-  } else {
-    name = name.substr(0, name.rfind(':'));
-  }
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (host.empty() || name == "localhost") return true;
+  if (host.empty()) return true;
+  const auto parts = host_parts(host);
+  if (!parts) return false;
+  const std::string& name = parts->name;
   boost::system::error_code error;
-  boost::asio::ip::make_address(name, error);
-  if (!error) return true;
+  if (parts->is_bracketed) {
+    boost::asio::ip::make_address_v6(name, error);
+    return !error;
+  }
+  boost::asio::ip::make_address_v4(name, error);
+  if (!error || name == "localhost") return true;
 
   std::array<char, 256> own_text{};
   gethostname(own_text.data(), own_text.size() - 1);
@@ -49,17 +87,14 @@ bool is_own_name(std::string_view host, const std::vector<std::string>& names) {
   own.emplace_back(own_text.data());
   const std::string first = own.back().substr(0, own.back().find('.'));
   own.insert(own.end(), {first, first + ".local"});
-  return std::any_of(own.begin(), own.end(), [&](const std::string& one) {
-    return !one.empty() &&
-           std::equal(one.begin(), one.end(), name.begin(), name.end(),
-                      [](unsigned char a, char b) { return static_cast<char>(std::tolower(a)) == b; });
-  });
+  return std::any_of(own.begin(), own.end(),
+                     [&](const std::string& one) { return !one.empty() && lower(one) == name; });
 }
 
 std::string not_own_name(std::string_view host) {
   return fmt::format(
       "\"{}\" is no name of this computer; use its address, or add the name to the setting /panel/names",
-      host.substr(0, 80));
+      escaped_text(host.substr(0, 80)));
 }
 
 std::string refusal_text(unsigned status, std::string_view text) {
@@ -75,7 +110,8 @@ std::string refusal_text(unsigned status, std::string_view text) {
 
 std::string network_of(const std::string& address) {
   in6_addr parsed{};
-  if (inet_pton(AF_INET6, address.c_str(), &parsed) != 1 || IN6_IS_ADDR_V4MAPPED(&parsed)) return address;
+  const std::string bare = address.substr(0, address.find('%'));  // a scope may follow: fe80::1%eth0
+  if (inet_pton(AF_INET6, bare.c_str(), &parsed) != 1 || IN6_IS_ADDR_V4MAPPED(&parsed)) return address;
   std::fill(std::begin(parsed.s6_addr) + 8, std::end(parsed.s6_addr), std::uint8_t{0});
   std::array<char, INET6_ADDRSTRLEN> text{};
   inet_ntop(AF_INET6, &parsed, text.data(), text.size());

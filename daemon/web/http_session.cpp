@@ -3,6 +3,8 @@
 
 #include "web/http.h"
 #include "web/picture_stream.h"
+#include "web/request_check.h"
+#include "web/socket.h"
 
 #include <algorithm>
 #include <array>
@@ -33,8 +35,6 @@ namespace {
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
 constexpr std::uint64_t kMaxBodyBytes = 1024 * 1024;
-// httplib matches addresses and ranges with std::regex, which recurses for every character.
-constexpr std::size_t kMaxMatchedBytes = 1024;
 constexpr std::chrono::seconds kRequestTimeout{20};  // from a request's first byte to its last
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
@@ -45,14 +45,23 @@ std::string_view view(beast::string_view text) {
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context)
-      : context_(context), connection_(std::move(connection)), stream_(std::move(socket)) {
-    beast::error_code ignored;
-    remote_address_ = stream_.socket().remote_endpoint(ignored).address().to_string();
+  HttpSession(asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+              const HttpContext& context)
+      : context_(context), connection_(std::move(connection)), seat_(seat), stream_(std::move(socket)) {
+    remote_address_ = remote_address(stream_.socket());
   }
 
+  void start() {
+    seat_.closes_by([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->stream_.close();
+    });
+    wait();
+  }
+
+ private:
   /// Waits for the next request to begin.
   void wait() {
+    seat_.waits();
     if (!received_.empty()) return read_header();  // it came together with the last one
     stream_.expires_after(kKeepAliveTimeout);
     asio::async_read(stream_, asio::dynamic_buffer(received_, kMaxHeaderBytes), asio::transfer_at_least(1),
@@ -61,7 +70,6 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                      });
   }
 
- private:
   void read_header() {
     // TLS, most likely: the end of a header would never come.
     if (std::isalpha(static_cast<unsigned char>(received_.front())) == 0)
@@ -88,10 +96,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (error == http::error::body_limit) return refuse(413, "the body is larger than 1 MiB");
     if (error) return refuse(400, "not a valid HTTP request: " + error.message());
     const auto& header = parser.get();
-    if (std::max(header.target().size(), header[http::field::range].size()) > kMaxMatchedBytes)
-      return refuse(414, "the address or the Range is longer than 1 KiB");
-    if (header.count(http::field::transfer_encoding) > 0)
-      return refuse(411, "Transfer-Encoding is not allowed; expected a Content-Length");
+    if (const auto refusal = check_header(header, std::string_view(received_).substr(0, header_size)))
+      return refuse(refusal->status, refusal->text);
     if (beast::websocket::is_upgrade(header) && view(header.target()) == WebSocketHub::kPath)
       return upgrade(header);
 
@@ -110,14 +116,19 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (!is_same_origin(view(header[http::field::origin]), host)) return refuse(403, std::string(kOtherSite));
     MayLook may = may_look(context_.gate, std::string(view(header[http::field::cookie])));
     if (!may()) return refuse(401, "sign in first");
+    std::string problem;
+    if (!stays(problem)) return refuse(503, problem);
     stream_.expires_never();
     context_.websockets.accept(stream_.release_socket(), std::move(connection_), header, std::move(may));
   }
+
+  bool stays(std::string& problem) { return seat_.stays(context_.gate.is_trusted(remote_address_), problem); }
 
   /// A worker answers the complete request that stands first in what was received.
   void handle(std::size_t size) {
     std::string following = received_.substr(size);
     received_.resize(size);
+    seat_.works();
     const std::string_view line = std::string_view(received_).substr(0, received_.find('\r'));
     const std::string_view method = line.substr(0, line.find(' '));
     const std::string_view rest = line.substr(std::min(line.size(), method.size() + 1));
@@ -135,6 +146,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void answer(HttpAnswer answer) {
     answer_ = std::move(answer);
+    std::string problem;
+    if (answer_.stream && !stays(problem)) answer_ = {refusal_text(503, problem), false};
+    if (!answer_.stream) seat_.sends();
     stream_.expires_after(kAnswerTimeout);
     asio::async_write(stream_, asio::buffer(answer_.bytes),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -167,7 +181,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   const HttpContext& context_;
-  ScopedCount connection_;
+  ScopedCount connection_;  // holds the seat
+  Connections::Seat& seat_;
   beast::tcp_stream stream_;
   std::string remote_address_;
   std::string received_;  // of this request, and what came after it
@@ -177,8 +192,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
 }  // namespace
 
-void serve_http(asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context) {
-  std::make_shared<HttpSession>(std::move(socket), std::move(connection), context)->wait();
+void serve_http(asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+                const HttpContext& context) {
+  std::make_shared<HttpSession>(std::move(socket), std::move(connection), seat, context)->start();
 }
 
 }  // namespace sslv

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "web/camera_feeds.h"
+#include "web/connections.h"
 #include "web/counters.h"
 #include "web/gate.h"
 #include "web/router.h"
@@ -28,6 +29,8 @@ struct HttpContext {
 /// a stream of pictures once it asks for that.
 /// Reading and writing take place on the socket's own thread and wait for nobody; a worker sees complete
 /// requests only, so slow, idle and half-open clients cost memory but never a thread.
-void serve_http(boost::asio::ip::tcp::socket socket, ScopedCount connection, const HttpContext& context);
+/// `connection` holds `seat`.
+void serve_http(boost::asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+                const HttpContext& context);
 
 }  // namespace sslv

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/plain_text.h"
 #include "web/http.h"
 
 #include <algorithm>
@@ -152,7 +153,7 @@ void answer_exception(const httplib::Request& request, httplib::Response& respon
 } catch (const StorageError& error) {
   set_error(response, 507, error.what());
 } catch (const std::exception& error) {
-  log::error("web: {} {} failed: {}", request.method, request.target, error.what());
+  log::error("web: {} {} failed: {}", request.method, escaped_text(request.target), error.what());
   set_error(response, 500, error.what());
 }
 
@@ -190,11 +191,9 @@ Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
   };
 }
 
-/// An audit line for whatever was to change something, also when it was refused.
-void write_down(const httplib::Request& request, const httplib::Response& response) {
-  if (is_read(request)) return;
-  log::info("audit: {} {} {} {}", request.remote_addr, request.method, to_text(request.target.substr(0, 200)),
-            response.status);
+/// Whatever was to change something, also when it was refused.
+void write_down(AuditLog& audit, const httplib::Request& request, const httplib::Response& response) {
+  if (!is_read(request)) audit.add(request.remote_addr, request.method, request.target, response.status);
 }
 
 /// Of what is no file, nothing is to be kept.
@@ -234,7 +233,7 @@ Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::pat
   });
   server_->set_post_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
     set_caching(routes_, request, response);
-    write_down(request, response);
+    write_down(*audit_, request, response);
   });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
   server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit

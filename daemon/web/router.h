@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "web/audit_log.h"
 #include "web/gate.h"
 #include "web/route.h"
 
@@ -33,13 +34,17 @@ class Router {
   Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory);
   ~Router();
 
-  /// `request`: one complete request, header and body, without chunks; its address and Range short. HEAD is
+  /// `request`: one complete request, header and body, without chunks, that passed check_header(). HEAD is
   /// answered as GET. Writes from pages of another site, and requests by a name that is not this computer's,
-  /// are refused with 403. Every write leaves a line in the log. May be called from several threads at once.
+  /// are refused with 403. Every write is written down in the log (AuditLog). May be called from several
+  /// threads at once.
   HttpAnswer answer(std::string_view request, const std::string& remote_address) const;
 
   /// Of the route that this method and address ask for.
   Speed speed_of(std::string_view method, std::string_view target) const;
+
+  /// Writes to the log what is due of requests that were refused (AuditLog): to be called now and then.
+  void write_audit() const { audit_->write_due(); }
 
  private:
   class HttpServer;
@@ -48,6 +53,7 @@ class Router {
   Gate& gate_;
   const std::vector<Route> routes_;
   std::vector<std::regex> stream_paths_;
+  const std::unique_ptr<AuditLog> audit_ = std::make_unique<AuditLog>();
   const std::unique_ptr<HttpServer> server_;
 };
 

@@ -2,20 +2,22 @@
 #include "web/server.h"
 
 #include "base/background.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "web/camera_feeds.h"
+#include "web/connections.h"
 #include "web/http.h"
 #include "web/http_session.h"
+#include "web/socket.h"
 #include "web/websocket.h"
 
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <future>
-#include <map>
 #include <optional>
-#include <string_view>
+#include <string>
 #include <thread>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
@@ -34,6 +36,7 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::chrono::milliseconds kAcceptPause{100};
+constexpr std::chrono::seconds kAuditPeriod{10};
 
 [[noreturn]] void refuse_endpoint(const std::string& address, int number, const error_code& error) {
   const std::string port = "/panel/port: " + std::to_string(number);
@@ -94,15 +97,17 @@ class RunningServer {
  public:
   RunningServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
       : gate_(parts.gate),
-        max_connections_(options.max_connections),
         router_(parts.gate, parts.routes, options.panel_directory),
         counters_(counters),
+        connections_(options.max_connections, steady_s),
         feeds_(parts.views, counters.jpegs_encoded),
         websockets_(io_, quick_, parts.views, parts.topics, feeds_, counters),
         acceptor_(listen(io_, options.address, options.port)),
         port_(acceptor_.local_endpoint().port()),
-        pause_(io_) {
+        pause_(io_),
+        audit_timer_(io_) {
     accept();
+    write_audit();
     io_thread_ = std::thread([this] { run_background(io_, "web"); });
     for (std::thread& thread : worker_threads_) {
       thread = std::thread([this] { run_background(workers_, "web-worker"); });
@@ -174,37 +179,34 @@ class RunningServer {
 
   void serve(tcp::socket socket) {
     error_code ignored;
-    if (counters_.connections >= max_connections_) {
-      // Fits into the empty send buffer.
-      asio::write(socket, asio::buffer(refusal_text(503, "too many connections; try again later")), ignored);
-      return;
-    }
-    const auto address = socket.remote_endpoint(ignored).address();
-    auto seat = take_seat(address);
+    const std::string address = remote_address(socket);
+    std::string problem;
+    auto seat = connections_.admit(address, gate_.is_trusted(address), problem);
     if (!seat) {
-      asio::write(socket, asio::buffer(refusal_text(503, "too many connections from your address")), ignored);
+      // Fits into the empty send buffer.
+      asio::write(socket, asio::buffer(refusal_text(503, problem)), ignored);
       return;
     }
     socket.set_option(tcp::no_delay(true), ignored);
-    serve_http(std::move(socket), ScopedCount(counters_.connections, std::move(seat)), http_);
+    Connections::Seat& held = *seat;
+    serve_http(std::move(socket), ScopedCount(counters_.connections, std::move(seat)), held, http_);
   }
 
-  /// Nobody but this computer itself, where a proxy may run, gets more than half of the connections. Null: no
-  /// more for this address; who holds a seat keeps it alive.
-  std::shared_ptr<const void> take_seat(const asio::ip::address& address) {
-    std::erase_if(seats_, [](const auto& entry) { return entry.second.expired(); });
-    auto& seats = seats_[network_of(address.to_string())];
-    auto seat = seats.lock();
-    if (!seat) seats = seat = std::make_shared<const int>(0);
-    const long taken = seat.use_count() - 1;
-    return taken >= max_connections_ / 2 && !address.is_loopback() ? nullptr : seat;
+  /// Also what nobody adds to any more is to be written.
+  void write_audit() {
+    audit_timer_.expires_after(kAuditPeriod);
+    audit_timer_.async_wait([this](error_code stopped) {
+      if (stopped) return;
+      router_.write_audit();
+      write_audit();
+    });
   }
 
   Gate& gate_;
-  const int max_connections_;
   const Router router_;
   WebCounters& counters_;
 
+  Connections connections_;
   // Connections live in the handlers that wait in these two, so they end with them: after the hub and before
   // what stands above.
   asio::io_context io_{1};
@@ -216,8 +218,8 @@ class RunningServer {
   const HttpContext http_{gate_, router_, websockets_, feeds_, workers_, quick_};
   tcp::acceptor acceptor_;  // of the socket's thread
   std::atomic<std::uint16_t> port_;
-  std::map<std::string, std::weak_ptr<const int>> seats_;  // by address; a connection holds one
   asio::steady_timer pause_;
+  asio::steady_timer audit_timer_;
   std::thread io_thread_;
   std::array<std::thread, 4> worker_threads_;
   std::thread quick_thread_;

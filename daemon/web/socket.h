@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
 #include <boost/asio/ip/tcp.hpp>
@@ -15,6 +16,16 @@ inline void limit_unsent_bytes(boost::asio::ip::tcp::socket& socket) {
   constexpr int kMaxUnsentBytes = 64 * 1024;
   setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMaxUnsentBytes,
              sizeof(kMaxUnsentBytes));
+}
+
+/// The other end's; an IPv4 address is written as one, also where it comes over an IPv6 socket.
+inline std::string remote_address(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code ignored;
+  const auto address = socket.remote_endpoint(ignored).address();
+  if (address.is_v6() && address.to_v6().is_v4_mapped()) {
+    return boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, address.to_v6()).to_string();
+  }
+  return address.to_string();
 }
 
 }  // namespace sslv

@@ -213,7 +213,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void set_topic(const Json& name, bool on) {
     if (name == "detections") {
       wants_detections_ = on;
-      return on ? hub_.follow_detections(*this) : hub_.feeds_.stop_detections(id_);
+      on ? static_cast<void>(hub_.follow_detections(*this)) : hub_.feeds_.stop_detections(id_);
+      return;
     }
     std::string known;
     for (std::size_t topic = 0; topic < hub_.topics_.size(); ++topic) {
@@ -270,11 +271,19 @@ void WebSocketHub::left(WebSocketSession& session) {
   feeds_.stop_detections(session.id());
 }
 
-void WebSocketHub::follow_detections(WebSocketSession& session) {
+std::string WebSocketHub::follow_detections(WebSocketSession& session) {
+  std::string problem;
   for (const std::uint32_t camera_id : views_.camera_ids()) {
     const WebSocketSession::Slot slot{WebSocketSession::Slot::Kind::kDetections, camera_id};
-    feeds_.of(camera_id).start_detections(session.id(), session.sink(slot));
+    try {
+      feeds_.of(camera_id).start_detections(session.id(), session.sink(slot));
+    } catch (const HttpError&) {
+      // It was removed since its id was asked for.
+    } catch (const std::exception& error) {  // no thread can start
+      problem = fmt::format("no detections for viewers: {}", error.what());
+    }
   }
+  return problem;
 }
 
 void WebSocketHub::send_topic_soon(WebSocketSession& session, std::size_t topic) {
@@ -286,23 +295,38 @@ void WebSocketHub::send_topic_soon(WebSocketSession& session, std::size_t topic)
 }
 
 void WebSocketHub::tick() {
-  std::vector<std::shared_ptr<WebSocketSession>> uninvited;
-  for (const auto& [id, session] : sessions_) {
-    if (!session->may_look()) uninvited.push_back(session->shared_from_this());
+  std::string problem;
+  try {
+    problem = look_at_sessions();
+  } catch (const std::exception& error) {  // whatever it is, the next tick must come
+    problem = error.what();
   }
-  for (const auto& session : uninvited) session->leave();
+  if (!problem.empty() && problem != last_problem_) log::error("web: {}", problem);
+  last_problem_ = problem;
   ticking_ = !sessions_.empty();
   std::vector<bool> wanted(topics_.size());
   for (const auto& [id, session] : sessions_) {
     for (std::size_t topic = 0; topic < topics_.size(); ++topic)
       wanted[topic] = wanted[topic] || session->wants_topic(topic);
-    if (session->wants_detections()) follow_detections(*session);  // a camera may have been added
   }
   if (std::none_of(wanted.begin(), wanted.end(), [](bool one) { return one; }))
     return send_topics(TopicMessages(topics_.size()));
   asio::post(workers_, [this, wanted] {
     asio::post(io_, [this, messages = make_messages(wanted)]() mutable { send_topics(std::move(messages)); });
   });
+}
+
+std::string WebSocketHub::look_at_sessions() {
+  std::vector<std::shared_ptr<WebSocketSession>> uninvited;
+  for (const auto& [id, session] : sessions_) {
+    if (!session->may_look()) uninvited.push_back(session->shared_from_this());
+  }
+  for (const auto& session : uninvited) session->leave();
+  std::string problem;
+  for (const auto& [id, session] : sessions_) {
+    if (session->wants_detections()) problem = follow_detections(*session);  // a camera may have been added
+  }
+  return problem;
 }
 
 WebSocketHub::TopicMessages WebSocketHub::make_messages(const std::vector<bool>& wanted) const {

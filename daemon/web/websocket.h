@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 #include <string_view>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 #include <vector>
@@ -48,9 +49,11 @@ class WebSocketHub {
 
   void joined(WebSocketSession& session);
   void left(WebSocketSession& session);
-  void follow_detections(WebSocketSession& session);
+  /// Why detections of some cameras cannot be had now; empty: all of them can. A tick tries again.
+  std::string follow_detections(WebSocketSession& session);
 
-  void tick();  // every half second while there are viewers
+  void tick();                     // every half second while there are viewers
+  std::string look_at_sessions();  // what follow_detections() says
   /// By topic; null: nobody wants it, or it could not be had.
   using TopicMessages = std::vector<CameraFeed::Message>;
   TopicMessages make_messages(const std::vector<bool>& wanted) const;
@@ -65,6 +68,7 @@ class WebSocketHub {
   WebCounters& counters_;
   boost::asio::steady_timer timer_;
   bool ticking_ = false;
+  std::string last_problem_;     // of the last look at the sessions
   TopicMessages last_messages_;  // at most one period old
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
 };

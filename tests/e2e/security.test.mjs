@@ -7,7 +7,7 @@ import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { existsSync, mkdirSync, readFileSync, statSync, symlinkSync, writeFileSync } from 'node:fs';
-import { request } from 'node:http';
+import { createServer, request } from 'node:http';
 import { connect } from 'node:net';
 import { networkInterfaces } from 'node:os';
 import { join } from 'node:path';
@@ -66,8 +66,8 @@ async function ctl(args, input = '', env = {}) {
 const passwd = (password, ...more) => ctl(['passwd', '--state', service.stateFolder, ...more], `${password}\n`);
 
 /** A raw connection, with all that came over it. */
-async function open(text, address = '127.0.0.1') {
-  const socket = connect(service.settings.panel.port, address);
+async function open(text, address = '127.0.0.1', localAddress = undefined) {
+  const socket = connect({ port: service.settings.panel.port, host: localAddress === outside && outside ? outside : address, localAddress });
   socket.received = '';
   socket.on('data', (part) => { socket.received += part.toString('latin1'); });
   socket.on('error', () => {});
@@ -306,15 +306,57 @@ describe('a service with passwords', () => {
     assert.doesNotMatch(log, /^audit: 6\.6\.6\.6/m);
   });
 
-  it('leaves room for others when one address takes all connections', { skip: noOutside }, async () => {
-    const sockets = await Promise.all(Array.from({ length: 300 }, () => open('GET /api/session HTTP/1.1\r\nHost: localhost\r\n\r\n', outside)));
+  it('keeps a share of the tries for its own computer and for admins, whoever else guesses', { skip: noOutside }, async () => {
+    const viewer = await ask('PUT', 'api/passwords/viewer', { body: { password: VIEWER, admin_password: ADMIN }, cookie: await signIn(ADMIN) });
+    assert.equal(viewer.status, 200, viewer.text);
+    const guess = (password) => ask('POST', 'api/session', { body: { password }, from: outside });
+    let guesses = 0;
+    const begin = performance.now();
+    for (let i = 0; i < 30; i++) {
+      if ((await guess(`guess number ${i}`)).status === 401) guesses++;
+      await guess(VIEWER);
+    }
+    const allowed = 6 + (performance.now() - begin) / 10_000;
+    assert.ok(guesses <= allowed, `${guesses} guesses: the viewers' password gives none back`);
+    const gone = await ask('PUT', 'api/passwords/viewer', { body: { password: '', admin_password: ADMIN }, cookie: await signIn(ADMIN) });
+    assert.equal(gone.status, 200, gone.text);
+  });
+
+  it('writes down repeated refusals in one line', async () => {
+    const lines = () => service.log().split('\n').filter((line) => line.includes('audit: ')).length;
+    await ask('PUT', 'api/nothing', { body: {} });
+    const before = lines();
+    for (let i = 0; i < 300; i++) await ask('PUT', 'api/nothing', { body: {} });
+    assert.ok(lines() <= before + 2, `${lines() - before} lines more`);
+  });
+
+  const waiting = ['', 'GET /api/sta', 'POST /api/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{', 'GET /api/session HTTP/1.1\r\nHost: localhost\r\n\r\n'];
+
+  it('serves who sends a request, however many connections never do', async () => {
+    const addresses = ['127.0.0.2', '127.0.0.3', '127.0.0.4', '127.0.0.5', ...(outside ? [outside] : [])];
+    const sockets = [];
     try {
-      const answered = await becomes(() => sockets.filter(({ received, closed }) => closed || received.includes('\r\n\r\n')), ({ length }) => length === 300, ({ length }) => length);
-      assert.equal(answered.filter(({ received }) => received.startsWith('HTTP/1.1 200 ')).length, 256);
-      const refused = answered.filter(({ received }) => received.startsWith('HTTP/1.1 503 '));
+      for (let i = 0; i < 1500; i++) sockets.push(await open(waiting[i % waiting.length], '127.0.0.1', addresses[i % addresses.length]));
+      for (let i = 0; i < 20; i++) assert.equal((await ask('GET', 'healthz')).status, 200);
+      if (outside) for (let i = 0; i < 20; i++) assert.equal((await ask('GET', 'healthz', { from: outside })).status, 200);
+      for (const socket of sockets) assert.doesNotMatch(socket.received, /^HTTP\/1\.1 503 /);
+    } finally {
+      for (const socket of sockets) socket.destroy();
+    }
+  });
+
+  it('leaves room for others when one address takes all connections', { skip: noOutside }, async () => {
+    const headers = `Host: ${outside}:${service.settings.panel.port}\r\n`;
+    const sockets = await Promise.all(Array.from({ length: 300 }, () => open(upgrade(headers), outside)));
+    try {
+      await becomes(() => sockets.filter(({ received, closed }) => closed || received.includes('\r\n\r\n')), ({ length }) => length === 300, ({ length }) => length);
+      const viewers = sockets.filter(({ received }) => received.startsWith('HTTP/1.1 101 '));
+      assert.ok(viewers.length <= 128, `${viewers.length} viewers`);
+      const refused = sockets.filter(({ received }) => received.startsWith('HTTP/1.1 503 '));
       assert.ok(refused.length > 0);
-      for (const { received } of refused) assert.match(received, /too many connections from your address/);
+      for (const { received } of refused) assert.match(received, /too many (connections|viewers) from your address/);
       assert.equal((await ask('GET', 'api/session')).status, 200);
+      assert.equal((await ask('GET', 'api/session', { from: outside })).status, 200);
     } finally {
       for (const socket of sockets) socket.destroy();
     }
@@ -383,6 +425,80 @@ describe('files that settings name', () => {
       await ask('PUT', path, { body: {} });
     }
     assert.ok(!existsSync(passwordsFile));
+  });
+});
+
+describe('ssl-visionctl', () => {
+  let server, answer;
+  before(async () => {
+    server = createServer((request, response) => answer(response)).listen(0, '127.0.0.1');
+    await once(server, 'listening');
+  });
+  after(() => server.close());
+  const asks = (...args) => ctl(['--daemon', `http://127.0.0.1:${server.address().port}`, ...args]);
+  const says = (status, json) => { answer = (response) => response.writeHead(status).end(JSON.stringify(json)); };
+  const bad = '\u001b]0;x\u0007\u001b[2J\u009b31m\u007f\u202e\u2066\r\nGO';
+  const isPlain = (text) => assert.doesNotMatch(text, /[^\P{Cc}\n]|[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/u);
+
+  it('shows what a hostile service says as text', async () => {
+    const profiles = [{ name: bad, time: 0, who: bad }];
+    says(200, { profiles });
+    const text = await asks('profiles');
+    assert.equal(text.code, 0, text.output);
+    isPlain(text.output);
+    assert.equal(text.output.trim().split('\n').length, 2, text.output);
+    const json = await asks('profiles', '--json');
+    isPlain(json.output);
+    assert.deepEqual(JSON.parse(json.output), profiles);
+
+    says(200, { settings: { site: bad }, revision: 1 });
+    for (const args of [['settings', 'get'], ['settings', 'get', '/site'], ['settings', 'export'], ['settings', 'get', '/none']]) isPlain((await asks(...args)).output);
+    assert.deepEqual(JSON.parse((await asks('settings', 'export')).output), { site: bad });
+    says(422, { error: bad });
+    for (const args of [['status'], ['log'], ['history'], ['settings', 'schema']]) {
+      const { code, output } = await asks(...args);
+      assert.equal(code, 1);
+      isPlain(output);
+      assert.equal(output.trim().split('\n').length, 1, output);
+    }
+  });
+
+  it('does not read without end', async () => {
+    answer = (response) => {
+      response.writeHead(200);
+      const more = () => { while (response.write('['.repeat(1 << 20))); };
+      response.on('drain', more);
+      more();
+    };
+    const { code, output } = await asks('status');
+    assert.equal(code, 1);
+    assert.match(output, /sends more than 64 MiB/);
+  });
+});
+
+describe('names that settings give', () => {
+  before(() => startAfresh());
+  after(() => service.stop());
+
+  it('are plain text', async () => {
+    const before = (await ask('GET', 'api/settings')).json;
+    for (const path of ['/site', '/cameras/0/name', '/teams/yellow/name', '/network/vision/interface', '/network/referee/interface', '/panel/address', '/cameras/0/colors/lut_file']) {
+      for (const value of ['lo\0;id', 'a\u202eb', 'a\u2066', '\u200f', '\u061c', 'a\nb', '\u001b[2J', '\u009b']) {
+        const { status, json } = await ask('PATCH', 'api/settings', { body: [{ op: 'replace', path, value }] });
+        assert.equal(status, 422, `${path} ${JSON.stringify(value)}`);
+        assert.match(json.error, /^\S+: "[^\n]+" is not allowed; expected a text without control characters/);
+        assert.doesNotMatch(json.error, /[\p{Cc}\u202e\u2066\u200f\u061c]/u);
+      }
+    }
+    assert.equal((await ask('PATCH', 'api/settings', { body: [{ op: 'replace', path: '/panel/names', value: ['a\u202e'] }] })).status, 422);
+    assert.equal((await ask('PUT', `api/profiles/${encodeURIComponent('a\u202eb')}`)).status, 422);
+    assert.deepEqual((await ask('GET', 'api/settings')).json, before);
+  });
+
+  it('and requests of hosts and origins are read strictly', async () => {
+    const own = `127.0.0.1:${service.settings.panel.port}`;
+    for (const Host of ['[::1]evil.example', '[::1].evil.example:80', '127.0.0.1:evil', `${own}.evil.example`]) assert.equal((await ask('GET', 'api/status', { headers: { Host } })).status, 403, Host);
+    for (const Origin of [`x://${own}`, `file://${own}`]) assert.equal((await ask('PATCH', 'api/settings', { body: [], headers: { Origin } })).status, 403, Origin);
   });
 });
 

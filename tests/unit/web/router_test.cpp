@@ -203,6 +203,14 @@ TEST_F(RouterTest, WritesLeaveALineInTheLogAndReadsNone) {
               testing::Each(Not(HasSubstr("horse"))));
 }
 
+TEST_F(RouterTest, RefusalsOfOneAddressLeaveOneLine) {
+  const std::uint64_t before = log::recent().newer_than(0, log::Level::kInfo).newest;
+  for (int i = 0; i < 200; ++i) ask("PUT", "/api/nothing", "[1]");
+  for (int i = 0; i < 200; ++i) ask("DELETE", "/api/session");
+  const auto after = log::recent().newer_than(before, log::Level::kInfo);
+  EXPECT_EQ(after.newest, before + 1);
+}
+
 TEST_F(RouterTest, UnknownApiRoutesAre404InJson) {
   for (const char* target : {"/api", "/api/nothing", "/api/status/more", "/api/cameras/0",
                              "/api/cameras/0/stream.mjpg/x", "/api/../secret.txt"}) {

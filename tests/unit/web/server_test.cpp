@@ -4,6 +4,7 @@
 #include "unit/web/fake_host.h"
 #include "web/http.h"
 
+#include <atomic>
 #include <future>
 #include <stdexcept>
 #include <thread>
@@ -12,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <pthread.h>
 #include <sys/socket.h>
 #include <turbojpeg.h>
 #include <unistd.h>
@@ -408,12 +410,55 @@ TEST_F(ServerTest, TurnsAwayTooManyConnections) {
   WebOptions small = options();
   small.max_connections = 2;
   WebServer server(daemon_.parts(), small, counters_);
-  Client first(server.port()), second(server.port());
-  ASSERT_EQ(ask(first, "GET", "/api/status").status, 200);
-  ASSERT_EQ(ask(second, "GET", "/api/status").status, 200);
+  Viewer first(server.port()), second(server.port());
   Client third(server.port());
   EXPECT_THAT(third.read_to_end(), AllOf(StartsWith("HTTP/1.1 503"), kIsSecured));
-  EXPECT_EQ(ask(first, "GET", "/api/status").status, 200);
+  first.synchronise();
+  second.synchronise();
+}
+
+TEST_F(ServerTest, ThousandsOfHalfRequestsKeepNobodyOut) {
+  WebOptions small = options();
+  small.max_connections = 16;
+  WebServer server(daemon_.parts(), small, counters_);
+  std::vector<std::unique_ptr<Client>> half;
+  for (int i = 0; i < 2000; ++i) {
+    half.push_back(std::make_unique<Client>(server.port()));
+    half.back()->send(i % 3 == 0   ? ""
+                      : i % 3 == 1 ? "GET /api/sta"
+                                   : "POST /api/x HTTP/1.1\r\nContent-Length: 9\r\n\r\n");
+    if (half.size() > 100) half.erase(half.begin());
+    if (i % 100 != 99) continue;
+    Client monitor(server.port());
+    ASSERT_EQ(ask(monitor, "GET", "/healthz").status, 200) << i;
+  }
+}
+
+TEST_F(ServerTest, HeadersThatDecideAreGivenOnce) {
+  const std::string range = "Range: bytes=0-1\r\n",
+                    long_range = "Range: bytes=" + std::string(8000, '1') + "-\r\n";
+  for (const auto& [headers, status] : {std::pair(range + long_range, "414"),
+                                        {long_range + range, "414"},
+                                        {"Range: \r\n" + long_range, "414"},
+                                        {range + range, "400"},
+                                        {"Host: localhost\r\n", "400"},
+                                        {"Cookie: a=b\r\nCOOKIE: c=d\r\n", "400"},
+                                        {"Origin: http://test\r\nOrigin: http://test\r\n", "400"},
+                                        {"If-Match: 7\r\nIf-Match: 6\r\n", "400"},
+                                        {"Content-Length: 0\r\nContent-Length: 0\r\n", "400"},
+                                        {"X: a\r\n Range: b\r\n", "400"},
+                                        {"X: a\r\n\tRange: b\r\n", "400"},
+                                        {"Transfer-Encoding: identity\r\n", "411"},
+                                        {"Transfer-Encoding: \r\nTransfer-Encoding: chunked\r\n", "411"}}) {
+    Client client(server_.port());
+    client.send(request_text("GET", "/api/schema", headers));
+    EXPECT_THAT(client.read_to_end(),
+                AllOf(StartsWith(std::string("HTTP/1.1 ") + status), HasSubstr("{\"error\":"), kIsSecured))
+        << headers.substr(0, 60);
+  }
+  Client client(server_.port());
+  EXPECT_EQ(ask(client, "GET", "/api/schema", range).status, 200);
+  EXPECT_EQ(ask(client, "GET", "/api/schema", "Accept: a\r\nAccept: b\r\n").status, 200);
 }
 
 TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
@@ -473,6 +518,86 @@ TEST_F(ServerTest, StatusIsSentToThoseWhoWantIt) {
   second.send(R"({"subscribe": ["status"]})");
   EXPECT_EQ(second.read_json()["topic"], "status");
   EXPECT_EQ(counters_.viewers, 2);
+}
+
+/// The daemon's views, of cameras that a test says.
+class ViewsOf : public ViewSource {
+ public:
+  using Ids = std::function<std::vector<std::uint32_t>()>;
+  ViewsOf(FakeHost& daemon, Ids ids) : daemon_(daemon), ids_(std::move(ids)) {}
+  std::vector<std::uint32_t> camera_ids() const override { return ids_(); }
+  std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than,
+                                std::chrono::milliseconds timeout) override {
+    return daemon_.wait_view(camera_id, newer_than, timeout);
+  }
+
+ private:
+  FakeHost& daemon_;
+  const Ids ids_;
+};
+
+TEST_F(ServerTest, StatusGoesOnWhenACameraIsRemovedBetweenTwoLooks) {
+  std::atomic<int> looks = 0;
+  // Camera 1 is there when the ids are asked for, and gone when its feed is.
+  ViewsOf views(daemon_, [&] {
+    return looks++ % 3 == 0 ? std::vector<std::uint32_t>{0, 1} : std::vector<std::uint32_t>{0};
+  });
+  WebServer server({daemon_, views, {&daemon_}, daemon_.routes()}, options(), counters_);
+  Viewer viewer(server.port());
+  viewer.send(R"({"subscribe": ["status", "detections"]})");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(viewer.read_json()["topic"], "status");
+  EXPECT_GE(looks, 6);
+}
+
+TEST_F(ServerTest, StatusGoesOnWhateverALookThrows) {
+  std::atomic<bool> broken = true;
+  ViewsOf views(daemon_, [&] {
+    if (broken) throw std::runtime_error("broken");
+    return std::vector<std::uint32_t>{0};
+  });
+  WebServer server({daemon_, views, {&daemon_}, daemon_.routes()}, options(), counters_);
+  daemon_.publish(5);
+  Viewer viewer(server.port());
+  viewer.send(R"({"subscribe": ["detections"]})");
+  EXPECT_EQ(to_text(viewer.read_json()), R"({"error":"broken"})");
+  viewer.send(R"({"subscribe": ["status"]})");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(viewer.read_json()["topic"], "status");
+  broken = false;
+  while (viewer.read_json()["topic"] != "detections") {
+  }
+}
+
+/// Threads that are started while this lives do not: there is no memory for their stacks.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() {
+    pthread_getattr_default_np(&before_);
+    pthread_attr_t huge;
+    pthread_attr_init(&huge);
+    pthread_attr_setstacksize(&huge, std::size_t{1} << 50);
+    pthread_setattr_default_np(&huge);
+    pthread_attr_destroy(&huge);
+  }
+  ~NoMoreThreads() { pthread_setattr_default_np(&before_); }
+
+ private:
+  pthread_attr_t before_{};
+};
+
+TEST_F(ServerTest, StatusGoesOnWhenAThreadCannotStart) {
+  daemon_.publish(5);
+  Viewer viewer(server_.port()), other(server_.port());
+  {
+    const NoMoreThreads none;
+    viewer.send(R"({"subscribe": ["status", "detections"]})");
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(viewer.read_json()["topic"], "status");
+    other.send(R"({"preview": {"camera": 0}})");
+    EXPECT_THAT(to_text(other.read_json()), StartsWith("{\"error\":"));
+    other.send(R"({"unsubscribe": ["detections"]})");  // of feeds that are not there
+    other.synchronise();
+  }
+  while (viewer.read_json()["topic"] != "detections") {
+  }
 }
 
 TEST_F(ServerTest, MessagesThatAreNotUnderstoodAreAnsweredWithAnError) {

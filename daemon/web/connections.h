@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace sslv {
+
+/// A server's connections: how many there may be, and which one is closed when there is no room for another.
+///
+/// A newcomer is let in as long as something can go for it: a connection whose request is not there yet (it
+/// is idle, or half of a request came), or one that takes its answer for longer than kSendPatience_s. Of
+/// these goes the one whose address has most connections, and of equals the one that has been so for longest.
+/// So whoever sends a request at once is served, however many others never do. Viewers (WebSockets and
+/// streams of pictures) stay until they go, and are few enough to leave room.
+///
+/// A part of the connections is kept for trusted addresses: strangers never have all of them.
+///
+/// Seats may be given back from any thread; everything else is for the socket's thread.
+class Connections {
+ public:
+  using Clock = std::function<double()>;  // steady, s
+  static constexpr double kSendPatience_s = 5;
+
+  class Seat;
+
+  /// `max`: connections at once, viewers included.
+  explicit Connections(int max, Clock now_s);
+  Connections(const Connections&) = delete;
+  Connections& operator=(const Connections&) = delete;
+
+  /// A seat for a connection from this address, which must not outlive this; null when there is no room, with
+  /// the reason for the client in `problem`.
+  std::shared_ptr<Seat> admit(const std::string& address, bool is_trusted, std::string& problem);
+
+ private:
+  enum class State { kWaits, kWorks, kSends, kStays };
+
+  // With mutex_ held:
+  std::size_t count(const std::function<bool(const Seat&)>& which) const;
+  Seat* most_dispensable(const std::function<bool(const Seat&)>& which) const;
+
+  const std::size_t max_;
+  const Clock now_s_;
+  mutable std::mutex mutex_;  // guards what follows and what the seats have
+  std::list<Seat*> seats_;    // those in the same state for longest come first
+};
+
+/// One connection's. Takes no room any more once it is gone or was told to close.
+class Connections::Seat {
+ public:
+  Seat(Connections& connections, std::string network, bool is_trusted);
+  ~Seat();
+  Seat(const Seat&) = delete;
+  Seat& operator=(const Seat&) = delete;
+
+  /// How the connection is closed when another needs the room. Called from within admit(); must not destroy
+  /// the seat.
+  void closes_by(std::function<void()> close);
+
+  /// What the connection does from now on.
+  void waits() { is(State::kWaits); }  // for a request, or for the rest of one
+  void works() { is(State::kWorks); }  // its request is being handled
+  void sends() { is(State::kSends); }  // the answer is on its way
+
+  /// Asks to stay open as a viewer. False when there are too many of these, with the reason in `problem`.
+  bool stays(bool is_trusted, std::string& problem);
+
+ private:
+  friend class Connections;
+  void is(State state);
+  void enter(State state);  // with the mutex held
+
+  Connections& connections_;
+  const std::string network_;
+  bool is_trusted_;
+  State state_ = State::kWaits;
+  double since_s_;
+  std::function<void()> close_;
+  std::list<Seat*>::iterator place_;
+  bool is_counted_ = true;
+};
+
+}  // namespace sslv

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "web/connections.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::HasSubstr;
+
+class ConnectionsTest : public testing::Test {
+ protected:
+  static constexpr int kMax = 64;
+
+  /// A connection that is closed when it is told to. Null: not let in.
+  struct Connection {
+    std::shared_ptr<Connections::Seat> seat;
+    bool closed = false;
+  };
+  std::shared_ptr<Connection> connect(const std::string& address, bool is_trusted = false) {
+    auto connection = std::make_shared<Connection>();
+    connection->seat = connections_.admit(address, is_trusted, problem_);
+    if (!connection->seat) return nullptr;
+    connection->seat->closes_by([weak = std::weak_ptr(connection)] {
+      if (const auto self = weak.lock()) self->closed = true;
+    });
+    return connection;
+  }
+  std::vector<std::shared_ptr<Connection>> connect_many(int count, const std::string& network = "198.51.") {
+    std::vector<std::shared_ptr<Connection>> out;
+    for (int i = 0; i < count; ++i)
+      out.push_back(connect(network + std::to_string(i / 250) + "." + std::to_string(i % 250)));
+    return out;
+  }
+  static int closed(const std::vector<std::shared_ptr<Connection>>& connections) {
+    int count = 0;
+    for (const auto& one : connections) count += one && one->closed ? 1 : 0;
+    return count;
+  }
+
+  double now_s_ = 100;
+  Connections connections_{kMax, [this] { return now_s_; }};
+  std::string problem_;
+};
+
+TEST_F(ConnectionsTest, HalfRequestsOfManyAddressesKeepNobodyOut) {
+  const auto attackers = connect_many(1000);
+  EXPECT_EQ(closed(attackers), 1000 - (kMax - kMax / 8));
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(attackers[i]->closed, i < 1000 - (kMax - kMax / 8)) << i;
+  const auto monitor = connect("192.0.2.1");
+  ASSERT_TRUE(monitor);
+  connect_many(20, "203.0.");
+  EXPECT_FALSE(monitor->closed) << "its request has time to come";
+  monitor->seat->works();
+  connect_many(1000, "203.0.");
+  EXPECT_FALSE(monitor->closed) << "it is being answered";
+}
+
+TEST_F(ConnectionsTest, WhoHasMostLosesFirst) {
+  const auto browser = connect("192.0.2.1");  // idle for longest
+  std::vector<std::shared_ptr<Connection>> attackers;
+  for (int i = 0; i < 1000; ++i) attackers.push_back(connect("198.51.100." + std::to_string(i % 4)));
+  EXPECT_FALSE(browser->closed);
+  EXPECT_EQ(closed(attackers), 1000 - (kMax - kMax / 8 - 1));
+}
+
+TEST_F(ConnectionsTest, OneAddressHasNoMoreThanHalf) {
+  std::vector<std::shared_ptr<Connection>> attackers;
+  for (int i = 0; i < 100; ++i) attackers.push_back(connect("2001:db8::" + std::to_string(i)));
+  EXPECT_EQ(closed(attackers), 100 - kMax / 2) << "an IPv6 network is one";
+  for (const auto& one : attackers) one->seat->works();
+  EXPECT_FALSE(connect("2001:db8::bad"));
+  EXPECT_EQ(problem_, "too many connections from your address");
+  EXPECT_TRUE(connect("2001:db8:1::1"));
+  EXPECT_TRUE(connect("2001:db8::1", true)) << "an admin's in the same network";
+}
+
+TEST_F(ConnectionsTest, StrangersNeverHaveAll) {
+  const auto busy = connect_many(kMax);  // the newest of them have room
+  for (const auto& one : busy) one->seat->works();
+  EXPECT_FALSE(connect("192.0.2.1"));
+  EXPECT_EQ(problem_, "too many connections; try again later");
+  std::vector<std::shared_ptr<Connection>> own;
+  for (int i = 0; i < 3 * kMax; ++i) {
+    own.push_back(connect("127.0.0.1", true));
+    ASSERT_TRUE(own.back()) << i;
+  }
+  own.back()->seat->works();
+  EXPECT_EQ(closed(own), 3 * kMax - kMax / 8) << "its own that wait go";
+}
+
+TEST_F(ConnectionsTest, AnAnswerThatIsTakenForTooLongMakesRoom) {
+  const auto slow = connect_many(kMax - kMax / 8);
+  for (const auto& one : slow) one->seat->sends();
+  EXPECT_FALSE(connect("192.0.2.1")) << "it may be a moment before an answer has left";
+  now_s_ += Connections::kSendPatience_s + 1;
+  EXPECT_TRUE(connect("192.0.2.1"));
+  EXPECT_TRUE(slow.front()->closed);
+  EXPECT_EQ(closed(slow), 1);
+}
+
+TEST_F(ConnectionsTest, ViewersStayButLeaveRoom) {
+  std::vector<std::shared_ptr<Connection>> viewers;
+  int staying = 0;
+  for (int i = 0; i < 200; ++i) {
+    viewers.push_back(connect("198.51.100." + std::to_string(i % 2)));
+    staying += viewers.back()->seat->stays(false, problem_) ? 1 : 0;
+  }
+  EXPECT_EQ(staying, kMax / 2);
+  EXPECT_EQ(problem_, "too many viewers from your address");
+  EXPECT_FALSE(connect("203.0.113.1")->seat->stays(false, problem_));
+  EXPECT_THAT(problem_, HasSubstr("too many viewers; try again later"));
+  EXPECT_TRUE(connect("127.0.0.1", true)->seat->stays(true, problem_));
+  EXPECT_TRUE(connect("203.0.113.1")->seat->stays(true, problem_)) << "the admin's since then";
+  const auto monitor = connect("192.0.2.1");
+  ASSERT_TRUE(monitor);
+  viewers.clear();
+  EXPECT_TRUE(connect("198.51.100.0")->seat->stays(false, problem_)) << "others have gone";
+}
+
+TEST_F(ConnectionsTest, RoomComesBackWithWhoGoes) {
+  for (int round = 0; round < 10; ++round) {
+    auto busy = connect_many(kMax - kMax / 8);
+    for (const auto& one : busy) {
+      ASSERT_TRUE(one) << round;
+      one->seat->works();
+    }
+    EXPECT_FALSE(connect("192.0.2.1"));
+    busy.pop_back();
+    EXPECT_TRUE(connect("192.0.2.1"));
+  }
+}
+
+}  // namespace
+}  // namespace sslv
