@@ -1,55 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/base64.h"
 
-#include <array>
+#include <memory>
+
+#include <glib.h>
 
 namespace sslv {
 namespace {
 
-constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr std::string_view kSpace = " \t\r\n";
+bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+/// GLib passes over what is no base64, and over an end that is missing.
+bool is_whole(std::string_view text) {
+  std::size_t digits = 0, padding = 0;
+  for (const char c : text) {
+    if (is_space(c)) continue;
+    const bool is_digit = g_ascii_isalnum(c) || c == '+' || c == '/';
+    if (c == '=') {
+      ++padding;
+    } else if (!is_digit || padding > 0) {
+      return false;
+    }
+    ++digits;
+  }
+  return digits % 4 == 0 && padding <= 2;
+}
 
 }  // namespace
 
 std::string to_base64(std::span<const std::uint8_t> bytes) {
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < bytes.size() ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return out;
+  const std::unique_ptr<gchar, decltype(&g_free)> text(g_base64_encode(bytes.data(), bytes.size()), &g_free);
+  return text.get();
 }
 
 std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text) {
-  static constexpr auto kValues = [] {
-    std::array<std::int8_t, 256> values{};
-    values.fill(-1);
-    for (std::size_t i = 0; i < kDigits.size(); ++i)
-      values[static_cast<unsigned char>(kDigits[i])] = static_cast<std::int8_t>(i);
-    return values;
-  }();
-  std::vector<std::uint8_t> out;
-  out.reserve(text.size() / 4 * 3);
-  std::uint32_t bits = 0;
-  int digits = 0, padding = 0;
-  for (const char c : text) {
-    if (kSpace.find(c) != std::string_view::npos) continue;
-    const int value = kValues[static_cast<unsigned char>(c)];
-    if (c == '=') {
-      ++padding;
-    } else if (value < 0 || padding > 0) {
-      return std::nullopt;
-    }
-    bits = bits << 6 | static_cast<std::uint32_t>(c == '=' ? 0 : value);
-    if (++digits % 4 != 0) continue;
-    for (int k = 0; k < 3 - padding; ++k) out.push_back(static_cast<std::uint8_t>(bits >> (16 - 8 * k)));
-    bits = 0;
-  }
-  if (digits % 4 != 0 || padding > 2) return std::nullopt;
+  if (!is_whole(text)) return std::nullopt;
+  std::vector<std::uint8_t> out(text.size() / 4 * 3 + 3);
+  gint state = 0;
+  guint save = 0;
+  out.resize(g_base64_decode_step(text.data(), text.size(), out.data(), &state, &save));
   return out;
 }
 

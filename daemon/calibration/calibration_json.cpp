@@ -67,12 +67,7 @@ Json list_json(const std::vector<T>& values, Json (*one)(const T&)) {
 }  // namespace
 
 CalibrationRequest read_calibration_request(const Json& json) {
-  constexpr std::size_t kMostPoints = 100;
   auto request = params_from_json<CalibrationRequest>(json.is_array() ? Json{{"points", json}} : json, "");
-  if (request.points.size() > kMostPoints) {
-    throw SettingsError("/points: " + std::to_string(request.points.size()) +
-                        " points are not allowed; expected at most " + std::to_string(kMostPoints));
-  }
   for (std::size_t i = 0; i < request.points.size(); ++i) {
     const CalibrationPoint& point = request.points[i];
     const std::string path = "/points/" + std::to_string(i);

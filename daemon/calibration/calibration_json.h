@@ -40,6 +40,7 @@ struct CalibrationPoint {
 };
 
 struct CalibrationRequest {
+  static constexpr std::size_t kMaxPoints = 100;
   std::vector<CalibrationPoint> points;
   int frames = 10;
   std::optional<double> height_mm;
@@ -52,7 +53,8 @@ struct CalibrationRequest {
   static constexpr auto fields() {
     using R = CalibrationRequest;
     return std::tuple{
-        list("points", &R::points, "corners and crossings of lines that somebody pointed at, in any order"),
+        list("points", &R::points, "corners and crossings of lines that somebody pointed at, in any order",
+             kMaxPoints),
         number("frames", &R::frames, 1, 100, "", "pictures whose mean is looked at"),
         number("height_mm", &R::height_mm, 100.0, 100'000.0, "mm",
                "of the camera above the floor, if measured"),

@@ -18,20 +18,23 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <glib.h>
 
 namespace sslv {
 namespace {
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo).
-std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
-  return hash;
+constexpr std::size_t kNameLength = 16;
+
+/// SHA-256, 64 hexadecimal digits.
+std::string hash_of(std::span<const std::uint8_t> bytes) {
+  const std::unique_ptr<gchar, decltype(&g_free)> hash(
+      g_compute_checksum_for_data(G_CHECKSUM_SHA256, bytes.data(), bytes.size()), &g_free);
+  return hash.get();
 }
 
 /// Nothing else may become a part of a path.
 bool is_name(std::string_view name) {
-  return name.size() == 16 && name.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+  return name.size() == kNameLength && name.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 /// A label may have been taken out of the settings since. Throws SettingsError.
@@ -67,21 +70,16 @@ SavedTables::SavedTables(StateFolder& folder) : state_(folder), folder_(folder.p
 
 std::string SavedTables::save(std::shared_ptr<const Lut> lut, const LabelSet& labels) {
   const std::vector<std::uint8_t> bytes = encode_lut(lut->color_table(), labels);
-  std::uint64_t hash = hash_of(bytes);
+  const std::string name = hash_of(bytes).substr(0, kNameLength);
   const std::lock_guard lock(mutex_);
-  std::error_code error;
-  std::string name = fmt::format("{:016x}", hash);
-  while (std::filesystem::exists(file_of(name), error)) {
-    if (bytes_of(file_of(name)) == bytes) {
-      // As if it were new: it is not to be tidied away soon.
-      std::filesystem::last_write_time(file_of(name), std::filesystem::file_time_type::clock::now(), error);
-      in_memory_[name] = lut;
-      return name;
-    }
-    name = fmt::format("{:016x}", ++hash);  // another table, or a damaged file
+  if (std::error_code error; bytes_of(file_of(name)) == bytes) {
+    // As if it were new: it is not to be tidied away soon.
+    std::filesystem::last_write_time(file_of(name), std::filesystem::file_time_type::clock::now(), error);
+  } else {
+    state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
   }
-  state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
   in_memory_[name] = lut;
+  lost_.erase(name);
   return name;
 }
 

@@ -26,7 +26,7 @@ class SavedTables {
 
   explicit SavedTables(StateFolder& folder);
 
-  /// Its name; on disk when it returns. Throws StorageError.
+  /// Its name; on disk when it returns, and whole where a damaged file was. Throws StorageError.
   std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
 
   /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up

@@ -73,7 +73,7 @@ TEST(CalibrationRequest, ErrorsNameKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of(R"([{"x": 1, "y": 2, "field_x": 3}])"), HasSubstr("/points/0/field_y: is missing"));
   EXPECT_THAT(error_of(R"([{"x": 1, "y": 2, "z": 3}])"), HasSubstr("/points/0/z: no such parameter"));
   EXPECT_THAT(error_of(Json{{"points", Json(101, Json{{"x", 1}, {"y", 2}})}}.dump()),
-              HasSubstr("/points: 101 points are not allowed"));
+              HasSubstr("/points: 101 entries are not allowed; expected at most 100"));
   EXPECT_THAT(error_of("7"), HasSubstr("expected an object"));
 }
 

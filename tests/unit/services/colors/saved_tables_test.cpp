@@ -61,6 +61,18 @@ TEST(SavedTables, TheSameTableHasTheSameName) {
   EXPECT_EQ(tables.save(table_with(label::kPink), LabelSet::built_in()), name);
 }
 
+TEST(SavedTables, ATableOfAnEarlierVersionIsFound) {
+  const TemporaryFolder folder;
+  StateFolder state(folder.path());
+  const std::string name = SavedTables(state).save(table_with(label::kPink), LabelSet::built_in());
+  // It was made by another hash.
+  const std::filesystem::path earlier = "c0ffee0123456789";
+  std::filesystem::rename(folder.path() / "tables" / (name + ".lut"),
+                          folder.path() / "tables" / (earlier.string() + ".lut"));
+  EXPECT_EQ(Running(state).load(earlier.string(), "", LabelSet::built_in())->color_table(),
+            table_with(label::kPink)->color_table());
+}
+
 TEST(SavedTables, RefuseWhatIsNoneOfThem) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
@@ -74,12 +86,11 @@ TEST(SavedTables, RefuseWhatIsNoneOfThem) {
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   const Running later(state);
   EXPECT_THAT(refusal(later, name), HasSubstr(file.string())) << "damaged";
-  // What is saved anew does not trust the damaged file.
   SavedTables again(state);
-  const std::string anew = again.save(table_with(label::kPink), LabelSet::built_in());
-  EXPECT_NE(anew, name);
-  EXPECT_EQ(SavedTables(state).load(anew, "", LabelSet::built_in())->color_table(),
-            table_with(label::kPink)->color_table());
+  EXPECT_EQ(again.save(table_with(label::kPink), LabelSet::built_in()), name);
+  EXPECT_EQ(SavedTables(state).load(name, "", LabelSet::built_in())->color_table(),
+            table_with(label::kPink)->color_table())
+      << "mended";
 }
 
 TEST(SavedTables, TheOldestThatNobodyUsesGo) {
