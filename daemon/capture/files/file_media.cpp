@@ -50,22 +50,6 @@ AVPixelFormat without_range(AVPixelFormat format) {
 
 }  // namespace
 
-Image PicturePool::take(PixelFormat format, int width, int height, std::uint8_t*& pixels, bool is_deep) {
-  constexpr std::size_t kBuffers = 12;  // a little more than the frames that the daemon keeps of one camera
-  constexpr std::size_t kSpare = 64;    // swscale's vector code may write a little past the end
-  ImageView layout{nullptr, width, height, std::ptrdiff_t{width} * bytes_per_pixel(format), format};
-  const std::ptrdiff_t plane_bytes = layout.stride_bytes * height;
-  if (is_deep) layout.to_low_bits = plane_bytes;
-  const auto bytes = static_cast<std::size_t>(plane_bytes + layout.to_low_bits) + kSpare;
-  if (bytes > bytes_each_) {
-    buffers_.emplace(kBuffers, bytes);
-    bytes_each_ = bytes;
-  }
-  Image image = buffers_->take(layout, pixels);
-  if (image.view().empty()) throw std::runtime_error("all buffers are still in use");
-  return image;
-}
-
 struct MediaReader::Libraries {
   AVFormatContext* container = nullptr;
   AVCodecContext* decoder = nullptr;

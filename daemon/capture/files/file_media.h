@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "capture/buffer_pool.h"
+#include "capture/files/picture_pool.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,19 +10,8 @@
 
 namespace sslv {
 
-/// A BufferPool for pictures whose size is known only once they come.
-class PicturePool {
- public:
-  /// Allocates only when a picture is larger than any before; low bits (`is_deep`) lie right behind it.
-  /// Throws std::runtime_error when all buffers are out.
-  Image take(PixelFormat format, int width, int height, std::uint8_t*& pixels, bool is_deep = false);
-
- private:
-  std::optional<BufferPool> buffers_;
-  std::size_t bytes_each_ = 0;
-};
-
-/// The pictures of one picture or video file as rgb24, decoded by FFmpeg's libraries.
+/// The pictures of one picture or video file, decoded by FFmpeg's libraries, as rgb24. Without them
+/// (file_media_jpeg.cpp) only JPEGs can be read.
 class MediaReader {
  public:
   enum class Result { kPicture, kDamaged, kEnd };

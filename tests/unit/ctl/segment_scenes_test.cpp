@@ -51,15 +51,26 @@ TEST(SegmentScenes, EqualThePlainStagesInEveryFormat) {
   }
 }
 
-TEST(SegmentScenes, EqualThePlainStagesOnARealPhotograph) {
-  const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
-  if (!std::filesystem::exists(photo)) GTEST_SKIP() << "no " << photo.string();
-  const Config config = sample("/tests/golden/ssl_blue6.json");
+/// With the colours of these settings.
+void expect_equal_on_picture(const std::filesystem::path& picture, const char* settings) {
+  const Config config = sample(settings);
   const auto lut = make_lut(config.cameras[0].colors, "");
   const Backend& files = find_backend("files", "");
-  const Json options{{"path", photo.string()}, {"frame_rate_hz", 0}, {"loop", false}};
+  const Json options{{"path", picture.string()}, {"frame_rate_hz", 0}, {"loop", false}};
   const auto source = files.open(files.complete(options, ""), {0, Scene{}});
   expect_equal_on(record(*source, 1), *lut, Mask());
+}
+
+// Blocks and smeared colours, as JPEG has them.
+TEST(SegmentScenes, EqualThePlainStagesOnAJpeg) {
+  expect_equal_on_picture(SSLV_SOURCE_DIR "/tests/golden/division_b.jpg", "/tests/golden/division_b.json");
+}
+
+TEST(SegmentScenes, EqualThePlainStagesOnARealPhotograph) {
+  const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
+  if (!std::filesystem::exists(photo))
+    GTEST_SKIP() << "no " << photo.string() << ": real photos are not part of the project";
+  expect_equal_on_picture(photo, "/tests/golden/ssl_blue6.json");
 }
 
 }  // namespace
