@@ -30,11 +30,14 @@ export function cannotUnshare() {
   }
 }
 
-/** Adds a row to the table: how often, what was lost, how long it took to be well again. */
+/**
+ * Adds a row to the table: how often, how much was counted as lost (frames, or answered saves; null: nothing was there
+ * to be counted), how long it took to be well again.
+ */
 export function report(fault, count, lost, times_ms = []) {
   const sorted = [...times_ms].sort((a, b) => a - b);
   const ms = (value) => (value === undefined ? '' : value < 10 ? value.toFixed(1) : value.toFixed(0));
-  const row = `| ${fault} | ${count} | ${lost} | ${ms(sorted[Math.floor((sorted.length - 1) / 2)])} | ${ms(sorted.at(-1))} |`;
+  const row = `| ${fault} | ${count} | ${lost ?? '–'} | ${ms(sorted[Math.floor((sorted.length - 1) / 2)])} | ${ms(sorted.at(-1))} |`;
   if (process.env.SSLV_FAULT_TABLE) appendFileSync(process.env.SSLV_FAULT_TABLE, `${row}\n`);
   console.log(row);
 }
