@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arguments, signals, exit code; nothing else.
 #include "base/log.h"
+#include "base/memory.h"
 #include "config/backends.h"
 #include "config/config.h"
 #include "config/version.h"
@@ -120,6 +121,7 @@ int run(const Daemon::Options& options) {
     const int signal = sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGINT || signal == SIGTERM) break;
     if (signal == SIGHUP) reload(*daemon);
+    give_memory_back();
     const std::string hanging = daemon->hanging();
     if (hanging.empty()) sd_notify(0, "WATCHDOG=1");
     sd_notifyf(0, "STATUS=%s", (hanging.empty() ? daemon->summary() : hanging).c_str());

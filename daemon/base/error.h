@@ -1,15 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 namespace sslv {
+
+/// At most `max_bytes` of a text for a message, "..." at its end where it was cut; never inside a UTF-8
+/// character.
+inline std::string shortened(std::string_view text, std::size_t max_bytes = 60) {
+  constexpr std::string_view kCut = "...";
+  if (text.size() <= max_bytes) return std::string(text);
+  std::size_t end = max_bytes > kCut.size() ? max_bytes - kCut.size() : 0;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  return std::string(text.substr(0, end)) + std::string(kCut);
+}
 
 /// A setting that cannot be used. The text is one line for the admin: where (file, JSON pointer of the key),
 /// the value, and what is allowed. At start it ends the program with exit code 78 (EX_CONFIG); at run time
 /// the change is refused and the old settings stay in force.
 struct SettingsError : std::runtime_error {
-  using runtime_error::runtime_error;
+  /// However long what it quotes is, the text stays one line that somebody can read.
+  static constexpr std::size_t kMaxBytes = 4000;
+  explicit SettingsError(std::string_view text) : runtime_error(shortened(text, kMaxBytes)) {}
 };
 
 /// What a setting asks for is not to be had now, but may be in a moment: a port that another program holds.

@@ -23,6 +23,14 @@
 
 namespace sslv {
 
+/// How much a setting may hold where its line says nothing else: characters (Unicode code points) of a text,
+/// entries of a list.
+inline constexpr std::size_t kMaxTextLength = 200, kMaxListItems = 256;
+/// Bytes of a file's name with its folders, less the one that ends it: PATH_MAX of Linux.
+inline constexpr std::size_t kMaxPathLength = 4095;
+/// Values, characters of texts and keys, all together, of an object whose keys somebody else declares.
+inline constexpr std::size_t kMaxObjectSize = 100'000;
+
 /// int, double or std::optional of them; the range is closed. An absent optional is JSON null.
 template <class P, class V, class Limit>
 struct NumberField {
@@ -45,6 +53,7 @@ struct TextField {
   std::string_view key;
   std::string P::*member;
   std::string_view help;
+  std::size_t max_length = kMaxTextLength;  // characters
   bool names_file = false;
   bool is_secret = false;
 };
@@ -78,14 +87,16 @@ struct ListField {
   std::string_view key;
   V P::*member;
   std::string_view help;
+  std::size_t max_items = kMaxListItems;
 };
 
-/// A std::vector<std::string>.
+/// A std::vector<std::string>, each at most kMaxTextLength characters.
 template <class P>
 struct NamesField {
   std::string_view key;
   std::vector<std::string> P::*member;
   std::string_view help;
+  std::size_t max_items = kMaxListItems;
 };
 
 /// A std::vector<int>, no number twice.
@@ -107,12 +118,12 @@ struct RangeField {
   std::string_view help;
 };
 
-/// A list of [x, y], at least `min_points` of them.
+/// A list of [x, y], `min_points` to `max_points` of them.
 template <class P>
 struct PointListField {
   std::string_view key;
   std::vector<std::array<double, 2>> P::*member;
-  std::size_t min_points;
+  std::size_t min_points, max_points;
   double min, max;  // of x and y
   std::string_view unit;
   std::string_view help;
@@ -124,6 +135,7 @@ struct ObjectField {
   std::string_view key;
   J P::*member;
   std::string_view help;
+  std::size_t max_size = kMaxObjectSize;
 };
 
 template <class P, class V, class Limit>
@@ -137,18 +149,19 @@ constexpr auto flag(std::string_view key, bool P::*member, std::string_view help
 }
 /// Plain text (plain_text.h): anything else is refused.
 template <class P>
-constexpr auto text(std::string_view key, std::string P::*member, std::string_view help) {
-  return TextField<P>{key, member, help};
+constexpr auto text(std::string_view key, std::string P::*member, std::string_view help,
+                    std::size_t max_length = kMaxTextLength) {
+  return TextField<P>{key, member, help, max_length};
 }
-/// A password: any text. What is refused is not shown.
+/// A password: any text; who checks passwords limits it. What is refused is not shown.
 template <class P>
 constexpr auto secret(std::string_view key, std::string P::*member, std::string_view help) {
-  return TextField<P>{key, member, help, false, true};
+  return TextField<P>{key, member, help, kMaxTextLength, false, true};
 }
 /// The name of a file or folder on the daemon's computer: which ones the panel may set is limited.
 template <class P>
 constexpr auto file(std::string_view key, std::string P::*member, std::string_view help) {
-  return TextField<P>{key, member, help, true};
+  return TextField<P>{key, member, help, kMaxPathLength, true};
 }
 template <class P, class V, class E, std::size_t N>
 constexpr auto choice(std::string_view key, V P::*member, const std::array<Choice<E>, N>& choices,
@@ -160,12 +173,14 @@ constexpr auto group(std::string_view key, S P::*member, std::string_view help) 
   return GroupField<P, S>{key, member, help};
 }
 template <class P, class V>
-constexpr auto list(std::string_view key, V P::*member, std::string_view help) {
-  return ListField<P, V>{key, member, help};
+constexpr auto list(std::string_view key, V P::*member, std::string_view help,
+                    std::size_t max_items = kMaxListItems) {
+  return ListField<P, V>{key, member, help, max_items};
 }
 template <class P>
-constexpr auto names(std::string_view key, std::vector<std::string> P::*member, std::string_view help) {
-  return NamesField<P>{key, member, help};
+constexpr auto names(std::string_view key, std::vector<std::string> P::*member, std::string_view help,
+                     std::size_t max_items = kMaxListItems) {
+  return NamesField<P>{key, member, help, max_items};
 }
 template <class P>
 constexpr auto numbers(std::string_view key, std::vector<int> P::*member, int min, int max,
@@ -179,13 +194,14 @@ constexpr auto range(std::string_view key, std::array<int, 2> P::*member, int mi
 }
 template <class P>
 constexpr auto point_list(std::string_view key, std::vector<std::array<double, 2>> P::*member,
-                          std::size_t min_points, double min, double max, std::string_view unit,
-                          std::string_view help) {
-  return PointListField<P>{key, member, min_points, min, max, unit, help};
+                          std::size_t min_points, std::size_t max_points, double min, double max,
+                          std::string_view unit, std::string_view help) {
+  return PointListField<P>{key, member, min_points, max_points, min, max, unit, help};
 }
 template <class P, class J>
-constexpr auto object(std::string_view key, J P::*member, std::string_view help) {
-  return ObjectField<P, J>{key, member, help};
+constexpr auto object(std::string_view key, J P::*member, std::string_view help,
+                      std::size_t max_size = kMaxObjectSize) {
+  return ObjectField<P, J>{key, member, help, max_size};
 }
 
 }  // namespace sslv

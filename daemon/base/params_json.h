@@ -9,6 +9,7 @@
 #include "base/params.h"
 #include "base/plain_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -30,14 +31,32 @@ struct IsOptional<std::optional<T>> : std::true_type {
 };
 
 [[noreturn]] inline void refuse(const std::string& path, const Json& value, const std::string& allowed) {
-  constexpr std::size_t kLongest = 60;
-  std::string shown = escaped_text(value.dump(-1, ' ', false, Json::error_handler_t::replace));
-  if (shown.size() > kLongest) {
-    std::size_t cut = kLongest - 3;
-    while ((shown[cut] & 0xC0) == 0x80) --cut;  // never inside a UTF-8 character
-    shown = shown.substr(0, cut) + "...";
-  }
+  const std::string shown =
+      shortened(escaped_text(value.dump(-1, ' ', false, Json::error_handler_t::replace)));
   throw SettingsError(path + ": " + shown + " is not allowed; expected " + allowed);
+}
+
+/// For a list that has more entries than it may.
+inline void check_count(const std::string& path, const Json& list, std::size_t max_items) {
+  if (list.size() <= max_items) return;
+  throw SettingsError(path + ": " + std::to_string(list.size()) +
+                      " entries are not allowed; expected at most " + std::to_string(max_items));
+}
+
+/// Characters (Unicode code points), as JSON Schema counts them.
+inline std::size_t length_of(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+inline std::string read_text(const Json& json, const std::string& path, std::size_t max_length,
+                             std::string_view what) {
+  if (!json.is_string()) refuse(path, json, std::string(what));
+  const auto& text = json.get_ref<const std::string&>();
+  if (length_of(text) > max_length)
+    refuse(path, json, std::string(what) + " of at most " + std::to_string(max_length) + " characters");
+  check_plain_text(text, path);
+  return text;
 }
 
 inline std::string with_unit(std::string text, std::string_view unit) {
@@ -85,9 +104,12 @@ void read_field(P& params, const FlagField<P>& field, const Json& json, const st
 
 template <class P>
 void read_field(P& params, const TextField<P>& field, const Json& json, const std::string& path) {
-  if (!json.is_string()) refuse(path, field.is_secret ? Json("(hidden)") : json, "a text");
-  if (!field.is_secret) check_plain_text(json.get_ref<const std::string&>(), path);
-  params.*field.member = json.get<std::string>();
+  if (field.is_secret) {
+    if (!json.is_string()) refuse(path, "(hidden)", "a text");
+    params.*field.member = json.get<std::string>();
+    return;
+  }
+  params.*field.member = read_text(json, path, field.max_length, "a text");
 }
 
 template <class P, class V, class E, std::size_t N>
@@ -134,6 +156,7 @@ void read_field(P& params, const ListField<P, V>& field, const Json& json, const
     }
   }
   if (!json.is_array()) refuse(path, json, IsOptional<V>::value ? "a list or null" : "a list");
+  check_count(path, json, field.max_items);
   typename IsOptional<V>::Value values;
   for (std::size_t i = 0; i < json.size(); ++i) {
     read_params(values.emplace_back(), json[i], path + "/" + std::to_string(i));
@@ -144,12 +167,10 @@ void read_field(P& params, const ListField<P, V>& field, const Json& json, const
 template <class P>
 void read_field(P& params, const NamesField<P>& field, const Json& json, const std::string& path) {
   if (!json.is_array()) refuse(path, json, "a list of names");
+  check_count(path, json, field.max_items);
   std::vector<std::string> values;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    if (!json[i].is_string()) refuse(path + "/" + std::to_string(i), json[i], "a name");
-    check_plain_text(json[i].get_ref<const std::string&>(), path + "/" + std::to_string(i));
-    values.push_back(json[i].get<std::string>());
-  }
+  for (std::size_t i = 0; i < json.size(); ++i)
+    values.push_back(read_text(json[i], path + "/" + std::to_string(i), kMaxTextLength, "a name"));
   params.*field.member = std::move(values);
 }
 
@@ -182,6 +203,7 @@ template <class P>
 void read_field(P& params, const PointListField<P>& field, const Json& json, const std::string& path) {
   if (!json.is_array() || json.size() < field.min_points)
     refuse(path, json, "a list of at least " + std::to_string(field.min_points) + " points [x, y]");
+  check_count(path, json, field.max_points);
   std::vector<std::array<double, 2>> values;
   for (std::size_t i = 0; i < json.size(); ++i) {
     const std::string point_path = path + "/" + std::to_string(i);
@@ -198,6 +220,10 @@ void read_field(P& params, const PointListField<P>& field, const Json& json, con
 template <class P, class J>
 void read_field(P& params, const ObjectField<P, J>& field, const Json& json, const std::string& path) {
   if (!json.is_object()) refuse(path, json, "an object");
+  if (extent_of(json, field.max_size).size > field.max_size) {
+    throw SettingsError(path + ": the object is too large; expected at most " +
+                        std::to_string(field.max_size) + " values and bytes of text in it");
+  }
   params.*field.member = json;
 }
 
@@ -207,8 +233,8 @@ template <class P>
 void read_params(P& params, const Json& json, const std::string& path) {
   if (!json.is_object()) refuse(path.empty() ? "/" : path, json, "an object");
   for (const auto& item : json.items()) {
-    const std::string item_path = path + "/" + item.key();
     if (item.key() == kCommentKey) continue;
+    const std::string item_path = path + "/" + shortened(escaped_text(item.key()));
     bool found = false;
     std::string known;
     const auto try_field = [&](const auto& field) {
@@ -338,7 +364,7 @@ Json field_schema(const FlagField<P>&) {
 }
 template <class P>
 Json field_schema(const TextField<P>& field) {
-  Json out{{"type", "string"}};
+  Json out{{"type", "string"}, {"maxLength", field.max_length}};
   if (field.names_file) out["format"] = "file";
   return out;
 }
@@ -364,20 +390,24 @@ Json field_schema(const GroupField<P, S>&) {
   }
 }
 template <class P, class V>
-Json field_schema(const ListField<P, V>&) {
-  Json out{{"type", "array"}, {"items", params_schema<typename IsOptional<V>::Value::value_type>()}};
+Json field_schema(const ListField<P, V>& field) {
+  Json out{{"type", "array"},
+           {"items", params_schema<typename IsOptional<V>::Value::value_type>()},
+           {"maxItems", field.max_items}};
   if constexpr (IsOptional<V>::value) out["type"] = Json::array({"array", "null"});
   return out;
 }
 template <class P>
-Json field_schema(const NamesField<P>&) {
-  return {{"type", "array"}, {"items", {{"type", "string"}}}};
+Json field_schema(const NamesField<P>& field) {
+  const Json name{{"type", "string"}, {"maxLength", kMaxTextLength}};
+  return {{"type", "array"}, {"items", name}, {"maxItems", field.max_items}};
 }
 template <class P>
 Json field_schema(const NumbersField<P>& field) {
   return {{"type", "array"},
           {"items", {{"type", "integer"}, {"minimum", field.min}, {"maximum", field.max}}},
-          {"uniqueItems", true}};
+          {"uniqueItems", true},
+          {"maxItems", field.max - field.min + 1}};
 }
 template <class P>
 Json field_schema(const RangeField<P>& field) {
@@ -392,7 +422,10 @@ template <class P>
 Json field_schema(const PointListField<P>& field) {
   const Json coordinate{{"type", "number"}, {"minimum", field.min}, {"maximum", field.max}};
   Json point{{"type", "array"}, {"items", coordinate}, {"minItems", 2}, {"maxItems", 2}};
-  Json out{{"type", "array"}, {"items", std::move(point)}, {"minItems", field.min_points}};
+  Json out{{"type", "array"},
+           {"items", std::move(point)},
+           {"minItems", field.min_points},
+           {"maxItems", field.max_points}};
   if (!field.unit.empty()) out["x-unit"] = field.unit;
   return out;
 }

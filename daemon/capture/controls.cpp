@@ -106,8 +106,9 @@ Json control_json(const Control& control) {
 
 void check_control_value(const Control& control, const Json& value) {
   if (takes(control, value)) return;
-  throw SettingsError(
-      fmt::format("{}: {} is not allowed; expected {}", control.name, value.dump(), expected(control)));
+  throw SettingsError(fmt::format("{}: {} is not allowed; expected {}", control.name,
+                                  shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace)),
+                                  expected(control)));
 }
 
 ControlEffect Controls::set(const std::string& name, const Json& value) {

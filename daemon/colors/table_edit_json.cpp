@@ -69,7 +69,7 @@ class Keys {
       if (std::find(known_.begin(), known_.end(), item.key()) != known_.end()) continue;
       std::string names;
       for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
-      throw SettingsError(fmt::format("{}: no such parameter; known: {}", at(item.key()), names));
+      throw SettingsError(fmt::format("{}: no such parameter; known: {}", at(shortened(item.key())), names));
     }
   }
 

@@ -80,9 +80,9 @@ const Backend& find_backend(std::span<const Backend> backends, std::span<const M
     throw SettingsError(
         fmt::format("{}: capture backend \"{}\" is not in this program; to build it in, install {} and build "
                     "again; known: {}",
-                    path, name, backend.package, known));
+                    path, shortened(name), backend.package, known));
   }
-  throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, name, known));
+  throw SettingsError(fmt::format("{}: no capture backend \"{}\"; known: {}", path, shortened(name), known));
 }
 
 Json complete_source(const Json& source, const std::string& path) {

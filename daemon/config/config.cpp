@@ -2,6 +2,7 @@
 #include "config/config.h"
 
 #include "base/params_json.h"
+#include "capture/simulator/simulator_options.h"
 #include "config/backends.h"
 #include "pipeline/pipeline.h"
 #include "vision/field_view.h"
@@ -11,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -19,6 +21,24 @@ namespace {
 
 std::string camera_path(std::size_t i) {
   return fmt::format("/cameras/{}", i);
+}
+
+/// Throws SettingsError where simulated cameras would have more pixels together than a computer has room for.
+/// Tiles of one big camera share it.
+void check_simulated(const std::vector<CameraSettings>& cameras) {
+  std::set<std::string> counted;
+  std::int64_t pixels = 0;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Json& source = cameras[i].source;
+    const bool is_tile = source.at("backend") == "tile";
+    const Json& whole = is_tile ? source.at("of") : source;
+    if (whole.at("backend") != "simulator" || (is_tile && !counted.insert(whole.dump()).second)) continue;
+    pixels += whole.at("width").get<std::int64_t>() * whole.at("height").get<std::int64_t>();
+    if (pixels <= SimulatorOptions::kMaxPixelsOfAll) continue;
+    throw SettingsError(
+        fmt::format("{}/source: simulated cameras of {} pixels together are not allowed; expected at most {}",
+                    camera_path(i), pixels, SimulatorOptions::kMaxPixelsOfAll));
+  }
 }
 
 }  // namespace
@@ -39,12 +59,14 @@ Config read_config(const Json& settings) {
                                       camera.id, camera_path(first->second)));
     }
     camera.source = complete_source(camera.source, path + "/source");
+    check_mask(camera.mask, path + "/mask");
     if (camera.calibration) CameraModel(*camera.calibration, path + "/calibration");
     check_stack(stage_table(), camera.stack, path + "/stack");
     StageSettings stages = read_stages(stage_table(), camera.stages, path + "/stages");
     camera.stages = std::move(stages.complete);
     camera.stage_params = std::move(stages.params);
   }
+  check_simulated(config.cameras);
   return config;
 }
 

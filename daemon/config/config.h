@@ -74,9 +74,9 @@ struct PanelSettings {
              "address the panel listens on; 0.0.0.0: all; empty: all once an admin's password is set, this "
              "computer's own (127.0.0.1) before"),
         number("port", &PanelSettings::port, 0, 65535, "", "port of the panel; 0: any free one"),
-        sslv::names(
-            "names", &PanelSettings::names,
-            "names by which browsers reach the panel, besides this computer's own name and addresses"),
+        sslv::names("names", &PanelSettings::names,
+                    "names by which browsers reach the panel, besides this computer's own name and addresses",
+                    32),
         flag(
             "match_lock", &PanelSettings::match_lock,
             "while a match runs, as the game controller says, nothing is changed before an admin unlocks it"),
@@ -108,7 +108,7 @@ struct CameraSettings {
         group("colors", &C::colors, "the colour lookup table"),
         group("follow_light", &C::follow_light, "whether the table follows the light, and how far"),
         group("mask", &C::mask, "which part of the picture is looked at"),
-        names("stack", &C::stack, "the stages a picture passes, in order"),
+        names("stack", &C::stack, "the stages a picture passes, in order", 64),
         object("stages", &C::stages, "parameters of the stages"),
         group("thread", &C::thread, "priority and processor of the camera's thread"),
     };
@@ -133,10 +133,11 @@ struct Config {
         group("teams", &Config::teams, "names and heights of the teams"),
         file("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
         list("own_labels", &Config::own_labels,
-             "labels of colour tables besides the built-in ones, for patterns of your own"),
+             "labels of colour tables besides the built-in ones, for patterns of your own",
+             label::kMost - label::kCount),
         group("network", &Config::network, "what is sent where"),
         group("panel", &Config::panel, "where the web panel listens"),
-        list("cameras", &Config::cameras, "the cameras of this daemon"),
+        list("cameras", &Config::cameras, "the cameras of this daemon", 32),
     };
   }
 };

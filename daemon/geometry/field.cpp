@@ -47,14 +47,11 @@ std::vector<Shape> with_thickness(std::vector<Shape> shapes, const FieldSize& fi
 template <class Shape>
 void check_names(const std::vector<Shape>& shapes, const std::string& path,
                  std::map<std::string, std::string>& path_of_name) {
-  // As many as this, with names as long as this, still leave room for the cameras in one datagram.
-  constexpr std::size_t kMost = 200, kLongestName = 60;
-  if (shapes.size() > kMost) refuse(path, Json(shapes.size()), "at most " + std::to_string(kMost));
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const std::string& name = shapes[i].name;
     const std::string here = path + "/" + std::to_string(i);
-    if (name.empty() || name.size() > kLongestName) {
-      refuse(here + "/name", name, "a name of at most " + std::to_string(kLongestName) + " bytes");
+    if (name.empty() || name.size() > kMaxShapeName) {
+      refuse(here + "/name", name, "a name of at most " + std::to_string(kMaxShapeName) + " bytes");
     }
     const auto [first, is_new] = path_of_name.emplace(name, here);
     if (!is_new) refuse(here + "/name", name, "a name that " + first->second + " does not have");

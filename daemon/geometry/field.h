@@ -12,6 +12,9 @@
 
 namespace sslv {
 
+/// Lines, arcs, and bytes of the name of each: so many still leave room for the cameras in one datagram.
+inline constexpr std::size_t kMaxShapes = 200, kMaxShapeName = 60;
+
 /// A painted line; the coordinates are those of its centre, in field millimetres.
 struct FieldLine {
   std::string name;  // the protocol's, such as "TopTouchLine", or one's own
@@ -21,7 +24,7 @@ struct FieldLine {
   static constexpr auto fields() {
     constexpr double kFar = 100'000;
     return std::tuple{
-        text("name", &FieldLine::name, "as in SSL_FieldShapeType where it is one of those"),
+        text("name", &FieldLine::name, "as in SSL_FieldShapeType where it is one of those", kMaxShapeName),
         number("x1", &FieldLine::x1, -kFar, kFar, "mm", "one end, in the middle of the paint"),
         number("y1", &FieldLine::y1, -kFar, kFar, "mm", "one end"),
         number("x2", &FieldLine::x2, -kFar, kFar, "mm", "the other end"),
@@ -40,7 +43,7 @@ struct FieldArc {
   static constexpr auto fields() {
     constexpr double kFar = 100'000, kTwoTurns = 4 * std::numbers::pi;
     return std::tuple{
-        text("name", &FieldArc::name, "as in SSL_FieldShapeType where it is one of those"),
+        text("name", &FieldArc::name, "as in SSL_FieldShapeType where it is one of those", kMaxShapeName),
         number("x", &FieldArc::x, -kFar, kFar, "mm", "centre"),
         number("y", &FieldArc::y, -kFar, kFar, "mm", "centre"),
         number("radius", &FieldArc::radius, 0.0, kFar, "mm", "to the middle of the paint"),
@@ -94,9 +97,9 @@ struct FieldSize {
         number("ball_radius", &FieldSize::ball_radius, 5.0, 200.0, "mm", "radius of the ball"),
         number("max_robot_radius", &FieldSize::max_robot_radius, 20.0, 1000.0, "mm", "largest robot"),
         list("field_lines", &FieldSize::field_lines,
-             "the painted lines, instead of those that the sizes give; null: those"),
+             "the painted lines, instead of those that the sizes give; null: those", kMaxShapes),
         list("field_arcs", &FieldSize::field_arcs,
-             "the painted arcs, instead of those that the sizes give; null: those"),
+             "the painted arcs, instead of those that the sizes give; null: those", kMaxShapes),
     };
   }
 };

@@ -24,7 +24,7 @@ const StageType& find_stage(std::span<const StageType> table, const std::string&
   if (found != table.end()) return *found;
   std::string known;
   for (const StageType& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
-  throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, name, known));
+  throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, shortened(name), known));
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
 StageSettings read_stages(std::span<const StageType> table, const Json& stages, const std::string& path) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");
   for (const auto& item : stages.items()) {
-    if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + item.key());
+    if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + shortened(item.key()));
   }
   StageSettings out{Json::object(), {}};
   for (const StageType& type : table) {

@@ -4,41 +4,15 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <charconv>
 #include <string>
-#include <utility>
-#include <vector>
+#include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
 namespace sslv {
 namespace {
-
-struct Extent {
-  std::size_t size = 0, depth = 0;
-};
-
-/// Of a value and all in it; stops soon after `most` of size. Needs no stack: values may be nested deeply.
-Extent extent_of(const Json& value, std::size_t most) {
-  Extent out;
-  std::vector<std::pair<const Json*, std::size_t>> left{{&value, 1}};
-  while (!left.empty() && out.size <= most) {
-    const auto [at, depth] = left.back();
-    left.pop_back();
-    out.depth = std::max(out.depth, depth);
-    ++out.size;
-    if (at->is_string()) {
-      out.size += at->get_ref<const std::string&>().size();
-    } else if (at->is_array()) {
-      for (const Json& one : *at) left.emplace_back(&one, depth + 1);
-    } else if (at->is_object()) {
-      for (const auto& [key, one] : at->items()) {
-        out.size += key.size();
-        left.emplace_back(&one, depth + 1);
-      }
-    }
-  }
-  return out;
-}
 
 std::size_t depth_of(const std::string& path) {
   return static_cast<std::size_t>(std::count(path.begin(), path.end(), '/'));
@@ -51,13 +25,47 @@ std::string text_of(const Json& operation, const char* key) {
                                                                                  : std::string();
 }
 
-/// Elements beside a value that is added or taken away, which may have to move.
-std::size_t elements_beside(const Json& document, const std::string& path) {
-  if (path.empty()) return 0;
-  const Json::json_pointer parent = Json::json_pointer(path).parent_pointer();
-  if (!document.contains(parent)) return 0;
-  const Json& beside = document.at(parent);
-  return beside.is_array() ? beside.size() : 0;
+/// What one part of a path leads to; null when there is no such thing.
+const Json* child(const Json& parent, std::string_view token) {
+  if (parent.is_array()) {
+    std::size_t i = 0;
+    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), i);
+    const bool is_there = error == std::errc() && end == token.data() + token.size() && i < parent.size();
+    return is_there ? &parent[i] : nullptr;
+  }
+  if (!parent.is_object()) return nullptr;
+  std::string key;
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    const bool is_escaped = token[i] == '~' && i + 1 < token.size();
+    key += is_escaped ? (token[++i] == '1' ? '/' : '~') : token[i];
+  }
+  const auto found = parent.find(key);
+  return found == parent.end() ? nullptr : &*found;
+}
+
+/// Whether a place would be in a number, a text or the like: the library asserts that it is not, or does
+/// nothing.
+bool is_in_primitive(const Json& document, std::string_view path) {
+  for (const Json* at = &document; at != nullptr && path.starts_with('/');) {
+    if (at->is_primitive()) return !at->is_null();  // what is added to null makes it an object
+    const std::string_view token = path.substr(1, path.find('/', 1) - 1);
+    path.remove_prefix(1 + token.size());
+    at = child(*at, token);
+  }
+  return false;
+}
+
+/// Keys that may be looked through on the way to a place, as objects keep the order of theirs, and elements
+/// beside it, which may have to move.
+std::size_t work_on_the_way(const Json& document, std::string_view path) {
+  std::size_t work = 0;
+  for (const Json* at = &document; at != nullptr && at->is_structured() && path.starts_with('/');) {
+    work += at->size();
+    const std::string_view token = path.substr(1, path.find('/', 1) - 1);
+    path.remove_prefix(1 + token.size());
+    at = child(*at, token);
+  }
+  return work;
 }
 
 }  // namespace
@@ -74,14 +82,16 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
       const std::string op = text_of(operation, "op"), path = text_of(operation, "path"),
                         from = text_of(operation, "from");
       const Json* value = nullptr;  // that is read or moved
-      if (op == "copy" || op == "move") {
+      const bool value_is_elsewhere = op == "copy" || op == "move";
+      if (value_is_elsewhere) {
         const Json::json_pointer place(from);
         if (document.contains(place)) value = &document.at(place);
       } else if (operation.is_object() && operation.contains("value")) {
         value = &operation.at("value");
       }
-      const Extent extent = value != nullptr ? extent_of(*value, limits.size) : Extent{};
-      work += extent.size + elements_beside(document, path) + elements_beside(document, from);
+      const JsonExtent extent = value != nullptr ? extent_of(*value, limits.size) : JsonExtent{};
+      work += 1 + extent.size + work_on_the_way(document, path) +
+              (value_is_elsewhere ? work_on_the_way(document, from) : 0);
       if (op != "test" && op != "remove") {
         if (depth_of(path) + extent.depth > limits.depth) refuse("values nested deeper", limits.depth);
         // What is replaced or moved away is not taken off until the sum is too much.
@@ -93,10 +103,15 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
         }
       }
       if (work > limits.work) refuse("more to do", limits.work);
+      if (op != "test" && op != "replace" && is_in_primitive(document, path)) {
+        throw SettingsError(fmt::format(
+            "not a JSON Patch that fits the settings: {} is not in a list or an object", shortened(path)));
+      }
       document.patch_inplace(Json::array({operation}));
     }
   } catch (const Json::exception& error) {
-    throw SettingsError(fmt::format("not a JSON Patch that fits the settings: {}", error.what()));
+    throw SettingsError(
+        fmt::format("not a JSON Patch that fits the settings: {}", shortened(error.what(), 300)));
   }
   return document;
 }

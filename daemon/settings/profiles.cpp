@@ -29,7 +29,8 @@ void check_name(const std::string& name) {
   throw SettingsError(fmt::format(
       "name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
       "the beginning or a space at either end",
-      escaped_text(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)), Profiles::kLongestName));
+      shortened(escaped_text(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace))),
+      Profiles::kLongestName));
 }
 
 auto place_of(std::vector<Profile>& profiles, const std::string& name) {

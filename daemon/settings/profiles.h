@@ -18,6 +18,8 @@ class StateFolder;
 
 /// Settings that were put by under a name.
 struct Profile {
+  static constexpr std::size_t kMaxSize = 4'000'000;  // as PatchLimits has it
+
   std::string name;
   double time_s = 0;  // Unix time when it was saved
   std::string who;    // the client's address
@@ -28,7 +30,7 @@ struct Profile {
     return std::tuple{text("name", &Profile::name, "what it is called"),
                       number("time", &Profile::time_s, 0.0, 1e12, "s", "Unix time"),
                       text("who", &Profile::who, "the client's address"),
-                      object("settings", &Profile::settings, "all of them"),
+                      object("settings", &Profile::settings, "all of them", kMaxSize),
                       number("version", &Profile::version, 1, 1000000, "", "of the settings")};
   }
 };

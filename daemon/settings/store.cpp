@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "settings/bounded_patch.h"
 
 #include <functional>
@@ -124,8 +125,15 @@ Json SettingsStore::history() const {
 
 SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
                                             const Prepare& prepare) {
+  // A patch may have much to do; nobody waits for that unless another edit comes in between.
+  const Version before = current();
+  std::optional<Json> patched;
+  if (!edit.if_revision || *edit.if_revision == before.revision)
+    patched = apply_patch(before.settings, patch);
   const std::lock_guard lock(edits_);
-  return apply(patch, edit, prepare);
+  check_revision(edit);
+  if (version_.revision != before.revision || !patched) patched = apply_patch(version_.settings, patch);
+  return apply(std::move(*patched), edit, prepare);
 }
 
 Json SettingsStore::check(const Json& patch,
@@ -157,17 +165,20 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
   }
   SettingsEdit named = edit;
   named.what = fmt::format("undo of revision {}", revision);
-  return apply(backward_patch(changes), named, prepare);
+  check_revision(named);
+  return apply(apply_patch(version_.settings, backward_patch(changes)), named, prepare);
 }
 
-SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdit& edit,
-                                            const Prepare& prepare) {
+void SettingsStore::check_revision(const SettingsEdit& edit) const {
   if (edit.if_revision && *edit.if_revision != version_.revision) {
     throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}",
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
-  const CheckedSettings result = checked(apply_patch(version_.settings, patch));
+}
+
+SettingsStore::Version SettingsStore::apply(Json tree, const SettingsEdit& edit, const Prepare& prepare) {
+  const CheckedSettings result = checked(std::move(tree));
   Version next{version_.revision + 1, result.tree, result.config};
   Commit commit = prepare(result);
 
@@ -186,6 +197,7 @@ SettingsStore::Version SettingsStore::apply(const Json& patch, const SettingsEdi
 }
 
 void SettingsStore::take(Version version, SettingsHistory history) noexcept {
+  memory_was_used();  // by trees, patches, pipelines and masks, old and new
   const std::lock_guard lock(mutex_);
   std::swap(version_, version);
   revision_ = version_.revision;

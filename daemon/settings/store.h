@@ -106,7 +106,9 @@ class SettingsStore {
   CheckedSettings read_admin_file(Json* as_written = nullptr) const;
   std::optional<Version> load_changes(const std::filesystem::path& file, const Json& admin_as_written);
   Version reload_now(const Prepare& prepare);
-  Version apply(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
+  /// Throws StaleRevision.
+  void check_revision(const SettingsEdit& edit) const;
+  Version apply(Json tree, const SettingsEdit& edit, const Prepare& prepare);
   void take(Version version, SettingsHistory history) noexcept;
   /// As changes of this admin's tree.
   void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);

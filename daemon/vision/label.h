@@ -53,8 +53,8 @@ struct OwnLabel {
     return std::tuple{
         number("value", &OwnLabel::value, static_cast<int>(label::kCount), static_cast<int>(label::kMost) - 1,
                "", "its number in tables and files"),
-        text("name", &OwnLabel::name, "printable, up to 32 bytes, no other label's"),
-        text("color", &OwnLabel::color, "what people see for it: #rrggbb"),
+        text("name", &OwnLabel::name, "printable, up to 32 bytes, no other label's", 32),
+        text("color", &OwnLabel::color, "what people see for it: #rrggbb", 7),
     };
   }
 };

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/mask.h"
 
+#include "base/error.h"
 #include "vision/field_view.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -83,6 +86,16 @@ void limit_to(const FieldView& view, int row_px, int cell_px, std::size_t first,
 }
 
 }  // namespace
+
+void check_mask(const MaskSettings& mask, const std::string& path) {
+  std::size_t points = 0;
+  for (const auto* polygons : {&mask.include, &mask.exclude}) {
+    for (const MaskPolygon& polygon : *polygons) points += polygon.points.size();
+  }
+  if (points <= MaskSettings::kMaxPoints) return;
+  throw SettingsError(fmt::format("{}: {} points in all polygons are not allowed; expected at most {}", path,
+                                  points, MaskSettings::kMaxPoints));
+}
 
 Mask::Mask(const MaskSettings& settings) {
   add_rows(settings, nullptr);

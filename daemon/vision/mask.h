@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace sslv {
@@ -16,14 +17,19 @@ namespace sslv {
 /// A closed polygon in pixels of the picture; pixel centres are at whole numbers. It may cross itself: inside
 /// is decided by the even-odd rule.
 struct MaskPolygon {
+  static constexpr std::size_t kMaxPoints = 200;
   std::vector<std::array<double, 2>> points;
   static constexpr auto fields() {
-    return std::tuple{point_list("points", &MaskPolygon::points, 3, -16384, 32768, "px", "corners in order")};
+    return std::tuple{
+        point_list("points", &MaskPolygon::points, 3, kMaxPoints, -16384, 32768, "px", "corners in order")};
   }
 };
 
 /// Which part of the picture is looked at.
 struct MaskSettings {
+  /// Of include and of exclude each; points of all of them together. The rows that a mask comes to take
+  /// memory with every point.
+  static constexpr std::size_t kMaxPolygons = 32, kMaxPoints = 1000;
   std::vector<MaskPolygon> include, exclude;
   std::optional<double> beyond_boundary = 0;
   static constexpr auto fields() {
@@ -33,11 +39,15 @@ struct MaskSettings {
                "the "
                "picture"),
         list("include", &MaskSettings::include,
-             "only what lies in one of these polygons is looked at; none: everything"),
-        list("exclude", &MaskSettings::exclude, "what lies in one of these polygons is not looked at"),
+             "only what lies in one of these polygons is looked at; none: everything", kMaxPolygons),
+        list("exclude", &MaskSettings::exclude, "what lies in one of these polygons is not looked at",
+             kMaxPolygons),
     };
   }
 };
+
+/// Throws SettingsError, beginning with `path`, for polygons with too many points together.
+void check_mask(const MaskSettings& mask, const std::string& path);
 
 struct FieldView;
 

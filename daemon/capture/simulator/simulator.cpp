@@ -119,6 +119,10 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
     throw SettingsError(fmt::format("{}: width {} and height {} are not allowed; expected even ones for {}",
                                     path, options.width, options.height, name_of(options.pixel_format)));
   }
+  if (std::int64_t{options.width} * options.height > SimulatorOptions::kMaxPixels) {
+    throw SettingsError(fmt::format("{}: width {} and height {} are not allowed; expected at most {} pixels",
+                                    path, options.width, options.height, SimulatorOptions::kMaxPixels));
+  }
   if (options.bits > 8 && bytes_per_pixel(options.pixel_format) != 1) {
     throw SettingsError(
         fmt::format("{}/bits: {} is not allowed with {}; expected 8, or a Bayer or mono format", path,

@@ -22,6 +22,10 @@ inline constexpr std::array<Choice<SimulatorPlacement>, 2> kSimulatorPlacementCh
 
 /// The simulator's lines in a camera's "source".
 struct SimulatorOptions {
+  /// Of a picture, and of those of all simulated cameras together: each camera keeps about a dozen of its
+  /// own.
+  static constexpr std::int64_t kMaxPixels = 25'000'000, kMaxPixelsOfAll = 100'000'000;
+  static constexpr std::size_t kMaxSwingPoints = 1000;
   int width = 780, height = 580;
   PixelFormat pixel_format = PixelFormat::kUyvy;
   int bits = 8;
@@ -97,10 +101,10 @@ struct SimulatorOptions {
             "the middle one at the picture's time"),
         number("red_gain", &O::red_gain, 0.2, 4.0, "", "cast of the light"),
         number("blue_gain", &O::blue_gain, 0.2, 4.0, "", "cast of the light"),
-        point_list("light_swing", &O::light_swing, 0, 0.0, 3600.0, "",
+        point_list("light_swing", &O::light_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",
                    "light that changes: [seconds, factor on the brightness], by rising time, straight from "
-                   "one to the next; after the last it begins anew. Empty: it stays"),
-        point_list("cast_swing", &O::cast_swing, 0, 0.0, 3600.0, "",
+                   "one to the next; after the last it starts again. Empty: it stays"),
+        point_list("cast_swing", &O::cast_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",
                    "the same for its colour: [seconds, factor on red], by which blue is divided"),
         group("hall", &O::hall, "carpet, lamps, prints and surroundings as halls have them"),
     };

@@ -240,6 +240,85 @@ TEST(Params, LongValuesAreCutBetweenCharacters) {
   }
 }
 
+struct Bounded {
+  std::string name, file_name;
+  std::vector<Point> points;
+  std::vector<std::string> stages;
+  std::vector<int> ids;
+  std::vector<std::array<double, 2>> corners;
+  Json rest = Json::object();
+  static constexpr auto fields() {
+    using B = Bounded;
+    return std::tuple{
+        text("name", &B::name, "", 5),      sslv::file("file_name", &B::file_name, ""),
+        list("points", &B::points, "", 2),  names("stages", &B::stages, "", 2),
+        numbers("ids", &B::ids, 1, 16, ""), point_list("corners", &B::corners, 0, 3, 0, 9, "px", ""),
+        object("rest", &B::rest, "", 20)};
+  }
+};
+
+std::string bounded_error_of(const Json& json) {
+  try {
+    params_from_json<Bounded>(json, "");
+  } catch (const SettingsError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Params, EverythingHasAnEnd) {
+  EXPECT_EQ(bounded_error_of({{"name", "größe"},
+                              {"file_name", std::string(4095, 'f')},
+                              {"points", {Json::object(), Json::object()}},
+                              {"stages", {std::string(200, 's'), "b"}},
+                              {"corners", {{1, 2}, {3, 4}, {5, 6}}},
+                              {"rest", {{"key", std::string(15, 'v')}}}}),
+            "no error");
+  EXPECT_EQ(bounded_error_of({{"name", "größer"}}),
+            "/name: \"größer\" is not allowed; expected a text of at most 5 characters");
+  EXPECT_EQ(
+      bounded_error_of({{"name", std::string(900'000, 'n')}}),
+      "/name: \"" + std::string(56, 'n') + "... is not allowed; expected a text of at most 5 characters");
+  EXPECT_THAT(bounded_error_of({{"file_name", std::string(4096, 'f')}}),
+              testing::EndsWith("fff... is not allowed; expected a text of at most 4095 characters"));
+  EXPECT_EQ(bounded_error_of({{"points", Json(std::vector<Json>(20'000, Json::object()))}}),
+            "/points: 20000 entries are not allowed; expected at most 2");
+  EXPECT_EQ(bounded_error_of({{"stages", {"a", "b", "c"}}}),
+            "/stages: 3 entries are not allowed; expected at most 2");
+  EXPECT_THAT(bounded_error_of({{"stages", {std::string(201, 's')}}}),
+              testing::EndsWith("sss... is not allowed; expected a name of at most 200 characters"));
+  EXPECT_EQ(bounded_error_of({{"corners", Json(std::vector<Json>(60'000, {1, 2}))}}),
+            "/corners: 60000 entries are not allowed; expected at most 3");
+  EXPECT_EQ(bounded_error_of({{"rest", {{"key", std::string(90'000, 'v')}}}}),
+            "/rest: the object is too large; expected at most 20 values and bytes of text in it");
+  EXPECT_THAT(bounded_error_of({{std::string(90'000, 'k'), 1}}),
+              testing::AllOf(
+                  testing::StartsWith("/kkk"), testing::HasSubstr("k...: no such parameter"),
+                  testing::ResultOf([](const std::string& text) { return text.size(); }, testing::Lt(200U))));
+}
+
+TEST(Params, SchemaSaysWhereTheEndIs) {
+  const Json schema = params_schema<Bounded>()["properties"];
+  EXPECT_EQ(schema["name"]["maxLength"], 5);
+  EXPECT_EQ(schema["file_name"]["maxLength"], 4095);
+  EXPECT_EQ(schema["points"]["maxItems"], 2);
+  EXPECT_EQ(schema["points"]["items"]["type"], "object");
+  EXPECT_EQ(schema["stages"]["maxItems"], 2);
+  EXPECT_EQ(schema["stages"]["items"]["maxLength"], 200);
+  EXPECT_EQ(schema["ids"]["maxItems"], 16);
+  EXPECT_EQ(schema["corners"]["maxItems"], 3);
+  EXPECT_EQ(params_schema<Sample>()["properties"]["title"]["maxLength"], kMaxTextLength);
+  EXPECT_EQ(params_schema<Sample>()["properties"]["points"]["maxItems"], kMaxListItems);
+}
+
+TEST(Errors, AreLinesThatSomebodyCanRead) {
+  EXPECT_EQ(shortened("short"), "short");
+  EXPECT_EQ(shortened("0123456789", 10), "0123456789");
+  EXPECT_EQ(shortened("0123456789x", 10), "0123456...");
+  EXPECT_EQ(shortened("012345ö89xx", 10), "012345...") << "never inside a character";
+  EXPECT_EQ(std::string(SettingsError(std::string(900'000, 'x')).what()).size(), SettingsError::kMaxBytes);
+}
+
 TEST(Params, SchemaSaysTypeRangeUnitDefaultAndHelp) {
   const Json schema = params_schema<Sample>();
   EXPECT_EQ(schema["type"], "object");
@@ -253,7 +332,7 @@ TEST(Params, SchemaSaysTypeRangeUnitDefaultAndHelp) {
   EXPECT_EQ(properties["on"],
             Json::parse(R"({"type": "boolean", "description": "whether", "default": true})"));
   EXPECT_EQ(properties["title"],
-            Json::parse(R"({"type": "string", "description": "what", "default": "none"})"));
+            Json::parse(R"({"type": "string", "maxLength": 200, "description": "what", "default": "none"})"));
   EXPECT_EQ(properties["mode"], Json::parse(R"({"type": "string", "enum": ["fast", "exact"],
                                                 "description": "how", "default": "fast"})"));
   EXPECT_EQ(properties["backup"], Json::parse(R"({"type": ["string", "null"], "enum": ["fast", "exact", null],
@@ -264,7 +343,7 @@ TEST(Params, SchemaSaysTypeRangeUnitDefaultAndHelp) {
   EXPECT_EQ(properties["origin"]["default"], Json::parse(R"({"x": 1, "weight": null})"));
   EXPECT_EQ(properties["extra"]["type"], Json::parse(R"(["object", "null"])"));
   EXPECT_EQ(properties["points"]["items"], params_schema<Point>());
-  EXPECT_EQ(properties["stack"]["items"], Json::parse(R"({"type": "string"})"));
+  EXPECT_EQ(properties["stack"]["items"], Json::parse(R"({"type": "string", "maxLength": 200})"));
   EXPECT_EQ(properties["luma"]["items"], Json::parse(R"({"type": "integer", "minimum": 0, "maximum": 255})"));
   EXPECT_EQ(properties["luma"]["minItems"], 2);
   EXPECT_EQ(properties["options"]["type"], "object");

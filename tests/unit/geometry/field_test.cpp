@@ -157,7 +157,7 @@ TEST(Field, LinesThatCannotBeToldApartAreRefused) {
   Json many = Json::array();
   for (int i = 0; i < 201; ++i) many.push_back({{"name", std::to_string(i)}});
   EXPECT_EQ(refusal(Json{{"field_lines", many}}.dump().c_str()),
-            "/field/field_lines: 201 is not allowed; expected at most 200");
+            "/field/field_lines: 201 entries are not allowed; expected at most 200");
 }
 
 }  // namespace

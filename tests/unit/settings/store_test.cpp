@@ -627,5 +627,48 @@ TEST(ChangesBelow, AreThoseAtOrBelowAPath) {
   EXPECT_THAT(below({}), IsEmpty());
 }
 
+TEST_F(Store, IsReadWhileAnEditIsUnderWay) {
+  std::promise<void> reached, go_on;
+  SettingsStore store = open();
+  const SettingsStore::Prepare slow = [&](const CheckedSettings&) {
+    reached.set_value();
+    go_on.get_future().wait();
+    return Commit();
+  };
+  auto edit = std::async(std::launch::async, [&] {
+    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, slow);
+  });
+  reached.get_future().wait();
+  EXPECT_EQ(store.current().settings["a"], 1);
+  EXPECT_EQ(store.history(), Json::array());
+  EXPECT_EQ(store
+                .check(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 7}}}),
+                       [](const CheckedSettings&) {})
+                .size(),
+            1U);
+  go_on.set_value();
+  EXPECT_EQ(edit.get().settings["a"], 5);
+}
+
+TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
+  // "b" is changed while "a" is under way: its patch may have been applied to the old tree already.
+  SettingsStore store = open();
+  std::promise<void> reached, go_on;
+  auto first = std::async(std::launch::async, [&] {
+    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"},
+                       [&](const CheckedSettings&) {
+                         reached.set_value();
+                         go_on.get_future().wait();
+                         return Commit();
+                       });
+  });
+  reached.get_future().wait();
+  auto second = std::async(std::launch::async, [&] { return set(store, "b", 8); });
+  go_on.set_value();
+  first.get();
+  EXPECT_EQ(second.get().settings, (Json{{"a", 5}, {"b", 8}}));
+  EXPECT_EQ(store.current().revision, 3U);
+}
+
 }  // namespace
 }  // namespace sslv

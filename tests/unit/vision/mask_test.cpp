@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/mask.h"
 
+#include "base/error.h"
+
 #include <random>
 #include <vector>
 
@@ -111,6 +113,21 @@ TEST(Mask, EqualsTheEvenOddRuleForEveryCell) {
         ASSERT_EQ(found, expected) << "case " << i << " row " << y << " of cells of " << cell_px << " px";
       }
     }
+  }
+}
+
+TEST(Mask, PointsOfAllPolygonsAreCounted) {
+  MaskSettings mask;
+  mask.include.assign(3, MaskPolygon{std::vector<std::array<double, 2>>(200, {1, 2})});
+  mask.exclude.assign(2, MaskPolygon{std::vector<std::array<double, 2>>(200, {1, 2})});
+  EXPECT_NO_THROW(check_mask(mask, "/cameras/0/mask"));
+  mask.exclude.back().points.push_back({3, 4});
+  try {
+    check_mask(mask, "/cameras/0/mask");
+    FAIL();
+  } catch (const SettingsError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/cameras/0/mask: 1001 points in all polygons are not allowed; expected at most 1000");
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/route.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,6 +24,18 @@ TEST(Route, JsonThatIsTooDeepIsRefused) {
   EXPECT_THROW(parse_json(std::string(500'000, '[')), HttpError);
   EXPECT_THROW(parse_json("[1,"), HttpError);
   EXPECT_THROW(parse_json(""), HttpError);
+  const auto with_keys = [](int count) {
+    std::string text = "{\"a\": {";
+    for (int i = 0; i < count; ++i) text += fmt::format("{}\"{}\": {{\"x\": 1}}", i == 0 ? "" : ", ", i);
+    return text + "}, \"b\": {\"c\": 1}}";
+  };
+  EXPECT_NO_THROW(parse_json(with_keys(1000)));
+  EXPECT_THROW(parse_json(with_keys(1001)), HttpError);
+  try {
+    parse_json("[\"" + std::string(500'000, 'x'));
+  } catch (const HttpError& error) {
+    EXPECT_LT(std::string(error.what()).size(), 400U);
+  }
 }
 
 TEST(Route, TextThatIsNotUtf8IsReplaced) {

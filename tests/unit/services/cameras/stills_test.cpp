@@ -49,5 +49,16 @@ TEST(Stills, GoWhenNobodyAsksForThem) {
   EXPECT_TRUE(stills.find(0, asked, start + Stills::kLongest + 1s));
 }
 
+TEST(Stills, GoWithoutBeingAskedFor) {
+  Stills stills;
+  const auto start = Stills::Clock::now();
+  const int number = stills.keep(0, picture_of(1, 1), start);
+  const std::weak_ptr<const StillPicture> picture = stills.find(0, number, start);
+  stills.forget_old(start + Stills::kLongest - 1s);
+  EXPECT_FALSE(picture.expired());
+  stills.forget_old(start + Stills::kLongest + 1s);
+  EXPECT_TRUE(picture.expired()) << "its memory is given back";
+}
+
 }  // namespace
 }  // namespace sslv

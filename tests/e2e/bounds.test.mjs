@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// What settings may hold has an end, what a patch may do while it is applied too, and memory comes back.
+import assert from 'node:assert/strict';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { readFileSync } from 'node:fs';
+import { after, before, describe, it } from 'node:test';
+import { becomes, createService, freeUdpPort } from './service.mjs';
+
+const service = await createService('239.255.77.121');
+after(() => service.end());
+
+async function ask(method, path, body) {
+  const answer = await fetch(service.address(path), { method, body: body === undefined ? undefined : JSON.stringify(body) });
+  return { status: answer.status, json: await answer.json() };
+}
+const settings = async () => (await ask('GET', 'api/settings')).json;
+const replace = (path, value) => [{ op: 'replace', path, value }];
+const points = (count) => Array.from({ length: count }, (_, i) => [i % 100, Math.floor(i / 100)]);
+const polygons = (count, corners = 3) => Array.from({ length: count }, () => ({ points: points(corners) }));
+
+describe('settings', () => {
+  before(() => service.restore());
+
+  const simulator = (more) => ({ ...service.settings.cameras[0].source, ...more });
+  const tooMuch = [
+    ['/site', () => 'S'.repeat(900_000), /^\/site: "S{40,}\.\.\. is not allowed; expected a text of at most 200 characters$/],
+    ['/cameras/0/name', () => 'ö'.repeat(201), /^\/cameras\/0\/name: "ö+\.\.\. is not allowed; expected a text of at most 200 characters$/],
+    ['/patterns_file', () => 'f'.repeat(4096), /^\/patterns_file: "f+\.\.\. is not allowed; expected a text of at most 4095 characters$/],
+    ['/panel/names', () => Array.from({ length: 33 }, (_, i) => `name${i}`), /^\/panel\/names: 33 entries are not allowed; expected at most 32$/],
+    ['/panel/names', () => ['n'.repeat(201)], /^\/panel\/names\/0: "n+\.\.\. is not allowed; expected a name of at most 200 characters$/],
+    ['/cameras/0/mask/include', () => [{ points: points(60_000) }], /^\/cameras\/0\/mask\/include\/0\/points: 60000 entries are not allowed; expected at most 200$/],
+    ['/cameras/0/mask/exclude', () => polygons(20_000), /^\/cameras\/0\/mask\/exclude: 20000 entries are not allowed; expected at most 32$/],
+    ['/cameras/0/mask/exclude', () => polygons(32, 32), /^\/cameras\/0\/mask: 1024 points in all polygons are not allowed; expected at most 1000$/],
+    ['/cameras/0/stack', () => Array(65).fill('segment'), /^\/cameras\/0\/stack: 65 entries are not allowed; expected at most 64$/],
+    ['/cameras/0/colors/classes', () => Array(257).fill({ label: 'field' }), /^\/cameras\/0\/colors\/classes: 257 entries are not allowed; expected at most 256$/],
+    ['/cameras/0/source', () => simulator({ width: 16384, height: 16384 }), /^\/cameras\/0\/source: width 16384 and height 16384 are not allowed; expected at most 25000000 pixels$/],
+    ['/cameras/0/source', () => simulator({ light_swing: points(1001) }), /^\/cameras\/0\/source\/light_swing: 1001 entries are not allowed; expected at most 1000$/],
+    ['/cameras/0/source', () => ({ backend: 'b'.repeat(50_000) }), /^\/cameras\/0\/source\/backend: no capture backend "b+\.\.\."; known: /],
+    ['/cameras/0/source', () => ({ backend: 'v4l2', controls: { gain: 'x'.repeat(200_000) } }), /^\/cameras\/0\/source: the object is too large; expected at most 100000 values and bytes of text in it$/],
+    ['/cameras/0/stages', () => ({ ['s'.repeat(50_000)]: {} }), /^\/cameras\/0\/stages\/s+\.\.\.: unknown stage 's+\.\.\.'; known: /],
+    ['/cameras', () => Array.from({ length: 33 }, (_, id) => ({ id })), /^\/cameras: 33 entries are not allowed; expected at most 32$/],
+    ['/cameras', () => Array.from({ length: 5 }, (_, id) => ({ id, source: { backend: 'simulator', width: 5000, height: 5000 } })), /^\/cameras\/4\/source: simulated cameras of 125000000 pixels together are not allowed; expected at most 100000000$/],
+  ];
+  for (const [path, value, why] of tooMuch) {
+    it(`say where ${path} ends, and what it may be: ${String(why).slice(2, 60)}...`, async () => {
+      const { revision } = await settings();
+      for (const [method, route] of [['POST', 'api/settings/check'], ['PATCH', 'api/settings']]) {
+        const { status, json } = await ask(method, route, replace(path, value()));
+        assert.equal(status, 422, JSON.stringify(json).slice(0, 300));
+        assert.match(json.error, why);
+        assert.ok(json.error.length < 1000, `${json.error.length} characters`);
+      }
+      assert.equal((await settings()).revision, revision);
+    });
+  }
+
+  it('say in their schema where they end', async () => {
+    const missing = [];
+    const look = (schema, path) => {
+      for (const type of [schema.type].flat()) {
+        if (type === 'string' && !schema.enum && schema.maxLength === undefined) missing.push(path);
+        if (type === 'array' && schema.maxItems === undefined) missing.push(path);
+      }
+      if (schema.items) look(schema.items, `${path}/*`);
+      for (const one of schema.oneOf ?? []) look(one, `${path}(${one.title})`);
+      for (const [key, one] of Object.entries(schema.properties ?? {})) look(one, `${path}/${key}`);
+    };
+    look((await ask('GET', 'api/schema')).json, '');
+    assert.deepEqual(missing, []);
+  });
+
+  const rss_MB = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${service.pid()}/status`, 'utf8'))[1]) / 1024;
+  const undo = async (revision) => {
+    const { status, json } = await ask('POST', 'api/settings/undo', { revision });
+    assert.equal(status, 200, JSON.stringify(json).slice(0, 300));
+  };
+
+  it('give the memory of large pictures and masks back when they are taken back', async () => {
+    const width = 2000;
+    const [{ calibration }] = service.settings.cameras;
+    const scale = width / calibration.pixel_image_width;
+    const large = [
+      ...replace('/cameras/0/source', simulator({ width, height: width, frame_rate_hz: 60 })),
+      ...replace('/cameras/0/calibration', {
+        ...calibration, focal_length: scale * calibration.focal_length, pixel_image_width: width, pixel_image_height: width,
+        principal_point_x: scale * calibration.principal_point_x, principal_point_y: scale * calibration.principal_point_y,
+      }),
+      ...replace('/cameras/0/mask/exclude', polygons(32, 31)),
+      ...replace('/site', 'S'.repeat(200)),
+    ];
+    // Its ring of frames has filled.
+    const runs = async (wanted) => {
+      const { cameras: [{ frames }] } = await service.statusBecomes(({ cameras: [one] }) => one.state === 'running' && one.width === wanted);
+      await service.statusBecomes(({ cameras: [one] }) => one.frames > frames + 20);
+    };
+    await runs(780);
+    const before_MB = rss_MB();
+    const { status, json } = await ask('PATCH', 'api/settings', large);
+    assert.equal(status, 200, JSON.stringify(json).slice(0, 300));
+    await runs(width);
+    const large_MB = rss_MB();
+    assert.ok(large_MB > before_MB + 25, `${before_MB} MB, then ${large_MB}: was it large at all?`);
+    await undo(json.revision);
+    await runs(780);
+    await becomes(rss_MB, (now_MB) => now_MB < before_MB + 48, (now_MB) => `${before_MB} MB, ${large_MB} MB, now ${now_MB} MB`);
+  });
+
+  it('give the memory of much that was refused back', async () => {
+    const before_MB = rss_MB();
+    for (const [path, value] of [['/site', 'S'.repeat(900_000)], ['/cameras/0/mask/exclude', [{ points: points(60_000) }]], ['/cameras/0/mask/exclude', polygons(20_000)]]) {
+      const { status, json } = await ask('PATCH', 'api/settings', replace(path, value));
+      if (status === 200) await undo(json.revision);
+    }
+    await becomes(rss_MB, (now_MB) => now_MB < before_MB + 40, (now_MB) => `${before_MB} MB, now ${now_MB} MB`);
+  });
+});
+
+describe('a patch', () => {
+  const group = '224.5.23.121';
+  let socket, timer;
+  before(async () => {
+    await service.stop();
+    const port = await freeUdpPort();
+    service.settings.network.referee = { enabled: true, group, port, interface: 'lo' };
+    service.settings.panel = { port: 0 };
+    await service.start();
+    socket = createSocket('udp4').bind(0, '127.0.0.1');
+    await once(socket, 'listening');
+    socket.setMulticastInterface('127.0.0.1');
+    const running = Buffer.from([0x10, 1, 0x20, 2, 0x3a, 2, 0x0a, 0, 0x42, 2, 0x0a, 0]); // stage, command, both teams
+    timer = setInterval(() => socket.send(running, port, group), 50);
+  });
+  after(() => {
+    clearInterval(timer);
+    socket.close();
+  });
+
+  const bombs = [
+    ['that doubles', [{ op: 'add', path: '/x', value: [] }, ...Array.from({ length: 22 }, () => ({ op: 'copy', from: '', path: '/x/-' }))], /more values and bytes|nested deeper/],
+    ['that nests', [{ op: 'add', path: '/x', value: {} }, ...Array.from({ length: 1900 }, () => ({ op: 'copy', from: '/x', path: '/x/x' }))], /nested deeper than 64/],
+    ['of many operations', Array.from({ length: 20_001 }, () => ({ op: 'test', path: '', value: 0 })), /more operations than 20000/],
+    ['that moves much', [{ op: 'add', path: '/x', value: Array(100_000).fill(1) }, ...Array.from({ length: 10_000 }, () => ({ op: 'move', from: '/x', path: '/x' }))], /more to do than/],
+    ['with a long text in it', [{ op: 'replace', path: `/${'p'.repeat(500_000)}`, value: 0 }], /not a JSON Patch that fits/],
+  ];
+  const refuses = async (ways) => {
+    for (const [what, patch, why] of bombs) {
+      for (const [method, path] of ways) {
+        const { status, json } = await ask(method, path, patch);
+        assert.equal(status, 422, `${what}: ${JSON.stringify(json).slice(0, 300)}`);
+        assert.match(json.error, why);
+        assert.ok(json.error.length < 1000, `${json.error.length} characters`);
+      }
+    }
+  };
+  const CHECK = ['POST', 'api/settings/check'];
+
+  it('that grows without end is refused while a match runs', async () => {
+    await becomes(() => ask('GET', 'api/session'), ({ json }) => json.match_lock.locked);
+    await refuses([CHECK]);
+  });
+
+  it('that has much to do keeps nobody from reading, nor from editing', async () => {
+    await becomes(() => ask('GET', 'api/session'), ({ json }) => json.match_lock.locked);
+    assert.equal((await ask('POST', 'api/match_lock', { opened: true })).status, 200);
+    await refuses([CHECK, ['PATCH', 'api/settings']]);
+    const { revision } = await settings();
+    const heavy = [{ op: 'add', path: '/x', value: Array(120_000).fill(1) }, ...Array.from({ length: 60 }, () => ({ op: 'copy', from: '/x', path: '/y' }))];
+    let heavyDone = 0;
+    const all = [CHECK, ['PATCH', 'api/settings']].map(async ([method, path]) => {
+      const { status, json } = await ask(method, path, heavy);
+      assert.equal(status, 422, JSON.stringify(json).slice(0, 300));
+      heavyDone++;
+    });
+    let reads = 0;
+    while (heavyDone < all.length) {
+      assert.equal((await settings()).revision, revision + reads);
+      assert.equal((await ask('PATCH', 'api/settings', replace('/site', `Site ${reads}`))).status, 200);
+      reads++;
+    }
+    await Promise.all(all);
+    assert.ok(reads >= 2, 'reads and edits went on meanwhile');
+  });
+
+  it('with more keys in an object than there is use for is refused', async () => {
+    const wide = Object.fromEntries(Array.from({ length: 60_000 }, (_, i) => [`k${i}`, 0]));
+    for (const [method, path] of [CHECK, ['PATCH', 'api/settings'], ['POST', 'api/session']]) {
+      const { status, json } = await ask(method, path, wide);
+      assert.equal(status, 400);
+      assert.match(json.error, /more than 1000 keys in an object/);
+    }
+  });
+});
