@@ -57,7 +57,7 @@ TEST(RefereeListener, HearsTheNamesOfTheTeams) {
 
 TEST(RefereeListener, NamesAreShownAsWhatTheyAre) {
   Listener listener;
-  listener.receive(message("MRL\u202e\x1b[2J", std::string("KI\0KS\n", 6), "\u2066field"));
+  listener.receive(message("MRL\u202e\x1b[2J", "KI\u0085KS\n", "\u2066field"));
   EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL[2J", "KIKS"));
   EXPECT_EQ(listener.referee.status(100).followed.source, "field");
 }

@@ -66,10 +66,10 @@ TEST(SavedTables, ATableOfAnEarlierVersionIsFound) {
   StateFolder state(folder.path());
   const std::string name = SavedTables(state).save(table_with(label::kPink), LabelSet::built_in());
   // It was made by another hash.
-  const std::string earlier = "c0ffee0123456789";
+  const std::filesystem::path earlier = "c0ffee0123456789";
   std::filesystem::rename(folder.path() / "tables" / (name + ".lut"),
-                          folder.path() / "tables" / (earlier + ".lut"));
-  EXPECT_EQ(Running(state).load(earlier, "", LabelSet::built_in())->color_table(),
+                          folder.path() / "tables" / (earlier.string() + ".lut"));
+  EXPECT_EQ(Running(state).load(earlier.string(), "", LabelSet::built_in())->color_table(),
             table_with(label::kPink)->color_table());
 }
 
