@@ -100,7 +100,7 @@ void reload(Daemon& daemon) {
   sd_notify(0, "READY=1");
 }
 
-/// Pictures and tables go back to the system when they are done with. glibc would learn to keep them, and
+/// Images and tables go back to the system when they are done with. glibc would learn to keep them, and
 /// each of its arenas, one for every thread that comes and goes with a camera, would keep its own: a third
 /// more memory after some reopenings. Frames allocate nothing, so this costs them nothing.
 void keep_memory_small() {

@@ -16,8 +16,8 @@ namespace {
 
 struct Solution {
   RefinedCamera refined;
-  bool either_way_round = false;  // turned by half a turn it suits the picture as well
-  bool only_one = true;           // no other part of the field suits the picture
+  bool either_way_round = false;  // turned by half a turn it suits the image as well
+  bool only_one = true;           // no other part of the field suits the image
 };
 
 CameraPrior prior_of(const CalibrationTask& task, const MeanPicture& picture) {
@@ -41,7 +41,7 @@ class Calibrator {
         field_curves_(task.field),
         curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToOuterEdge))),
         clicks_(read_clicks(task.clicks, named_points(curves_))),
-        // Before the scale is known: about half a field's length across the picture.
+        // Before the scale is known: about half a field's length across the image.
         picture_(find_line_pixels(picture, 1.4 * picture.width() * task.field.line_thickness /
                                                std::max(1000, task.field.field_length))),
         prior_(prior_of(task, picture)) {}
@@ -167,7 +167,7 @@ class Calibrator {
     return same(1) || (same_turned(curves_) && same(-1));
   }
 
-  /// The same picture with the field turned by half a turn, which looks alike.
+  /// The same image with the field turned by half a turn, which looks alike.
   void turn_round(RefinedCamera& refined) const {
     auto again = refine_again(picture_, turned_round(refined.camera), curves_, prior_, {}, stop_);
     if (again) refined = std::move(*again);

@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// Calibrates a camera from its picture, in a few tenths of a second to one; in several seconds when nothing
+/// Calibrates a camera from its image, in a few tenths of a second to one; in several seconds when nothing
 /// fits. `stop` ends it early, with nothing found. Throws SettingsError for clicks that name no point, or are
 /// too few.
 CalibrationReport calibrate(const MeanPicture& picture, const CalibrationTask& task,

@@ -17,7 +17,7 @@
 namespace sslv {
 namespace {
 
-/// How far lines may be from where the calibration in force has them: a share of the picture's width.
+/// How far lines may be from where the calibration in force has them: a share of the image's width.
 constexpr double kWindowShare = 0.02, kLeastWindowPx = 8;
 /// A camera that would hang this much higher or lower than it was said to: a share of its height. Robots
 /// whose height is 7 mm wrong do that.

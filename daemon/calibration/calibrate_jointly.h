@@ -23,7 +23,7 @@ struct CalibratedView {
 
 struct JointTask {
   FieldSize field;
-  std::optional<LinesMeasured> measured;  // none: whichever suits the pictures better
+  std::optional<LinesMeasured> measured;  // none: whichever suits the images better
   std::vector<CalibratedView> cameras;
   std::vector<OverlapTie> ties;  // their cameras are places in the list
 };

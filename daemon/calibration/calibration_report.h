@@ -35,14 +35,14 @@ struct ExpectedError {
 /// What came out, and how far it can be trusted.
 struct CalibrationReport {
   bool found = false;     // there is a calibration at all
-  bool accepted = false;  // and it is as good as such a picture allows
+  bool accepted = false;  // and it is as good as such an image allows
   CameraCalibration calibration;
   LensCamera camera;  // with the lens as it is
   LinesMeasured measured = LinesMeasured::kToOuterEdge;
   double rms_px = 0, worst_px = 0, rms_mm = 0, worst_mm = 0;  // of lines
   double found_share = 0;                                     // of the lines in view
   double unexplained_share = 0;                               // of the bright stripes on the field
-  double coverage = 0;                                        // share of the picture's field with lines found
+  double coverage = 0;                                        // share of the image's field with lines found
   double condition = 0;                                       // of the problem: 1 is best
   double expected_on_floor_mm = 0, expected_at_150_mm = 0;    // over the field in view, root mean square
   double height_mm = 0, height_sigma_mm = 0;
@@ -50,9 +50,9 @@ struct CalibrationReport {
   std::optional<double> moved_on_floor_mm, moved_at_150_mm;  // from the previous one, root mean square
   std::vector<LineFigure> line_figures;
   std::vector<ClickFigure> click_figures;
-  std::vector<ClickFigure> control_points;  // where the field's points are in the picture, to be looked at
+  std::vector<ClickFigure> control_points;  // where the field's points are in the image, to be looked at
   std::vector<ExpectedError> error_map;
-  std::vector<std::string> held;      // what the picture does not determine: "focal length", "height", ...
+  std::vector<std::string> held;      // what the image does not determine: "focal length", "height", ...
   std::vector<std::string> notes;     // for people: what to know
   std::vector<std::string> problems;  // for people: what is wrong and what to do
 };

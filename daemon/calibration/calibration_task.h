@@ -12,12 +12,12 @@
 
 namespace sslv {
 
-/// Where the +x half of the field lies in the picture. Asked for when both halves look alike.
+/// Where the +x half of the field lies in the image. Asked for when both halves look alike.
 enum class PlusX : std::uint8_t { kUnknown, kRight, kLeft, kUp, kDown };
 
 struct CalibrationTask {
   FieldSize field;
-  std::optional<LinesMeasured> measured;  // none: whichever suits the picture better
+  std::optional<LinesMeasured> measured;  // none: whichever suits the image better
   /// Any four or more, in any order: names only say which points were meant. None: the corners are looked
   /// for.
   std::vector<ClickedPoint> clicks;

@@ -20,8 +20,8 @@ struct CameraPrior {
   double height_sigma_mm = 1;
 };
 
-/// For a picture of this size, of which nothing else is known: lenses on fields have .5 to 1.3 widths of the
-/// whole picture, and look through its middle.
+/// For an image of this size, of which nothing else is known: lenses on fields have .5 to 1.3 widths of the
+/// whole image, and look through its middle.
 CameraPrior camera_prior(int width_px, int height_px, const WholePicture& whole = {});
 
 /// The same for a lens that may bend more than one radial term says.

@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// A point of the field that somebody pointed at in the picture.
+/// A point of the field that somebody pointed at in the image.
 struct ClickedPoint {
   Eigen::Vector2d pixel;
   std::string name;                         // one of named_points(), or empty
@@ -36,7 +36,7 @@ struct Clicks {
   bool has_far_one(const LensCamera& camera) const;
 };
 
-/// Further off than this, in shares of the picture's width, nobody's hand is.
+/// Further off than this, in shares of the image's width, nobody's hand is.
 inline constexpr double kFarClickShare = 0.012;
 
 /// `points` are those of the field. Throws SettingsError for clicks that name no point, or are too few.

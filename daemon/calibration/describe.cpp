@@ -50,7 +50,7 @@ void add_line_figures(const Finding& finding, CalibrationReport& out) {
   }
 }
 
-/// Share of the cells of the picture that show the field which have lines found in them.
+/// Share of the cells of the image that show the field which have lines found in them.
 double coverage(const RefinedCamera& refined, const FieldSize& field) {
   constexpr int kColumns = 6, kRows = 4;
   const LensCamera& camera = refined.camera;
@@ -183,7 +183,7 @@ double condition(const RefinedCamera& refined) {
 void add_problems(const Finding& finding, CalibrationReport& out) {
   if (!finding.only_one) {
     out.problems.emplace_back(
-        "Other parts of the field fit the picture nearly as well: click at four corners or crossings.");
+        "Other parts of the field fit the image nearly as well: click at four corners or crossings.");
   }
   for (std::string& problem : problems_of(finding.verdict, "were the right points clicked"))
     out.problems.push_back(std::move(problem));
@@ -215,10 +215,10 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
   if (finding.measured == LinesMeasured::kToMiddle && !finding.task.measured)
     out.notes.emplace_back(kMeasuredToMiddle);
   if (finding.either_way_round) {
-    out.notes.push_back(fmt::format(
-        "Both ends of the field look alike: the +x half was taken to be at the {} of the picture. "
-        "Name the points, or say where +x is.",
-        side_of_plus_x(finding.refined.camera)));
+    out.notes.push_back(
+        fmt::format("Both ends of the field look alike: the +x half was taken to be at the {} of the image. "
+                    "Name the points, or say where +x is.",
+                    side_of_plus_x(finding.refined.camera)));
   }
 }
 

@@ -25,8 +25,8 @@ struct Finding {
   LinesMeasured measured;
   const RefinedCamera& refined;
   Verdict verdict;
-  bool either_way_round;  // turned by half a turn it suits the picture as well
-  bool only_one;          // no other part of the field suits the picture
+  bool either_way_round;  // turned by half a turn it suits the image as well
+  bool only_one;          // no other part of the field suits the image
 };
 
 /// Figures for people and programs, and in plain words what to know and what to do.

@@ -20,7 +20,7 @@ double turn_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
-/// In a picture taken from above, y downwards, all triangles go the other way round.
+/// In an image taken from above, y downwards, all triangles go the other way round.
 bool is_from_above(Points pixels, Points places, const Assignment& place_of) {
   constexpr double kLeastPx2 = 400, kLeastMm2 = 1e5;  // thinner ones may turn over by bad clicks
   for (std::size_t i = 0; i < pixels.size(); ++i) {

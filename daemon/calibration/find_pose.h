@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// A camera that shows the given points where they were seen, and how well it suits the picture's lines.
+/// A camera that shows the given points where they were seen, and how well it suits the image's lines.
 struct PoseGuess {
   LensCamera camera;
   std::vector<std::size_t> place_of_pixel;  // index into the places, of each pixel

@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// How far a camera explains a picture of the field.
+/// How far a camera explains an image of the field.
 struct Verdict {
   double rms_px = 0;
   double found_share = 0;        // of the lines in view

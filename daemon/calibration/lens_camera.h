@@ -21,7 +21,7 @@ struct LensCamera {
 
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_mm) const;
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel, double height_mm) const;
-  /// Whether a pixel is in the picture, `margin_px` or more from its edge.
+  /// Whether a pixel is in the image, `margin_px` or more from its edge.
   bool is_in_picture(const Eigen::Vector2d& pixel, double margin_px = 0) const;
   /// Of what lies on the floor below it.
   double px_per_mm() const { return focal_px / std::max(1.0, position_mm.z()); }
@@ -32,8 +32,8 @@ LensCamera lens_camera(const CameraCalibration& calibration);
 /// Whether it looks down from where it sees 1.5 to 20 m across: fits of a wrong guess may end anywhere.
 bool is_plausible(const LensCamera& camera);
 
-/// What may change, in units of some like effect on the picture. The first one changes the focal length by
-/// exp(step) and with it the distance from the floor along the optical axis and the distortion: a picture of
+/// What may change, in units of some like effect on the image. The first one changes the focal length by
+/// exp(step) and with it the distance from the floor along the optical axis and the distortion: an image of
 /// a plane hardly shows that, so that a solver sees a straight valley instead of a bent one.
 enum CameraParam {
   kZoom,
@@ -54,13 +54,13 @@ using CameraStep = Eigen::Matrix<double, kCameraParams, 1>;
 /// `camera` after a step.
 LensCamera moved(const LensCamera& camera, const CameraStep& step);
 
-/// The picture of a point after a step, and its change by the step's parameters.
+/// The image of a point after a step, and its change by the step's parameters.
 struct SteppedPixel {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, kCameraParams> by_step;
 };
 
-/// A camera after a step that knows how its pictures change with it.
+/// A camera after a step that knows how its images change with it.
 class SteppedCamera {
  public:
   SteppedCamera(const LensCamera& start, const CameraStep& step);

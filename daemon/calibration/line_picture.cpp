@@ -38,7 +38,7 @@ void add_rgb_row(const ImageView& frame, int y, std::array<float*, 3> out) {
 void add_bayer_row(const ImageView& frame, int y, std::array<float*, 3> out) {
   const int red_x = frame.format == PixelFormat::kBayerGr8 || frame.format == PixelFormat::kBayerBg8 ? 1 : 0;
   const int red_y = frame.format == PixelFormat::kBayerGb8 || frame.format == PixelFormat::kBayerBg8 ? 1 : 0;
-  // Beyond the edges the picture is mirrored, which keeps the colours in their places.
+  // Beyond the edges the image is mirrored, which keeps the colours in their places.
   const auto inside = [](int at, int size) { return at < 0 ? -at : at >= size ? 2 * size - 2 - at : at; };
   const std::uint8_t* rows[3];
   for (int j = -1; j <= 1; ++j) rows[j + 1] = frame.row(inside(y + j, frame.height));
@@ -244,7 +244,7 @@ LinePicture find_line_pixels(const MeanPicture& picture, double line_px) {
     clear_colored(channels[0].row(y) + side, channels[1].row(y) + side, channels[2].row(y) + side, count,
                   4 * out.noise, line);
   }
-  // Lines are about a hundredth of the picture.
+  // Lines are about a hundredth of the image.
   std::vector<float> some;
   for (int y = 0; y < height; y += 3) {
     for (int x = 0; x < width; x += 3) some.push_back(out.line.row(y)[x]);

@@ -22,13 +22,13 @@ struct FloatPicture {
   const float* row(int y) const { return values.data() + std::ptrdiff_t{y} * width; }
 };
 
-/// The mean of frames of a standing camera, red, green and blue; Bayer pictures are interpolated.
+/// The mean of frames of a standing camera, red, green and blue; Bayer images are interpolated.
 class MeanPicture {
  public:
   /// False for a frame of another size than the first, or without colours; it is left out.
   bool add(const ImageView& frame);
   int frames() const { return frames_; }
-  /// What the picture is a part of.
+  /// What the image is a part of.
   WholePicture whole{};
   int width() const { return sums_[0].width; }
   int height() const { return sums_[0].height; }
@@ -40,7 +40,7 @@ class MeanPicture {
   int frames_ = 0;
 };
 
-/// What in a picture might be painted lines: white, and brighter than both sides.
+/// What in an image might be painted lines: white, and brighter than both sides.
 struct LinePicture {
   FloatPicture light;        // mean of red, green and blue
   FloatPicture line;         // by how much a pixel stands out against its sides; 0: it does not
@@ -52,10 +52,10 @@ struct LinePicture {
   int height() const { return light.height; }
 };
 
-/// `line_px` is about how wide painted lines are in the picture.
+/// `line_px` is about how wide painted lines are in the image.
 LinePicture find_line_pixels(const MeanPicture& picture, double line_px);
 
-/// Between pixels, by linear interpolation; -1 outside the picture.
+/// Between pixels, by linear interpolation; -1 outside the image.
 float value_at(const FloatPicture& picture, double x, double y);
 
 }  // namespace sslv

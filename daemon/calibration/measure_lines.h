@@ -16,13 +16,13 @@ namespace sslv {
 
 /// How a painted line should look at one of its points.
 struct ExpectedLine {
-  Eigen::Vector2d pixel, normal;  // normal to the line's picture, of length 1
+  Eigen::Vector2d pixel, normal;  // normal to the line's image, of length 1
   double width_px = 1;
   double curvature =
       0;  // 1/px: how far the line has bent off its tangent is half of it times distance squared
 };
 
-/// Nothing when the camera does not show the point `margin_px` or more inside the picture.
+/// Nothing when the camera does not show the point `margin_px` or more inside the image.
 std::optional<ExpectedLine> expect_line(const LensCamera& camera, const PaintedCurve& curve,
                                         const CurvePoint& point, double margin_px);
 
@@ -35,7 +35,7 @@ std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& c
 /// One patch of a line, both of its borders in one fit.
 struct MeasuredLine {
   double offset_px = 0;  // of the line's middle along the normal, from where it was expected
-  double sigma_px = 0;   // of that, by the picture's noise
+  double sigma_px = 0;   // of that, by the image's noise
   double contrast = 0;   // of the paint against its surroundings, in grey levels
   double residual = 0;   // what the fit leaves, root of the mean square
 };

@@ -21,7 +21,7 @@ struct StripePoint {
   double x, y, normal_rad;
 };
 
-/// A straight line: x cos + y sin = distance, in px from the picture's middle without distortion.
+/// A straight line: x cos + y sin = distance, in px from the image's middle without distortion.
 struct StraightLine {
   double normal_rad, distance_px, length_px;
 };
@@ -77,7 +77,7 @@ std::vector<StripePoint> stripe_points(const LinePicture& picture) {
   return out;
 }
 
-/// Pixels without distortion, in px from the picture's middle, and back. Undistorted radius = distorted (1 +
+/// Pixels without distortion, in px from the image's middle, and back. Undistorted radius = distorted (1 +
 /// k1 distorted^2), from the lens' middle and in units of its focal length.
 class Straightener {
  public:
@@ -108,7 +108,7 @@ class Straightener {
   double half_px() const { return half_px_; }
 
  private:
-  Eigen::Vector2d lens_, middle_;  // the lens' middle, a pixel; the picture's, straight, from it
+  Eigen::Vector2d lens_, middle_;  // the lens' middle, a pixel; the image's, straight, from it
   double focal_px_, half_px_, k1_;
 };
 
@@ -299,7 +299,7 @@ std::array<std::vector<double>, 2> coordinates(std::span<const PaintedCurve> cur
 
 constexpr double kUnitMm = 3000;
 
-/// From places in kUnitMm to straight places in half picture widths, through four pairs.
+/// From places in kUnitMm to straight places in half image widths, through four pairs.
 Eigen::Matrix3d homography(const std::array<Eigen::Vector2d, 4>& places_mm,
                            const std::array<Eigen::Vector2d, 4>& straight_px, double half_px) {
   Eigen::Matrix<double, 8, 8> rows;
@@ -362,7 +362,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   const int width = picture.width(), height = picture.height();
   const auto bent_points = stripe_points(picture);
   if (bent_points.size() < 50) {
-    out.problem = "There are hardly any white lines in the picture.";
+    out.problem = "There are hardly any white lines in the image.";
     return out;
   }
   Votes votes(width, height);
@@ -385,7 +385,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   const auto families = two_families(straight_lines(points, votes, width));
   const auto &a = families[0], &b = families[1];
   if (a.size() < 2 || b.size() < 2) {
-    out.problem = "There are not two straight white lines each along and across the field in the picture.";
+    out.problem = "There are not two straight white lines each along and across the field in the image.";
     return out;
   }
 
@@ -397,7 +397,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   const bool looks_alike_turned = same_turned(curves);
   const auto samples = points_along(curves, std::max(80.0, length_mm / 70), 0);
   std::vector<Guess> guesses;
-  constexpr double kLeastApart = 0.05;                    // of the picture's width
+  constexpr double kLeastApart = 0.05;                    // of the image's width
   constexpr double kLeastRatio = 0.62, kMostRatio = 1.6;  // of the scales in the two directions
   const auto try_map = [&](const std::array<Eigen::Vector2d, 4>& corners, double apart_a, double apart_b,
                            bool swapped, double a0, double a1, double b0, double b1) {
@@ -428,7 +428,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
               for (std::size_t q = p + 1; q < of_a.size(); ++q) {
                 for (std::size_t r = 0; r < of_b.size(); ++r) {
                   for (std::size_t s = r + 1; s < of_b.size(); ++s) {
-                    // Normals turn right-handed in the picture, whose y points down. The field seen from
+                    // Normals turn right-handed in the image, whose y points down. The field seen from
                     // above must be mirrored, which leaves one sense for b with each for a.
                     const double b0 = of_b[swapped ? r : s], b1 = of_b[swapped ? s : r];
                     try_map(corners, apart_a, apart_b, swapped, of_a[p], of_a[q], b0, b1);
@@ -444,7 +444,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     }
   }
   if (guesses.empty()) {
-    out.problem = "The white lines in the picture are not those of a field of this size.";
+    out.problem = "The white lines in the image are not those of a field of this size.";
     return out;
   }
   std::sort(guesses.begin(), guesses.end(), [](const Guess& x, const Guess& y) { return x.score > y.score; });
@@ -479,7 +479,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     if (!is_known) out.cameras.push_back(fit.camera);
   }
   if (out.cameras.empty())
-    out.problem = "The white lines in the picture are not those of a field of this size.";
+    out.problem = "The white lines in the image are not those of a field of this size.";
   return out;
 }
 

@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// Cameras that a picture's straight lines suggest, with nobody pointing at anything.
+/// Cameras that an image's straight lines suggest, with nobody pointing at anything.
 struct Proposal {
   std::vector<LensCamera> cameras;  // most promising first; each to be refined and compared
   std::string problem;              // why there are none

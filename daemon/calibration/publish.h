@@ -11,7 +11,7 @@ namespace sslv {
 /// What the wire can say of a camera, whose lens has but one radial term there.
 struct Published {
   CameraCalibration calibration;
-  double rms_mm = 0, worst_mm = 0;  // what it differs from the camera, over the picture at z = 0
+  double rms_mm = 0, worst_mm = 0;  // what it differs from the camera, over the image at z = 0
 };
 
 /// The height of robots' tops, about which the errors of cameras are told, as they are on the floor.

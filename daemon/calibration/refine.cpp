@@ -95,7 +95,7 @@ Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
   return out;
 }
 
-/// The picture's blur is what leaves least of the lines.
+/// The image's blur is what leaves least of the lines.
 double blur_of(const LinePicture& picture, const LensCamera& camera, std::span<const PaintedCurve> curves,
                std::span<const CurvePoint> points) {
   constexpr std::size_t kSome = 80;

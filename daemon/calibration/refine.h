@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// A camera fitted to the lines of a picture, and how well.
+/// A camera fitted to the lines of an image, and how well.
 struct RefinedCamera {
   LensCamera camera;
   CameraPrior prior;
@@ -31,7 +31,7 @@ struct RefineOptions {
   bool two_radial = false;  // fit the second radial term too
 };
 
-/// Fits all lines that the picture shows, from a camera good to the window. Nothing when too few lines are
+/// Fits all lines that the image shows, from a camera good to the window. Nothing when too few lines are
 /// found or when stopped.
 std::optional<RefinedCamera> refine_camera(const LinePicture& picture, const LensCamera& start,
                                            std::span<const PaintedCurve> curves, const CameraPrior& prior,

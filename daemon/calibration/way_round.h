@@ -18,7 +18,7 @@ bool is_right_way_round(const LensCamera& camera, const CalibrationTask& task);
 /// The camera that sees the other half of the field just so.
 LensCamera turned_round(const LensCamera& camera);
 
-/// Side of the picture where +x is: "right", "left", "top" or "bottom".
+/// Side of the image where +x is: "right", "left", "top" or "bottom".
 const char* side_of_plus_x(const LensCamera& camera);
 
 }  // namespace sslv

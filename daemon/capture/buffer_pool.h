@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// Picture buffers for backends that fill their own. A buffer is lent out as an Image and is free again when
+/// Image buffers for backends that fill their own. A buffer is lent out as an Image and is free again when
 /// that is let go, in whatever thread; Images may outlive the pool.
 class BufferPool {
  public:

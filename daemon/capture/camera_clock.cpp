@@ -12,7 +12,7 @@ constexpr std::size_t kLeastInBin = 10;
 /// Low enough to leave delays out, high enough to be sure of.
 constexpr double kQuantile = 0.2;
 constexpr std::size_t kBinsForDrift = 5;
-/// Further off than this for a while, and the clock has jumped. A picture earlier than possible needs little
+/// Further off than this for a while, and the clock has jumped. An image earlier than possible needs little
 /// proof, late ones may come from a host that was busy.
 constexpr double kJumpS = 0.003, kJumpSpreadS = 0.010, kLateForS = 0.5;
 constexpr int kEarlyPictures = 3, kLatePictures = 8;
@@ -58,7 +58,7 @@ CameraClock::Estimate CameraClock::add(double t_camera_s, double t_arrival_s) {
   out.t_host_s = base_arrival_s_ + t_s + predicted_offset_s(t_s);
   out.settled = bin_count_ >= kBinsForDrift;
   // At the end of its points a fitted line is twice as uncertain as in their middle; how far the quantile
-  // lies above a picture without any delay is not known better than how far it lies above the earliest.
+  // lies above an image without any delay is not known better than how far it lies above the earliest.
   out.sigma_s = std::hypot(
       2 * residual_s_ / std::sqrt(static_cast<double>(std::max<std::size_t>(1, bin_count_))), rise_s_);
   return out;

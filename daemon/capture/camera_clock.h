@@ -7,19 +7,19 @@
 
 namespace sslv {
 
-/// Learns how a camera's own clock runs against the host's, from when its pictures arrive: late arrivals say
-/// little, since a picture is never early but often late. The low quantile of quarters of a second is
+/// Learns how a camera's own clock runs against the host's, from when its images arrive: late arrivals say
+/// little, since an image is never early but often late. The low quantile of quarters of a second is
 /// followed by a robust straight line (offset and drift) over ten seconds. A clock that jumps is learnt anew.
-/// No allocation, a fraction of a microsecond a picture. For one thread.
+/// No allocation, a fraction of a microsecond an image. For one thread.
 class CameraClock {
  public:
   struct Estimate {
-    double t_host_s = 0;   // when the picture would have arrived without any delay by chance
+    double t_host_s = 0;   // when the image would have arrived without any delay by chance
     double sigma_s = 0;    // standard deviation of that, as far as the fit can tell
     bool settled = false;  // enough was seen to know the drift too
   };
 
-  /// A picture with its time on the camera's clock and that of its arrival on a steady clock of the host,
+  /// An image with its time on the camera's clock and that of its arrival on a steady clock of the host,
   /// both in seconds since any moment.
   Estimate add(double t_camera_s, double t_arrival_s);
 
@@ -51,7 +51,7 @@ class CameraClock {
 
   double offset_s_ = 0, slope_ = 0, middle_s_ = 0;  // the line
   double residual_s_ = 0, rise_s_ = 0;              // of the points off the line; their mean rise
-  int strays_ = 0;                                  // pictures in a row that a jump would explain
+  int strays_ = 0;                                  // images in a row that a jump would explain
   double stray_offset_s_ = 0, first_stray_s_ = 0;
 };
 

@@ -22,17 +22,17 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kTurn{100};      // the longest wait for a picture, and so for stop() to be seen
+constexpr milliseconds kTurn{100};      // the longest wait for an image, and so for stop() to be seen
 constexpr milliseconds kShortTurn{10};  // the same while buffers are out that the camera may be waiting for
 constexpr milliseconds kStopPatience{1500};
-/// After more damaged pictures than this in a row, a pause before the next: a source that fails at once must
+/// After more damaged images than this in a row, a pause before the next: a source that fails at once must
 /// not take a whole processor.
 constexpr int kStorm = 10;
 constexpr milliseconds kStormPause{1};
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kRepeatedLossNs = 60 * kSecondNs;
 
-/// Pictures that came damaged, or whose time cannot be: one line a second, with their number.
+/// Images that came damaged, or whose time cannot be: one line a second, with their number.
 class DamageLog {
  public:
   DamageLog(const std::string& name, const char* what) : name_(name), what_(what) {}
@@ -46,8 +46,8 @@ class DamageLog {
   }
   void write() {
     if (count_ == 0) return;
-    if (count_ == 1) log::warning("{}: picture {}: {}", name_, what_, last_);
-    if (count_ > 1) log::warning("{}: {} pictures {}, the last: {}", name_, count_, what_, last_);
+    if (count_ == 1) log::warning("{}: image {}: {}", name_, what_, last_);
+    if (count_ > 1) log::warning("{}: {} images {}, the last: {}", name_, count_, what_, last_);
     count_ = 0;
     due_ns_ = steady_ns() + kSecondNs;
   }
@@ -125,7 +125,7 @@ std::string_view name_of(CameraState state) {
 
 namespace {
 
-/// Of a thread's health, what may change with every picture: published as a whole once a turn.
+/// Of a thread's health, what may change with every image: published as a whole once a turn.
 struct Figures {
   CameraState state = CameraState::kOpening;
   std::uint64_t frames = 0, incomplete = 0, dropped = 0, reconnects = 0;
@@ -184,7 +184,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   bool was_open = false;
   Figures now;
 
-  // Without a lock, for each picture.
+  // Without a lock, for each image.
   Seqlock<Figures> figures;             // what `now` was at the end of the last turn
   std::atomic<int> calling_out{0};      // 1: on_image or on_idle may be running, here or in a predecessor
   std::atomic<bool> silenced{false};    // no more of these
@@ -306,7 +306,7 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
   return nullptr;
 }
 
-/// Hands pictures over until the camera is lost, the recording has ended or stop() was called.
+/// Hands images over until the camera is lost, the recording has ended or stop() was called.
 CaptureStatus CameraThread::Shared::serve(Source& source) {
   std::int64_t window_start_ns = steady_ns();
   int window_frames = 0, damaged_in_a_row = 0;

@@ -47,11 +47,11 @@ struct CameraHealth {
   std::uint64_t dropped = 0;     // were never handed over, because nobody took them in time
   std::optional<PacketCounts> packets{};
   std::uint64_t reconnects = 0;  // times it was opened again after a loss
-  double fps = 0;                // pictures handed over a second, over the last second
-  int width = 0, height = 0;     // of the last picture; 0 before the first
+  double fps = 0;                // images handed over a second, over the last second
+  int width = 0, height = 0;     // of the last image; 0 before the first
   PixelFormat format = PixelFormat::kMono8;
   std::int64_t progress_ns = 0;         // steady_ns() of the thread's last turn; stands still when it hangs
-  CaptureTimes times{};                 // of the last picture
+  CaptureTimes times{};                 // of the last image
   std::vector<std::string> warnings{};  // of the last opening, see Source
 };
 
@@ -66,10 +66,10 @@ struct RetryDelays {
   std::chrono::milliseconds first{250}, longest{1000};
 };
 
-/// Keeps one camera open on a thread of its own and hands over its pictures. A camera that fails, dies or
+/// Keeps one camera open on a thread of its own and hands over its images. A camera that fails, dies or
 /// throws is closed and opened anew; closing may block on dead hardware, so each dead source is closed on a
-/// thread of its own and delays nothing. Repeated problems are logged once a second, counted. From picture to
-/// picture the thread takes no lock: whoever asks for its health delays none.
+/// thread of its own and delays nothing. Repeated problems are logged once a second, counted. From image to
+/// image the thread takes no lock: whoever asks for its health delays none.
 class CameraThread {
  public:
   using Open = std::function<std::unique_ptr<Source>()>;
@@ -78,7 +78,7 @@ class CameraThread {
 
   /// The thread is there and does nothing before start(). `name` begins log messages ("camera 0"). `open`
   /// makes a source or throws CaptureError; it must own all it uses, because a call that blocks is left
-  /// behind by stop(). `on_image` must not throw. `on_idle` is called by the same thread while no picture
+  /// behind by stop(). `on_image` must not throw. `on_idle` is called by the same thread while no image
   /// comes, and before a camera is closed: the time to give its buffers back. It says whether some are still
   /// out; then it is called again soon. Neither is called after stop(). Throws std::system_error when there
   /// is no thread to be had.

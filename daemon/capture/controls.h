@@ -41,7 +41,7 @@ enum class ControlEffect : std::uint8_t {
   kWhenOpened,  // the camera must be closed and opened again for it
 };
 
-/// The controls of an open camera. May be used from any thread, also beside the one that takes pictures, and
+/// The controls of an open camera. May be used from any thread, also beside the one that takes images, and
 /// may block for as long as the camera takes to answer. Lives on when the camera is closed; then all throws
 /// CaptureError.
 class Controls {

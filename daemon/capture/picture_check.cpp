@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kOldestS = 10;      // no driver holds a picture for so long
+constexpr double kOldestS = 10;      // no driver holds an image for so long
 constexpr double kEarliestS = -0.1;  // clocks that follow the same master agree better
 
 }  // namespace
@@ -18,7 +18,7 @@ std::string find_fault(const ImageView& picture) {
   if (picture.format > PixelFormat::kBayerBg8)
     return fmt::format("pixel format {} does not exist", static_cast<int>(picture.format));
   if (!is_valid_size(picture.format, picture.width, picture.height)) {
-    return fmt::format("{}x{} is no size of a {} picture", picture.width, picture.height,
+    return fmt::format("{}x{} is no size of a {} image", picture.width, picture.height,
                        name_of(picture.format));
   }
   if (picture.stride_bytes < std::ptrdiff_t{picture.width} * bytes_per_pixel(picture.format)) {

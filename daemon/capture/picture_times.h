@@ -8,7 +8,7 @@
 
 namespace sslv {
 
-/// What is known of a picture's time, in seconds.
+/// What is known of an image's time, in seconds.
 struct PictureStamps {
   double arrival_s = 0;              // Unix time at which its first packet came: about the exposure's end
   std::optional<double> camera_s{};  // the beginning of its exposure on the camera's own clock
@@ -16,7 +16,7 @@ struct PictureStamps {
   bool has_ptp = false;              // the camera has the Precision Time Protocol (IEEE 1588) switched on
 };
 
-/// Says when the pictures of a camera with a clock were taken: from that clock alone, while it agrees with
+/// Says when the images of a camera with a clock were taken: from that clock alone, while it agrees with
 /// the host's to whole seconds and both follow PTP; else from how it runs against arrivals, once that is
 /// known; else from arrivals. No allocation. For one thread.
 class PictureTimes {

@@ -18,7 +18,7 @@ struct SharedCamera::Pool {
   static constexpr std::size_t kMostOut = 64;  // more than any backend lends at once
   std::array<Held, kMostOut> held;
 
-  /// Called by the last taker of a picture, among others.
+  /// Called by the last taker of an image, among others.
   static void let_go(void*, void* lent) noexcept {
     auto& held = *static_cast<Held*>(lent);
     if (held.takers.fetch_sub(1) > 1) return;
@@ -84,7 +84,7 @@ void SharedCamera::hand_out(CaptureStatus status, CapturedImage& image, const st
         if (one.is_free.load()) held = &one;
       }
     }
-    // When none is let go any more, a picture is as good as not come.
+    // When none is let go any more, an image is as good as not come.
     const bool none_is_free = status == CaptureStatus::kImage && held == nullptr;
     if (held != nullptr) {
       held->is_free.store(false);

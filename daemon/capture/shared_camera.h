@@ -16,7 +16,7 @@
 
 namespace sslv {
 
-/// One open camera whose pictures go to several takers, none of which waits for another. A thread of its own
+/// One open camera whose images go to several takers, none of which waits for another. A thread of its own
 /// takes them from the camera; nothing is copied and nothing allocated for each.
 class SharedCamera {
  public:
@@ -26,7 +26,7 @@ class SharedCamera {
   static std::shared_ptr<SharedCamera> get(const std::string& key, const Open& open);
   ~SharedCamera();
 
-  /// Sees every picture from its making on, as long as it comes to take them.
+  /// Sees every image from its making on, as long as it comes to take them.
   class Taker {
    public:
     explicit Taker(std::shared_ptr<SharedCamera> camera);
@@ -55,7 +55,7 @@ class SharedCamera {
   std::optional<PacketCounts> packets() const noexcept { return source_->packets(); }
 
  private:
-  /// Pictures that several takers have; the last one to let go gives a picture back to the camera, which may
+  /// Images that several takers have; the last one to let go gives an image back to the camera, which may
   /// be closed by then.
   struct Pool;
 

@@ -19,7 +19,7 @@
 
 namespace sslv {
 
-/// A picture as the camera gave it.
+/// An image as the camera gave it.
 struct CapturedImage {
   Image image;           // borrows the driver's buffer
   CaptureTimes times{};  // arrived_ns is the camera thread's work
@@ -28,18 +28,18 @@ struct CapturedImage {
   std::string name{};       // file stem of a recorded frame; empty (no allocation) for live ones
 };
 
-/// What became of one attempt to get a picture.
+/// What became of one attempt to get an image.
 enum class CaptureStatus {
   kImage,       // `image` is filled
   kTimeout,     // nothing came; try again
-  kIncomplete,  // a picture came damaged (lost packets, unreadable file): counted and skipped
+  kIncomplete,  // an image came damaged (lost packets, unreadable file): counted and skipped
   kEnd,         // a recording has ended
   kLost,        // the camera is gone: close it and open it anew
 };
 
 /// Packets of a camera that sends over a network, since the opening.
 struct PacketCounts {
-  std::uint64_t missing = 0;  // never came; Aravis counts all of a picture from the first gap on
+  std::uint64_t missing = 0;  // never came; Aravis counts all of an image from the first gap on
   std::uint64_t resent = 0;   // came when they were asked for again
 };
 
@@ -49,12 +49,12 @@ class Source {
  public:
   virtual ~Source() = default;
 
-  /// Waits up to `timeout` for the next picture. Never throws; says why in `problem` for kIncomplete and
+  /// Waits up to `timeout` for the next image. Never throws; says why in `problem` for kIncomplete and
   /// kLost.
   virtual CaptureStatus next(CapturedImage& image, std::string& problem,
                              std::chrono::milliseconds timeout) = 0;
 
-  /// Pictures since the opening that were never handed over, because nobody took them in time.
+  /// Images since the opening that were never handed over, because nobody took them in time.
   virtual std::uint64_t dropped() const noexcept { return 0; }
 
   /// None: it does not send over a network.

@@ -20,8 +20,8 @@ struct Options {
     using O = Options;
     return std::tuple{
         object("of", &O::of, "the big camera: \"backend\" and its options, the same for all of its tiles"),
-        number("x", &O::x, 0, 16382, "px", "left edge in the big picture; even"),
-        number("y", &O::y, 0, 16382, "px", "upper edge in the big picture; even"),
+        number("x", &O::x, 0, 16382, "px", "left edge in the big image; even"),
+        number("y", &O::y, 0, 16382, "px", "upper edge in the big image; even"),
         number("width", &O::width, 2, 16384, "px", "even"),
         number("height", &O::height, 2, 16384, "px", "even"),
         object("controls", &O::controls, "what to set at the big camera; that of all tiles is set"),
@@ -81,7 +81,7 @@ Json complete_tile(const Json& json, const std::string& path,
   auto options = params_from_json<Options>(json, path);
   for (const auto& [key, value] :
        {std::pair{"x", options.x}, {"y", options.y}, {"width", options.width}, {"height", options.height}}) {
-    // Pairs of pixels share colours, in YUV 4:2:2 as in Bayer pictures.
+    // Pairs of pixels share colours, in YUV 4:2:2 as in Bayer images.
     if (value % 2 != 0) {
       throw SettingsError(fmt::format("{}/{}: {} is not allowed; expected an even number", path, key, value));
     }

@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-// A part of a big camera's pictures as a camera of its own, without copying. Tiles of the same camera share
+// A part of a big camera's images as a camera of its own, without copying. Tiles of the same camera share
 // it. What kind of camera that may be is the caller's to know.
 
 /// Options with defaults filled in; `complete_source` does that for the big camera's. Throws SettingsError,

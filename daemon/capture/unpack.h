@@ -6,8 +6,8 @@
 
 namespace sslv {
 
-// How cameras send pictures that the pipeline does not read, made into those that it does. `pixels` is
-// the whole picture's number of pixels; rows follow each other without a gap, on both sides.
+// How cameras send images that the pipeline does not read, made into those that it does. `pixels` is
+// the whole image's number of pixels; rows follow each other without a gap, on both sides.
 
 /// U Y Y V Y Y for four pixels -> U Y V Y for two; `pixels` divisible by 4. Both pairs get the colour of the
 /// four.

@@ -20,12 +20,12 @@ enum class SpotsOf {
   kAnyColor,  // balls on a carpet
 };
 
-/// The picture's spots of some radius, those of most contrast first, `most` of them at most. `noise_grey` is
+/// The image's spots of some radius, those of most contrast first, `most` of them at most. `noise_grey` is
 /// that of one pixel.
 std::vector<Spot> find_spots(const SmallPicture& picture, double radius_px, double noise_grey, SpotsOf kind,
                              std::size_t most);
 
-/// The cell size for spots of a radius: small enough for them, no smaller, so that large pictures take no
+/// The cell size for spots of a radius: small enough for them, no smaller, so that large images take no
 /// longer than small ones.
 int cell_px_for(PixelFormat format, double radius_px);
 

@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// A ball that the picture shows.
+/// A ball that the image shows.
 struct SeenBall {
   std::size_t frame;
   double pixel_x, pixel_y, radius_px;

@@ -63,7 +63,7 @@ class Learner {
  private:
   void look_at_pictures() {
     if (task_.frames.empty()) {
-      out_.problem = "no picture was given";
+      out_.problem = "no image was given";
       return;
     }
     const ImageView& first = task_.frames.front();
@@ -72,17 +72,17 @@ class Learner {
     for (const ImageView& image : task_.frames) {
       if (image.empty() || image.format != first.format || image.width != first.width ||
           image.height != first.height) {
-        out_.problem = "the pictures are not all of one size and format";
+        out_.problem = "the images are not all of one size and format";
         return;
       }
       if (!has_colors(image.format)) {
-        out_.problem = "the camera sends grey pictures: choose a pixel format with colours";
+        out_.problem = "the camera sends grey images: choose a pixel format with colours";
         return;
       }
       constexpr int kLeastSide = 32;
       if (std::min(image.width, image.height) < kLeastSide) {
         out_.problem =
-            fmt::format("pictures of {} x {} pixels are too small to learn from", image.width, image.height);
+            fmt::format("images of {} x {} pixels are too small to learn from", image.width, image.height);
         return;
       }
       const PictureExposure exposure = exposure_of(pictures_.emplace_back(image, task_.mask).of(2));
@@ -99,16 +99,16 @@ class Learner {
     bright_ = bright;
     if (bright < kLeastBright) {
       out_.problem = fmt::format(
-          "the picture is too dark: its brightest parts reach {:.0f} of 255; open the lens, "
+          "the image is too dark: its brightest parts reach {:.0f} of 255; open the lens, "
           "raise exposure or gain, or switch the light on",
           bright);
     } else if (clipped > kMostClippedShare) {
       out_.problem = fmt::format(
-          "the picture is over-exposed: {:.0f} % of it is at the upper end; lower exposure or "
+          "the image is over-exposed: {:.0f} % of it is at the upper end; lower exposure or "
           "gain",
           100 * clipped);
     } else if (colorfulness < kLeastColorfulness) {
-      out_.problem = "the picture is grey: check the camera's saturation and pixel format";
+      out_.problem = "the image is grey: check the camera's saturation and pixel format";
     }
   }
 
@@ -153,7 +153,7 @@ class Learner {
     if (robots_.size() < kEnoughRobots && (robots_.size() < 2 || !clear_cut)) {
       out_.problem = fmt::format(
           "only {} robot{} found{}: {}", robots_.size(), robots_.size() == 1 ? " was" : "s were",
-          task_.frames.size() > 1 ? fmt::format(" in {} pictures", task_.frames.size()) : "", kNeeded);
+          task_.frames.size() > 1 ? fmt::format(" in {} images", task_.frames.size()) : "", kNeeded);
     } else if (robots_.size() < kEnoughRobots) {
       out_.notes.push_back(
           fmt::format("only {} robots were found: with more of them, all over the field, the table "

@@ -38,7 +38,7 @@ struct LearntRobot {
   Team team;
   int id;                   // -1: no code of the table has these colours
   double pixel_x, pixel_y;  // of its centre dot
-  double orientation_rad;   // on the field; without a camera: counter-clockwise from the picture's +x
+  double orientation_rad;   // on the field; without a camera: counter-clockwise from the image's +x
   double px_per_mm;
   struct Dot {
     Label label;
@@ -76,17 +76,17 @@ struct LearntColors {
   std::vector<LearntRobot> robots;   // of all frames
   std::vector<LearntBall> balls;
   std::vector<LearntLabel> labels;  // that have samples, by value
-  double mm_per_px = 0;             // on the robots' tops in the middle of the picture; 0: not found out
+  double mm_per_px = 0;             // on the robots' tops in the middle of the image; 0: not found out
 
   std::size_t robots_of(Team team) const;
 };
 
-/// Learns a camera's colours from pictures of the game, with nobody pointing at anything: a robot is known by
+/// Learns a camera's colours from images of the game, with nobody pointing at anything: a robot is known by
 /// its whole pattern of dots on black, whatever their colours, a ball by its shape and by being on the
 /// carpet; the colours of the dots fall into groups that differ as the prints do. Colours that are not in the
-/// pictures are predicted from those that are, and a note says so. Never guesses: where robots are missing,
+/// images are predicted from those that are, and a note says so. Never guesses: where robots are missing,
 /// or light does not let colours be told apart, there is a problem and no table. Throws nothing; takes a
-/// second or two for three pictures of 5 megapixels.
+/// second or two for three images of 5 megapixels.
 LearntColors learn_colors(const LearnTask& task);
 
 }  // namespace sslv

@@ -63,7 +63,7 @@ std::optional<SeenRobot> whole(const PatternFit& fit, const PatternTable& patter
   return out;
 }
 
-/// Sizes in pixels of what is one mm large, over the picture.
+/// Sizes in pixels of what is one mm large, over the image.
 std::vector<double> scales_of(const ImageView& image, const CameraModel& camera, double height_mm) {
   std::vector<double> all;
   for (int y = 0; y < 5; ++y) {

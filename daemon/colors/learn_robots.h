@@ -22,7 +22,7 @@ struct SeenDot {
   double snr = 0;  // contrast over one sample's noise
 };
 
-/// A whole pattern that the picture shows, whatever its colours.
+/// A whole pattern that the image shows, whatever its colours.
 struct SeenRobot {
   std::size_t frame = 0;
   PatternPose pose{};
@@ -48,7 +48,7 @@ struct RobotSearch {
 std::vector<SeenRobot> find_patterns(const RobotSearch& search, const CameraModel& camera,
                                      std::span<const double> heights_mm);
 
-/// The same without a calibration, at about that scale: lenses make it differ over the picture. Poses are
+/// The same without a calibration, at about that scale: lenses make it differ over the image. Poses are
 /// those of flat_camera().
 std::vector<SeenRobot> find_patterns_flat(const RobotSearch& search, double mm_per_px);
 

@@ -63,7 +63,7 @@ std::size_t area_of(const ImageView& image, double x, double y) {
                                   place(x, image.width, LightState::kColumns));
 }
 
-/// Something that grows with the light at a place of the picture: Y, or green.
+/// Something that grows with the light at a place of the image: Y, or green.
 std::uint8_t luma_at(const ImageView& image, int x, int y) {
   const std::uint8_t* row = image.row(y);
   if (is_yuv422(image.format)) return row[2 * x + (image.format == PixelFormat::kUyvy ? 1 : 0)];

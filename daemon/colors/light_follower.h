@@ -71,10 +71,10 @@ struct LightState {
   LightFollowing following = LightFollowing::kOff;
   std::string why;                      // frozen, or which bound; for people
   std::array<double, 3> gain{1, 1, 1};  // of red, green and blue since the table was accepted
-  /// Each part of the picture beside the whole, since it was first seen; 1 where too few robots were. Row by
+  /// Each part of the image beside the whole, since it was first seen; 1 where too few robots were. Row by
   /// row.
   std::array<double, std::size_t{kColumns} * kRows> areas;
-  int robots = 0;                          // that counted in the newest picture
+  int robots = 0;                          // that counted in the newest image
   std::optional<double> last_confirmed_s;  // when enough of them last did
   bool from_carpet = false;                // a jump of the carpet's light was followed, robots are awaited
 
@@ -95,14 +95,14 @@ struct LightStep {
 /// What a team's dot of one colour looks like is taken from the first that are confirmed while the accepted
 /// table is in force, and then stays, so that nothing drifts. Later ones tell the light: one gain for each of
 /// red, green and blue, the median over all dots, and beside it, slowly, a brightness for each part of the
-/// picture.
+/// image.
 ///
-/// Has no thread and reads no clock. Pictures a few times a second will do.
+/// Has no thread and reads no clock. Images a few times a second will do.
 class LightFollower {
  public:
   explicit LightFollower(std::shared_ptr<const Lut> accepted);
 
-  /// One finished picture.
+  /// One finished image.
   struct Look {
     double time_s;
     const ImageView& image;
@@ -132,7 +132,7 @@ class LightFollower {
  private:
   static constexpr std::size_t kAreas = std::tuple_size_v<decltype(LightState::areas)>;
   using Log3 = std::array<double, 3>;  // logarithms, of red, green and blue
-  /// Those of a part of the picture.
+  /// Those of a part of the image.
   struct Area {
     int count = 0;
     double now = 0, first = 0;  // logarithm of the brightness beside the whole
@@ -176,7 +176,7 @@ class LightFollower {
   LightState state_;
   std::deque<LightStep> steps_;
   bool taken_back_ = false, has_followed_ = false;
-  double time_s_ = 0;  // of the newest picture
+  double time_s_ = 0;  // of the newest image
 
   PatternFitter fitter_;
   Log3 gain_{};
@@ -184,7 +184,7 @@ class LightFollower {
   std::map<Key, Reference> references_;
   std::array<Area, kAreas> areas_{};
 
-  /// The picture when robots were last confirmed.
+  /// The image when robots were last confirmed.
   struct Before {
     double time_s;
     AreaLuma luma;

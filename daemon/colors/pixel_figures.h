@@ -12,15 +12,15 @@
 
 namespace sslv {
 
-/// A rectangle of a picture, in pixels.
+/// A rectangle of an image, in pixels.
 struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// The cells of a rectangle, row by row: pixels, or the 2x2 quads of a Bayer picture, and what a table makes
+/// The cells of a rectangle, row by row: pixels, or the 2x2 quads of a Bayer image, and what a table makes
 /// of them.
 struct PixelBlock {
-  PixelBox box;  // what is left of the rectangle within the picture, grown to whole cells
+  PixelBox box;  // what is left of the rectangle within the image, grown to whole cells
   int cell_px = 1;
   int columns = 0, rows = 0;
   std::vector<Yuv> colors;
@@ -30,7 +30,7 @@ struct PixelBlock {
 /// The colour of the cell at (x, y), counted in cells: of a pixel, or of the 2x2 quad of a Bayer image.
 Yuv cell_color(const ImageView& image, int x, int y);
 
-/// Empty when the rectangle lies outside the picture. Grey pixels have U = V = 128.
+/// Empty when the rectangle lies outside the image. Grey pixels have U = V = 128.
 PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut);
 
 /// Cells of the block that hang together (8 neighbours) with the one that the pixel lies in, and have its

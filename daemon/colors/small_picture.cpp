@@ -57,7 +57,7 @@ void add_bayer_row(const std::uint8_t* row, int cell_px, std::size_t even, std::
   }
 }
 
-/// Brightness, or for Bayer pictures the samples of one colour, so that neighbours are alike.
+/// Brightness, or for Bayer images the samples of one colour, so that neighbours are alike.
 struct Grid {
   int first, step_px, step_bytes;
 };

@@ -16,10 +16,10 @@ namespace sslv {
 
 using Color3 = Eigen::Vector3d;  // red, green, blue in grey levels; unlike Rgb it may lie outside the cube
 
-/// A picture's colours, averaged over cells of cell_px x cell_px pixels, with sums over rectangles at hand.
+/// An image's colours, averaged over cells of cell_px x cell_px pixels, with sums over rectangles at hand.
 class SmallPicture {
  public:
-  /// `cell_px` is even for Bayer pictures, and 1 or even for YUV 4:2:2. The picture has colours. Cells whose
+  /// `cell_px` is even for Bayer images, and 1 or even for YUV 4:2:2. The image has colours. Cells whose
   /// middle the mask hides are not shown.
   SmallPicture(const ImageView& image, int cell_px, const Mask* mask);
 
@@ -29,7 +29,7 @@ class SmallPicture {
 
   Color3 at(int x, int y) const;
   bool shows(int x, int y) const { return shown_.empty() || shown_[index(x, y)] != 0; }
-  /// Mean over the square of 2 reach + 1 cells about a cell, which must lie in the picture.
+  /// Mean over the square of 2 reach + 1 cells about a cell, which must lie in the image.
   Color3 mean(int x, int y, int reach) const;
   /// Mean over the square of 2 outer + 1 cells without that of 2 inner + 1.
   Color3 ring_mean(int x, int y, int inner, int outer) const;
@@ -56,7 +56,7 @@ class SmallPicture {
   std::vector<std::uint8_t> shown_;
 };
 
-/// A picture in cells of the sizes that were asked for, each made once.
+/// An image in cells of the sizes that were asked for, each made once.
 class SmallPictures {
  public:
   SmallPictures(const ImageView& image, const Mask* mask) : image_(image), mask_(mask) {}
@@ -74,10 +74,10 @@ class SmallPictures {
   std::map<int, SmallPicture> pictures_;
 };
 
-/// Whether learning can look at such a picture at all.
+/// Whether learning can look at such an image at all.
 bool has_colors(PixelFormat format);
 
-/// Noise of one pixel in grey levels, from how neighbours differ: a robust estimate on the picture's
+/// Noise of one pixel in grey levels, from how neighbours differ: a robust estimate on the image's
 /// brightness. 0 for none.
 double noise_of(const ImageView& image);
 

@@ -33,7 +33,7 @@ bool goes_on(const Color3& here, const Color3& there) {
 /// A place on a large surface.
 struct Place {
   std::size_t frame;
-  int cell_x, cell_y;  // of the small picture
+  int cell_x, cell_y;  // of the small image
   Color3 color, shares;
   std::optional<std::array<Color3, 2>> beside;  // shares on both its sides, where it is as narrow as a line
 };

@@ -445,7 +445,7 @@ void set_all(const ColorTable& all, ColorTable& table, Brush& brush) {
 void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
   const Lut lut(table);  // knows what is typical of its labels
   ColorTable widened = table;
-  // What is typical of a label is a guess here, unlike the dots of a picture: the carpet goes first.
+  // What is typical of a label is a guess here, unlike the dots of an image: the carpet goes first.
   const SurfaceReach carpet = reach_of(*edit.surfaces, SurfaceKind::kCarpet, edit.range);
   clear_surfaces(widened, *edit.surfaces, edit.range, [&](Label label, Yuv color) {
     if (carpet(color)) return false;

@@ -157,7 +157,7 @@ class Past {
   Color per_gain_;
 };
 
-/// The lights to look in: that of the whole picture first, then those further and further away.
+/// The lights to look in: that of the whole image first, then those further and further away.
 std::vector<Past> lights_of(const Lut& accepted, const LightChange& change) {
   std::vector<double> factors{1};
   for (double f = kAreaStep; f < change.brightest_area * std::sqrt(kAreaStep); f *= kAreaStep)

@@ -11,9 +11,9 @@ namespace sslv {
 
 /// How light differs from that in which a table was accepted.
 struct LightChange {
-  std::array<double, 3> gain{1, 1, 1};  // of red, green and blue, in the whole picture
+  std::array<double, 3> gain{1, 1, 1};  // of red, green and blue, in the whole image
   /// Where light is uneven in another way than it was: the least and the greatest factor on `gain` that parts
-  /// of the picture have.
+  /// of the image have.
   double darkest_area = 1, brightest_area = 1;
 
   bool operator==(const LightChange&) const = default;

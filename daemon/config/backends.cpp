@@ -22,7 +22,7 @@ namespace {
 Backend tile_of_backends() {
   return {
       "tile",
-      "a part of a big camera's pictures",
+      "a part of a big camera's images",
       [](const Json& options, const std::string& path) {
         return complete_tile(options, path, complete_source);
       },

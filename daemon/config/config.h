@@ -102,13 +102,13 @@ struct CameraSettings {
     return std::tuple{
         number("id", &C::id, 0, 255, "", "camera_id in the packets"),
         text("name", &C::name, "for people, such as the part of the field it sees"),
-        object("source", &C::source, "where pictures come from: \"backend\" and that backend's options"),
+        object("source", &C::source, "where images come from: \"backend\" and that backend's options"),
         group("calibration", &C::calibration,
               "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
         group("colors", &C::colors, "the colour lookup table"),
         group("follow_light", &C::follow_light, "whether the table follows the light, and how far"),
-        group("mask", &C::mask, "which part of the picture is looked at"),
-        names("stack", &C::stack, "the stages a picture passes, in order", 64),
+        group("mask", &C::mask, "which part of the image is looked at"),
+        names("stack", &C::stack, "the stages an image passes, in order", 64),
         object("stages", &C::stages, "parameters of the stages"),
         group("thread", &C::thread, "priority and processor of the camera's thread"),
     };

@@ -19,7 +19,7 @@ std::span<const StageType> stage_table() {
       stage<Segment>("segment",
                      "finds the regions of labelled pixels: threshold, find_runs and find_regions in one"),
       stage<Threshold>("threshold", "labels every pixel by the colour lookup table"),
-      stage<FindRuns>("find_runs", "run-length encodes the labelled picture"),
+      stage<FindRuns>("find_runs", "run-length encodes the labelled image"),
       stage<FindRegions>("find_regions", "joins runs into regions"),
       stage<DetectRobots>("detect_robots", "finds robots by the pattern table"),
       stage<DetectBalls>("detect_balls", "finds balls"),

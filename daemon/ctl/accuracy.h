@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The accuracy suite: simulated pictures under named conditions, detected and compared with the truth. A file
+// The accuracy suite: simulated images under named conditions, detected and compared with the truth. A file
 // says what the conditions are and how good the result must be (tests/golden/accuracy.json).
 
 #include "base/json.h"
@@ -23,7 +23,7 @@
 
 namespace sslv {
 
-/// A field and the camera over it; the picture has the size that the calibration names.
+/// A field and the camera over it; the image has the size that the calibration names.
 struct AccuracyField {
   FieldSize size;
   CameraCalibration calibration;
@@ -32,8 +32,8 @@ struct AccuracyField {
     using F = AccuracyField;
     return std::tuple{
         group("size", &F::size, "sizes of the playing field"),
-        group("calibration", &F::calibration, "of the camera, and the size of its pictures"),
-        number("frames", &F::frames, 1, 100'000, "", "pictures for each condition"),
+        group("calibration", &F::calibration, "of the camera, and the size of its images"),
+        number("frames", &F::frames, 1, 100'000, "", "images for each condition"),
     };
   }
 };
@@ -59,7 +59,7 @@ struct AccuracyLimits {
         number("ball_precision", &L::ball_precision, 0.0, 1.0, "", "least share of the found balls that are"),
         number("ball_rms_mm", &L::ball_rms_mm, 0.0, 1000.0, "mm", "largest error of a ball's position"),
         number("false_balls_in_100", &L::false_balls_in_100, 0.0, 1e5, "",
-               "most balls that are none, in 100 pictures"),
+               "most balls that are none, in 100 images"),
         number("worst_recall", &L::worst_recall, 0.0, 1.0, "",
                "least recall of robots in any five seconds of a film"),
         number("worst_ball_recall", &L::worst_ball_recall, 0.0, 1.0, "", "the same of balls"),
@@ -73,8 +73,8 @@ struct AccuracyLimits {
 
 /// Where a condition's colour table comes from.
 enum class AccuracyColors : std::uint8_t {
-  kClicked,  // from what an admin might have clicked at in other pictures: eight places for each label
-  kLearnt,   // from other pictures by learn_colors(), without a click
+  kClicked,  // from what an admin might have clicked at in other images: eight places for each label
+  kLearnt,   // from other images by learn_colors(), without a click
 };
 inline constexpr std::array<Choice<AccuracyColors>, 2> kAccuracyColorsChoices{
     {{"clicked", AccuracyColors::kClicked}, {"learnt", AccuracyColors::kLearnt}}};
@@ -109,21 +109,21 @@ struct AccuracyCondition {
                "the camera is scaled to this resolution on the floor in its middle; null: it is not"),
         object("source", &C::source, "the simulator's options, over those of the suite"),
         numbers("halls", &C::halls, 0, 1'000'000,
-                "seeds of halls that share the pictures, each with a colour table of its own; none: those of "
+                "seeds of halls that share the images, each with a colour table of its own; none: those of "
                 "the suite, or the one that source says"),
         choice("colors", &C::colors, kAccuracyColorsChoices, "instead of what the suite says"),
         number("learn_frames", &C::learn_frames, 1, 30, "", "instead of what the suite says"),
         object("learn_source", &C::learn_source,
-               "the simulator's options for the pictures that the colours come from, over source"),
+               "the simulator's options for the images that the colours come from, over source"),
         number("robot_height", &C::robot_height, 20.0, 1000.0, "mm", "height of the patterns of both teams"),
         object("teams", &C::teams, "settings of the teams"),
         object("stages", &C::stages, "parameters of the stages"),
         number("min_ball_share", &C::min_ball_share, 0.0, 1.0, "",
                "a ball of which less is in sight need not be found"),
-        flag("cut_to_8_bits", &C::cut_to_8_bits, "pictures of more bits are cut to 8, for comparison"),
-        number("frames", &C::frames, 1, 100'000, "", "pictures; null: as many as the field says"),
+        flag("cut_to_8_bits", &C::cut_to_8_bits, "images of more bits are cut to 8, for comparison"),
+        number("frames", &C::frames, 1, 100'000, "", "images; null: as many as the field says"),
         number("film_hz", &C::film_hz, 1.0, 1000.0, "Hz",
-               "pictures follow each other like this, and the colours were clicked at before light_swing and "
+               "images follow each other like this, and the colours were clicked at before light_swing and "
                "cast_swing began; null: they have little in common"),
         group("follow_light", &C::follow_light, "the colour table follows the light of a film"),
         object("must", &C::must, "how good the result must be, over the suite's"),
@@ -143,14 +143,14 @@ struct AccuracySuite {
     using S = AccuracySuite;
     return std::tuple{
         choice("colors", &S::colors, kAccuracyColorsChoices,
-               "where the colour tables come from: clicked: a few places in other pictures; learnt: other "
-               "pictures and no click"),
+               "where the colour tables come from: clicked: a few places in other images; learnt: other "
+               "images and no click"),
         number("learn_frames", &S::learn_frames, 1, 30, "",
-               "how many pictures that is; null: two with clicks, three without"),
+               "how many images that is; null: two with clicks, three without"),
         numbers("halls", &S::halls, 0, 1'000'000, "the halls of every condition that names none"),
         object("source", &S::source, "the simulator's options in every condition"),
         object("learn_source", &S::learn_source,
-               "the same for the pictures that the colours come from, over source"),
+               "the same for the images that the colours come from, over source"),
         object("stages", &S::stages, "parameters of the stages in every condition"),
         object("must", &S::must, "how good the result must be in every condition"),
         object("fields", &S::named_fields, "fields with their cameras, by name"),
@@ -172,7 +172,7 @@ struct AccuracyBound {
 struct AccuracyRow {
   std::string condition, pixel_format;
   AccuracyColors colors;
-  double px_per_mm;  // on the floor in the middle of the picture
+  double px_per_mm;  // on the floor in the middle of the image
   Score score;
   std::vector<std::string> failures;  // what is worse than it must be, for people
   /// A part of a film.
@@ -217,9 +217,9 @@ struct AccuracyOptions {
   std::function<void(const AccuracyRow&)> done = [](const AccuracyRow&) {};
 };
 
-/// Runs the camera's usual stack over simulated pictures of each condition and scores it. The colour table is
-/// made under the same condition, but for learn_source, from other pictures: of clicks, spread over the
-/// picture, by lut_from_samples, or by learn_colors. Where nothing could be learnt nothing is found, and the
+/// Runs the camera's usual stack over simulated images of each condition and scores it. The colour table is
+/// made under the same condition, but for learn_source, from other images: of clicks, spread over the
+/// image, by lut_from_samples, or by learn_colors. Where nothing could be learnt nothing is found, and the
 /// row says why. The same suite gives the same report. Throws SettingsError for a
 /// name of `only` that is not in the suite, CaptureError when the simulator cannot draw a condition.
 AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOptions& options);

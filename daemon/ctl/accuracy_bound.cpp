@@ -92,7 +92,7 @@ DotPixels draw(const BoundPicture& picture, std::span<const BoundPose> moments, 
       rim[i].along_v = (rim[(i + 1) % kPoints].pixel.y() - rim[(i + kPoints - 1) % kPoints].pixel.y()) / 2;
       area += rim[i].pixel.x() * rim[i].along_v;
     }
-    if (area < 0) {  // pictures have y downwards
+    if (area < 0) {  // images have y downwards
       for (RimPoint& point : rim) point.along_v = -point.along_v;
     }
   }
@@ -143,14 +143,14 @@ DotPixels draw(const BoundPicture& picture, std::span<const BoundPose> moments, 
   return out;
 }
 
-/// A value of the picture, and what it says: its weights on the pixels x and x + 1.
+/// A value of the image, and what it says: its weights on the pixels x and x + 1.
 struct Sample {
   int plane;
   double value;
   DotPixels::Pixel pixel;
 };
 
-/// Values that share noise: all of one pixel, or of two in YUV pictures.
+/// Values that share noise: all of one pixel, or of two in YUV images.
 struct Unit {
   std::array<Sample, 4> samples;
   std::size_t count = 0;

@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// A picture of whose robots the places are to be estimated.
+/// An image of whose robots the places are to be estimated.
 struct BoundPicture {
   const ImageView& image;  // with its noise: how bright the dots are is read from it
   const CameraModel& camera;
@@ -32,7 +32,7 @@ struct RobotBound {
 /// The bound for one robot, from what all samples at its dots' edges say, as if all but its pose were known:
 /// brightness and colour of dots and top, blur and noise, with what the noise of Y, U and V has in common.
 /// Rounding counts as noise. The top's rim does not count: robots differ there. `moments`: its poses during
-/// the exposure, evenly spread. Nothing when a dot is not in the picture.
+/// the exposure, evenly spread. Nothing when a dot is not in the image.
 std::optional<RobotBound> robot_bound(const BoundPicture& picture, std::span<const BoundPose> moments);
 
 }  // namespace sslv

@@ -13,7 +13,7 @@
 namespace sslv {
 namespace {
 
-/// A place in a training picture where somebody may click to show a colour.
+/// A place in a training image where somebody may click to show a colour.
 struct Place {
   std::size_t picture;
   Label label;
@@ -77,7 +77,7 @@ Rgb color_around(const ImageView& view, const Eigen::Vector2d& pixel) {
   return {byte(r), byte(g), byte(b)};
 }
 
-/// Where an admin sees things to click at in one picture.
+/// Where an admin sees things to click at in one image.
 class PlaceFinder {
  public:
   PlaceFinder(const Scene& scene, const PatternTable& patterns, std::size_t picture, const Json& truth,
@@ -148,7 +148,7 @@ class PlaceFinder {
   /// In the corners, at the sides and in the middle.
   void add_carpet() {
     constexpr int kAttempts = 100;
-    constexpr double kReach = 0.06;  // of the picture's size
+    constexpr double kReach = 0.06;  // of the image's size
     const CameraCalibration& c = scene_.camera->calibration();
     const double lines_mm = 30 + scene_.field.line_thickness / 2.0;
     for (const double across : {0.08, 0.5, 0.92}) {
@@ -222,7 +222,7 @@ std::vector<Place> spread(const std::vector<Place>& places, std::size_t count) {
   return out;
 }
 
-/// The same conditions with other pictures.
+/// The same conditions with other images.
 SimulatorOptions other_pictures(SimulatorOptions options) {
   constexpr int kOtherSeed = 500'000;
   options.seed = (options.seed + kOtherSeed) % 1'000'000;

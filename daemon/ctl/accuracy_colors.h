@@ -13,7 +13,7 @@ namespace sslv {
 /// A table without a click; with a problem when nothing was learnt.
 LearntColors learn(const Trial& trial, const World& world);
 
-/// What an admin clicks at, spread over the picture: eight places of each label.
+/// What an admin clicks at, spread over the image: eight places of each label.
 std::vector<ColorSample> click(const Trial& trial, const World& world);
 
 }  // namespace sslv

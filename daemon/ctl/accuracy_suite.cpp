@@ -15,7 +15,7 @@
 namespace sslv {
 namespace {
 
-/// On the floor in the middle of the picture.
+/// On the floor in the middle of the image.
 double px_per_mm_of(const CameraCalibration& c) {
   const Eigen::Vector2d middle(c.pixel_image_width / 2.0, c.pixel_image_height / 2.0);
   return 1 / std::sqrt(CameraModel(c).mm2_per_px(middle, 0));
@@ -43,7 +43,7 @@ AccuracyField field_named(const AccuracySuite& suite, const std::string& name, c
         if (size == 0) {
           throw SettingsError(field_path +
                               "/calibration: pixel_image_width and pixel_image_height are missing; they are "
-                              "the size of the pictures");
+                              "the size of the images");
         }
       }
       return field;

@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-inline constexpr double kFirstS = 1000, kStepS = 7.3;  // so far apart that pictures have little in common
+inline constexpr double kFirstS = 1000, kStepS = 7.3;  // so far apart that images have little in common
 
 /// A condition in one pixel format, with all that its names stand for.
 struct Trial {

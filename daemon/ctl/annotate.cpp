@@ -34,7 +34,7 @@ class Annotating {
 
   void take(const std::string& name, const Frame& frame) {
     if (has_picture(name))
-      throw SettingsError(fmt::format("{}: two pictures are called {}", o_.pictures.input, name));
+      throw SettingsError(fmt::format("{}: two images are called {}", o_.pictures.input, name));
     constexpr int kWhole = 1 << 14, kQuality = 92;
     const auto jpeg = encoder_.encode(frame.image.view(), kWhole, kQuality, Chroma::kFull);
     pictures_.push_back({name, {jpeg.begin(), jpeg.end()}});
@@ -48,9 +48,9 @@ class Annotating {
 
   void correct_pictures() {
     if (!o_.frame.empty() && !has_picture(o_.frame))
-      throw SettingsError(fmt::format("--frame: {} has no picture \"{}\"", o_.pictures.input, o_.frame));
+      throw SettingsError(fmt::format("--frame: {} has no image \"{}\"", o_.pictures.input, o_.frame));
     if (o_.frame.empty() && !o_.corrections.empty() && pictures_.size() > 1)
-      throw SettingsError(fmt::format("--frame: which of the {} pictures is corrected?", pictures_.size()));
+      throw SettingsError(fmt::format("--frame: which of the {} images is corrected?", pictures_.size()));
     for (const Picture& picture : pictures_) {
       if (is_meant(picture.name)) correct(*line_of(picture.name), o_.corrections, scene_);
     }
@@ -80,13 +80,13 @@ class Annotating {
     }
     if (pictures_.empty()) return;
     const std::string& first = o_.frame.empty() ? pictures_.front().name : o_.frame;
-    out << fmt::format("{}: {} of {} pictures not checked yet; look at {} in a browser\n", o_.truth_file,
+    out << fmt::format("{}: {} of {} images not checked yet; look at {} in a browser\n", o_.truth_file,
                        not_checked, pictures_.size(),
                        (fs::path(o_.pages_folder) / annotation_page_name(first)).string());
   }
 
  private:
-  /// A picture of the input.
+  /// An image of the input.
   struct Picture {
     std::string name;
     std::vector<std::uint8_t> jpeg;

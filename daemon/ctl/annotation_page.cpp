@@ -68,7 +68,7 @@ std::string annotation_page(const Json& line, std::span<const std::uint8_t> jpeg
   std::string text = data.dump();
   replace_all(text, "<", "\\u003c");  // nothing in it ends the script
   std::string page(kAnnotationPageHtml);
-  constexpr std::string_view kPlace = "{\"//\": \"the picture and its marks\"}";
+  constexpr std::string_view kPlace = "{\"//\": \"the image and its marks\"}";
   page.replace(page.find(kPlace), kPlace.size(), text);
   return page;
 }

@@ -24,30 +24,30 @@ struct BenchResult {
   std::vector<StageTiming> stages;  // and "total" last
 };
 
-/// Pictures in buffers of their own.
+/// Images in buffers of their own.
 struct Recording {
   std::vector<std::vector<std::uint8_t>> buffers;
   std::vector<ImageView> views;
 };
 
-/// Copies of a source's first `count` pictures, of all for 0. Throws CaptureError when there is none.
+/// Copies of a source's first `count` images, of all for 0. Throws CaptureError when there is none.
 Recording record(Source& source, int count);
 
 /// The camera of the settings with a sensor of that size: it still sees the same part of the field.
 Scene scene_of(const Config& config, std::size_t camera_index, int width, int height);
 
 /// What the simulator draws for a camera with a sensor of that size and format: its calibration is scaled
-/// with the picture. `options` go over those of the camera's source.
+/// with the image. `options` go over those of the camera's source.
 /// They are the same in every run.
 Recording draw_frames(const Config& config, std::size_t camera_index, PixelFormat format, int width,
                       int height, int frames, const Json& options = Json::object());
 
 /// Runs the camera's stack over simulated frames of several formats and sizes, in one thread. The calibration
-/// is scaled with the picture. `frames` frames are drawn for each kind, and run `rounds` times.
+/// is scaled with the image. `frames` frames are drawn for each kind, and run `rounds` times.
 std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camera_index, int frames,
                                          int rounds);
 
-/// The same over recorded frames (pictures or raw ones as `process` takes them), read into memory first.
+/// The same over recorded frames (images or raw ones as `process` takes them), read into memory first.
 BenchResult bench_recorded(const Config& config, std::size_t camera_index, const std::string& input,
                            const std::string& pixel_format, int width, int height, int rounds);
 

@@ -101,7 +101,7 @@ CalibrationReport calibrate_recording(const CalibrateInput& input, const Calibra
       case CaptureStatus::kLost: throw CaptureError(problem);
     }
   }
-  if (mean.frames() == 0) throw CaptureError(input.path + ": holds no picture that can be used");
+  if (mean.frames() == 0) throw CaptureError(input.path + ": holds no image that can be used");
   return calibrate(mean, make_task(request, field, previous));
 }
 

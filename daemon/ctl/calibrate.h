@@ -28,8 +28,8 @@ struct CalibrateInput {
   int width = 0, height = 0;  // of raw frames
 };
 
-/// Calibrates from recorded pictures. What cannot be read of them goes to `problems`. Throws SettingsError,
-/// and CaptureError when no picture can be used.
+/// Calibrates from recorded images. What cannot be read of them goes to `problems`. Throws SettingsError,
+/// and CaptureError when no image can be used.
 CalibrationReport calibrate_recording(const CalibrateInput& input, const CalibrationRequest& request,
                                       const FieldSize& field, std::optional<CameraCalibration> previous,
                                       std::ostream& problems);

@@ -114,7 +114,7 @@ std::string learning_text(const Json& report) {
   if (report.at("learnt") != true) return "NOT learnt: " + report.at("problem").get<std::string>() + "\n";
   const Json& pictures = report.at("pictures");
   std::string out = fmt::format(
-      "Learnt in {:.1f} s from {} yellow and {} blue robots and {} balls of {} pictures.\n"
+      "Learnt in {:.1f} s from {} yellow and {} blue robots and {} balls of {} images.\n"
       "  found before: {} robots, {} balls; with the learnt table: {} robots, {} balls\n",
       report.at("seconds").get<double>(), report.at("robots").at("yellow").get<int>(),
       report.at("robots").at("blue").get<int>(), report.at("balls").get<int>(), pictures.size(),

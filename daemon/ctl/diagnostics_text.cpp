@@ -49,8 +49,8 @@ std::string clock_text(const Json& clock) {
 
 std::string exposure_text(const Json& camera) {
   const Json& exposure = camera.at("exposure");
-  if (exposure.is_null()) return fmt::format("camera {}  no picture\n", camera.at("id").get<int>());
-  return fmt::format("camera {}  {:.1f} % of the picture clipped, {:.1f} % dark, mean luma {:.0f}\n",
+  if (exposure.is_null()) return fmt::format("camera {}  no image\n", camera.at("id").get<int>());
+  return fmt::format("camera {}  {:.1f} % of the image clipped, {:.1f} % dark, mean luma {:.0f}\n",
                      camera.at("id").get<int>(), 100 * exposure.at("clipped_share").get<double>(),
                      100 * exposure.at("dark_share").get<double>(), exposure.at("mean_luma").get<double>());
 }

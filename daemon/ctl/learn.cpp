@@ -51,7 +51,7 @@ LearntColors learn_from_recording(const Config& config, std::size_t camera_index
       case CaptureStatus::kLost: throw CaptureError(problem);
     }
   }
-  if (task.frames.empty()) throw CaptureError(input.path + ": holds no picture that can be used");
+  if (task.frames.empty()) throw CaptureError(input.path + ": holds no image that can be used");
   return learn_colors(task);
 }
 

@@ -15,12 +15,12 @@ struct LearnInput {
   std::string path, pixel_format;
   int width = 0, height = 0;  // of raw frames
   int frames = 3;
-  int every = 1;  // of so many pictures one is looked at
+  int every = 1;  // of so many images one is looked at
 };
 
-/// Learns a camera's colours from recorded pictures, with that camera's field, calibration, mask, teams and
+/// Learns a camera's colours from recorded images, with that camera's field, calibration, mask, teams and
 /// patterns. What cannot be read of them goes to `problems`. Throws SettingsError, and CaptureError when no
-/// picture can be used.
+/// image can be used.
 LearntColors learn_from_recording(const Config& config, std::size_t camera_index, const LearnInput& input,
                                   std::ostream& problems);
 

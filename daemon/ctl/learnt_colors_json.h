@@ -7,7 +7,7 @@
 namespace sslv {
 
 /// What was learnt, without the table itself: problem, notes, robots and balls with their places in the
-/// pictures, and each label's figures.
+/// images, and each label's figures.
 Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known);
 
 }  // namespace sslv

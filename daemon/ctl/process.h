@@ -11,7 +11,7 @@
 namespace sslv {
 
 struct ProcessOptions {
-  std::string input;          // picture, raw frame, video, or a folder of pictures or raw frames
+  std::string input;          // image, raw frame, video, or a folder of images or raw frames
   std::string pixel_format;   // of raw frames; empty: not raw
   int width = 0, height = 0;  // of raw frames
 };

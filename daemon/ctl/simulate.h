@@ -14,7 +14,7 @@ struct SimulateOptions {
   int frames = 100;
   double start_s = 0;  // Unix time of the first frame
   std::string folder;  // made when it is missing
-  bool raw = false;    // bytes in the camera's pixel format (.raw) instead of pictures in full colour (.ppm)
+  bool raw = false;    // bytes in the camera's pixel format (.raw) instead of images in full colour (.ppm)
 };
 
 /// Writes frame_000000.ppm (or .raw) and so on, 1/frame_rate_hz apart (1/60 s without a rate), truth.jsonl

@@ -29,7 +29,7 @@ std::string status_text(const Json& status) {
                   network.at("interface") == "" ? "" : " on " + network.at("interface").get<std::string>(),
                   network.at("packets_per_s").get<double>(), network.at("send_errors").get<std::uint64_t>());
   out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "camera", "name",
-                     "state", "picture", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
+                     "state", "image", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
   for (const Json& camera : status.at("cameras")) {
     out +=
         fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6.1f} {:>8.2f} {:>8.2f} {:>9} {:>7} {:>6}\n",

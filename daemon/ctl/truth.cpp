@@ -21,7 +21,7 @@ std::string_view name_of(Team team) {
   return team == Team::kBlue ? "blue" : "yellow";
 }
 
-/// One picture's line while it is corrected.
+/// One image's line while it is corrected.
 class Correcting {
  public:
   Correcting(Json& line, const Scene& scene)
@@ -113,7 +113,7 @@ class Correcting {
     }
   }
   [[noreturn]] void fail(const std::string& why) const {
-    throw SettingsError(fmt::format("picture {}: {}", frame_, why));
+    throw SettingsError(fmt::format("image {}: {}", frame_, why));
   }
 
   Json& line_;

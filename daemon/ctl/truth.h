@@ -11,8 +11,8 @@
 
 namespace sslv {
 
-/// What a person says of one picture of which the detector's finds are the first draft. Robots and balls are
-/// named by the numbers of their marks, places are pixels of the picture.
+/// What a person says of one image of which the detector's finds are the first draft. Robots and balls are
+/// named by the numbers of their marks, places are pixels of the image.
 struct Corrections {
   struct RobotAt {
     Team team{};
@@ -30,7 +30,7 @@ struct Corrections {
   std::vector<BallAt> balls{};
   bool checked = false;  // what is left is true
 
-  /// Nothing of the picture's robots and balls changes.
+  /// Nothing of the image's robots and balls changes.
   bool empty() const {
     return remove.empty() && doubtful.empty() && ids.empty() && robots.empty() && balls.empty();
   }
@@ -42,7 +42,7 @@ Json draft_of_truth(const std::string& name, const Frame& frame);
 
 /// Corrects such a line. Added places are carried to the field by the camera, robots at their team's height,
 /// balls at their radius. Numbers stay; what is added gets the next ones. Throws SettingsError, naming the
-/// picture, for a mark that it has not, a place that is not in it or cannot be located, and a robot that is
+/// image, for a mark that it has not, a place that is not in it or cannot be located, and a robot that is
 /// there twice; the line is then as it was.
 void correct(Json& line, const Corrections& corrections, const Scene& scene);
 

@@ -53,7 +53,7 @@ CameraModel::CameraModel(const CameraCalibration& calibration, const std::string
     if (corner >= max_distorted_radius_) {
       throw SettingsError(
           fmt::format("{}/distortion: {} is not allowed; expected more than {:.4g}, below which pixels and "
-                      "rays do not match one to one in the picture's corners",
+                      "rays do not match one to one in the image's corners",
                       path, c.distortion, -1 / (3 * corner * corner)));
     }
   }
@@ -98,7 +98,7 @@ double CameraModel::mm2_per_px(const Eigen::Vector2d& pixel, double height_mm) c
   const double along = (height_mm - position_mm_.z()) / direction->z();
   if (!(along > 0) || !std::isfinite(along)) return 0;
   // The lens' map grows areas by (1 + d r^2)(1 + 3 d r^2); a plane at a distance, seen at an angle, shows
-  // along^2 / |cos| of a unit of the undistorted picture, whose rays have length 1 along the optical axis.
+  // along^2 / |cos| of a unit of the undistorted image, whose rays have length 1 along the optical axis.
   const double f = calibration_.focal_length, d = calibration_.distortion;
   const double x = (pixel.x() - calibration_.principal_point_x) / f,
                y = (pixel.y() - calibration_.principal_point_y) / f, r2 = x * x + y * y;

@@ -19,16 +19,16 @@ struct CameraCalibration {
   double distortion = 0;
   double q0 = 0, q1 = 0, q2 = 0, q3 = 1;
   double tx = 0, ty = 0, tz = 0;
-  int pixel_image_width = 0, pixel_image_height = 0;  // the picture the calibration was made for
+  int pixel_image_width = 0, pixel_image_height = 0;  // the image the calibration was made for
 
   static constexpr auto fields() {
     using C = CameraCalibration;
     return std::tuple{
         number("focal_length", &C::focal_length, 1.0, 1e6, "px", "focal length"),
         number("principal_point_x", &C::principal_point_x, -1e5, 1e5, "px",
-               "where the optical axis meets the picture"),
+               "where the optical axis meets the image"),
         number("principal_point_y", &C::principal_point_y, -1e5, 1e5, "px",
-               "where the optical axis meets the picture"),
+               "where the optical axis meets the image"),
         number("distortion", &C::distortion, -10.0, 10.0, "",
                "radial: undistorted = distorted (1 + d distorted^2)"),
         number("q0", &C::q0, -1.001, 1.001, "", "rotation field to camera, x of the unit quaternion"),
@@ -39,9 +39,9 @@ struct CameraCalibration {
         number("ty", &C::ty, -1e6, 1e6, "mm", "translation in the camera's frame"),
         number("tz", &C::tz, -1e6, 1e6, "mm", "translation in the camera's frame"),
         number("pixel_image_width", &C::pixel_image_width, 2, 16384, "px",
-               "width of the picture it was made for"),
+               "width of the image it was made for"),
         number("pixel_image_height", &C::pixel_image_height, 2, 16384, "px",
-               "height of the picture it was made for"),
+               "height of the image it was made for"),
     };
   }
 };
@@ -51,10 +51,10 @@ struct CameraCalibration {
 class CameraModel {
  public:
   /// Throws SettingsError, beginning with `path`, for a quaternion that is not of unit length (within 1e-3;
-  /// it is then normalised) and for a distortion whose map is not one-to-one inside the picture.
+  /// it is then normalised) and for a distortion whose map is not one-to-one inside the image.
   explicit CameraModel(const CameraCalibration& calibration, const std::string& path = "calibration");
 
-  /// Picture of a point (mm); nothing when it lies behind the camera or beyond what the lens can show.
+  /// Image of a point (mm); nothing when it lies behind the camera or beyond what the lens can show.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_mm) const;
 
   /// Where the ray through a pixel meets the plane z = height; nothing when it does not, or the pixel lies

@@ -12,19 +12,19 @@ namespace sslv {
 /// The map from pixels to a plane z = height near one point of it, to second order: for what is as small as a
 /// robot it differs from the camera model by less than 0.01 mm and costs a few multiplications.
 struct PlanePatch {
-  Eigen::Vector2d pixel;     // picture of the point
+  Eigen::Vector2d pixel;     // image of the point
   Eigen::Vector2d field_mm;  // the point
   // Displacement on the plane (mm) for one of (du, dv) pixels:
   // x = xu du + xv dv + xuu du^2 + xuv du dv + xvv dv^2, y likewise.
   double xu, xv, xuu, xuv, xvv;
   double yu, yv, yuu, yuv, yvv;
 
-  /// Displacement on the plane for one in the picture.
+  /// Displacement on the plane for one in the image.
   Eigen::Vector2d to_plane(double du, double dv) const {
     return {du * (xu + xuu * du + xuv * dv) + dv * (xv + xvv * dv),
             du * (yu + yuu * du + yuv * dv) + dv * (yv + yvv * dv)};
   }
-  /// Displacement in the picture for one on the plane.
+  /// Displacement in the image for one on the plane.
   Eigen::Vector2d to_pixel(const Eigen::Vector2d& offset_mm) const;
 
   /// Millimetres that a pixel measures here, both ways together: the root of the area it covers.

@@ -14,7 +14,7 @@ struct Brightness {
   int luma, brightest;  // channel
 };
 
-/// Of a pixel, or of the quad of a Bayer picture.
+/// Of a pixel, or of the quad of a Bayer image.
 Brightness brightness(const ImageView& image, int x, int y) {
   const auto of_rgb = [](Rgb c) { return Brightness{to_yuv(c).y, std::max({c.r, c.g, c.b})}; };
   switch (image.format) {

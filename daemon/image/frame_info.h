@@ -6,17 +6,17 @@
 
 namespace sslv {
 
-/// When a picture was taken.
+/// When an image was taken.
 struct CaptureTimes {
   double t_capture_s = 0;                      // Unix time of the middle of the exposure, on the host's clock
   std::optional<double> t_capture_camera_s{};  // the camera's own clock, when it has one
-  /// Standard deviation of t_capture_s; none: nothing but the picture's arrival is known.
+  /// Standard deviation of t_capture_s; none: nothing but the image's arrival is known.
   std::optional<double> t_capture_sigma_s{};
   bool is_by_ptp = false;       // the camera's clock and the host's follow the same master
-  std::int64_t arrived_ns = 0;  // steady_ns() when the picture was handed over; 0: not live
+  std::int64_t arrived_ns = 0;  // steady_ns() when the image was handed over; 0: not live
 };
 
-/// The larger picture that a picture is a part of: a big camera's, of which it is a tile, or the whole
+/// The larger image that an image is a part of: a big camera's, of which it is a tile, or the whole
 /// sensor's, of which a part is read.
 struct WholePicture {
   int width = 0, height = 0;  // px; 0: it is whole itself

@@ -37,14 +37,14 @@ constexpr int bytes_per_pixel(PixelFormat format) {
   return is_yuv422(format) ? 2 : format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24 ? 3 : 1;
 }
 
-/// A picture somebody else owns. width and height in pixels; YUV 4:2:2 has an even width, Bayer both even.
+/// An image somebody else owns. width and height in pixels; YUV 4:2:2 has an even width, Bayer both even.
 struct ImageView {
   const std::uint8_t* data = nullptr;
   int width = 0, height = 0;
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::kMono8;
   /// Of a camera with more than 8 bits: so many bytes behind each sample lies what the 8 bits leave of it, in
-  /// 256ths of a level. 0: nothing does. It holds for every part of the picture, too.
+  /// 256ths of a level. 0: nothing does. It holds for every part of the image, too.
   std::ptrdiff_t to_low_bits = 0;
 
   const std::uint8_t* row(int y) const { return data + y * stride_bytes; }
@@ -54,11 +54,11 @@ struct ImageView {
 /// True when the size suits the format (see ImageView) and is within 2..16384 pixels.
 bool is_valid_size(PixelFormat format, int width, int height);
 
-/// A picture with the duty to give its buffer back to the driver, done by the destructor. Move-only; making
+/// An image with the duty to give its buffer back to the driver, done by the destructor. Move-only; making
 /// and returning one allocates nothing.
 class Image {
  public:
-  /// Called once when the picture is let go, from whatever thread that happens in.
+  /// Called once when the image is let go, from whatever thread that happens in.
   using Release = void (*)(void* owner, void* buffer) noexcept;
 
   Image() = default;

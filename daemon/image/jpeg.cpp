@@ -33,7 +33,7 @@ RedAt red_at(PixelFormat format) {
           format == PixelFormat::kBayerGb8 || format == PixelFormat::kBayerBg8};
 }
 
-/// Row y of the picture at half its size: one RGB pixel for each 2x2 block.
+/// Row y of the image at half its size: one RGB pixel for each 2x2 block.
 void half_size_row(const ImageView& image, int y, std::uint8_t* out) {
   const RedAt red = red_at(image.format);
   const std::uint8_t* red_row = image.row(2 * y + red.y);

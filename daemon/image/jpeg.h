@@ -9,11 +9,11 @@
 
 namespace sslv {
 
-/// How finely a JPEG keeps the colour of RGB and Bayer pictures: at half the size, as photographs have it, or
+/// How finely a JPEG keeps the colour of RGB and Bayer images: at half the size, as photographs have it, or
 /// in full for drawings, whose edges would bleed otherwise.
 enum class Chroma : std::uint8_t { kHalved, kFull };
 
-/// Makes JPEGs for viewers. Keeps its buffers, so use one for many pictures; one thread at a time.
+/// Makes JPEGs for viewers. Keeps its buffers, so use one for many images; one thread at a time.
 class JpegEncoder {
  public:
   JpegEncoder();
@@ -21,9 +21,9 @@ class JpegEncoder {
   JpegEncoder(const JpegEncoder&) = delete;
   JpegEncoder& operator=(const JpegEncoder&) = delete;
 
-  /// The picture as a JPEG file in colour (mono8: in grey), scaled down before encoding to at most
+  /// The image as a JPEG file in colour (mono8: in grey), scaled down before encoding to at most
   /// `max_width` pixels, at least 1; never scaled up. `quality` 1..100. The bytes hold until the next call.
-  /// Throws std::runtime_error with the library's reason for a picture it does not take.
+  /// Throws std::runtime_error with the library's reason for an image it does not take.
   std::span<const std::uint8_t> encode(const ImageView& image, int max_width, int quality,
                                        Chroma chroma = Chroma::kHalved);
 

@@ -12,7 +12,7 @@ namespace sslv {
 
 namespace {
 
-/// Many webcams leave some bytes between a picture and its end mark.
+/// Many webcams leave some bytes between an image and its end mark.
 bool is_harmless(std::string_view problem) {
   return problem.find("extraneous bytes before marker 0xd9") != std::string_view::npos;
 }
@@ -34,7 +34,7 @@ void JpegDecoder::start() {
     throw std::runtime_error(std::string("no JPEG decoder: ") + tjGetErrorStr2(nullptr));
 }
 
-/// The library keeps what it was in the middle of and would misread the next picture, so begin anew.
+/// The library keeps what it was in the middle of and would misread the next image, so begin anew.
 void JpegDecoder::give_up(std::string& problem) {
   problem = tjGetErrorStr2(handle_);
   start();
@@ -52,7 +52,7 @@ ImageView JpegDecoder::layout(std::span<const std::uint8_t> jpeg, std::string& p
   const bool as_yuv = color_space == TJCS_YCbCr && halved && is_valid_size(PixelFormat::kUyvy, width, height);
   const PixelFormat format = as_yuv ? PixelFormat::kUyvy : PixelFormat::kRgb24;
   if (!is_valid_size(format, width, height)) {
-    problem = "a picture of " + std::to_string(width) + 'x' + std::to_string(height) + " pixels";
+    problem = "an image of " + std::to_string(width) + 'x' + std::to_string(height) + " pixels";
     return layout_;
   }
   layout_ = {nullptr, width, height, std::ptrdiff_t{width} * bytes_per_pixel(format), format};

@@ -11,7 +11,7 @@
 namespace sslv {
 
 /// Reads the JPEGs of a camera (Motion-JPEG, also without the tables that it leaves out). Keeps its buffers,
-/// so use one for many pictures; one thread at a time.
+/// so use one for many images; one thread at a time.
 class JpegDecoder {
  public:
   JpegDecoder();
@@ -19,12 +19,12 @@ class JpegDecoder {
   JpegDecoder(const JpegDecoder&) = delete;
   JpegDecoder& operator=(const JpegDecoder&) = delete;
 
-  /// Size, stride and format that decode() will write, its data null: uyvy for pictures that keep the colour
+  /// Size, stride and format that decode() will write, its data null: uyvy for images that keep the colour
   /// at half the width or less, as cameras do, since that is what they hold; else rgb24. A size of 0, with
   /// the reason in `problem`, when it is no JPEG.
   ImageView layout(std::span<const std::uint8_t> jpeg, std::string& problem);
 
-  /// Writes the picture of which layout() was asked last. False, with the reason, when it is damaged.
+  /// Writes the image of which layout() was asked last. False, with the reason, when it is damaged.
   bool decode(std::span<const std::uint8_t> jpeg, std::uint8_t* out, std::string& problem);
 
  private:

@@ -19,7 +19,7 @@ struct CameraSetup {
   World world;
 };
 
-/// One camera's way from picture to published detections: numbers the frames, runs the stack, offers the
+/// One camera's way from image to published detections: numbers the frames, runs the stack, offers the
 /// finished frame to viewers. `process` and `give_back` are called by one thread, the camera's, which waits
 /// for no other; the rest is for any other thread.
 class CameraPipeline {
@@ -40,12 +40,12 @@ class CameraPipeline {
   void change(CameraSetup setup) { setup_.store(std::move(setup)); }
   std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
 
-  /// Runs the stack on one picture. The result is valid until the next call.
+  /// Runs the stack on one image. The result is valid until the next call.
   const Frame& process(Image image, const CaptureTimes& times, const WholePicture& whole = {}) noexcept;
 
   /// Finished frames, the newest only.
   const LatestFrame& finished() const { return finished_; }
-  /// Gives the driver the buffers back of what viewers have let go of; for when no picture comes to process.
+  /// Gives the driver the buffers back of what viewers have let go of; for when no image comes to process.
   /// True while viewers hold others.
   bool give_back() noexcept;
   /// Lets go of the newest frame and wakes all who wait for one. Not while the camera's thread runs.

@@ -41,7 +41,7 @@ struct World {
   std::shared_ptr<const PatternTable> patterns;
   std::shared_ptr<const Lut> accepted_lut{};  // what `lut` follows the light from; the same when it does not
   std::shared_ptr<const LabelSet> labels{};
-  std::shared_ptr<const FieldView> field_view{};  // null: not calibrated, or all of the picture is looked at
+  std::shared_ptr<const FieldView> field_view{};  // null: not calibrated, or all of the image is looked at
   std::shared_ptr<const Mask> stage_mask{};       // `mask` and `field_view`; null: `mask`
 
   /// What stages look at. Learning, margins and exposure look at all that the admin leaves: a calibration

@@ -49,8 +49,8 @@ class FrameRef {
 
 /// Preallocated frames of one camera. Must outlive its FrameRefs. One thread uses it, the camera's.
 ///
-/// Giving a picture's buffer back to its driver takes locks of the driver, which the camera's thread needs
-/// for its next picture. So it is that thread which gives them back, never a viewer's.
+/// Giving an image's buffer back to its driver takes locks of the driver, which the camera's thread needs
+/// for its next image. So it is that thread which gives them back, never a viewer's.
 class FrameRing {
  public:
   explicit FrameRing(std::size_t slots) {

@@ -16,7 +16,7 @@ struct ColorBox {
   std::array<std::uint8_t, 3> low{}, high{};
 };
 
-/// What lets most of a picture pass without a look at the table: boxes around the commonest colours, the
+/// What lets most of an image pass without a look at the table: boxes around the commonest colours, the
 /// carpet's first, then the floor's, the lines'...
 struct Background {
   static constexpr std::size_t kMostBoxes = 8;
@@ -24,30 +24,30 @@ struct Background {
   Label label = label::kClear;  // of every colour in the boxes
   std::size_t boxes = 0;        // how many of `box` count
   std::array<ColorBox, kMostBoxes> box;
-  /// One bit for each block of the table of the pictures' colours, ordered as LutTable::blocks: whether all
+  /// One bit for each block of the table of the images' colours, ordered as LutTable::blocks: whether all
   /// of it has that label.
   alignas(64) std::array<std::uint64_t, std::size_t{1} << (2 * LutTable::kBlockBits)> blocks{};
-  /// Whether so much of the picture lies in the first box that it is worth while to try that one alone
+  /// Whether so much of the image lies in the first box that it is worth while to try that one alone
   /// before.
   bool first_alone = true;
 };
 
-/// What a picture was like for those who used its Background.
+/// What an image was like for those who used its Background.
 struct BackgroundUse {
   std::size_t blocks = 0, odd_blocks = 0;  // of 64 cells; odd: not wholly in the first box
 };
 
-/// Follows the commonest colours of a camera's pictures and keeps boxes around them that are as large as
+/// Follows the commonest colours of a camera's images and keeps boxes around them that are as large as
 /// their one label allows. It looks at a few pixels of a frame and grows the boxes again for another table
 /// and now and then, one in each frame, in some ten microseconds; so it needs no thread, and the same
-/// pictures always give the same boxes. What they are changes the time a picture takes, never what is found
+/// images always give the same boxes. What they are changes the time an image takes, never what is found
 /// in it.
 class BackgroundFollower {
  public:
-  /// To be called before each picture. Allocates nothing.
+  /// To be called before each image. Allocates nothing.
   const Background& follow(const ImageView& image, const Lut& lut, const Mask& mask) noexcept;
 
-  /// To be told after each picture.
+  /// To be told after each image.
   void note(const BackgroundUse& use) noexcept;
 
   /// Colours are counted in the table's blocks.

@@ -15,7 +15,7 @@ namespace sslv {
 namespace {
 
 /// Ring of carpet around the ball. Where pixels are larger than the usual, its width grows by so much for
-/// each millimetre more, or it would hold no samples. Colour of YUV pictures is twice as wide and would bring
+/// each millimetre more, or it would hold no samples. Colour of YUV images is twice as wide and would bring
 /// in what lies further out: there one pixel must do.
 constexpr double kMarginMm = 9, kUsualPixelMm = 6.1, kMarginGrows = 1.7;
 constexpr double kWanderMm = 5;  // samples are read for a centre this far from the start
@@ -44,7 +44,7 @@ constexpr float kUnlikeModel = -0.5F;
 /// Such differ by so many times the usual difference, and by that share of the contrast; at the silhouette,
 /// where the place counts, nothing does.
 constexpr float kUnlike = 3, kUnlikeShare = 0.12F, kUnlikeFrom = 0.3F;
-/// Among fewer samples of a plane nothing stands out, nor in Bayer pictures.
+/// Among fewer samples of a plane nothing stands out, nor in Bayer images.
 constexpr std::size_t kLeastOfPlane = 28;
 /// Shading by direction is a small part of the light: priors in units of one grey level squared.
 constexpr double kShadePrior = 0.5;
@@ -228,7 +228,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
           as_float(1 - n.y() * n.y()),
           as_float(frame.blur_px),
           1};
-  // Its picture is the longer the more slantwise it is seen.
+  // Its image is the longer the more slantwise it is seen.
   const double longest = 1 / std::abs(n.z());
 
   boost::container::static_vector<Hides, 4> hiding;
@@ -330,7 +330,7 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
       }
       return count;
     };
-    // In Bayer pictures samples of a colour are so far apart that with their next ones hardly any may be
+    // In Bayer images samples of a colour are so far apart that with their next ones hardly any may be
     // left.
     const bool narrow = look.groups == 3 && count_clear([&](std::size_t g, std::size_t i) {
                                               return !is_odd(g, i, false);
@@ -499,7 +499,7 @@ double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noex
     }
     first += flat.planes;
   }
-  // As large as the ball's picture.
+  // As large as the ball's image.
   const double half_mm = std::sqrt(std::numbers::pi) / 2 * frame.radius_mm;
   fit_rectangle({static_cast<double>(ball.x), static_cast<double>(ball.y), half_mm, half_mm, 0},
                 std::span(groups).first(look.groups));

@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// What the picture says about a ball.
+/// What the image says about a ball.
 struct BallFit {
   bool ok = false;
   double x_mm = 0, y_mm = 0;  // of its centre, one radius above the floor
@@ -33,7 +33,7 @@ struct BallFit {
   double out_of_round_sigma_mm = 0;
 };
 
-/// Fits the picture of a ball on the carpet: the silhouette of a sphere (by each sample's ray's distance from
+/// Fits the image of a ball on the carpet: the silhouette of a sphere (by each sample's ray's distance from
 /// its centre), shaded by light from any side, to the raw samples of each colour plane. Samples around it
 /// that are not like the carpet (lines, other robots) and samples that a robot hides are left out.
 class BallFitter {
@@ -59,7 +59,7 @@ class BallFitter {
   /// most_alike, out_of_round_mm and its sigma. It takes about as long as a fit.
   void judge(BallFit& last) const noexcept;
 
-  /// How much better a piece of tape (a rectangle of one colour) explains the picture than the ball `found`
+  /// How much better a piece of tape (a rectangle of one colour) explains the image than the ball `found`
   /// there: the logarithm of the ratio of variances that they leave, the mean over all samples. Less than 0:
   /// it explains less; -1 also where nothing can be told. Takes much longer than fit(). Allocates nothing.
   double rectangle_gain(const Frame& frame, const BallFit& found) noexcept;

@@ -46,7 +46,7 @@ void BallMemory::begin(double now_s) noexcept {
     count_ = moved_count_ = 0;
     begun_s_ = now_s;
   }
-  // What the last picture did not show any more has moved on, unless it stood there for long.
+  // What the last image did not show any more has moved on, unless it stood there for long.
   for (auto entry = entries_.begin(); entry != entries_.begin() + count_; ++entry) {
     if (entry->seen_s < now_s_ && entry->pictures <= kPassing) count_moved(*entry);
   }

@@ -13,11 +13,11 @@ namespace sslv {
 /// down later may be a ball in other light: it is not judged so.
 class BallMemory {
  public:
-  /// To be called before a picture's sightings. Forgets all when time has gone back.
+  /// To be called before an image's sightings. Forgets all when time has gone back.
   void begin(double now_s) noexcept;
   struct Known {
     bool as_furniture = false;
-    bool at_rest = false;        // it was there in the last pictures, too
+    bool at_rest = false;        // it was there in the last images, too
     bool has_other_hue = false;  // than the balls that move; it has never moved itself
   };
   using Color = std::array<double, 3>;  // red, green and blue, in grey levels

@@ -20,13 +20,13 @@ double logistic(double x) {
   return std::isfinite(x) ? 1 / (1 + std::exp(-std::clamp(x, -30.0, 30.0))) : 0;
 }
 
-/// Of its picture as a whole: what a sphere explains of it, and what the region is like.
+/// Of its image as a whole: what a sphere explains of it, and what the region is like.
 double looks_like_ball(const BallEvidence& e) {
   const double unexplained = std::clamp(1 - e.r2, std::exp(-4.0), 1.0);
   const double hidden = std::clamp(1 - e.visible_share, 0.0, 0.6);
   const double area = std::log(std::max(e.area_ratio, 1e-3));
   const double contrast = std::clamp(e.contrast / 0.35, 0.05, 1.0);
-  // In weak light and in Bayer pictures noise leaves much of a true ball unexplained: its colour counts then,
+  // In weak light and in Bayer images noise leaves much of a true ball unexplained: its colour counts then,
   // unless the region is more than a ball, whose place would be wrong.
   const double orange =
       e.is_orange ? std::clamp(0.6 - e.color_off, 0.0, 0.6) * std::clamp(1 - 8 * area, 0.0, 1.0) : 0;
@@ -49,7 +49,7 @@ double is_shaped_like_ball(const BallEvidence& e) {
   const double hidden = std::clamp(1 - e.visible_share, 0.0, 0.6);
   const double contrast = std::log(std::clamp(e.contrast / 0.35, 0.05, 1.5));
   // Half a ball beside a robot is no rounder than a piece of tape, and where neither says much of the
-  // picture, as of a ball that shines, the better one means nothing.
+  // image, as of a ball that shines, the better one means nothing.
   const double tape = std::clamp((e.visible_share - 0.7) / 0.25, 0.0, 1.0) *
                       std::clamp((0.3 - e.misfit) / 0.1, 0.0, 1.0) *
                       (e.is_bayer ? 10 * std::clamp(e.tape_gain + 0.05, 0.0, 1.0)

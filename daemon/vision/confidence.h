@@ -4,7 +4,7 @@
 namespace sslv {
 
 // How likely a detection is right. Both are logistic regressions, fitted to what the detectors find in
-// simulated pictures of all the conditions in docs/accuracy.md, where the truth is known: among detections
+// simulated images of all the conditions in docs/accuracy.md, where the truth is known: among detections
 // with confidence c, about c are right. Results lie in [0, 1] and are never NaN.
 
 /// What speaks for a pattern being that robot.

@@ -8,7 +8,7 @@
 namespace sslv {
 
 /// Whether `mask` cuts the region: then it is a piece of something larger, such as a board, and its area and
-/// centroid say nothing. What the picture's own edge cuts does not count. `region` is of a picture of this
+/// centroid say nothing. What the image's own edge cuts does not count. `region` is of an image of this
 /// size and format, segmented with this mask.
 bool is_cut_off(const Region& region, const ImageView& image, const Mask& mask);
 

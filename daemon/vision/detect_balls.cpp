@@ -50,7 +50,7 @@ double outside_mm(const FieldSize& field, const Eigen::Vector2d& place_mm) {
 /// not much.
 double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen::Vector2d& pixel,
                   double radius_mm) {
-  // Of the radius: Bayer quads in pictures of 0.18 and 0.12 px/mm. Up to the latter balls have a region that
+  // Of the radius: Bayer quads in images of 0.18 and 0.12 px/mm. Up to the latter balls have a region that
   // says enough, and five fits for each would cost too much in a hall full of orange things.
   constexpr double kUsual = 0.55, kCoarse = 0.75;
   const double cell_mm = (is_bayer(image.format) ? 2 : 1) * std::sqrt(camera.mm2_per_px(pixel, radius_mm));

@@ -17,7 +17,7 @@
 
 namespace sslv {
 
-/// Finds balls: regions of the ball's colour say where to look; what there is, is read from the picture's own
+/// Finds balls: regions of the ball's colour say where to look; what there is, is read from the image's own
 /// samples by fitting a sphere (BallFitter). Size, roundness, colour and surroundings give the confidence.
 /// What lies on a robot's top is part of its pattern; what a robot hides of a ball is left out of the fit.
 /// What stands off the field since it was first seen is furniture and not reported (BallMemory).
@@ -47,16 +47,15 @@ class DetectBalls {
           number("min_confidence", &Params::min_confidence, 0.0, 1.0, "", "balls below it are not reported"),
           number("max_balls", &Params::max_balls, 1, 1'000, "", "report at most so many, the best ones"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
-          number(
-              "max_fits", &Params::max_fits, 1, 100'000, "",
-              "looks at no more regions than this in one picture, the largest ones (some 10 us each, up to "
-              "five times that where a ball is small or hidden); frames "
-              "that had more to look at are counted"),
+          number("max_fits", &Params::max_fits, 1, 100'000, "",
+                 "looks at no more regions than this in one image, the largest ones (some 10 us each, up to "
+                 "five times that where a ball is small or hidden); frames "
+                 "that had more to look at are counted"),
       };
     }
   };
 
-  /// Without a calibrated camera, or in a picture without colours, the result is empty.
+  /// Without a calibrated camera, or in an image without colours, the result is empty.
   void process(const Params& params, const Scene& scene, const Lut& lut, const Mask& mask,
                const FrameInfo& info, const Image& image, const RegionList& regions, const RobotList& robots,
                BallList& balls) noexcept;

@@ -27,7 +27,7 @@ constexpr double kLeastMargin = 0.05;
 constexpr double kMostOff = 1.6, kMostCenterOff = 2.5;
 constexpr int kFewPasses = 4, kManyPasses = 6;
 constexpr double kDuplicateShare = 0.25;
-/// What was seen in the last pictures is the same robot within these.
+/// What was seen in the last images is the same robot within these.
 constexpr double kSamePlaceMm = 60, kSameHeadingRad = 0.5;
 
 using Ids = std::bitset<256>;
@@ -253,7 +253,7 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
     best = examine(params, frame, start.pose, height_mm, kFewPasses);
     if (best.proven_dots == all) return keep(frame.patterns, best);
   }
-  // Regions do not tell: the picture itself must.
+  // Regions do not tell: the image itself must.
   const auto center = fitter_.fit_center(frame, x_mm, y_mm, height_mm);
   if (!center.seen) return;
   const auto try_start = [&](const PatternPose& pose) {

@@ -26,7 +26,7 @@
 namespace sslv {
 
 /// Finds robots. Regions of the teams' and dots' colours say where to look; where exactly and what there is,
-/// is read from the picture's own samples by fitting every dot (PatternFitter), all in field coordinates on
+/// is read from the image's own samples by fitting every dot (PatternFitter), all in field coordinates on
 /// the plane of the team's height. A robot is reported only when its id is proven: with all codes of a table
 /// in use, that takes every dot, or one less when the roster, the other robots or the memory leave one id
 /// only.
@@ -61,23 +61,22 @@ class DetectRobots {
               "confidence"),
           number("memory_ms", &Params::memory_ms, 0.0, 2000.0, "ms",
                  "how long a robot's last place helps to find it again; it changes where it is reported "
-                 "only with a rolling shutter. 0: each picture by itself"),
+                 "only with a rolling shutter. 0: each image by itself"),
           number(
               "rolling_shutter_ms", &Params::rolling_shutter_ms, 0.0, 100.0, "ms",
-              "time from the exposure of the picture's first row to that of its last, when one follows the "
+              "time from the exposure of the image's first row to that of its last, when one follows the "
               "other; robots are then reported where they were at the frame's time, that of the middle row, "
-              "by their speed in the last pictures (needs memory_ms). 0: all rows at once"),
+              "by their speed in the last images (needs memory_ms). 0: all rows at once"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
-          number(
-              "max_work", &Params::max_work, 100, 1'000'000, "",
-              "does no more than this for one picture: fitted dots, or other work that takes as long (about "
-              "1 us); frames that had more to look at are counted"),
+          number("max_work", &Params::max_work, 100, 1'000'000, "",
+                 "does no more than this for one image: fitted dots, or other work that takes as long (about "
+                 "1 us); frames that had more to look at are counted"),
       };
     }
   };
 
   /// `mask`: regions are without what it hides already; here it ends the memory of a robot that goes there.
-  /// Without a calibrated camera, or in a picture without colours, the result is empty.
+  /// Without a calibrated camera, or in an image without colours, the result is empty.
   void process(const Params& params, const Scene& scene, const PatternTable& patterns, const Lut& lut,
                const Mask& mask, const FrameInfo& info, const Image& image, const RegionList& regions,
                RobotList& robots) noexcept;
@@ -88,7 +87,7 @@ class DetectRobots {
     double x_mm, y_mm;
     std::size_t region;
   };
-  /// A pattern found in the picture.
+  /// A pattern found in the image.
   struct Candidate {
     PatternFit fit;
     double height_mm;
@@ -117,7 +116,7 @@ class DetectRobots {
   void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, const Mask& mask);
   bool time_left(const Params& params) const { return fitter_.work() + work_ < params.max_work; }
 
-  /// A robot of the last pictures where the row that shows it should see it now.
+  /// A robot of the last images where the row that shows it should see it now.
   struct Expected {
     PatternPose pose;
     Eigen::Vector2d mm_per_row;  // how much further it is in each row than in the one above
@@ -136,8 +135,8 @@ class DetectRobots {
   PatternFitter fitter_;
   double work_ = 0;  // besides that of the fitter, in the same measure
   RobotMemory memory_;
-  RowTimes rows_;                        // of this picture
-  std::vector<Expected> expected_;       // in this picture, for each entry of the memory
+  RowTimes rows_;                        // of this image
+  std::vector<Expected> expected_;       // in this image, for each entry of the memory
   std::vector<Dot> dots_;                // by x
   std::vector<std::uint8_t> explained_;  // of each region: a robot found already has it as a side dot
   std::vector<Candidate> candidates_;

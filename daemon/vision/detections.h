@@ -14,7 +14,7 @@ struct Robot {
   Team team;
   int id;
   double x_mm, y_mm, orientation_rad, height_mm;
-  double pixel_x, pixel_y;  // centre of the pattern in the picture
+  double pixel_x, pixel_y;  // centre of the pattern in the image
   double confidence;        // 0 .. 1
 };
 

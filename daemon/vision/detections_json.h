@@ -8,7 +8,7 @@
 namespace sslv {
 
 /// {"robots": [...], "balls": [...]} as docs/openapi.json says: millimetres, radians, pixels of the camera's
-/// picture.
+/// image.
 Json detections_json(const RobotList& robots, const BallList& balls);
 
 /// The largest regions as docs/openapi.json's PreviewRegions has them.

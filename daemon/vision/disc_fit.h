@@ -27,7 +27,7 @@ struct ExpectedDisc {
   double margin_mm;  // width of the ring around it that is looked at too
 };
 
-/// The picture's samples about a disc, summed up (disc_kernel.h), for each colour plane.
+/// The image's samples about a disc, summed up (disc_kernel.h), for each colour plane.
 struct DiscMeasure {
   struct Plane {
     // T: share of a sample that the disc covers; x, y: its change as the disc moves by 1 mm; v: the sample.
@@ -39,10 +39,10 @@ struct DiscMeasure {
   };
   std::array<Plane, 3> planes;
   bool yuv = false;      // planes are Y, U, V and not red, green, blue
-  bool in_view = false;  // the picture has colours, and the disc is in it
+  bool in_view = false;  // the image has colours, and the disc is in it
 };
 
-/// What the picture says about a disc. The measured centre lies information^-1 gradient (mm) away from the
+/// What the image says about a disc. The measured centre lies information^-1 gradient (mm) away from the
 /// expected one, with covariance information^-1; fits of several discs add up to that of a whole pattern.
 struct DiscFit {
   double n00 = 0, n01 = 0, n11 = 0;  // information: inverse covariance of the centre, mm^-2
@@ -51,7 +51,7 @@ struct DiscFit {
   std::array<double, 3> color{};     // red, green, blue of the disc
   double r2 = 0;                     // share of the samples' variance that a disc there explains
   struct Plane {
-    double contrast = 0;  // in the picture's own colours
+    double contrast = 0;  // in the image's own colours
     double spread = 0;    // inverse variance of that, over one sample's: how many samples it is worth
     double left = 0;      // sum of squares that is left unexplained
     double free = 0;      // samples beyond the model's own numbers
@@ -75,8 +75,8 @@ DiscFit fit_disc(const DiscMeasure& measure) noexcept;
 /// The ground that several discs have in common, for each plane.
 std::array<double, 3> common_ground(std::span<const DiscMeasure> discs) noexcept;
 
-/// Compares the picture with that of a flat, evenly coloured disc on an evenly coloured ground, edge blur
-/// included: the raw samples of each colour plane at their own places, of YUV 4:2:2, RGB and Bayer pictures,
+/// Compares the image with that of a flat, evenly coloured disc on an evenly coloured ground, edge blur
+/// included: the raw samples of each colour plane at their own places, of YUV 4:2:2, RGB and Bayer images,
 /// without converting them.
 class DiscMeter {
  public:

@@ -139,7 +139,7 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
     const std::uint8_t* bytes = image.row(row_y) + std::ptrdiff_t{begin} * grid.bytes_per_step;
     std::ptrdiff_t to_low_bits = image.to_low_bits;
     const std::ptrdiff_t wanted = std::ptrdiff_t{vectors} * lanes * grid.bytes_per_step;
-    if (image_end - bytes < wanted) {  // whole vectors would reach beyond the picture
+    if (image_end - bytes < wanted) {  // whole vectors would reach beyond the image
       const auto left = static_cast<std::size_t>(image_end - bytes);
       std::memcpy(copy, bytes, left);
       if constexpr (kDeep) {

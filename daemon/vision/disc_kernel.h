@@ -35,7 +35,7 @@ struct PlaneSamples {
 };
 
 /// The part of a plane that is shown by a patch's neighbourhood: displacement on the plane for one in the
-/// picture, as PlanePatch has it; places in mm are relative to the patch.
+/// image, as PlanePatch has it; places in mm are relative to the patch.
 struct KernelPatch {
   float xu, xv, xuu, xuv, xvv, yu, yv, yuu, yuv, yvv;
   float u0, v0;  // the patch's pixel
@@ -43,11 +43,11 @@ struct KernelPatch {
 
 /// Reads a grid's samples in and around the circle (x, y, radius) of the plane and adds them to `samples`,
 /// which must hold none, or those of a grid with as many planes. The values are levels of 8 bits, with
-/// fractions where the picture has low bits (of one plane's grids).
+/// fractions where the image has low bits (of one plane's grids).
 void read_samples(const KernelPatch& patch, float x, float y, float radius, const ImageView& image,
                   const SampleGrid& grid, PlaneSamples& samples) noexcept;
 
-/// A disc whose picture is compared with samples; lengths in mm.
+/// A disc whose image is compared with samples; lengths in mm.
 struct DiscTemplate {
   KernelPatch patch;
   float x, y, radius, outer_radius;

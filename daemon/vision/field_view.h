@@ -13,7 +13,7 @@ namespace sslv {
 struct FieldView {
   static constexpr int kBandPx = 16;  // rows that are treated alike
   /// Pixels of each band of rows: ascending, disjoint, none empty, ends multiples of kBandPx. What lies below
-  /// the last band, or right of `width_px`, is not in the picture that the calibration is for: it is shown.
+  /// the last band, or right of `width_px`, is not in the image that the calibration is for: it is shown.
   std::vector<std::vector<Mask::Interval>> bands;
   int width_px = 0;
 };
@@ -22,7 +22,7 @@ struct FieldView {
 /// outlines of the field cannot be projected where the lens folds them over or the horizon cuts them.
 FieldView field_view(const Scene& scene, double beyond_boundary_mm);
 
-/// A part of a picture.
+/// A part of an image.
 struct PixelRectangle {
   int left_px, top_px, width_px, height_px;
 };

@@ -7,7 +7,7 @@
 namespace sslv {
 namespace {
 
-// A sort key holds label, area and place in 8, 28 and 28 bits: no picture has more pixels than that.
+// A sort key holds label, area and place in 8, 28 and 28 bits: no image has more pixels than that.
 constexpr int kPlaceBits = 28;
 constexpr std::uint64_t kPlace = (std::uint64_t{1} << kPlaceBits) - 1, kMostArea = kPlace;
 
@@ -43,7 +43,7 @@ void FindRegions::connect(const RunList& in, int reach) {
   const std::vector<Run>& runs = in.runs;
   const auto count = static_cast<std::uint32_t>(runs.size());
   constexpr std::uint32_t kNone = 0xFFFF'FFFF;
-  // So that no later picture needs more memory.
+  // So that no later image needs more memory.
   growing_.reserve(runs.capacity());
   region_of_.reserve(runs.capacity());
   keys_.reserve(runs.capacity());

@@ -18,7 +18,7 @@ class FindRuns {
     static constexpr auto fields() {
       return std::tuple{number(
           "max_runs", &Params::max_runs, 1'000, 4'000'000, "",
-          "cap on runs: beyond it labels are cut from the parts of the picture where they have the most, "
+          "cap on runs: beyond it labels are cut from the parts of the image where they have the most, "
           "the frame is flagged and counted")};
     }
   };

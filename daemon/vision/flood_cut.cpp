@@ -214,7 +214,7 @@ Flood FloodCut::describe(int cell_px) const {
 std::string flood_text(const Flood& flood, std::string_view label_name) {
   const int block_px = FloodCut::kBlockCells * flood.cell_px;
   std::string text(flood.label == label::kClear ? "every colour" : label_name);
-  text += " floods the picture between (" + std::to_string(flood.left * block_px) + ", " +
+  text += " floods the image between (" + std::to_string(flood.left * block_px) + ", " +
           std::to_string(flood.top * block_px) + ") and (" +
           std::to_string((flood.right + 1) * block_px - 1) + ", " +
           std::to_string((flood.bottom + 1) * block_px - 1) + ") px";

@@ -13,17 +13,17 @@
 
 namespace sslv {
 
-/// Takes from a picture's runs what floods, so that the rest of the picture is found, in bounded time.
+/// Takes from an image's runs what floods, so that the rest of the image is found, in bounded time.
 ///
-/// The picture is looked at in blocks of 64 x 64 cells. In each of them a label may have 768 runs, as far as
+/// The image is looked at in blocks of 64 x 64 cells. In each of them a label may have 768 runs, as far as
 /// they lie in the block. Robots that stand as densely as the rules allow have some 100; what is beyond that
 /// is speckle, as of green in dim light, among which dots are still found. A label with more is cut from that
 /// block: its cells there count as clear. Where four labels or more have speckle (more than 240 runs
 /// together, of each no more than 64 counted), or all together have more than 1024 runs, nothing can be told
-/// from anything: all labels are cut. When what is left is still more than the cap of the whole picture, the
+/// from anything: all labels are cut. When what is left is still more than the cap of the whole image, the
 /// fullest pairs of block and label are cut until the rest fits.
 ///
-/// Which runs are cut depends only on the picture's labels, not on the order of work: whoever has found
+/// Which runs are cut depends only on the image's labels, not on the order of work: whoever has found
 /// the runs of some rows may ask already then what will be cut in any case.
 class FloodCut {
  public:
@@ -32,7 +32,7 @@ class FloodCut {
   static constexpr int kMostCounted = 64, kMostNoise = 240;    // of a label; of all as far as counted
 
   /// Runs that were found in a band of rows, from the top down. A band begins and ends between blocks, or at
-  /// the picture's edge.
+  /// the image's edge.
   struct Band {
     Run* runs;                // room(...) of them
     std::size_t count = 0;    // of runs, in reading order
@@ -41,12 +41,12 @@ class FloodCut {
     bool is_counted = false;  // the runs of that row, block by block
   };
 
-  /// Runs that `rows` of a picture can have, when note() is called after no more than kNoteAfter of them, and
+  /// Runs that `rows` of an image can have, when note() is called after no more than kNoteAfter of them, and
   /// those of one row and `pending` more.
   static std::size_t room(int width, int rows, std::size_t pending);
   static constexpr std::size_t kNoteAfter = 1'024;
 
-  /// Before each picture; sizes are in cells. Allocates for a larger picture than any before.
+  /// Before each image; sizes are in cells. Allocates for a larger image than any before.
   void begin(int width, int height);
 
   /// To be called after the last row of each row of blocks (`ends_strip`), and besides after kNoteAfter runs.
@@ -90,7 +90,7 @@ class FloodCut {
   std::vector<std::uint64_t> whole_;
 };
 
-/// "green floods the picture between (0, 64) and (1279, 511) px", for people.
+/// "green floods the image between (0, 64) and (1279, 511) px", for people.
 std::string flood_text(const Flood& flood, std::string_view label_name);
 
 }  // namespace sslv

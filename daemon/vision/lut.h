@@ -75,7 +75,7 @@ struct CellRun {
   bool operator==(const CellRun&) const = default;
 };
 
-/// A colour lookup table over one colour space, with what a fast look at a picture needs to know of it.
+/// A colour lookup table over one colour space, with what a fast look at an image needs to know of it.
 /// Channels are named by their place in the index: `a` outermost (U or R), `b` (V or B), `c` innermost (Y or
 /// G), so that the cells of one chroma lie in one cache line.
 struct LutTable {

@@ -23,7 +23,7 @@ constexpr float kNoisePerPixelNoise = 0.67F;
 constexpr float kLimit = 4;  // in tolerances
 /// Light that surfaces and prints may be seen in, beside that of their samples.
 constexpr float kSurfaceDarkest = 0.5F, kSurfaceBrightest = 1.45F, kColorBrightest = 1.6F;
-// Most of a picture is background, so that wins when in doubt. Factors are on the distance in tolerances,
+// Most of an image is background, so that wins when in doubt. Factors are on the distance in tolerances,
 // handicaps on its square.
 constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kMoreLightHandicap = 0.75F,
                 kGuessHandicap = 1, kEdgeHandicap = 0.2F;

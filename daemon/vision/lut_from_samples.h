@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// A colour that somebody pointed at in a picture, best averaged over a few pixels. The label says what was
+/// A colour that somebody pointed at in an image, best averaged over a few pixels. The label says what was
 /// there: a print's or the ball's colour, or what is to be told apart from them: field, white (a line), black
 /// (a robot's top), clear (anything else to be left out).
 struct ColorSample {
@@ -24,7 +24,7 @@ enum class BackgroundLabels {
 };
 
 /// Makes a table from a few samples of each label: three will do where light is even, else six to nine from
-/// all parts of the picture, darkest and brightest included.
+/// all parts of the image, darkest and brightest included.
 ///
 /// Works in RGB; distances are in 8-bit grey levels. Under more or less light a colour moves on a ray from
 /// black, and so it does where it blends with the black around it. So each label is a line through its

@@ -14,7 +14,7 @@ namespace {
 
 using Interval = Mask::Interval;
 
-constexpr int kMaxSide = 16'384;  // of a picture, see is_valid_size()
+constexpr int kMaxSide = 16'384;  // of an image, see is_valid_size()
 constexpr Interval kWholeRow{0, kMaxSide};
 
 /// A place in a row where the number of polygons around a cell changes.

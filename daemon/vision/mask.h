@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// A closed polygon in pixels of the picture; pixel centres are at whole numbers. It may cross itself: inside
+/// A closed polygon in pixels of the image; pixel centres are at whole numbers. It may cross itself: inside
 /// is decided by the even-odd rule.
 struct MaskPolygon {
   static constexpr std::size_t kMaxPoints = 200;
@@ -25,7 +25,7 @@ struct MaskPolygon {
   }
 };
 
-/// Which part of the picture is looked at.
+/// Which part of the image is looked at.
 struct MaskSettings {
   /// Of include and of exclude each; points of all of them together. The rows that a mask comes to take
   /// memory with every point.
@@ -35,9 +35,8 @@ struct MaskSettings {
   static constexpr auto fields() {
     return std::tuple{
         number("beyond_boundary", &MaskSettings::beyond_boundary, 0.0, 100'000.0, "mm",
-               "how far beyond the field's boundary a calibrated camera still looks; empty (null): at all of "
-               "the "
-               "picture"),
+               "how far beyond the field's boundary a calibrated camera still looks; empty (null): at the "
+               "whole image"),
         list("include", &MaskSettings::include,
              "only what lies in one of these polygons is looked at; none: everything", kMaxPolygons),
         list("exclude", &MaskSettings::exclude, "what lies in one of these polygons is not looked at",
@@ -51,7 +50,7 @@ void check_mask(const MaskSettings& mask, const std::string& path);
 
 struct FieldView;
 
-/// Polygons of MaskSettings as intervals of rows, for pictures of any size, and a camera's view of its field.
+/// Polygons of MaskSettings as intervals of rows, for images of any size, and a camera's view of its field.
 /// Immutable.
 class Mask {
  public:
@@ -67,8 +66,8 @@ class Mask {
   /// Only what `view` has, too (vision/field_view.h).
   Mask(const MaskSettings& settings, const FieldView& view);
 
-  /// The cells of row `y` that are looked at: ascending, disjoint, none empty, to be cut off at the picture's
-  /// right edge. cell_px is 1, or 2 for the quads of a Bayer picture; what counts is the cell's centre.
+  /// The cells of row `y` that are looked at: ascending, disjoint, none empty, to be cut off at the image's
+  /// right edge. cell_px is 1, or 2 for the quads of a Bayer image; what counts is the cell's centre.
   std::span<const Interval> row(int y, int cell_px) const {
     const Rows& rows = rows_[cell_px == 1 ? 0 : 1];
     const auto i = static_cast<std::size_t>(y);
@@ -76,7 +75,7 @@ class Mask {
     return std::span(rows.intervals).subspan(rows.begin[i], rows.begin[i + 1] - rows.begin[i]);
   }
 
-  /// Whether the pixel at this place is looked at; left of the picture or above it, the nearest one in it.
+  /// Whether the pixel at this place is looked at; left of the image or above it, the nearest one in it.
   bool shows(double x, double y) const {
     const auto pixel = [](double at) { return static_cast<int>(std::lround(std::clamp(at, 0.0, kMostPx))); };
     const int column = pixel(x);

@@ -44,7 +44,7 @@ constexpr double kGroundWeight = 4;
 /// What all dots together say about noise counts like so many samples of each dot's own.
 constexpr double kCommonSamples = 40;
 
-/// A place's three values in the picture's own colours, from the nearest samples.
+/// A place's three values in the image's own colours, from the nearest samples.
 bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<float, 3>& out) {
   if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < image.width - 0.5 && pixel.y() < image.height - 0.5))
     return false;

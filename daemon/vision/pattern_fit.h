@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// One dot of a pattern as the picture shows it.
+/// One dot of a pattern as the image shows it.
 struct PatternDotFit {
   bool seen = false;  // there is a disc at this place
   double off_mm = 0;  // distance from its place in the fitted pattern
@@ -28,7 +28,7 @@ struct PatternDotFit {
   std::array<double, 3> contrast_rgb{}, color_rgb{};
 };
 
-/// A pattern laid over the picture.
+/// A pattern laid over the image.
 struct PatternFit {
   static constexpr std::size_t kCenter = PatternTable::kMaxDots;  // the centre dot's place in `dots`
 
@@ -41,7 +41,7 @@ struct PatternFit {
   double least_r2 = 0, mean_r2 = 0;  // of the seen dots
 };
 
-/// Lays a pattern over the picture: fits each of its dots as a disc (disc_fit.h) and from all of them that
+/// Lays a pattern over the image: fits each of its dots as a disc (disc_fit.h) and from all of them that
 /// are there, weighted by what each of them knows, the pose: the least-squares estimate in field coordinates
 /// on the plane of the top.
 class PatternFitter {
@@ -57,7 +57,7 @@ class PatternFitter {
 
   /// Starts at `start`, which should be good to some 5 mm; up to `most_passes` Gauss-Newton steps, fewer when
   /// they have become small. Nothing (seen = 0) when fewer than three dots are there. With a rolling shutter
-  /// the pattern is `mm_per_row` further in each row of the picture than in the one above; its pose is that
+  /// the pattern is `mm_per_row` further in each row of the image than in the one above; its pose is that
   /// in the row of its centre.
   PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int most_passes,
                  const Eigen::Vector2d& mm_per_row = Eigen::Vector2d::Zero()) noexcept;

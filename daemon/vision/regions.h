@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// One label per cell. A cell is a pixel, or for Bayer pictures a 2x2 quad of them.
+/// One label per cell. A cell is a pixel, or for Bayer images a 2x2 quad of them.
 struct LabelImage {
   int width = 0, height = 0;  // cells
   int cell_px = 1;            // side of a cell: 1, or 2 for Bayer
@@ -49,9 +49,9 @@ struct RunList {
 /// Connected cells of one label.
 struct Region {
   Label label;
-  std::uint32_t area_px;                   // pixels of the picture, also for Bayer
+  std::uint32_t area_px;                   // pixels of the image, also for Bayer
   std::uint16_t left, top, right, bottom;  // box in pixels, inclusive
-  float x_px, y_px;                        // centroid, in pixels of the picture
+  float x_px, y_px;                        // centroid, in pixels of the image
   std::uint32_t first_run;                 // index into RunList::runs
 };
 

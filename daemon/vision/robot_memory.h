@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// Where robots were in the last pictures of one camera, to look there first.
+/// Where robots were in the last images of one camera, to look there first.
 class RobotMemory {
  public:
   struct Entry {
@@ -39,7 +39,7 @@ class RobotMemory {
 
   /// Forgets what is older than `keep_s`, and all when time has gone back.
   void forget(double now_s, double keep_s) noexcept;
-  /// `robots` are where the picture's rows saw them.
+  /// `robots` are where the image's rows saw them.
   void remember(const RobotList& robots, double now_s, const RowTimes& rows = {}) noexcept;
   /// Moves the robots that were just remembered to where they were at the frame's time, as far as their speed
   /// is known.

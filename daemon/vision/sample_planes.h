@@ -12,7 +12,7 @@
 namespace sslv {
 
 /// The three colour planes of a format and where their samples lie. Grids of one group are read together:
-/// both greens of a Bayer picture are one plane. No groups for pictures without colours.
+/// both greens of a Bayer image are one plane. No groups for images without colours.
 struct SamplePlanes {
   std::array<boost::container::static_vector<SampleGrid, 2>, 3> groups;
   bool yuv = false;  // planes are Y, U, V and not red, green, blue

@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// Makes parts of the picture for the threads.
+/// Makes parts of the image for the threads.
 void Segment::share_out(int threads, const RunList& picture) {
   if (threads_ != threads) {
     threads_ = threads;

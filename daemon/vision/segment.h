@@ -20,7 +20,7 @@
 namespace sslv {
 
 /// Threshold, FindRuns and FindRegions in one: the same runs and regions, bit by bit, without a labelled
-/// picture, at nearly the speed of reading the picture once (docs/benchmarks.md).
+/// image, at nearly the speed of reading the image once (docs/benchmarks.md).
 class Segment {
  public:
   struct Params {
@@ -31,7 +31,7 @@ class Segment {
       return std::tuple{group("runs", &Params::runs, "as those of find_runs"),
                         group("regions", &Params::regions, "as those of find_regions"),
                         number("threads", &Params::threads, 1, 8, "",
-                               "threads that share each picture: more than one is for a large camera with "
+                               "threads that share each image: more than one is for a large camera with "
                                "processors to itself; with several cameras, each has its own thread anyway")};
     }
   };
@@ -41,7 +41,7 @@ class Segment {
  private:
   void share_out(int threads, const RunList& picture);
 
-  /// Some rows of the picture, and memory for what is found there.
+  /// Some rows of the image, and memory for what is found there.
   struct Part {
     int row_begin = 0, row_end = 0;  // of cells
     std::unique_ptr<Run[]> runs;

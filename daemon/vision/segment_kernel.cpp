@@ -72,7 +72,7 @@ struct RunWriter {
   }
 
   /// Cells with labels, from left to right; what lies between them is clear. Whether one goes on with the
-  /// run of the one before is anyone's guess in a noisy picture, so there is no branch for it.
+  /// run of the one before is anyone's guess in a noisy image, so there is no branch for it.
   HWY_INLINE void add_cells(const std::uint16_t* places, const Label* labels, std::size_t count) {
     std::size_t end = begun;
     std::uint32_t expected = next;
@@ -103,7 +103,7 @@ struct RunWriter {
   HWY_INLINE void end_cells() { next = kNone; }
 };
 
-// Formats. Each says how a cell lies in memory (kBytes in each of kRows rows of the picture) and what its
+// Formats. Each says how a cell lies in memory (kBytes in each of kRows rows of the image) and what its
 // label is. Those whose samples are U, V and Y say which of them a byte is (kChannels, repeating) and which
 // bytes share a colour (Lane); the others load red, green and blue.
 
@@ -223,7 +223,7 @@ HWY_INLINE Vector beyond(Vector in, Vector low, Vector extent) {
   return hn::SaturatedSub(hn::Sub(in, low), extent);
 }
 
-/// The background's boxes for pictures in YUV, compared with the bytes as they lie in memory.
+/// The background's boxes for images in YUV, compared with the bytes as they lie in memory.
 template <class Format>
 class YuvBoxes {
  public:
@@ -286,7 +286,7 @@ class YuvBoxes {
   Vector low_[Background::kMostBoxes], extent_[Background::kMostBoxes];
 };
 
-/// The same for pictures in red, green and blue: by rough_yuv(), and boxes smaller by its error.
+/// The same for images in red, green and blue: by rough_yuv(), and boxes smaller by its error.
 template <class Format>
 class RgbBoxes {
  public:
@@ -493,7 +493,7 @@ class Search {
   HWY_INLINE void prefetch(const std::uint8_t* block) const {
     HWY_UNROLL(2)
     for (int r = 0; r < Format::kRows; ++r) {
-      // A picture of two rows a cell is read in two streams.
+      // An image of two rows a cell is read in two streams.
       const std::uint8_t* ahead = block + (Format::kRows == 1 ? static_cast<std::ptrdiff_t>(kPrefetchAhead)
                                                               : (3 * Format::kRows + r) * stride_);
       HWY_UNROLL(3)

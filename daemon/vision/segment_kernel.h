@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// One picture, or a band of it, to be run-length encoded.
+/// One image, or a band of it, to be run-length encoded.
 struct RunSearch {
   ImageView image;
   const Lut* lut;
@@ -28,7 +28,7 @@ struct RunSearch {
 /// Runs of many rows are found at once: up to so many besides those of one row.
 inline constexpr std::size_t kMostPendingRuns = 12 * 1'024;
 
-/// Finds the runs of the labelled picture without making it, just as Threshold and FindRuns would. Written
+/// Finds the runs of the labelled image without making it, just as Threshold and FindRuns would. Written
 /// once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs on.
 /// Blocks from which all labels are cut (FloodCut) are passed over once that is known.
 BackgroundUse search_runs(const RunSearch& search) noexcept;

@@ -11,7 +11,7 @@
 namespace sslv {
 
 /// Labels every pixel by the colour lookup table: the plain reference (Bruce, Balch, Veloso: Fast and
-/// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer pictures are read as 2x2
+/// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer images are read as 2x2
 /// quads of one red, two green (averaged, rounded up) and one blue sample, one label each; mono pixels count
 /// as grey. What the mask leaves out is clear.
 class Threshold {

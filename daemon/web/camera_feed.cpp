@@ -16,7 +16,7 @@ namespace {
 constexpr double kDetectionsPerSecond = 30;
 // How long a view is waited for before looking again who watches.
 constexpr std::chrono::milliseconds kPatience{250};
-// Before a picture is tried again after one that cannot be encoded.
+// Before an image is tried again after one that cannot be encoded.
 constexpr std::chrono::seconds kFailurePause{1};
 
 std::chrono::steady_clock::duration interval_of(double per_second) {
@@ -27,7 +27,7 @@ std::chrono::steady_clock::duration interval_of(double per_second) {
 /// The messages of one view, each made when it is first asked for and then shared.
 class Messages {
  public:
-  /// `drawing`: where the labelled picture is drawn, reused from view to view.
+  /// `drawing`: where the labelled image is drawn, reused from view to view.
   Messages(const View& view, JpegEncoder& encoder, std::vector<std::uint8_t>& drawing,
            std::atomic<std::uint64_t>& jpegs_encoded)
       : view_(view), encoder_(encoder), drawing_(drawing), jpegs_encoded_(jpegs_encoded) {}
@@ -263,7 +263,7 @@ void CameraFeed::run(const std::stop_token& stop) {
     try {
       deliver(*view, deliveries, encoder, drawing);
     } catch (const std::exception& error) {
-      log::warning("web: no picture of camera {} for viewers: {}", camera_id_, error.what());
+      log::warning("web: no image of camera {} for viewers: {}", camera_id_, error.what());
       put_off(view->frame_number);
     }
     view.reset();  // before anything is waited for

@@ -21,8 +21,8 @@ namespace sslv {
 /// The JPEG of a preview message, which begins with a header that says how long it is.
 std::span<const char> jpeg_in(const std::string& preview_message);
 
-/// One camera's pictures and detections on their way to the viewers. A thread of its own takes a view when a
-/// viewer is due for one, encodes it once for every picture, size and quality wanted, and hands it to the
+/// One camera's images and detections on their way to the viewers. A thread of its own takes a view when a
+/// viewer is due for one, encodes it once for every image, size and quality wanted, and hands it to the
 /// viewers. It sleeps while nobody is due, so that without viewers nothing is encoded or even looked at. All
 /// members may be called from any thread.
 class CameraFeed {

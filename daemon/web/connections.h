@@ -16,7 +16,7 @@ namespace sslv {
 /// is idle, or half of a request came), or one that takes its answer for longer than kSendPatience_s. Of
 /// these goes the one whose address has most connections, and of equals the one that has been so for longest.
 /// So whoever sends a request at once is served, however many others never do. Viewers (WebSockets and
-/// streams of pictures) stay until they go, and are few enough to leave room.
+/// streams of images) stay until they go, and are few enough to leave room.
 ///
 /// A part of the connections is kept for trusted addresses: strangers never have all of them.
 ///

@@ -26,7 +26,7 @@ struct HttpContext {
 };
 
 /// Serves one connection until it ends: requests one after the other, or a WebSocket or
-/// a stream of pictures once it asks for that.
+/// a stream of images once it asks for that.
 /// Reading and writing take place on the socket's own thread and wait for nobody; a worker sees complete
 /// requests only, so slow, idle and half-open clients cost memory but never a thread.
 /// `connection` holds `seat`.

@@ -119,7 +119,7 @@ void stream_pictures(asio::ip::tcp::socket socket, ScopedCount connection, Camer
   std::make_shared<PictureStream>(std::move(socket), std::move(connection), feeds, feeds.of(wish.camera_id),
                                   std::move(may_look))
       ->start(wish.preview);
-} catch (const HttpError&) {  // the camera went just now: the stream ends before its first picture
+} catch (const HttpError&) {  // the camera went just now: the stream ends before its first image
 }
 
 }  // namespace sslv

@@ -35,7 +35,7 @@ struct Response {
   std::string type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers{};
-  std::optional<StreamWish> stream{};  // pictures follow, of a route that streams; `type` is kStreamType
+  std::optional<StreamWish> stream{};  // images follow, of a route that streams; `type` is kStreamType
 };
 
 /// Thrown by a handler to answer {"error": what()} with this status, and with what stands in `more` beside.
@@ -68,7 +68,7 @@ struct Route {
   Handler handle;
   Needs needs = Needs::kByMethod;
   Speed speed = Speed::kMayWait;
-  bool streams = false;  // pictures may follow its response, which is the last of its connection then
+  bool streams = false;  // images may follow its response, which is the last of its connection then
 };
 
 /// A text that viewers may subscribe to by its name. It is made while somebody has, twice a second.

@@ -71,7 +71,7 @@ struct Picture {
   Chroma chroma;  // to be encoded with
 };
 
-/// The picture of a view that is wished for, or the camera's where nothing is labelled. A labelled one is
+/// The image of a view that is wished for, or the camera's where nothing is labelled. A labelled one is
 /// drawn into `buffer`.
 inline Picture picture_of(const View& view, PictureKind wished, std::vector<std::uint8_t>& buffer) {
   if (wished == PictureKind::kLabels && view.draw_labels)
@@ -89,7 +89,7 @@ struct PreviewWish {
 };
 inline constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
-/// A stream of one camera's pictures.
+/// A stream of one camera's images.
 struct StreamWish {
   std::uint32_t camera_id;
   PreviewWish preview;

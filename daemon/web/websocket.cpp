@@ -44,9 +44,9 @@ struct PreviewParams {
   static constexpr auto fields() {
     using P = PreviewParams;
     return std::tuple{number("camera", &P::camera, 0, kMaxCameraId, "", "camera id"),
-                      number("width", &P::width, 1, 16384, "px", "pictures are scaled down to it"),
+                      number("width", &P::width, 1, 16384, "px", "images are scaled down to it"),
                       number("quality", &P::quality, 1, 100, "", "of the JPEG"),
-                      number("fps", &P::fps, kMinFps, kMaxFps, "Hz", "at most that many pictures"),
+                      number("fps", &P::fps, kMinFps, kMaxFps, "Hz", "at most that many images"),
                       choice("picture", &P::picture, kPictureChoices, "what to see"),
                       flag("regions", &P::regions, "also the frame's regions")};
   }
@@ -108,7 +108,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     namespace websocket = beast::websocket;
     stream_.set_option(websocket::stream_base::timeout{kHandshakeTimeout, kSilenceTimeout, true});
     stream_.read_message_max(kMaxMessageBytes);
-    stream_.auto_fragment(false);  // a picture leaves in one write
+    stream_.auto_fragment(false);  // an image leaves in one write
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       for (const auto& [name, value] : kSecurityHeaders) answer.set(name, value);
     }));

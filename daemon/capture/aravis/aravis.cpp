@@ -40,7 +40,7 @@ std::string_view text_of(ArvBufferStatus status) {
   }
 }
 
-// ---- pictures
+// ---- images
 
 constexpr std::chrono::milliseconds kForeignPackets(100);
 /// Nothing of its own for this long after the opening although something came: foreign packets, all the same.
@@ -48,7 +48,7 @@ constexpr std::chrono::milliseconds kFirstPicture(500);
 /// The best of what came since the opening.
 enum class Beginning { kNothing, kForeign, kOwn };
 
-/// What the source, the library's threads and the pictures still out share.
+/// What the source, the library's threads and the images still out share.
 struct Link {
   std::mutex mutex;
   ArvStream* stream = nullptr;  // guarded; null once the source is closed
@@ -77,7 +77,7 @@ void give_back(void*, void* lent) noexcept {
   }
 }
 
-/// A sound picture in the library's buffer.
+/// A sound image in the library's buffer.
 struct SentPicture {
   const AravisFormat* format = nullptr;
   const std::uint8_t* data = nullptr;
@@ -180,13 +180,13 @@ class AravisSource final : public Source {
       if (beginning_ == Beginning::kForeign && now - started_ > kFirstPicture) return bad_beginning(problem);
       if (now - last_buffer_ < std::chrono::duration<double>(options_.silence_s))
         return CaptureStatus::kTimeout;
-      problem = fmt::format("camera \"{}\": no picture for {} s", label_, options_.silence_s);
+      problem = fmt::format("camera \"{}\": no image for {} s", label_, options_.silence_s);
       return CaptureStatus::kLost;
     }
     last_buffer_ = now;
     const SentPicture sent = picture_in(buffer, problem);
     if (sent.format == nullptr) {
-      // Of foreign packets not even a picture's beginning is understood.
+      // Of foreign packets not even an image's beginning is understood.
       const bool is_foreign = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_CLEARED;
       arv_stream_push_buffer(stream_.get(), buffer);
       if (beginning_ != Beginning::kOwn) beginning_ = is_foreign ? Beginning::kForeign : Beginning::kOwn;
@@ -208,7 +208,7 @@ class AravisSource final : public Source {
 
  private:
   CaptureStatus bad_beginning(std::string& problem) const {
-    problem = fmt::format("camera \"{}\": none of its first pictures can be read", label_);
+    problem = fmt::format("camera \"{}\": none of its first images can be read", label_);
     return CaptureStatus::kLost;
   }
 
@@ -219,11 +219,11 @@ class AravisSource final : public Source {
     PictureStamps stamps;
     stamps.exposure_s = shared_->exposure_s;
     stamps.has_ptp = has_ptp_;
-    // The moment the picture's first packet came.
+    // The moment the image's first packet came.
     const guint64 system_ns = arv_buffer_get_system_timestamp(buffer);
     stamps.arrival_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : unix_time_s();
     const guint64 camera_ns = arv_buffer_get_timestamp(buffer);
-    // A damaged picture may lack the packet that has its time; the buffer then holds an older one.
+    // A damaged image may lack the packet that has its time; the buffer then holds an older one.
     const bool is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     if (camera_ns != 0 && !is_damaged) stamps.camera_s = static_cast<double>(camera_ns) * 1e-9;
     if (chunks_ && arv_buffer_has_chunks(buffer)) read_chunks(buffer, stamps);
@@ -240,7 +240,7 @@ class AravisSource final : public Source {
   }
 
   /// An automatic exposure changes by itself. The camera answers when it likes, so a thread of its own asks,
-  /// and only while pictures come: a dead camera would keep it, and the closing, waiting.
+  /// and only while images come: a dead camera would keep it, and the closing, waiting.
   void follow_exposure(const std::stop_token& stop) {
     become_background_thread("exposure");
     constexpr std::chrono::seconds kEvery(2);
@@ -256,7 +256,7 @@ class AravisSource final : public Source {
     }
   }
 
-  /// What the times of pictures depend on.
+  /// What the times of images depend on.
   void prepare_times() {
     read_exposure(*shared_);
     Failure failure;
@@ -310,7 +310,7 @@ class AravisSource final : public Source {
                    options_.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                    nullptr);
       // The packet socket takes in what is meant for others until its filter is set, and such packets'
-      // numbers would make the camera's own pictures look late. Without buffers the library throws them away.
+      // numbers would make the camera's own images look late. Without buffers the library throws them away.
       std::this_thread::sleep_for(kForeignPackets);
     }
     for (int i = 0; i < options_.buffers; ++i) {
@@ -325,7 +325,7 @@ class AravisSource final : public Source {
     started_ = last_buffer_ = Clock::now();
   }
 
-  /// The library does not say how a damaged picture lies in its buffer: as the last whole one did.
+  /// The library does not say how a damaged image lies in its buffer: as the last whole one did.
   SentPicture damaged_picture_in(ArvBuffer* buffer) const {
     SentPicture sent = last_whole_;
     std::size_t size = 0;
@@ -333,7 +333,7 @@ class AravisSource final : public Source {
     return sent;
   }
 
-  /// No format, with the reason, when the buffer holds no sound picture.
+  /// No format, with the reason, when the buffer holds no sound image.
   SentPicture picture_in(ArvBuffer* buffer, std::string& problem) {
     const ArvBufferStatus status = arv_buffer_get_status(buffer);
     const bool lacks_packets =
@@ -345,7 +345,7 @@ class AravisSource final : public Source {
     const ArvBufferPayloadType payload = arv_buffer_get_payload_type(buffer);
     if (payload != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && payload != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA &&
         payload != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART) {
-      problem = fmt::format("it holds no picture but payload type {}", static_cast<int>(payload));
+      problem = fmt::format("it holds no image but payload type {}", static_cast<int>(payload));
       return {};
     }
     SentPicture sent;
@@ -403,15 +403,15 @@ class AravisSource final : public Source {
   std::vector<std::string> warnings_;
   PictureTimes times_;
   bool has_ptp_ = false;
-  Object<ArvChunkParser> chunks_;            // null: pictures carry none
+  Object<ArvChunkParser> chunks_;            // null: images carry none
   double ticks_per_s_ = 1e9;                 // of ChunkTimestamp
-  std::atomic<std::int64_t> picture_ns_{0};  // steady_ns() of the newest picture
-  std::optional<BufferPool> pool_;           // of pictures that are unpacked
+  std::atomic<std::int64_t> picture_ns_{0};  // steady_ns() of the newest image
+  std::optional<BufferPool> pool_;           // of images that are unpacked
   std::size_t pool_bytes_ = 0;               // of each
   std::uint64_t dropped_ = 0;
   WholePicture whole_;
   SentPicture last_whole_;                // its data is not used
-  std::ptrdiff_t last_whole_offset_ = 0;  // of the picture in its buffer
+  std::ptrdiff_t last_whole_offset_ = 0;  // of the image in its buffer
   Clock::time_point started_{}, last_buffer_{};
   Beginning beginning_ = Beginning::kNothing;
   std::jthread exposure_follower_;

@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-/// They change how large pictures are, so that the stream's buffers no longer fit.
+/// They change how large images are, so that the stream's buffers no longer fit.
 constexpr std::array<std::string_view, 8> kLayout{"Width",
                                                   "Height",
                                                   "PixelFormat",

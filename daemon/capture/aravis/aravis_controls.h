@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// An open camera, shared by whoever takes its pictures and whoever sets its controls. The library's feature
+/// An open camera, shared by whoever takes its images and whoever sets its controls. The library's feature
 /// tree is for one thread at a time.
 struct AravisCamera {
   std::mutex mutex;  // guards the camera's features

@@ -114,7 +114,7 @@ class Setup {
   std::string label_;
 };
 
-/// Without CAP_NET_RAW pictures pass through a socket whose buffer the system may keep small.
+/// Without CAP_NET_RAW images pass through a socket whose buffer the system may keep small.
 void warn_of_small_socket_buffer(const std::string& label, int wanted_bytes) {
   if (const int packet_socket = ::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, 0); packet_socket >= 0) {
     ::close(packet_socket);
@@ -123,7 +123,7 @@ void warn_of_small_socket_buffer(const std::string& label, int wanted_bytes) {
   std::ifstream file("/proc/sys/net/core/rmem_max");
   if (int allowed_bytes = 0; file >> allowed_bytes && allowed_bytes < wanted_bytes) {
     log::warning(
-        "camera \"{}\": pictures may get lost: net.core.rmem_max is {}, socket_buffer_bytes {}; raise the "
+        "camera \"{}\": images may get lost: net.core.rmem_max is {}, socket_buffer_bytes {}; raise the "
         "first or "
         "give the service CAP_NET_RAW",
         label, allowed_bytes, wanted_bytes);

@@ -116,12 +116,12 @@ class Dc1394Source final : public Source {
     const std::lock_guard lock(link_->mutex);
     dc1394switch_t sends = DC1394_OFF;
     if (dc1394_video_get_transmission(link_->camera, &sends) != DC1394_SUCCESS)
-      return lose(problem, fmt::format("no picture for {:g} s, and it does not answer", silence_s_));
+      return lose(problem, fmt::format("no image for {:g} s, and it does not answer", silence_s_));
     if (sends == DC1394_ON && waits_for_trigger(link_->camera)) {
       last_frame_ = Clock::now();
       return CaptureStatus::kTimeout;
     }
-    problem = fmt::format("camera \"{}\": no picture for {:g} s, although it answers ({}){}", label_,
+    problem = fmt::format("camera \"{}\": no image for {:g} s, although it answers ({}){}", label_,
                           silence_s_, video_.summary,
                           sends == DC1394_ON ? "; do card, cables and hubs take this iso_speed?"
                                              : "; it has stopped sending, as after a bus reset");
@@ -169,7 +169,7 @@ class Dc1394Source final : public Source {
       times.t_capture_s = unix_time_s();
       return times;
     }
-    // The kernel's own FireWire driver stamps a picture's first packet, others its arrival as a whole.
+    // The kernel's own FireWire driver stamps an image's first packet, others its arrival as a whole.
     // Sending begins at the end of the exposure.
     double t_s = static_cast<double>(frame.timestamp) * 1e-6;
     if (!stamped_at_start_) t_s -= frame.packets_per_frame * kCycleSeconds;
@@ -179,7 +179,7 @@ class Dc1394Source final : public Source {
     return times;
   }
 
-  /// The library counts no losses. There are some when the card had no buffer for the picture that followed
+  /// The library counts no losses. There are some when the card had no buffer for the image that followed
   /// the last one.
   void count_dropped(const dc1394video_frame_t& frame, double queued_at_s) {
     if (frame.timestamp == 0 || video_.interval_s <= 0) return;
@@ -200,7 +200,7 @@ class Dc1394Source final : public Source {
   std::shared_ptr<Controls> controls_;
   std::vector<std::string> warnings_;
   std::shared_ptr<Ring> ring_;
-  std::optional<BufferPool> pool_;  // of pictures that are converted
+  std::optional<BufferPool> pool_;  // of images that are converted
   bool lost_ = false;
   Clock::time_point last_frame_;
 

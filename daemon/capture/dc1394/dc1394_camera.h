@@ -21,7 +21,7 @@ struct FreeCamera {
 };
 using Context = std::unique_ptr<dc1394_t, FreeContext>;
 
-/// An open camera. Nothing is sent and no memory for pictures is held yet.
+/// An open camera. Nothing is sent and no memory for images is held yet.
 struct Handle {
   Context context;
   std::unique_ptr<dc1394camera_t, FreeCamera> camera;  // goes before its context

@@ -28,7 +28,7 @@ constexpr std::array kFeatures{
     FeatureRow{DC1394_FEATURE_GAIN, "gain", "Gain", "Light", "dB", kBeginner, ""},
     FeatureRow{DC1394_FEATURE_IRIS, "iris", "Iris", "Light", "F", kBeginner, ""},
     FeatureRow{DC1394_FEATURE_EXPOSURE, "exposure", "Automatic exposure", "Light", "EV", kBeginner,
-               "how bright the automatics of shutter, gain and iris make the picture"},
+               "how bright the automatics of shutter, gain and iris make the image"},
     FeatureRow{DC1394_FEATURE_BRIGHTNESS, "brightness", "Brightness", "Light", "%", kBeginner,
                "the black level"},
     FeatureRow{DC1394_FEATURE_GAMMA, "gamma", "Gamma", "Light", "", kExpert, ""},
@@ -36,7 +36,7 @@ constexpr std::array kFeatures{
     FeatureRow{DC1394_FEATURE_SATURATION, "saturation", "Saturation", "Colour", "%", kBeginner, ""},
     FeatureRow{DC1394_FEATURE_HUE, "hue", "Hue", "Colour", "deg", kExpert, ""},
     FeatureRow{DC1394_FEATURE_WHITE_SHADING, "white_shading", "White shading", "Colour", "", kExpert, ""},
-    FeatureRow{DC1394_FEATURE_SHARPNESS, "sharpness", "Sharpness", "Picture", "", kExpert, ""},
+    FeatureRow{DC1394_FEATURE_SHARPNESS, "sharpness", "Sharpness", "Image", "", kExpert, ""},
     FeatureRow{DC1394_FEATURE_FOCUS, "focus", "Focus", "Lens", "m", kExpert, ""},
     FeatureRow{DC1394_FEATURE_ZOOM, "zoom", "Zoom", "Lens", "x", kExpert, ""},
     FeatureRow{DC1394_FEATURE_PAN, "pan", "Pan", "Lens", "deg", kExpert, ""},
@@ -45,10 +45,10 @@ constexpr std::array kFeatures{
     FeatureRow{DC1394_FEATURE_FRAME_RATE, "frame_rate", "Frame rate", "Timing", "Hz", kExpert, ""},
     FeatureRow{DC1394_FEATURE_TRIGGER_DELAY, "trigger_delay", "Trigger delay", "Timing", "s", kExpert, ""},
     FeatureRow{DC1394_FEATURE_TRIGGER, "trigger", "Trigger", "Timing", "", kExpert, ""},
-    FeatureRow{DC1394_FEATURE_TEMPERATURE, "temperature", "Temperature", "Picture", "", kExpert,
+    FeatureRow{DC1394_FEATURE_TEMPERATURE, "temperature", "Temperature", "Image", "", kExpert,
                "that the sensor is to have"},
-    FeatureRow{DC1394_FEATURE_CAPTURE_SIZE, "capture_size", "Capture size", "Picture", "", kExpert, ""},
-    FeatureRow{DC1394_FEATURE_CAPTURE_QUALITY, "capture_quality", "Capture quality", "Picture", "", kExpert,
+    FeatureRow{DC1394_FEATURE_CAPTURE_SIZE, "capture_size", "Capture size", "Image", "", kExpert, ""},
+    FeatureRow{DC1394_FEATURE_CAPTURE_QUALITY, "capture_quality", "Capture quality", "Image", "", kExpert,
                ""},
 };
 
@@ -242,7 +242,7 @@ class IidcControls final : public Controls {
       control.value = name_in(kPolarities, polarity);
       for (const auto& [name, value] : kPolarities) control.choices.emplace_back(name);
     }
-    if (by_software) add(out, row, "_software", ControlKind::kAction).help = "take one picture now";
+    if (by_software) add(out, row, "_software", ControlKind::kAction).help = "take one image now";
   }
 
   void append_memory(std::vector<Control>& out) const {

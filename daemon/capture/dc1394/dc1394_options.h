@@ -41,10 +41,10 @@ struct Options {
         text("camera", &O::camera,
              "the camera's GUID, 16 hexadecimal digits; empty: the first that is found"),
         choice("mode", &O::mode, auto_or(kModes),
-               "auto: the first Format7 mode, else the largest picture there is"),
+               "auto: the first Format7 mode, else the largest image there is"),
         choice("pixel_format", &O::pixel_format, auto_or(kCodings), "auto: the best that the mode has"),
         choice("bayer_order", &O::bayer_order, auto_or(kBayerOrders),
-               "of the colours in raw pictures, and in mono ones of cameras that call raw pictures so; auto: "
+               "of the colours in raw images, and in mono ones of cameras that call raw images so; auto: "
                "what the camera says"),
         number("width", &O::width, 0, 16384, "px",
                "of the part of the sensor that is read, Format7 only; 0: all that is right of the offset"),
@@ -52,14 +52,13 @@ struct Options {
                "of the part of the sensor that is read, Format7 only; 0: all that is below the offset"),
         number("offset_x", &O::offset_x, 0, 16384, "px", "left edge of that part"),
         number("offset_y", &O::offset_y, 0, 16384, "px", "upper edge of that part"),
-        number(
-            "packet_size_bytes", &O::packet_size_bytes, 0, 65535, "bytes",
-            "of Format7: the share of the bus, and so the pictures a second; 0: what the camera recommends"),
+        number("packet_size_bytes", &O::packet_size_bytes, 0, 65535, "bytes",
+               "of Format7: the share of the bus, and so the images a second; 0: what the camera recommends"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.1, 1000.0, "Hz",
                "null: the fastest of the mode; of Format7: what packet_size_bytes gives"),
         choice("iso_speed", &O::iso_speed, auto_or(kSpeeds),
                "Mbit/s; auto: 800 if the camera can, else 400. Cables and card must be able to do it too"),
-        number("ring_frames", &O::ring_frames, 3, 100, "", "pictures that the card may fill ahead"),
+        number("ring_frames", &O::ring_frames, 3, 100, "", "images that the card may fill ahead"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
                "a camera that sends nothing for this long, without waiting for a trigger, is taken for lost"),
         flag(

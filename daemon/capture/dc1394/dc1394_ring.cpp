@@ -14,7 +14,7 @@
 namespace sslv::iidc {
 namespace {
 
-/// Cameras of ours that are closed but for a picture that somebody still holds: their share of the bus is
+/// Cameras of ours that are closed but for an image that somebody still holds: their share of the bus is
 /// still reserved, although they send nothing.
 class Lingering {
  public:
@@ -64,16 +64,16 @@ void Ring::set_up(std::uint32_t frames, const std::string& label) {
     throw CaptureError(fmt::format(
         "camera \"{}\": the bus has not enough bandwidth left for it; take a smaller part of the sensor, "
         "fewer "
-        "pictures a second (packet_size_bytes for Format7), a higher iso_speed, or a card of its own",
+        "images a second (packet_size_bytes for Format7), a higher iso_speed, or a card of its own",
         label));
   }
-  check(error, label, fmt::format("memory for {} pictures cannot be set up", frames));
+  check(error, label, fmt::format("memory for {} images cannot be set up", frames));
 }
 
 Ring::~Ring() {
   dc1394camera_t* const camera = handle_.camera.get();
   if (dc1394_capture_stop(camera) == DC1394_IOCTL_FAILURE) {
-    // The library gives up when the camera is gone, and with it the pictures' memory and file.
+    // The library gives up when the camera is gone, and with it the images' memory and file.
     ::close(fd_);
     if (memory_ != nullptr) ::munmap(memory_, memory_bytes_);
   }

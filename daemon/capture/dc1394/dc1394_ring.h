@@ -13,12 +13,12 @@
 
 namespace sslv::iidc {
 
-/// The library's ring of pictures, lent out without a copy. Its memory goes with the last picture that is
+/// The library's ring of images, lent out without a copy. Its memory goes with the last image that is
 /// out, not with the source: until then the ring keeps the camera open, but takes nothing more.
 ///
-/// The library hands pictures over strictly by their place in the ring, whichever buffer the card has filled:
+/// The library hands images over strictly by their place in the ring, whichever buffer the card has filled:
 /// buffers must come back to it in the order in which it gave them. So one that is returned early waits for
-/// those before it, and a picture that is held for as long as the ring is deep stops the camera.
+/// those before it, and an image that is held for as long as the ring is deep stops the camera.
 class Ring : public std::enable_shared_from_this<Ring> {
  public:
   /// The camera must have been set up. Throws CaptureError.
@@ -27,7 +27,7 @@ class Ring : public std::enable_shared_from_this<Ring> {
   Ring(const Ring&) = delete;
   Ring& operator=(const Ring&) = delete;
 
-  /// Becomes readable when a picture comes.
+  /// Becomes readable when an image comes.
   int fd() const { return fd_; }
 
   struct Taken {
@@ -66,7 +66,7 @@ class Ring : public std::enable_shared_from_this<Ring> {
   dc1394error_t broken_ = DC1394_SUCCESS;  // why buffers cannot be given back
   bool closed_ = false, lingers_ = false;
 
-  // Where the library has its buffers; known from the first picture on.
+  // Where the library has its buffers; known from the first image on.
   unsigned char* memory_ = nullptr;
   std::size_t memory_bytes_ = 0;
 };

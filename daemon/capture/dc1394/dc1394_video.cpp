@@ -33,7 +33,7 @@ std::uint32_t largest_packet_bytes(dc1394speed_t speed) {
   return 1024u << static_cast<unsigned>(speed);
 }
 
-/// Packets of the fixed modes: IIDC 1.31 spreads a picture over 240 of the 267 cycles of 1/30 s.
+/// Packets of the fixed modes: IIDC 1.31 spreads an image over 240 of the 267 cycles of 1/30 s.
 double packet_bytes(std::uint32_t picture_bytes, double rate_hz) {
   return picture_bytes * rate_hz / 7200;
 }
@@ -102,7 +102,7 @@ class Setup {
       coding_ = *coding;
       return;
     }
-    std::tuple<bool, long, long> best;  // Format7, picture's size, rank of the coding
+    std::tuple<bool, long, long> best;  // Format7, image's size, rank of the coding
     bool found = false;
     for (const dc1394video_mode_t mode : modes) {
       const auto coding = choose_coding(mode);
@@ -141,7 +141,7 @@ class Setup {
     must(dc1394_get_image_size_from_video_mode(camera_, mode, &width, &height), "its modes cannot be read");
     return long{width} * long{height};
   }
-  /// Of raw pictures. Cameras before IIDC 1.31 do not say.
+  /// Of raw images. Cameras before IIDC 1.31 do not say.
   std::optional<dc1394color_filter_t> bayer_order(dc1394video_mode_t mode) const {
     if (options_.bayer_order) return options_.bayer_order;
     dc1394color_filter_t order{};

@@ -8,10 +8,10 @@
 
 namespace sslv::iidc {
 
-/// Of the bus: one packet of a picture is sent in each.
+/// Of the bus: one packet of an image is sent in each.
 inline constexpr double kCycleSeconds = 125e-6;
 
-/// How pictures will come.
+/// How images will come.
 struct Video {
   dc1394color_coding_t coding = DC1394_COLOR_CODING_YUV422;
   ImageView layout;       // as the pipeline gets them; no data
@@ -23,7 +23,7 @@ struct Video {
 /// names camera, option, value and what is allowed.
 Video set_up_video(dc1394camera_t* camera, const Options& options, const std::string& label);
 
-/// Whether pictures of this coding must be converted for the pipeline.
+/// Whether images of this coding must be converted for the pipeline.
 bool needs_unpacking(dc1394color_coding_t coding);
 /// Converts one of those; `to` has room for the layout.
 void unpack(const dc1394video_frame_t& frame, const ImageView& layout, std::uint8_t* to) noexcept;

@@ -37,15 +37,15 @@ struct Options {
     using O = Options;
     return std::tuple{
         file("path", &O::path,
-             "a folder of pictures (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
+             "a folder of images (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
              "their "
              "names; or one such file; or a video"),
         choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
-               "how the bytes of raw frames lie; pictures and videos know it themselves (auto)"),
+               "how the bytes of raw frames lie; images and videos know it themselves (auto)"),
         number("width", &O::width, 0, 16384, "px", "of raw frames; 0: there are none"),
         number("height", &O::height, 0, 16384, "px", "of raw frames; 0: there are none"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
-               "pictures a second; 0: as fast as they are taken; null: a video's own rate, 30 for the rest"),
+               "images a second; 0: as fast as they are taken; null: a video's own rate, 30 for the rest"),
         flag("loop", &O::loop, "begin again at the end"),
         object("controls", &O::controls,
                "how it is played, such as {\"paused\": true, \"position\": 100}; changed while it runs"),
@@ -61,7 +61,7 @@ struct Item {
   std::string name;  // stem
 };
 
-/// By the ending of the name; what is neither picture nor raw frame is tried as a video.
+/// By the ending of the name; what is neither image nor raw frame is tried as a video.
 Kind kind_of(const fs::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -77,7 +77,7 @@ std::vector<Item> find_items(const std::string& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) {
     throw CaptureError(
-        fmt::format("path \"{}\": {}; expected a folder of pictures, a picture, a raw frame or a video", path,
+        fmt::format("path \"{}\": {}; expected a folder of images, an image, a raw frame or a video", path,
                     std::make_error_code(error ? static_cast<std::errc>(error.value())
                                                : std::errc::no_such_file_or_directory)
                         .message()));
@@ -98,7 +98,7 @@ std::vector<Item> find_items(const std::string& path) {
   if (error) throw CaptureError(fmt::format("path \"{}\": {}", path, error.message()));
   if (items.empty()) {
     throw CaptureError(fmt::format(
-        "path \"{}\": no pictures in this folder; expected files ending in .png .jpg .jpeg .bmp .ppm or .raw",
+        "path \"{}\": no images in this folder; expected files ending in .png .jpg .jpeg .bmp .ppm or .raw",
         path));
   }
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.path < b.path; });
@@ -141,7 +141,7 @@ class FileSource final : public Source {
         media_ = std::make_unique<MediaReader>(items_.front().path, false);
       } catch (const std::exception& error) {
         throw CaptureError(
-            fmt::format("path \"{}\": {}; expected a folder of pictures, a picture, a raw frame or a video",
+            fmt::format("path \"{}\": {}; expected a folder of images, an image, a raw frame or a video",
                         options_.path, error.what()));
       }
       if (const double own_hz = media_->frame_rate_hz(); own_hz > 0) rate_hz = own_hz;
@@ -174,7 +174,7 @@ class FileSource final : public Source {
     return status;
   }
 
-  /// At the end, behind so many pictures.
+  /// At the end, behind so many images.
   CaptureStatus begin_again(std::int64_t count, CapturedImage& image, std::string& problem) {
     if (!playback_->begin_again(count)) return CaptureStatus::kEnd;
     if (!std::exchange(any_good_, false)) {
@@ -200,7 +200,7 @@ class FileSource final : public Source {
 
   Image read_picture(const std::string& path) {
     Image image;
-    std::string problem = "no picture in it";
+    std::string problem = "no image in it";
     MediaReader reader(path, true);
     if (reader.read(pool_, image, problem) != MediaReader::Result::kPicture)
       throw std::runtime_error(problem);
@@ -214,7 +214,7 @@ class FileSource final : public Source {
       throw std::system_error(errno, std::generic_category());
     const PixelFormat format = *options_.pixel_format;
     const std::int64_t expected = std::int64_t{options_.width} * options_.height * bytes_per_pixel(format);
-    // Low bits lie behind the picture.
+    // Low bits lie behind the image.
     const bool is_deep = bytes_per_pixel(format) == 1 && status.st_size == 2 * expected;
     if (status.st_size != expected && !is_deep) {
       throw std::runtime_error(fmt::format("{} bytes; expected {} ({}x{} {})", status.st_size, expected,
@@ -253,7 +253,7 @@ class FileSource final : public Source {
     return CaptureStatus::kImage;
   }
 
-  static constexpr std::int64_t kEndless = std::int64_t{1} << 40;  // pictures of a video that does not say
+  static constexpr std::int64_t kEndless = std::int64_t{1} << 40;  // images of a video that does not say
 
   const Options options_;
   const std::vector<Item> items_;
@@ -261,7 +261,7 @@ class FileSource final : public Source {
   std::vector<std::string> warnings_;
   PicturePool pool_;
   std::unique_ptr<MediaReader> media_;  // of a video
-  std::int64_t video_place_ = 0;        // of the picture it gives next
+  std::int64_t video_place_ = 0;        // of the image it gives next
   bool any_good_ = false;               // in this pass
 };
 
@@ -270,7 +270,7 @@ class FileSource final : public Source {
 Backend file_backend() {
   return {
       "files",
-      "recorded pictures, raw frames or a video instead of a camera",
+      "recorded images, raw frames or a video instead of a camera",
       [](const Json& options, const std::string& path) {
         return params_to_json(params_from_json<Options>(options, path));
       },

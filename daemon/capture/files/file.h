@@ -5,7 +5,7 @@
 
 namespace sslv {
 
-/// "files": recorded pictures (PNG, JPEG, BMP, PPM), raw frames or a video instead of a camera.
+/// "files": recorded images (PNG, JPEG, BMP, PPM), raw frames or a video instead of a camera.
 Backend file_backend();
 
 }  // namespace sslv

@@ -57,9 +57,9 @@ struct MediaReader::Libraries {
   AVFrame* frame = allocated(av_frame_alloc());
   SwsContext* converter = nullptr;
   int stream = 0;
-  std::vector<std::int64_t> times;            // of all pictures in order, once they are wanted
-  std::int64_t skip_before = AV_NOPTS_VALUE;  // pictures on the way to the one that was sought
-  bool draining = false;  // the file has been read to its end; the decoder may still hold pictures
+  std::vector<std::int64_t> times;            // of all images in order, once they are wanted
+  std::int64_t skip_before = AV_NOPTS_VALUE;  // images on the way to the one that was sought
+  bool draining = false;  // the file has been read to its end; the decoder may still hold images
 
   Libraries() = default;
   Libraries(const Libraries&) = delete;
@@ -92,7 +92,7 @@ MediaReader::MediaReader(const std::string& path, bool still) : av_(std::make_un
   check(avformat_find_stream_info(av_->container, nullptr), "cannot be read");
   const AVCodec* codec = nullptr;
   av_->stream = av_find_best_stream(av_->container, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
-  check(av_->stream, "no pictures in it");
+  check(av_->stream, "no images in it");
 
   av_->decoder = allocated(avcodec_alloc_context3(codec));
   check(avcodec_parameters_to_context(av_->decoder, av_->container->streams[av_->stream]->codecpar),
@@ -126,7 +126,7 @@ std::optional<double> MediaReader::time_s() const {
 void MediaReader::seek(std::int64_t picture) {
   if (av_->times.empty()) av_->read_times();
   if (picture < 0 || picture >= static_cast<std::int64_t>(av_->times.size()))
-    throw std::runtime_error("it has only " + std::to_string(av_->times.size()) + " pictures");
+    throw std::runtime_error("it has only " + std::to_string(av_->times.size()) + " images");
   const std::int64_t time = av_->times[static_cast<std::size_t>(picture)];
   check(av_seek_frame(av_->container, av_->stream, time, AVSEEK_FLAG_BACKWARD), "cannot be sought");
   avcodec_flush_buffers(av_->decoder);
@@ -134,7 +134,7 @@ void MediaReader::seek(std::int64_t picture) {
   av_->skip_before = time;
 }
 
-/// Packets come in the order they are decoded in, pictures in that of their times.
+/// Packets come in the order they are decoded in, images in that of their times.
 void MediaReader::Libraries::read_times() {
   check(av_seek_frame(container, stream, 0, AVSEEK_FLAG_BACKWARD), "cannot be sought");
   while (av_read_frame(container, packet) >= 0) {

@@ -10,29 +10,29 @@
 
 namespace sslv {
 
-/// The pictures of one picture or video file, decoded by FFmpeg's libraries, as rgb24. Without them
+/// The images of one image or video file, decoded by FFmpeg's libraries, as rgb24. Without them
 /// (file_media_jpeg.cpp) only JPEGs can be read.
 class MediaReader {
  public:
   enum class Result { kPicture, kDamaged, kEnd };
 
-  /// Throws std::runtime_error with the reason, without the path. A `still` picture must be sound to its last
+  /// Throws std::runtime_error with the reason, without the path. A `still` image must be sound to its last
   /// byte; in a video decoders may do without parts of the stream.
   MediaReader(const std::string& path, bool still);
   ~MediaReader();
 
-  /// Pictures a second as the file says; 0 when it does not.
+  /// Images a second as the file says; 0 when it does not.
   double frame_rate_hz() const;
 
-  /// How many pictures the file says it has, or would have by its length; 0 when it does not say.
+  /// How many images the file says it has, or would have by its length; 0 when it does not say.
   std::int64_t count() const;
-  /// The next picture will be this one, counted from 0. Reads through the whole file the first time. Throws
+  /// The next image will be this one, counted from 0. Reads through the whole file the first time. Throws
   /// std::runtime_error.
   void seek(std::int64_t picture);
-  /// Of the last picture, on the file's clock.
+  /// Of the last image, on the file's clock.
   std::optional<double> time_s() const;
 
-  /// The next picture. For kDamaged `problem` says why; the next call goes on behind the damage.
+  /// The next image. For kDamaged `problem` says why; the next call goes on behind the damage.
   Result read(PicturePool& pool, Image& image, std::string& problem);
 
  private:

@@ -28,7 +28,7 @@ struct MediaReader::Libraries {
 MediaReader::MediaReader(const std::string& path, bool still) : av_(std::make_unique<Libraries>()) {
   if (!still || !is_jpeg(path)) {
     throw std::runtime_error(
-        "this program reads JPEGs and raw frames only; for other pictures and videos, install "
+        "this program reads JPEGs and raw frames only; for other images and videos, install "
         "libavformat-dev, libavcodec-dev, libavutil-dev and libswscale-dev and build again");
   }
   av_->path = path;
@@ -44,7 +44,7 @@ std::int64_t MediaReader::count() const {
   return 1;
 }
 
-void MediaReader::seek(std::int64_t /*picture*/) {
+void MediaReader::seek(std::int64_t /*image*/) {
   av_->is_read = false;
 }
 

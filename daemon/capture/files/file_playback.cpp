@@ -87,7 +87,7 @@ std::vector<Control> Playback::list() {
   for (Control& control : out) control.category = "Playback";
   out[0].name = "position";
   out[0].title = "Position";
-  out[0].help = "number of the newest picture; setting it shows that one next";
+  out[0].help = "number of the newest image; setting it shows that one next";
   out[0].kind = ControlKind::kInteger;
   out[0].least = 0;
   out[0].most = static_cast<double>(std::max<std::int64_t>(0, count_ - 1));
@@ -98,11 +98,11 @@ std::vector<Control> Playback::list() {
   out[1].value = state.paused;
   out[2].name = "step";
   out[2].title = "Step";
-  out[2].help = "shows the next picture and stays paused";
+  out[2].help = "shows the next image and stays paused";
   out[2].kind = ControlKind::kAction;
   out[3].name = "step_back";
   out[3].title = "Step back";
-  out[3].help = "shows the picture before and stays paused";
+  out[3].help = "shows the image before and stays paused";
   out[3].kind = ControlKind::kAction;
   out[4].name = "speed";
   out[4].title = "Speed";
@@ -129,7 +129,7 @@ Control Playback::get(const std::string& name) {
 
 ControlEffect Playback::write(const Control& control, const Json& value) {
   if (!control.writable)
-    throw SettingsError("speed: cannot be set: these pictures are shown as fast as they are taken");
+    throw SettingsError("speed: cannot be set: these images are shown as fast as they are taken");
   if (control.name == "speed") speed_ = value.get<double>();
   update([&](State& state) {
     if (control.name == "position") {

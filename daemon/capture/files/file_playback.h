@@ -11,18 +11,18 @@
 
 namespace sslv {
 
-/// How a recording is played: which picture is next, and when. Its controls are "position", "paused", "step",
+/// How a recording is played: which image is next, and when. Its controls are "position", "paused", "step",
 /// "step_back", "speed" and "loop". The camera's thread takes turns, any other may set controls meanwhile,
 /// without a lock.
 class Playback final : public Controls {
  public:
-  /// `count`: pictures of the recording, as far as is known. `rate_hz` 0: as fast as they are taken.
+  /// `count`: images of the recording, as far as is known. `rate_hz` 0: as fast as they are taken.
   Playback(std::int64_t count, double rate_hz, bool loop);
 
-  /// Waits until a picture is due and says which one, which may be beyond the last; nothing when none is due
+  /// Waits until an image is due and says which one, which may be beyond the last; nothing when none is due
   /// within `timeout`.
   std::optional<std::int64_t> wait_turn(std::chrono::milliseconds timeout);
-  /// The recording turned out to have so many pictures. True when the first one is to be shown instead.
+  /// The recording turned out to have so many images. True when the first one is to be shown instead.
   bool begin_again(std::int64_t count);
 
   std::vector<Control> list() override;
@@ -34,8 +34,8 @@ class Playback final : public Controls {
 
   /// What both sides change, in one word.
   struct State {
-    std::int64_t next = 0;  // picture
-    int steps = 0;          // pictures still to be shown in spite of the pause
+    std::int64_t next = 0;  // image
+    int steps = 0;          // images still to be shown in spite of the pause
     bool paused = false, loop = false;
 
     static State of(std::uint64_t word);

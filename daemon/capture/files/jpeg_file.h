@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// The picture of a JPEG file, as JpegDecoder gives it (uyvy or rgb24). Throws std::runtime_error with the
+/// The image of a JPEG file, as JpegDecoder gives it (uyvy or rgb24). Throws std::runtime_error with the
 /// reason, without the path, when it cannot be read, is none or is damaged.
 Image read_jpeg_file(const std::string& path, PicturePool& pool);
 

@@ -9,10 +9,10 @@
 
 namespace sslv {
 
-/// A BufferPool for pictures whose size is known only once they come.
+/// A BufferPool for images whose size is known only once they come.
 class PicturePool {
  public:
-  /// Allocates only when a picture is larger than any before; low bits (`is_deep`) lie right behind it.
+  /// Allocates only when an image is larger than any before; low bits (`is_deep`) lie right behind it.
   /// Throws std::runtime_error when all buffers are out.
   Image take(PixelFormat format, int width, int height, std::uint8_t*& pixels, bool is_deep = false);
 

@@ -52,10 +52,10 @@ class SimulatorSource final : public Source {
 
  private:
   static constexpr std::size_t kBuffers = 12;  // more than viewers hold at once
-  static constexpr std::int64_t kQueued = 4;   // pictures that wait when they are taken late
+  static constexpr std::int64_t kQueued = 4;   // images that wait when they are taken late
   static constexpr double kRetryS = 0.001;     // for a free buffer, without a frame rate
 
-  /// Draws the picture of the next tick, if a buffer is free: of one that passed, when we are late.
+  /// Draws the image of the next tick, if a buffer is free: of one that passed, when we are late.
   void draw_ahead() {
     const double now_s = unix_time_s();
     if (frame_rate_hz_ > 0) {
@@ -93,8 +93,8 @@ class SimulatorSource final : public Source {
   SimulatedCamera camera_;
   BufferPool buffers_;
   std::int64_t last_tick_ = 0;
-  std::uint64_t dropped_ = 0;  // pictures that nobody took in time
-  double t_capture_s_ = 0;     // of the picture that is ready
+  std::uint64_t dropped_ = 0;  // images that nobody took in time
+  double t_capture_s_ = 0;     // of the image that is ready
   SteadyTime due_{};           // when to hand it over
   Image ready_;
 };

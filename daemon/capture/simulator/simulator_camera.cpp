@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-constexpr int kBandRows = 64;             // the whole picture is developed in bands, to need less memory
+constexpr int kBandRows = 64;             // the whole image is developed in bands, to need less memory
 constexpr double kMainsLightHz = 100.03;  // mains are never at 50 Hz exactly
 constexpr double kUsualReadOutMs = 10;
 
@@ -34,7 +34,7 @@ Scene checked(const SimulatorOptions& options, const SourceContext& context) {
   if (made_for.pixel_image_width > 0 && made_for.pixel_image_height > 0 &&
       (made_for.pixel_image_width != options.width || made_for.pixel_image_height != options.height)) {
     throw CaptureError(
-        fmt::format("camera {}: its calibration is for pictures of {} x {} (pixel_image_width, "
+        fmt::format("camera {}: its calibration is for images of {} x {} (pixel_image_width, "
                     "pixel_image_height), but the simulator's width and height say {} x {}",
                     context.camera_id, made_for.pixel_image_width, made_for.pixel_image_height, options.width,
                     options.height));
@@ -116,7 +116,7 @@ void SimulatedCamera::develop_background() {
   clean_ = clean_background_;
 }
 
-/// A new light is all over the picture.
+/// A new light is all over the image.
 void SimulatedCamera::follow_light(double t_s) {
   if (!light_changes()) return;
   double light = swing_at(options_.light_swing, t_s);
@@ -231,7 +231,7 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
     }
     return seen;
   };
-  // A thing whose middle lies this far outside cannot show in the picture.
+  // A thing whose middle lies this far outside cannot show in the image.
   const auto pixel_of = [&](const Eigen::Vector3d& center_mm) {
     auto pixel = scene_.camera->project(center_mm);
     const double margin = options_.width / 4.0;

@@ -24,7 +24,7 @@ namespace sslv {
 /// ones when its light changes.
 class SimulatedCamera {
  public:
-  /// The camera is that of context.scene. Throws CaptureError, in one line: no calibration, one for pictures
+  /// The camera is that of context.scene. Throws CaptureError, in one line: no calibration, one for images
   /// of another size, too many things for the field, an id without a pattern.
   SimulatedCamera(const SimulatorOptions& options, const SourceContext& context,
                   const PatternTable& patterns);
@@ -33,7 +33,7 @@ class SimulatedCamera {
   const ImageView& layout() const { return layout_; }
   std::size_t picture_bytes() const { return sensor_.picture_bytes(); }
 
-  /// Writes the picture whose exposure has its middle at Unix time t_s. The noise is new each time.
+  /// Writes the image whose exposure has its middle at Unix time t_s. The noise is new each time.
   void draw(double t_s, std::uint8_t* picture) noexcept;
 
   SimulatedScene scene_at(double t_s) const { return world_.at(t_s); }
@@ -41,8 +41,8 @@ class SimulatedCamera {
   /// {"frame", "t", "robots": [{"team", "id", "x", "y", "orientation", "height", "covered_dot", "visible",
   /// "visible_share", "pixel_x", "pixel_y"}], "balls": [{"x", "y", "visible", "visible_share", "pixel_x",
   /// "pixel_y"}]} with the names and units of docs/openapi.json. "visible": all of the robot's top, or of the
-  /// ball, is in the picture and not hidden by a robot, nor nearly so. "visible_share": how much of it is in
-  /// the picture and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in
+  /// ball, is in the image and not hidden by a robot, nor nearly so. "visible_share": how much of it is in
+  /// the image and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in
   /// the pattern table), or null. Things out of sight are left out. With a rolling shutter x, y and
   /// orientation are those at t_s; pixel_x, pixel_y and what is visible are as its rows saw it.
   Json truth(const std::string& frame, double t_s) const;

@@ -64,7 +64,7 @@ struct HallLampOptions {
                "lamps of two colours: fraction by which red is stronger and blue weaker on one side, and the "
                "other way round on the other"),
         number("flicker_low", &O::flicker_low, 0.1, 4.0, "",
-               "the light differs from picture to picture: least factor; in between all are as likely, by "
+               "the light differs from image to image: least factor; in between all are as likely, by "
                "ratio"),
         number("flicker_high", &O::flicker_high, 0.1, 4.0, "", "largest factor"),
         number(
@@ -112,17 +112,16 @@ struct HallSensorOptions {
   static constexpr auto fields() {
     using O = HallSensorOptions;
     return std::tuple{
-        number(
-            "block_noise", &O::block_noise, 0.0, 30.0, "",
-            "error of each block of 8 x 8 pixels as JPEG makes it, new in each picture: standard deviation "
-            "of Y, U and V in 8-bit grey levels"),
+        number("block_noise", &O::block_noise, 0.0, 30.0, "",
+               "error of each block of 8 x 8 pixels as JPEG makes it, new in each image: standard deviation "
+               "of Y, U and V in 8-bit grey levels"),
         number("hot_pixels", &O::hot_pixels, 0.0, 1000.0, "",
                "pixels that are always too bright, of a million; each camera has its own"),
     };
   }
 };
 
-/// The hall around the field and what it does to the picture. What stands there stands still.
+/// The hall around the field and what it does to the image. What stands there stands still.
 struct HallOptions {
   HallKind kind = HallKind::kPlain;
   int seed = 1;

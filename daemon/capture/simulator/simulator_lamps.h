@@ -27,7 +27,7 @@ class SimulatedLamps {
   std::span<const Eigen::Vector3d> places_mm() const { return places_mm_; }
 
   bool flickers() const { return flicker_low_ != 1 || flicker_high_ != 1; }
-  /// Factor on the light of the picture of this number, of a scene with this seed.
+  /// Factor on the light of the image of this number, of a scene with this seed.
   double flicker(int scene_seed, std::int64_t picture) const;
 
  private:

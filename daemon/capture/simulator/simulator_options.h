@@ -12,17 +12,17 @@
 
 namespace sslv {
 
-/// Where things are from picture to picture.
+/// Where things are from image to image.
 enum class SimulatorPlacement : std::uint8_t {
   kPaths,    // in endless smooth motion
-  kScatter,  // at new random places in each picture
+  kScatter,  // at new random places in each image
 };
 inline constexpr std::array<Choice<SimulatorPlacement>, 2> kSimulatorPlacementChoices{
     {{"paths", SimulatorPlacement::kPaths}, {"scatter", SimulatorPlacement::kScatter}}};
 
 /// The simulator's lines in a camera's "source".
 struct SimulatorOptions {
-  /// Of a picture, and of those of all simulated cameras together: each camera keeps about a dozen of its
+  /// Of an image, and of those of all simulated cameras together: each camera keeps about a dozen of its
   /// own.
   static constexpr std::int64_t kMaxPixels = 25'000'000, kMaxPixelsOfAll = 100'000'000;
   static constexpr std::size_t kMaxSwingPoints = 1000;
@@ -57,13 +57,13 @@ struct SimulatorOptions {
   static constexpr auto fields() {
     using O = SimulatorOptions;
     return std::tuple{
-        number("width", &O::width, 2, 16384, "px", "width of the picture"),
-        number("height", &O::height, 2, 16384, "px", "height of the picture"),
+        number("width", &O::width, 2, 16384, "px", "width of the image"),
+        number("height", &O::height, 2, 16384, "px", "height of the image"),
         choice("pixel_format", &O::pixel_format, kPixelFormatChoices, "how the camera's bytes lie"),
         number("bits", &O::bits, 8, 16, "",
                "of each sample, of which fits read all; more than 8 with Bayer and mono formats only"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
-               "pictures a second; 0: as fast as possible"),
+               "images a second; 0: as fast as possible"),
         number("robots_yellow", &O::robots_yellow, 0, 16, "", "yellow robots on the field"),
         number("robots_blue", &O::robots_blue, 0, 16, "", "blue robots on the field"),
         number("first_yellow_id", &O::first_yellow_id, 0, 15, "",
@@ -71,7 +71,7 @@ struct SimulatorOptions {
         number("first_blue_id", &O::first_blue_id, 0, 15, "", "the blue robots' ids count up from here"),
         number("balls", &O::balls, 0, 10, "", "balls on the field"),
         choice("placement", &O::placement, kSimulatorPlacementChoices,
-               "paths: everything moves on; scatter: everything is elsewhere in each picture"),
+               "paths: everything moves on; scatter: everything is elsewhere in each image"),
         number("touching", &O::touching, 0, 22, "",
                "robots that stand in pairs; an even number, scatter only"),
         number("touching_gap_mm", &O::touching_gap_mm, 0.0, 50.0, "mm", "gap between the robots of a pair"),
@@ -98,7 +98,7 @@ struct SimulatorOptions {
         number(
             "rolling_shutter_ms", &O::rolling_shutter_ms, 0.0, 100.0, "ms",
             "time from the first row that is read out to the last: each row sees things where they are then; "
-            "the middle one at the picture's time"),
+            "the middle one at the image's time"),
         number("red_gain", &O::red_gain, 0.2, 4.0, "", "cast of the light"),
         number("blue_gain", &O::blue_gain, 0.2, 4.0, "", "cast of the light"),
         point_list("light_swing", &O::light_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",

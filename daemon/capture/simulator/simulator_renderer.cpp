@@ -138,7 +138,7 @@ struct SimulatorRenderer::Footprint {
 };
 
 struct SimulatorRenderer::Spot {
-  DrawnBox box;  // also beyond the picture; empty when the camera cannot see there
+  DrawnBox box;  // also beyond the image; empty when the camera cannot see there
   Vec2 middle;
   float reach_px;  // all of the disc is nearer to the middle
 };

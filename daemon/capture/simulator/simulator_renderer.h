@@ -47,7 +47,7 @@ class SimulatorRenderer {
   void draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes,
             const SimulatorMotions* motions = nullptr) const noexcept;
 
-  /// When a row is read out, from the picture's time on.
+  /// When a row is read out, from the image's time on.
   double row_delay_s(double y) const;
 
  private:

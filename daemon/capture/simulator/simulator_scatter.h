@@ -22,7 +22,7 @@ struct SimulatorSlot {
 };
 
 /// Everything at another random place in each slot of one frame period, apart from each other as said below.
-/// It moves only while a picture is exposed. Should a slot have no place for something, which is rare, it is
+/// It moves only while an image is exposed. Should a slot have no place for something, which is rare, it is
 /// left out.
 class SimulatorScatter {
  public:

@@ -93,7 +93,7 @@ using SimulatedRoster = PerRobot<std::pair<Team, int>>;  // team and id
 
 SimulatedRoster roster_of(const SimulatorOptions& options);
 
-/// Which picture it is that has its time at the Unix time t_s.
+/// Which image it is that has its time at the Unix time t_s.
 std::int64_t picture_number(const SimulatorOptions& options, double t_s);
 
 /// For each robot the side dot of it that is covered, if any: `covered` of them, at random.

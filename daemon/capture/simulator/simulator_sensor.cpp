@@ -43,7 +43,7 @@ struct FloatYuv {
         v(0.713267F * (rgb[0] - y) + 128) {}
 };
 
-/// Where the samples of two pixels lie in a YUV picture's unit of 4 bytes; U and V are theirs in common.
+/// Where the samples of two pixels lie in a YUV image's unit of 4 bytes; U and V are theirs in common.
 struct YuvUnit {
   std::size_t y0, u, y1, v;
 };

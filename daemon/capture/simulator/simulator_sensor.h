@@ -19,7 +19,7 @@ class SimulatorSensor {
   /// `stream` tells the noise of several cameras apart; its lower half says which camera this is.
   SimulatorSensor(const SimulatorOptions& options, std::uint64_t stream);
 
-  /// With more than 8 bits a second plane as large follows the picture (ImageView::to_low_bits).
+  /// With more than 8 bits a second plane as large follows the image (ImageView::to_low_bits).
   std::size_t plane_bytes() const;
   std::size_t picture_bytes() const { return (is_deep() ? 2 : 1) * plane_bytes(); }
 
@@ -33,12 +33,12 @@ class SimulatorSensor {
   /// Writes the bytes of `box`, which must be in whole units of the pixel format, without noise.
   void develop(const LightPicture& light, const DrawnBox& box, std::uint8_t* picture);
 
-  /// All of a picture's light after the lens, for develop_blurred(): red, green, blue of each pixel.
+  /// All of an image's light after the lens, for develop_blurred(): red, green, blue of each pixel.
   std::vector<float> blurred(const LightPicture& light);
-  /// As develop() of the whole picture, for less work.
+  /// As develop() of the whole image, for less work.
   void develop_blurred(const std::vector<float>& blurred, std::uint8_t* picture);
 
-  /// Every sample gets noise, new in each call. That of YUV pictures is what remains of noise in red, green
+  /// Every sample gets noise, new in each call. That of YUV images is what remains of noise in red, green
   /// and blue when they are mixed, so that it is weaker in the colours and correlated with the luma's. Hot
   /// pixels come on top.
   void add_noise(const std::uint8_t* clean, std::uint8_t* noisy);

@@ -43,7 +43,7 @@ struct Options {
         number("width", &O::width, 0, 16384, "px", "0: leave as it is"),
         number("height", &O::height, 0, 16384, "px", "0: leave as it is"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.01, 10000.0, "Hz", "null: leave as it is"),
-        number("buffers", &O::buffers, 3, 32, "", "pictures that may be under way at once"),
+        number("buffers", &O::buffers, 3, 32, "", "images that may be under way at once"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
                "a camera that sends nothing for this long is taken for lost"),
         object("controls", &O::controls,
@@ -134,10 +134,10 @@ class V4l2Source final : public Source {
     if (!stream_->can_deliver()) last_picture_ns_ = steady_ns();  // not its fault
     if (static_cast<double>(steady_ns() - last_picture_ns_) * 1e-9 < options_.silence_s)
       return CaptureStatus::kTimeout;
-    return lost(problem, fmt::format("no picture for {} s", options_.silence_s));
+    return lost(problem, fmt::format("no image for {} s", options_.silence_s));
   }
 
-  /// Of a picture with so many rows of so many bytes.
+  /// Of an image with so many rows of so many bytes.
   bool is_whole(const V4l2Stream::Filled& filled, int rows, std::ptrdiff_t row_bytes,
                 std::string& problem) const {
     const std::ptrdiff_t needed = format_.stride_bytes * (rows - 1) + row_bytes;

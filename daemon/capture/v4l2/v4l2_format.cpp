@@ -114,7 +114,7 @@ class Setup {
     constexpr std::array<__u32, 4> kWhole{V4L2_FIELD_NONE, V4L2_FIELD_INTERLACED, V4L2_FIELD_INTERLACED_TB,
                                           V4L2_FIELD_INTERLACED_BT};
     if (std::find(kWhole.begin(), kWhole.end(), made.field) == kWhole.end())
-      fail("it delivers half pictures, every second row (interlaced)");
+      fail("it delivers half images, every second row (interlaced)");
     // Of NV12 the row of Y; its colours' rows are as long.
     const bool is_nv12 = format.fourcc == V4L2_PIX_FMT_NV12;
     const PixelFormat becomes = format.pixels.value_or(PixelFormat::kUyvy);
@@ -166,7 +166,7 @@ class Setup {
     }
   }
 
-  /// Returns the time between pictures.
+  /// Returns the time between images.
   double set_rate(const V4l2Format& format) {
     v4l2_streamparm parameters{};
     parameters.type = buffers_;
@@ -175,7 +175,7 @@ class Setup {
     if (wish_.frame_rate_hz) {
       if (!readable || (capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
         fail("frame_rate_hz cannot be set: the camera has no such setting");
-      constexpr double kParts = 10'000;  // of a picture's time
+      constexpr double kParts = 10'000;  // of a frame's time
       capture.timeperframe = {static_cast<__u32>(kParts),
                               static_cast<__u32>(std::lround(*wish_.frame_rate_hz * kParts))};
       if (const int error = device_.call(VIDIOC_S_PARM, &parameters); error != 0)

@@ -60,7 +60,7 @@ struct V4l2FormatSet {
   V4l2Format format{};
   int width = 0, height = 0;
   std::ptrdiff_t stride_bytes = 0;
-  double period_s = 0;  // between pictures; 0: the device does not say
+  double period_s = 0;  // between images; 0: the device does not say
 };
 
 /// Those of ours that the device has. `buffers` is its kind of buffers, as in V4l2Node.

@@ -85,7 +85,7 @@ Opened open_node(const V4l2System& system, const std::string& path) {
   const bool captures = (capabilities & V4L2_CAP_VIDEO_CAPTURE) != 0;
   const bool captures_planes = (capabilities & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0;
   if (!(captures || captures_planes) || (capabilities & V4L2_CAP_STREAMING) == 0)
-    return {std::nullopt, "this device delivers no pictures"};
+    return {std::nullopt, "this device delivers no images"};
   if (!captures) node.buffers = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   node.model = text_of(capability.card);
   node.driver = text_of(capability.driver);

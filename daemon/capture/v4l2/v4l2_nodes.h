@@ -18,7 +18,7 @@ struct V4l2System {
   std::function<std::shared_ptr<V4l2Device>(const std::string& path)> open = open_v4l2_device;
 };
 
-/// A video device that delivers pictures. Its number (/dev/videoN) is what came first at the last start, so
+/// A video device that delivers images. Its number (/dev/videoN) is what came first at the last start, so
 /// it says nothing about which camera it is.
 struct V4l2Node {
   std::string path;                // "/dev/video0"

@@ -30,7 +30,7 @@ struct KernelBuffer {
   bool is_planar() const { return buffer.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
   std::size_t length() const { return is_planar() ? plane.length : buffer.length; }
   std::size_t bytes_used() const { return is_planar() ? plane.bytesused : buffer.bytesused; }
-  /// Where the picture begins; bytes_used() counts from the buffer's own beginning.
+  /// Where the image begins; bytes_used() counts from the buffer's own beginning.
   std::size_t data_offset() const { return is_planar() ? plane.data_offset : 0; }
   std::uint32_t map_offset() const { return is_planar() ? plane.m.mem_offset : buffer.m.offset; }
 

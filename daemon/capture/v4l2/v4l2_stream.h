@@ -20,7 +20,7 @@ namespace sslv {
 /// open for them.
 class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
  public:
-  /// Maps and queues as many buffers and starts the device. `type` is that of the device's buffers; pictures
+  /// Maps and queues as many buffers and starts the device. `type` is that of the device's buffers; images
   /// lie in one plane. Throws CaptureError, beginning with `label`.
   static std::shared_ptr<V4l2Stream> start(std::shared_ptr<V4l2Device> device, v4l2_buf_type type,
                                            int buffers, const std::string& label);
@@ -36,8 +36,8 @@ class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
     std::uint32_t index = 0, sequence = 0;
     std::uint32_t flags = 0;  // V4L2_BUF_FLAG_...
     timeval timestamp{};
-    std::size_t offset = 0;           // where the picture begins
-    std::size_t bytes = 0, most = 0;  // of the picture, as the device says, and of what is behind `offset`
+    std::size_t offset = 0;           // where the image begins
+    std::size_t bytes = 0, most = 0;  // of the image, as the device says, and of what is behind `offset`
   };
 
   /// Fetches a filled buffer, which then must be lent or given back. 0, or the errno; EAGAIN: there is none.
@@ -45,7 +45,7 @@ class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
   const std::uint8_t* bytes_of(const Filled& filled) const {
     return buffers_[filled.index].memory + filled.offset;
   }
-  /// `layout` says how the picture lies; its data may be null.
+  /// `layout` says how the image lies; its data may be null.
   Image lend(const Filled& filled, ImageView layout) noexcept;
   void give_back(const Filled& filled) noexcept { queue(filled.index); }
 

@@ -10,16 +10,16 @@ namespace sslv {
 
 /// What a driver's time stamp is the moment of.
 enum class V4l2StampedAt : std::uint8_t {
-  kArrival,        // nothing is known but when the picture was fetched
+  kArrival,        // nothing is known but when the image was fetched
   kExposureStart,  //
-  kExposureEnd,    // about: when the picture's first bytes came
+  kExposureEnd,    // about: when the image's first bytes came
   kPictureEnd,     // when its last bytes came
 };
 
 struct V4l2Timing {
   V4l2StampedAt stamped_at = V4l2StampedAt::kArrival;
   std::optional<double> exposure_s{};  // none: not known, as with automatic exposure
-  double period_s = 0;                 // between pictures; 0: not known
+  double period_s = 0;                 // between images; 0: not known
 };
 
 /// `stamp_s` on the host's Unix clock.

@@ -86,20 +86,20 @@ void add_annotate(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
       "annotate",
-      "make a truth file for `score` of a hall's own pictures: the detector drafts it, you correct it");
+      "make a truth file for `score` of a hall's own images: the detector drafts it, you correct it");
   o->choice.add_to(command);
   o->choice.add_lut_to(command);
   command
       ->add_option("--input", o->annotate.pictures.input,
-                   "picture, raw frame, video, or a folder of pictures or raw frames")
+                   "image, raw frame, video, or a folder of images or raw frames")
       ->required();
   o->raw.add_to(command);
   command->add_option("--truth", o->annotate.truth_file, "truth file to write, or to go on with")->required();
   command->add_option("--pages", o->annotate.pages_folder,
-                      "folder for a page of each picture with numbered marks, to look at in a browser; "
+                      "folder for a page of each image with numbered marks, to look at in a browser; "
                       "default: beside the truth file, named after it");
   command->add_option("--frame", o->annotate.frame,
-                      "the picture that is corrected, by its name without ending");
+                      "the image that is corrected, by its name without ending");
   command->add_option("--remove", o->annotate.corrections.remove, "marks of what is not there")
       ->type_name("MARK");
   command->add_option("--doubtful", o->annotate.corrections.doubtful, "marks of what may be found or not")
@@ -117,7 +117,7 @@ void add_annotate(CommandLine& line) {
       ->type_size(kBallWords)
       ->type_name("X Y");
   command->add_flag("--checked", o->annotate.corrections.checked,
-                    "you have looked, and what is left is true: of the picture, or of all without --frame");
+                    "you have looked, and what is left is true: of the image, or of all without --frame");
   command->add_flag("--again", o->annotate.again, "draft again what is there already: corrections are lost");
   line.on(command, [o] {
     o->raw.parse();

@@ -87,10 +87,10 @@ int calibrate_files(CalibrateOptions& o) {
 void add_calibrate(CommandLine& line) {
   const auto o = std::make_shared<CalibrateOptions>();
   CLI::App* command = line.app.add_subcommand(
-      "calibrate", "find where a camera hangs, from its picture: of the daemon's camera, or of files");
+      "calibrate", "find where a camera hangs, from its image: of the daemon's camera, or of files");
   CLI::Option* of_daemon = command->add_option("--camera", o->camera_id, "id of the daemon's camera");
   CLI::Option* of_files =
-      command->add_option("--input", o->input, "picture, raw frame, video, or a folder; their mean is taken");
+      command->add_option("--input", o->input, "image, raw frame, video, or a folder; their mean is taken");
   of_files->excludes(of_daemon);
   CLI::Option* of_several =
       command
@@ -113,7 +113,7 @@ void add_calibrate(CommandLine& line) {
           ->needs(of_files);
   command->add_option("--points", o->words.points_file,
                       "file of points: [{\"x\": px, \"y\": px, \"name\": may be left out}, ...]");
-  command->add_option("--frames", o->words.frames, "pictures to take the mean of; 10 unless said")
+  command->add_option("--frames", o->words.frames, "images to take the mean of; 10 unless said")
       ->check(CLI::Range(1, 100));
   command->add_option("--height", o->words.height_mm,
                       "the camera's height above the floor in mm, if measured");
@@ -121,7 +121,7 @@ void add_calibrate(CommandLine& line) {
   command->add_option("--focal", o->words.focal_px, "focal length in px, if known");
   command
       ->add_option("--plus-x", o->words.plus_x,
-                   "side of the picture where the +x half lies: right, left, up or down")
+                   "side of the image where the +x half lies: right, left, up or down")
       ->check(CLI::IsMember({"right", "left", "up", "down"}));
   command
       ->add_option("--lines", o->words.lines,

@@ -18,7 +18,7 @@ void add_snapshot(CommandLine& line) {
     std::string file;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = line.app.add_subcommand("snapshot", "the newest picture of a camera as a JPEG file");
+  CLI::App* command = line.app.add_subcommand("snapshot", "the newest image of a camera as a JPEG file");
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   command->add_option("--output", o->file, "file to write; -: standard output")->required();
   line.on(command, [&line, o] {

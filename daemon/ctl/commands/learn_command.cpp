@@ -24,7 +24,7 @@ struct LearnOptions {
   bool as_json = false, accept = false;
 };
 
-/// From the running daemon's live picture.
+/// From the running daemon's live image.
 int learn_live(const LearnOptions& o, const Client& daemon) {
   const Json report = learn_running(daemon, o.choice.camera_id, o.input.frames);
   print_answer(report, o.as_json, learning_text);
@@ -62,21 +62,20 @@ void add_learn_colours(CommandLine& line) {
   const auto o = std::make_shared<LearnOptions>();
   CLI::App* command = line.app.add_subcommand("learn-colours",
                                               "learn a camera's colour table with nobody pointing at "
-                                              "anything: from the daemon's picture, or from files");
+                                              "anything: from the daemon's image, or from files");
   command->add_option("--camera", o->choice.camera_id, "id of the camera")->capture_default_str();
-  CLI::Option* input =
-      command->add_option("--input", o->input.path,
-                          "picture, raw frame, video, or a folder of pictures or raw frames; "
-                          "without it the daemon's camera is asked");
+  CLI::Option* input = command->add_option("--input", o->input.path,
+                                           "image, raw frame, video, or a folder of images or raw frames; "
+                                           "without it the daemon's camera is asked");
   CLI::Option* settings =
       command->add_option("--settings", o->choice.settings_file, "settings file with that camera")
           ->needs(input);
   input->needs(settings);
   o->raw.add_to(command);
-  command->add_option("--frames", o->input.frames, "pictures to learn from")
+  command->add_option("--frames", o->input.frames, "images to learn from")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
-  command->add_option("--every", o->input.every, "look at one of so many pictures, so that things have moved")
+  command->add_option("--every", o->input.every, "look at one of so many images, so that things have moved")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str()
       ->needs(input);

@@ -30,7 +30,7 @@ void add_process(CommandLine& line) {
       line.app.add_subcommand("process", "run a camera's stack over recorded input, without a daemon");
   o->choice.add_to(command);
   o->choice.add_lut_to(command);
-  command->add_option("--input", o->input, "picture, raw frame, video, or a folder of pictures or raw frames")
+  command->add_option("--input", o->input, "image, raw frame, video, or a folder of images or raw frames")
       ->required();
   o->raw.add_to(command);
   command->add_option("--output", o->output, "one JSON object a line for each frame; -: standard output")
@@ -96,8 +96,7 @@ void add_simulate(CommandLine& line) {
       ->add_option("--start", o->simulation.start_s,
                    "time of the first frame in seconds: other times, other places")
       ->capture_default_str();
-  command->add_flag("--raw", o->simulation.raw,
-                    "frames as the camera's bytes (.raw) instead of .ppm pictures");
+  command->add_flag("--raw", o->simulation.raw, "frames as the camera's bytes (.raw) instead of .ppm images");
   command->add_option("--output", o->simulation.folder, "folder to write to")->required();
   line.on(command, [o] {
     const Config config = o->choice.config();
@@ -145,7 +144,7 @@ void add_score(CommandLine& line) {
       ->needs(detections);
   suite->excludes(detections)->excludes(truth);
   command->add_option("--only", o->suite.only, "conditions of the suite, by name")->needs(suite);
-  command->add_option("--frames", o->suite.frames, "pictures for each condition")
+  command->add_option("--frames", o->suite.frames, "images for each condition")
       ->check(CLI::Range(1, 100000))
       ->needs(suite);
   const std::map<std::string, AccuracyColors> colors{{"clicked", AccuracyColors::kClicked},

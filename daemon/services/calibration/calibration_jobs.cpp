@@ -11,14 +11,14 @@
 namespace sslv {
 namespace {
 
-/// Points outside the picture are a mistake that the engine would search in vain for.
+/// Points outside the image are a mistake that the engine would search in vain for.
 void check_points(const CalibrationRequest& request, const MeanPicture& picture) {
   for (std::size_t i = 0; i < request.points.size(); ++i) {
     const CalibrationPoint& point = request.points[i];
     const auto check = [&](const char* key, double value, int size) {
       if (value >= size) {
         throw SettingsError(
-            fmt::format("/points/{}/{}: {:g} is not allowed; expected 0 .. {} px, as the picture is", i, key,
+            fmt::format("/points/{}/{}: {:g} is not allowed; expected 0 .. {} px, as the image is", i, key,
                         value, size - 1));
       }
     };

@@ -31,7 +31,7 @@ void add_alerts(std::vector<Alert>& alerts, const CalibrationFacts& camera) {
     add("calibration_other_size", Severity::kBad,
         fmt::format("Camera {} sends {}x{} pixels, its calibration was made for {}x{}", camera.camera_id,
                     camera.width_px, camera.height_px, made->pixel_image_width, made->pixel_image_height),
-        "All positions are wrong: set the old picture size, or calibrate again.");
+        "All positions are wrong: set the old image size, or calibrate again.");
   }
   if (camera.field_changed) {
     add("calibration_stale", Severity::kWarn,

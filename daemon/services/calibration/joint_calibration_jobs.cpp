@@ -23,7 +23,7 @@ auto naming(int camera_id, Act act) {
   }
 }
 
-/// Pictures and ties of fresh frames; too few when it was stopped. Throws CaptureError.
+/// Images and ties of fresh frames; too few when it was stopped. Throws CaptureError.
 JointTask collect(const WaitFrame& wait_frame, std::chrono::milliseconds silence,
                   const JointCalibrationOrder& order, const JobProgress& progress,
                   const std::stop_token& stop) {

@@ -9,7 +9,7 @@ namespace {
 
 /// Cameras' clocks agree to this: what moves is less sure.
 constexpr double kClockSigmaS = 1e-3;
-/// Longest time between two pictures over which a robot goes straight on: at 3 m/s2 it leaves that by 1 mm.
+/// Longest time between two images over which a robot goes straight on: at 3 m/s2 it leaves that by 1 mm.
 constexpr double kMostGapS = 0.05;
 /// Further apart than calibrations may be wrong: two robots of one identity.
 constexpr double kOtherRobotMm = 300;
@@ -23,13 +23,13 @@ void TieCollector::add(std::size_t camera, double t_capture_s, std::span<const R
     auto& tracks = tracks_[{robot.team, robot.id}];
     tracks.resize(cameras_);
     Track& track = tracks[camera];
-    if (track.newest && track.newest->t_s == t_capture_s) continue;   // its second in this picture
+    if (track.newest && track.newest->t_s == t_capture_s) continue;   // its second in this image
     if (track.newest && track.newest->t_s > t_capture_s) track = {};  // the clock was set back
     track.before = track.newest;
     track.newest = {t_capture_s, {robot.pixel_x, robot.pixel_y}, {robot.x_mm, robot.y_mm}, robot.height_mm};
     for (std::size_t other = 0; other < cameras_; ++other) {
       if (other == camera) continue;
-      // Whichever camera's pictures come later: each may be seen between two of the other's.
+      // Whichever camera's images come later: each may be seen between two of the other's.
       tie(camera, *track.newest, other, tracks[other]);
       if (tracks[other].newest) tie(other, *tracks[other].newest, camera, track);
       if (tracks[other].before) tie(other, *tracks[other].before, camera, track);

@@ -16,13 +16,13 @@
 namespace sslv {
 
 /// Finds robots that two cameras saw at the same moment, from the cameras' detections as they come. Cameras
-/// need not take their pictures at once: between two pictures of one camera a robot goes straight on.
+/// need not take their images at once: between two images of one camera a robot goes straight on.
 class TieCollector {
  public:
   /// Cameras are told apart by their place, 0 .. cameras - 1.
   explicit TieCollector(std::size_t cameras) : cameras_(cameras) {}
 
-  /// The robots of a camera's next picture.
+  /// The robots of a camera's next image.
   void add(std::size_t camera, double t_capture_s, std::span<const Robot> robots);
 
   std::size_t count() const { return ties_.size(); }

@@ -123,11 +123,11 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
   for (const auto& [id, health, totals] : cameras)
     out.add({{"camera", id}}, std::uint64_t{health.state == CameraState::kRunning});
 
-  out.begin("sslv_frames_captured_total", "counter", "Pictures that were processed.");
+  out.begin("sslv_frames_captured_total", "counter", "Images that were processed.");
   for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, read(totals.frames));
 
   out.begin("sslv_frames_dropped_total", "counter",
-            "Pictures that came but were not processed in time, or came damaged.");
+            "Images that came but were not processed in time, or came damaged.");
   for (const auto& [id, health, totals] : cameras) {
     out.add({{"camera", id}, {"reason", "not_processed"}}, read(totals.capture.dropped));
     out.add({{"camera", id}, {"reason", "damaged"}}, read(totals.capture.incomplete));
@@ -154,7 +154,7 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
   }
 
   out.begin("sslv_capture_to_send_seconds", "histogram",
-            "From the middle of a picture's exposure to its packet's leaving.");
+            "From the middle of an image's exposure to its packet's leaving.");
   for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, totals.capture_to_send.read());
 }
 

@@ -58,9 +58,9 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
         {.id = "camera_slow",
          .check = "cameras",
          .severity = Severity::kWarn,
-         .title = fmt::format("Camera {} sends {:.1f} pictures a second, {:g} are asked for", camera.id,
+         .title = fmt::format("Camera {} sends {:.1f} images a second, {:g} are asked for", camera.id,
                               static_cast<double>(sum.all()) / sum.seconds, *camera.wanted_fps),
-         .fix = "Shorten its exposure, make the picture smaller, or ask for a lower frame rate.",
+         .fix = "Shorten its exposure, make the image smaller, or ask for a lower frame rate.",
          .page = camera_page(camera),
          .camera = camera.id});
   }
@@ -83,7 +83,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   };
   if (is_much(minute.dropped)) {
     warn("frames_dropped",
-         fmt::format("Camera {}: {} of {} pictures of the last minute were not processed", camera.id,
+         fmt::format("Camera {}: {} of {} images of the last minute were not processed", camera.id,
                      minute.dropped, minute.all()),
          "This computer is too slow: end other programs, give the camera's thread a priority "
          "(thread/realtime_priority), or lower the frame rate.",
@@ -91,7 +91,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
   if (is_much(minute.incomplete)) {
     warn("frames_incomplete",
-         fmt::format("Camera {}: {} of {} pictures of the last minute came damaged", camera.id,
+         fmt::format("Camera {}: {} of {} images of the last minute came damaged", camera.id,
                      minute.incomplete, minute.all()),
          "Check cable and switch, and that the cameras together stay below the link's speed.",
          camera_page(camera));
@@ -99,9 +99,9 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   if (minute.capped > 0) {
     const std::string what = camera.flood.empty() ? "too much to look at" : camera.flood;
     warn("frames_capped",
-         fmt::format("Camera {}: {}, in {} of {} pictures of the last minute", camera.id, what, minute.capped,
+         fmt::format("Camera {}: {}, in {} of {} images of the last minute", camera.id, what, minute.capped,
                      minute.all()),
-         camera.flood.empty() ? "Its colour table labels too much of the picture: narrow the colours, or "
+         camera.flood.empty() ? "Its colour table labels too much of the image: narrow the colours, or "
                                 "mask what is not field."
                               : "There nothing of that colour is seen. Learn the colours again, widen their "
                                 "margins, or mask that "
@@ -111,14 +111,14 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   if (!camera.exposure) return;
   if (camera.exposure->clipped_share > kClippedShare) {
     warn("picture_clipped",
-         fmt::format("Camera {}: {:.1f} % of the picture is too bright to have a colour", camera.id,
+         fmt::format("Camera {}: {:.1f} % of the image is too bright to have a colour", camera.id,
                      100 * camera.exposure->clipped_share),
          "Shorten its exposure, lower its gain or close its lens; mask lamps and windows beside the field.",
          camera_page(camera));
   }
   if (camera.exposure->mean_luma < kDarkLuma) {
     warn("picture_dark",
-         fmt::format("Camera {}: the picture is dark, its mean luma is {:.0f} of 255", camera.id,
+         fmt::format("Camera {}: the image is dark, its mean luma is {:.0f} of 255", camera.id,
                      camera.exposure->mean_luma),
          "Turn on the light, open its lens, lengthen its exposure, or raise its gain.", camera_page(camera));
   }
@@ -164,7 +164,7 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
                          ? "none lost in 60 s"
                          : fmt::format("{} dropped, {} damaged in 60 s", sum.dropped, sum.incomplete);
   if (clipped >= 0.001) text += fmt::format(", {:.1f} % too bright", 100 * clipped);
-  return {"pictures",   "Pictures", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
+  return {"pictures",   "Images", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
           "per second", text};
 }
 

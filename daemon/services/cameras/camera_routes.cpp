@@ -55,7 +55,7 @@ Response get_snapshot(const CameraRoutes& of, const Request& request) {
   query_number(request, "quality", 85, 1, 100);
   const PictureKind wished = query_picture(request);
   const auto view = of.views.wait_view(static_cast<std::uint32_t>(id), 0, std::chrono::milliseconds(0));
-  if (!view) throw HttpError(503, fmt::format("camera {} has no picture yet", id));
+  if (!view) throw HttpError(503, fmt::format("camera {} has no image yet", id));
   std::vector<std::uint8_t> buffer;
   const Picture picture = picture_of(*view, wished, buffer);
   return jpeg_response(picture.image, request, picture.chroma);
@@ -136,7 +136,7 @@ Response jpeg_response(const ImageView& image, const Request& request, Chroma ch
 
 std::string full_jpeg(const RunningCamera& camera) {
   const auto newest = camera.pipeline().finished().peek();
-  if (!newest) throw HttpError(503, "no picture yet");
+  if (!newest) throw HttpError(503, "no image yet");
   const ImageView image = newest->value->image.view();
   JpegEncoder encoder;
   const std::span<const std::uint8_t> jpeg = encoder.encode(image, image.width, 90, Chroma::kHalved);

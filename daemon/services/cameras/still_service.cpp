@@ -32,7 +32,7 @@ LentPicture StillService::look(int camera_id, std::optional<int> still) {
   }
   cameras_.get(camera_id);
   auto frame = cameras_.wait_frame(camera_id, 0, std::chrono::milliseconds(0));
-  if (!frame) throw HttpError(503, fmt::format("camera {} has no picture yet", camera_id));
+  if (!frame) throw HttpError(503, fmt::format("camera {} has no image yet", camera_id));
   return {std::move(frame->hold), frame->image, frame->number, frame->t_capture_s};
 }
 

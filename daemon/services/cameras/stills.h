@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// A picture with bytes of its own.
+/// An image with bytes of its own.
 struct StillPicture {
   StillPicture(const ImageView& image, std::uint32_t frame, double t_capture);
 
@@ -24,7 +24,7 @@ struct StillPicture {
   double t_capture_s;
 };
 
-/// Pictures that somebody wants to look at for a while: the newest few of each camera, until nobody has asked
+/// Images that somebody wants to look at for a while: the newest few of each camera, until nobody has asked
 /// for them for long. May be used from any thread.
 class Stills {
  public:

@@ -29,7 +29,7 @@ struct PickCommand {
                       number("y", &P::y, 0, 16383, "px", "top"),
                       number("width", &P::width, 1, 16384, "px", ""),
                       number("height", &P::height, 1, 16384, "px", ""),
-                      number("still", &P::still, 0, 2'000'000'000, "", "null: the newest picture"),
+                      number("still", &P::still, 0, 2'000'000'000, "", "null: the newest image"),
                       flag("take_away", &P::take_away, "from the label instead of adding to it")};
   }
 };

@@ -20,7 +20,7 @@ namespace {
 
 using StillPictures = std::vector<std::shared_ptr<const StillPicture>>;
 
-/// Fresh pictures some time apart, so that things have moved; fewer when it was stopped. Throws CaptureError.
+/// Fresh images some time apart, so that things have moved; fewer when it was stopped. Throws CaptureError.
 StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progress,
                       const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kLook{100};  // how soon a cancellation is seen
@@ -32,12 +32,12 @@ StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progres
     // Either way: the clock may have been set back.
     if (!pictures.empty() && std::abs(frame->t_capture_s - pictures.back()->t_capture_s) < kApart_s) continue;
     if (frame->image.format == PixelFormat::kMono8)
-      throw CaptureError("the camera's pictures have no colours: there is no table to learn");
+      throw CaptureError("the camera's images have no colours: there is no table to learn");
     const auto& view = frame->image;
     if (!pictures.empty()) {
       const ImageView& first = pictures.front()->view;
       if (first.width != view.width || first.height != view.height || first.format != view.format)
-        throw CaptureError("the camera's pictures have changed meanwhile; start again");
+        throw CaptureError("the camera's images have changed meanwhile; start again");
     }
     pictures.push_back(std::make_shared<const StillPicture>(view, frame->number, frame->t_capture_s));
     progress.collected(static_cast<int>(pictures.size()), 0);
@@ -49,7 +49,7 @@ struct NoSink : DetectionSink {
   void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {}
 };
 
-/// Runs the camera's stack over still pictures with another table.
+/// Runs the camera's stack over still images with another table.
 class Detector {
  public:
   Detector(const CameraSettings& settings, const World& world, std::shared_ptr<const Lut> lut) {

@@ -29,7 +29,7 @@ struct LearningOrder {
   double time_s = 0;
 };
 
-/// A picture it learnt from, and what is found in it with either table.
+/// An image it learnt from, and what is found in it with either table.
 struct LearningPicture {
   std::shared_ptr<const StillPicture> picture;
   RobotList robots_before, robots_after;

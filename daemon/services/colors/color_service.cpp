@@ -155,7 +155,7 @@ TableEdit ColorService::read_pick(const ColorTables::AtDesk& at, const Json& jso
       read_pixels(looked.image, {pick.x, pick.y, pick.width, pick.height}, *at.camera.world().lut);
   if (block.colors.empty()) {
     throw SettingsError(
-        fmt::format("{}: the rectangle at ({}, {}) lies outside the picture, which has {} x {} px", path,
+        fmt::format("{}: the rectangle at ({}, {}) lies outside the image, which has {} x {} px", path,
                     pick.x, pick.y, looked.image.width, looked.image.height));
   }
   ColorCluster cluster{thinned(block.colors), {}};

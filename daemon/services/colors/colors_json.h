@@ -46,7 +46,7 @@ struct LearningRequest {
   int frames = 3;
   std::vector<LearningClick> guide;
   static constexpr auto fields() {
-    return std::tuple{number("frames", &LearningRequest::frames, 1, 10, "", "pictures to learn from"),
+    return std::tuple{number("frames", &LearningRequest::frames, 1, 10, "", "images to learn from"),
                       list("guide", &LearningRequest::guide, "what somebody pointed at")};
   }
 };

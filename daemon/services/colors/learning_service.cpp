@@ -65,7 +65,7 @@ Response LearningService::start(const Request& request) {
     const LentPicture looked = pictures_.look(camera.id, click.still);
     const PixelFigures figures =
         figures_of(read_pixels(looked.image, {click.x - 1, click.y - 1, 3, 3}, *order.world.lut));
-    if (figures.count == 0) throw SettingsError(path + ": lies outside the picture");
+    if (figures.count == 0) throw SettingsError(path + ": lies outside the image");
     const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
     order.guide.push_back(
         {label, to_rgb({byte(figures.mean[0]), byte(figures.mean[1]), byte(figures.mean[2])})});
@@ -118,7 +118,7 @@ Response LearningService::get_picture(const Request& request) {
   const std::size_t labels = query_choice(request, "labels", {"", "before", "after"});
   const auto report = report_of(camera_id);
   if (static_cast<std::size_t>(picture) >= report->pictures.size())
-    throw HttpError(404, fmt::format("no picture {}; there are {}", picture, report->pictures.size()));
+    throw HttpError(404, fmt::format("no image {}; there are {}", picture, report->pictures.size()));
   const StillPicture& still = *report->pictures[static_cast<std::size_t>(picture)].picture;
   if (labels == 0) return jpeg_response(still.view, request);
   const auto& lut = labels == 2 ? report->learnt.lut : report->before;

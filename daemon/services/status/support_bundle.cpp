@@ -48,7 +48,7 @@ Response support_bundle(const std::vector<SupportFile>& files) {
   std::string readme = fmt::format(
       "What ssl-visiond on this computer was like at {:%Y-%m-%d %H:%M:%S} UTC, for a bug report. Look "
       "through it\n"
-      "before you hand it on: it has pictures of the hall, addresses of clients and every setting.\n\n",
+      "before you hand it on: it has images of the hall, addresses of clients and every setting.\n\n",
       fmt::gmtime(now));
   std::vector<TarEntry> entries(1);
   for (const SupportFile& file : files) {
