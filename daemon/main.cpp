@@ -144,9 +144,10 @@ int main(int argc, char** argv) {
   app.add_option("--check-config", check_file,
                  "check a settings file and say what is wrong with it: exit 0 or 78");
   app.add_option("--panel", panel, "folder of the built panel")->capture_default_str();
-  app.add_option("--files", file_folders,
-                 "a folder in which the panel may name files, besides those of the settings file and of the "
-                 "service's own state");
+  app.add_option(
+      "--files", file_folders,
+      "a folder in which the panel may name files, besides the folders of the settings file and of "
+      "the service's own state");
   app.add_flag("--print-config", print,
                "print the whole settings tree, defaults filled in (with --config: of that file)");
   app.add_flag("--list-cameras", list,

@@ -151,7 +151,7 @@ class BackgroundJobs {
   }
 
   void work_on(Running& running) {
-    // Once it was stopped, a job stays as whoever stopped it left it.
+    // A stopped job stays as the caller of stop left it.
     const auto change = [&](const auto& change_job) {
       const std::lock_guard lock(mutex_);
       if (!running.stop.stop_requested()) change_job(running.job);

@@ -20,7 +20,7 @@ inline std::string shortened(std::string_view text, std::size_t max_bytes = 60) 
 
 /// A setting that cannot be used. The text is one line for the admin: where (file, JSON pointer of the key),
 /// the value, and what is allowed. At start it ends the program with exit code 78 (EX_CONFIG); at run time
-/// the change is refused and the old settings stay in force.
+/// the change is refused and the old settings stay in effect.
 struct SettingsError : std::runtime_error {
   /// However long what it quotes is, the text stays one line that somebody can read.
   static constexpr std::size_t kMaxBytes = 4000;

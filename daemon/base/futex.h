@@ -31,7 +31,7 @@ inline void futex_wake_all(const std::atomic<std::uint32_t>& word) noexcept {
 }
 
 /// A bell for one thread that must never wait and others that wait for it: ringing takes no lock, and makes
-/// no system call while nobody waits. Whoever waits looks at what has changed between mark() and wait().
+/// no system call while nobody waits. A waiting thread looks between mark() and wait() for what has changed.
 class Bell {
  public:
   /// After the change.

@@ -35,7 +35,7 @@ class RecentDurations {
     return samples;
   }
 
-  /// Of those that samples_ns() gives. Zeros without any.
+  /// Of the samples that samples_ns() returns. Zeros without any.
   Percentiles percentiles(std::uint64_t seen = 0) const {
     std::vector<std::int64_t> sorted = samples_ns(seen);
     if (sorted.empty()) return {};

@@ -17,7 +17,7 @@
 namespace sslv {
 namespace {
 
-/// How far lines may be from where the calibration in force has them: a share of the image's width.
+/// How far lines may be from where the current calibration has them: a share of the image's width.
 constexpr double kWindowShare = 0.02, kLeastWindowPx = 8;
 /// A camera that would hang this much higher or lower than it was said to: a share of its height. Robots
 /// whose height is 7 mm wrong do that.
@@ -47,7 +47,7 @@ std::vector<double> distances_mm(std::span<const LensCamera> cameras, std::span<
 
 std::string lines_not_found(int camera_id) {
   return fmt::format(
-      "Camera {}'s lines were not found near where its calibration has them: calibrate it by itself first.",
+      "Camera {}'s lines were not found near where its calibration has them: calibrate it alone first.",
       camera_id);
 }
 
@@ -89,7 +89,7 @@ class JointCalibrator {
       if (view.picture.width() != start.width || view.picture.height() != start.height) {
         report_.problems.push_back(
             fmt::format("Camera {} sends {} x {} pixels, its calibration was made for {} x {}: calibrate it "
-                        "by itself first.",
+                        "alone first.",
                         view.id, view.picture.width(), view.picture.height(), start.width, start.height));
         continue;
       }
@@ -204,9 +204,9 @@ class JointCalibrator {
     } else {
       for (std::size_t i = 0; i < has_neighbour_.size(); ++i) {
         if (has_neighbour_[i]) continue;
-        notes.push_back(fmt::format(
-            "Camera {} sees no line and no robot that another one sees: it was refined by itself.",
-            report_.cameras[i].id));
+        notes.push_back(
+            fmt::format("Camera {} sees no line and no robot that another one sees: it was refined alone.",
+                        report_.cameras[i].id));
       }
       if (report_.ties == 0) {
         notes.push_back(
@@ -217,7 +217,7 @@ class JointCalibrator {
     if (is_worse(report_.on_floor)) {
       problems.push_back(
           fmt::format("The cameras would disagree by {:.1f} mm on the floor, and do by {:.1f} "
-                      "mm now: the calibrations in force are better.",
+                      "mm now: the current calibrations are better.",
                       report_.on_floor->after_mm, report_.on_floor->before_mm));
     }
     if (is_worse(report_.of_robots)) {

@@ -18,7 +18,7 @@ namespace sslv {
 struct CalibratedView {
   int id = 0;
   MeanPicture picture;
-  CameraCalibration calibration;  // in force: good to a few centimetres
+  CameraCalibration calibration;  // current: good to a few centimetres
 };
 
 struct JointTask {
@@ -35,17 +35,17 @@ struct JointCameraReport {
   double rms_px = 0, found_share = 0;  // of its lines
   double height_before_mm = 0, height_mm = 0;
   double lens_rms_mm = 0;                             // what the wire's lens cannot say
-  double moved_on_floor_mm = 0, moved_at_150_mm = 0;  // from the one in force, root mean square
+  double moved_on_floor_mm = 0, moved_at_150_mm = 0;  // from the current one, root mean square
 };
 
-/// How far apart cameras have what both see, in mm: with the calibrations in force, and with the new ones.
+/// How far apart cameras have what both see, in mm: with the current calibrations, and with the new ones.
 struct Disagreement {
   double before_mm = 0, after_mm = 0;
 };
 
 struct JointReport {
   bool found = false;     // there is a calibration for each camera
-  bool accepted = false;  // and they are good, and agree better than those in force
+  bool accepted = false;  // and they are good, and agree better than the current ones
   std::vector<JointCameraReport> cameras;
   LinesMeasured measured = LinesMeasured::kToOuterEdge;
   std::optional<Disagreement> on_floor;   // painted lines, across them, root mean square; none: no overlap
@@ -55,7 +55,7 @@ struct JointReport {
   std::vector<std::string> problems;  // for people: what is wrong and what to do
 };
 
-/// Refines each camera from its calibration in force, then all of them together. `stop` ends it early, with
+/// Refines each camera from its current calibration, then all of them together. `stop` ends it early, with
 /// nothing found.
 JointReport calibrate_jointly(const JointTask& task, const std::stop_token& stop = {});
 

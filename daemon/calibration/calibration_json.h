@@ -72,7 +72,7 @@ struct CalibrationRequest {
 /// Reads a request, or a bare list of points. Throws SettingsError for whatever is not allowed.
 CalibrationRequest read_calibration_request(const Json& json);
 
-/// The engine's task; `previous` is the calibration in force.
+/// The engine's task; `previous` is the current calibration.
 CalibrationTask make_task(const CalibrationRequest& request, const FieldSize& field,
                           std::optional<CameraCalibration> previous);
 

@@ -39,7 +39,8 @@ struct Clicks {
 /// Further off than this, in shares of the image's width, nobody's hand is.
 inline constexpr double kFarClickShare = 0.012;
 
-/// `points` are those of the field. Throws SettingsError for clicks that name no point, or are too few.
+/// `points` are the named points of the field. Throws SettingsError for clicks that name no point, or are too
+/// few.
 Clicks read_clicks(std::span<const ClickedPoint> clicked, std::span<const NamedPoint> points);
 
 }  // namespace sslv

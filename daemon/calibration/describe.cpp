@@ -197,7 +197,7 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
       out.notes.push_back(
           fmt::format("The camera's height and focal length are not observable from this view (height {:.0f} "
                       "+- {:.0f} mm): give the height, measured to 50 mm, or the focal length. Places on the "
-                      "floor are expected to be off by {:.1f} mm, those of robots' tops by {:.1f} mm.",
+                      "floor are expected to be off by {:.1f} mm, places of robots' tops by {:.1f} mm.",
                       out.height_mm, out.height_sigma_mm, out.expected_on_floor_mm, out.expected_at_150_mm));
     } else if (tops_are_worse) {
       out.notes.push_back(

@@ -81,7 +81,7 @@ bool is_sane(const LensCamera& camera) {
 /// Down to where no step helps any more.
 void descend(LensCamera& camera, double& cost, std::span<const Sighting> sightings, const CameraPrior& prior,
              const FitOptions& options) {
-  // Started anew from where it came to, the steps' parameters are again those of a camera near by.
+  // Restarted from where it arrived, the steps' parameters are again small changes of a camera near by.
   constexpr int kRounds = 4;
   int steps_left = options.most_steps;
   for (int round = 0; round < kRounds && steps_left > 0; ++round) {

@@ -23,7 +23,7 @@ struct LensCamera {
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel, double height_mm) const;
   /// Whether a pixel is in the image, `margin_px` or more from its edge.
   bool is_in_picture(const Eigen::Vector2d& pixel, double margin_px = 0) const;
-  /// Of what lies on the floor below it.
+  /// On the floor below the camera.
   double px_per_mm() const { return focal_px / std::max(1.0, position_mm.z()); }
 };
 

@@ -9,8 +9,8 @@ namespace sslv {
 
 /// Learns how a camera's own clock runs against the host's, from when its images arrive: late arrivals say
 /// little, since an image is never early but often late. The low quantile of quarters of a second is
-/// followed by a robust straight line (offset and drift) over ten seconds. A clock that jumps is learnt anew.
-/// No allocation, a fraction of a microsecond an image. For one thread.
+/// followed by a robust straight line (offset and drift) over ten seconds. A clock that jumps is learnt
+/// again. No allocation, a fraction of a microsecond an image. For one thread.
 class CameraClock {
  public:
   struct Estimate {

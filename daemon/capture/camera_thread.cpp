@@ -490,7 +490,7 @@ void CameraThread::stop() {
   std::unique_lock lock(shared_->mutex);
   const auto idle = [&] { return shared_->finished && shared_->closing == 0; };
   if (!shared_->changed.wait_until(lock, shared_->stop_asked_at + kStopPatience, idle)) {
-    log::warning("{}: does not answer; it is left to close by itself", shared_->name);
+    log::warning("{}: does not answer; it closes in the background", shared_->name);
   }
   const bool finished = shared_->finished;
   lock.unlock();

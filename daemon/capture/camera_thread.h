@@ -67,9 +67,9 @@ struct RetryDelays {
 };
 
 /// Keeps one camera open on a thread of its own and hands over its images. A camera that fails, dies or
-/// throws is closed and opened anew; closing may block on dead hardware, so each dead source is closed on a
+/// throws is closed and reopened; closing may block on dead hardware, so each dead source is closed on a
 /// thread of its own and delays nothing. Repeated problems are logged once a second, counted. From image to
-/// image the thread takes no lock: whoever asks for its health delays none.
+/// image the thread takes no lock: a request for its health delays no image.
 class CameraThread {
  public:
   using Open = std::function<std::unique_ptr<Source>()>;

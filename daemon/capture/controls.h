@@ -16,7 +16,8 @@ enum class ControlKind : std::uint8_t { kFlag, kInteger, kNumber, kChoice, kText
 /// How much one should know of cameras to use a control (GenICam SFNC's visibility).
 enum class ControlLevel : std::uint8_t { kBeginner, kExpert, kGuru };
 
-/// Something that can be set at the camera itself, as it is now: the camera says what there is, not we.
+/// Something that can be set on the camera itself, with its current value: the camera says what there is, not
+/// we.
 struct Control {
   std::string name;                   // the camera's own, such as "ExposureTime"
   std::string title, category, help;  // for people; may be empty

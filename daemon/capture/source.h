@@ -34,7 +34,7 @@ enum class CaptureStatus {
   kTimeout,     // nothing came; try again
   kIncomplete,  // an image came damaged (lost packets, unreadable file): counted and skipped
   kEnd,         // a recording has ended
-  kLost,        // the camera is gone: close it and open it anew
+  kLost,        // the camera is gone: close it and reopen it
 };
 
 /// Packets of a camera that sends over a network, since the opening.
@@ -60,7 +60,7 @@ class Source {
   /// None: it does not send over a network.
   virtual std::optional<PacketCounts> packets() const noexcept { return std::nullopt; }
 
-  /// What can be set at the camera itself; none: nothing.
+  /// What can be set on the camera itself; none: nothing.
   virtual std::shared_ptr<Controls> controls() { return nullptr; }
 
   /// What the admin should know of the opening, a line for each: settings that the camera refused.

@@ -24,7 +24,8 @@ struct Options {
         number("y", &O::y, 0, 16382, "px", "upper edge in the big image; even"),
         number("width", &O::width, 2, 16384, "px", "even"),
         number("height", &O::height, 2, 16384, "px", "even"),
-        object("controls", &O::controls, "what to set at the big camera; that of all tiles is set"),
+        object("controls", &O::controls,
+               "what to set on the big camera; the settings of all its tiles are applied"),
     };
   }
 };

@@ -17,7 +17,7 @@ namespace sslv {
 
 /// One dot of a robot, whatever its colour.
 struct SeenDot {
-  Color3 contrast, color;  // to the black around it; of itself
+  Color3 contrast, color;  // to the black around it; of the dot
   double pixel_x = 0, pixel_y = 0;
   double snr = 0;  // contrast over one sample's noise
 };
@@ -44,7 +44,7 @@ struct RobotSearch {
 };
 
 /// Finds robots by their patterns' geometry alone: every dot is there, in its place, brighter than one common
-/// black. `heights_mm` are those of the tops, tried in turn.
+/// black. `heights_mm` are heights of robots' tops, which are checked one after the other.
 std::vector<SeenRobot> find_patterns(const RobotSearch& search, const CameraModel& camera,
                                      std::span<const double> heights_mm);
 

@@ -28,7 +28,7 @@ constexpr double kFollowBrightness = 0.7, kFollowBalance = 0.2;
 constexpr int kAreaLooks = 8;
 constexpr double kFollowArea = 0.1, kMostAreaLog = 0.7;
 constexpr std::size_t kLeastRobotsForAreas = 3;
-/// A table is made anew when a gain or an area has moved so far.
+/// A new table is made when a gain or an area has moved so far.
 constexpr double kTableStepLog = 0.05, kAreaStepLog = 0.07;
 /// A jump of the light is one of at least this, alike in this share of all areas.
 constexpr double kLeastJumpLog = 0.15, kAlikeLog = 0.12, kAlikeShare = 0.8;

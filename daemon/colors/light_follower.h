@@ -81,7 +81,7 @@ struct LightState {
   LightState() { areas.fill(1); }
 };
 
-/// A table that was put in force.
+/// A table that was put into use.
 struct LightStep {
   double time_s;
   LightChange change;
@@ -93,7 +93,7 @@ struct LightStep {
 /// table follow. Nothing else teaches: no ball, no region, no pixel without a robot's pattern about it.
 ///
 /// What a team's dot of one colour looks like is taken from the first that are confirmed while the accepted
-/// table is in force, and then stays, so that nothing drifts. Later ones tell the light: one gain for each of
+/// table is in use, and then stays, so that nothing drifts. Later ones tell the light: one gain for each of
 /// red, green and blue, the median over all dots, and beside it, slowly, a brightness for each part of the
 /// image.
 ///
@@ -112,11 +112,11 @@ class LightFollower {
     bool game_is_running = false;
   };
   void observe(const FollowLightParams& params, const Look& look);
-  /// Back to the accepted table. Switched on again it begins anew: the accepted table is right for the light
-  /// that there is then.
+  /// Back to the accepted table. Switched on again it starts over: the accepted table is right for the light
+  /// at that moment.
   void switch_off();
 
-  /// Makes the table anew when the light has moved on since the last one; null when it has not. Takes some
+  /// Makes a new table when the light has changed since the last one; null when it has not. Takes some
   /// tens of milliseconds.
   std::shared_ptr<const Lut> new_table();
   const std::shared_ptr<const Lut>& table() const { return table_; }

@@ -68,7 +68,7 @@ class SurfaceColors {
   /// Every bin that was seen.
   std::vector<Color> colors(SurfaceKind kind) const;
 
-  /// Of one pixel's Y, U and V about the colour around it, in grey levels.
+  /// Noise of one pixel's Y, U and V about the colour around it, in grey levels.
   std::array<double, 3> noise_sigma{};
 
  private:

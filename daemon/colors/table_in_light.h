@@ -19,8 +19,8 @@ struct LightChange {
   bool operator==(const LightChange&) const = default;
 };
 
-/// The table as it would be had it been made in today's light: a colour gets the label that the same thing
-/// had then. Works with every table, since only its cells count.
+/// The table as it would be if it had been made in the current light: a colour gets the label that the same
+/// thing had then. Works with every table, since only its cells count.
 ///
 /// Three things are more than a change of scale. A channel at its upper end may have been anything beyond, so
 /// what most of that were counts. Where areas differ, a colour of any of them counts, the middle light first,

@@ -47,8 +47,8 @@ struct TeamsSettings {
   TeamSettings yellow, blue;
   static constexpr auto fields() {
     return std::tuple{flag("height_from_referee", &TeamsSettings::height_from_referee,
-                           "the height is that of the team that the game controller names, where it is "
-                           "known; otherwise robot_height"),
+                           "use the height of the team that the game controller names, if it is known; "
+                           "otherwise robot_height"),
                       group("yellow", &TeamsSettings::yellow, "the yellow team"),
                       group("blue", &TeamsSettings::blue, "the blue team")};
   }

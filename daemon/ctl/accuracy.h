@@ -107,10 +107,11 @@ struct AccuracyCondition {
         names("pixel_formats", &C::pixel_formats, "each is a line of the table"),
         number("px_per_mm", &C::px_per_mm, 0.01, 10.0, "px/mm",
                "the camera is scaled to this resolution on the floor in its middle; null: it is not"),
-        object("source", &C::source, "the simulator's options, over those of the suite"),
-        numbers("halls", &C::halls, 0, 1'000'000,
-                "seeds of halls that share the images, each with a colour table of its own; none: those of "
-                "the suite, or the one that source says"),
+        object("source", &C::source, "the simulator's options, over the suite's options"),
+        numbers(
+            "halls", &C::halls, 0, 1'000'000,
+            "seeds of halls that share the images, each with a colour table of its own; none: the suite's "
+            "seeds, or the one that source says"),
         choice("colors", &C::colors, kAccuracyColorsChoices, "instead of what the suite says"),
         number("learn_frames", &C::learn_frames, 1, 30, "", "instead of what the suite says"),
         object("learn_source", &C::learn_source,

@@ -35,7 +35,7 @@ struct FoundCounts {
   double precision() const;
 };
 
-/// Errors are those of the found ones.
+/// Errors count the found ones only.
 struct Score {
   std::size_t frames_compared = 0;
   std::vector<std::string> frames_without_detections, frames_without_truth;  // not compared

@@ -13,7 +13,7 @@ namespace sslv {
 /// An answer with every text and key in it escaped, so that it is one line and shows as what it is.
 Json plain_answer(const Json& answer);
 
-/// An answer as JSON: the same JSON for whoever reads it, and safe for a terminal. `indent`: -1 for one line.
+/// An answer as JSON: the same JSON for every reader, and safe for a terminal. `indent`: -1 for one line.
 std::string json_text(const Json& answer, int indent = 2);
 
 /// An answer as JSON, or as `text` has it for people.

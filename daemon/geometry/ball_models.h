@@ -5,7 +5,7 @@
 
 namespace sslv {
 
-/// How the ball slows down, for the teams' predictions; the defaults are those of RoboCup 2026. One flat
+/// How the ball slows down, for the teams' predictions; the defaults are the values of RoboCup 2026. One flat
 /// struct for SSL_BallModelStraightTwoPhase and SSL_BallModelChipFixedLoss.
 struct BallModels {
   double acc_slide = -3.40;

@@ -15,7 +15,7 @@ namespace sslv {
 /// Lines, arcs, and bytes of the name of each: so many still leave room for the cameras in one datagram.
 inline constexpr std::size_t kMaxShapes = 200, kMaxShapeName = 60;
 
-/// A painted line; the coordinates are those of its centre, in field millimetres.
+/// A painted line; the coordinates describe its centre, in field millimetres.
 struct FieldLine {
   std::string name;  // the protocol's, such as "TopTouchLine", or one's own
   double x1 = 0, y1 = 0, x2 = 0, y2 = 0;

@@ -21,7 +21,7 @@ struct ComputerFigures {
   std::uint64_t memory_bytes = 0, memory_available_bytes = 0;
   struct Disk {
     std::filesystem::path folder;
-    std::uint64_t total_bytes = 0, free_bytes = 0;  // free for whoever runs this
+    std::uint64_t total_bytes = 0, free_bytes = 0;  // free for the user that runs this
   };
   std::optional<Disk> disk;
   std::optional<double> temperature_c;  // of the hottest sensor

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kClockWasSet_s = 0.5;
 
-/// How far a counter went; it begins anew when the camera does.
+/// How far a counter went; it restarts when the camera does.
 std::uint64_t passed(std::uint64_t before, std::uint64_t now) {
   return now >= before ? now - before : now;
 }

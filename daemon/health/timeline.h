@@ -37,8 +37,8 @@ class Timeline {
   };
 
   /// Cameras by id; one that is not there any more is forgotten. A second counts as one in which a camera ran
-  /// when it ran at both of its ends.
-  /// The times are those of the steady clock, told by the other as it is set when it is.
+  /// when it ran at both of its ends. Times come from the steady clock, shifted to Unix time; the shift
+  /// changes only when the computer's clock is set.
   void add(double unix_time_s, double steady_s, const std::map<int, Reading>& cameras);
 
   /// Of the last seconds.

@@ -34,7 +34,7 @@ void JpegDecoder::start() {
     throw std::runtime_error(std::string("no JPEG decoder: ") + tjGetErrorStr2(nullptr));
 }
 
-/// The library keeps what it was in the middle of and would misread the next image, so begin anew.
+/// The library keeps what it was in the middle of and would misread the next image, so start over.
 void JpegDecoder::give_up(std::string& problem) {
   problem = tjGetErrorStr2(handle_);
   start();

@@ -62,7 +62,7 @@ struct MulticastStatus {
 
 /// Sends datagrams to a multicast group. Any thread may send; nobody waits, not even for a thread of lower
 /// priority that asks for the status: what the system does not take at once is lost and counted. A socket
-/// that cannot be opened or cannot send is opened anew every second.
+/// that cannot be opened or cannot send is reopened every second.
 class MulticastSender {
  public:
   /// Throws as configure() does.
@@ -77,7 +77,7 @@ class MulticastSender {
   /// False when the packet did not leave; status() says why. Takes no lock.
   bool send(std::span<const std::byte> packet) noexcept;
 
-  /// Whether a packet with this sender's address came from here, also when the socket was opened anew since.
+  /// Whether a packet with this sender's address came from here, also when the socket was reopened since.
   /// Asks the system for this computer's addresses: not meant for every packet.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
 

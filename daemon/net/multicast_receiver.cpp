@@ -25,7 +25,7 @@ namespace asio = boost::asio;
 namespace multicast = boost::asio::ip::multicast;
 using asio::ip::udp;
 
-constexpr int kSilentLooks = 10;  // then the group is joined anew
+constexpr int kSilentLooks = 10;  // then the group is joined again
 
 udp::socket join(asio::io_context& io, const GroupAddress& where) {
   const auto group = asio::ip::make_address_v4(where.group);

@@ -25,8 +25,8 @@ struct GroupAddress {
 };
 
 /// Hears a multicast group in a thread of its own, which yields to the cameras' threads. Looks every second:
-/// a group that cannot be joined is tried again; one that was silent at ten looks is joined anew, as its card
-/// may have gone and come back.
+/// a group that cannot be joined is tried again; one that was silent at ten looks is joined again, as its
+/// card may have gone and come back.
 class MulticastReceiver {
  public:
   /// Called with every datagram and who sent it, from the receiver's thread.

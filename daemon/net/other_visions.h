@@ -34,7 +34,7 @@ struct SizeConflict {
 std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
                                          const SSL_GeometryFieldSize& theirs);
 
-/// Who else sends to the vision group. Forgets whoever is silent for some seconds. May be used from any
+/// Who else sends to the vision group. Forgets a sender that is silent for some seconds. May be used from any
 /// thread; listens in one of its own.
 class OtherVisions {
  public:

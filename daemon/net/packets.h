@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Results <-> the league's messages (proto/). Messages are filled afresh but keep their memory, so a message
+// Results <-> the league's messages (proto/). Messages are filled again but keep their memory, so a message
 // that is used again for every frame allocates nothing in steady state.
 
 #include "geometry/ball_models.h"
@@ -37,7 +37,7 @@ struct Geometry {
 void write_detection(const FrameInfo& info, const RobotList& robots, const BallList& balls, double t_sent_s,
                      SSL_WrapperPacket& packet);
 
-/// Makes `packet` the geometry packet. Its lines are those of field_lines().
+/// Makes `packet` the geometry packet. Its lines come from field_lines().
 void write_geometry(const Geometry& geometry, SSL_WrapperPacket& packet);
 
 /// The packet's bytes; they lie in `buffer`, whose capacity is kept.

@@ -30,8 +30,8 @@ struct RefereeSettings {
         text("group", &R::group, "IPv4 multicast address that the game controller sends to"),
         number("port", &R::port, 1, 65535, "", "UDP port that the game controller sends to"),
         text("interface", &R::interface,
-             "name or IPv4 address of the network card on the game controller's network; empty: that of "
-             "network/vision"),
+             "name or IPv4 address of the network card on the game controller's network; empty: the "
+             "one of network/vision"),
     };
   }
 };

@@ -36,7 +36,7 @@ class CameraPipeline {
   /// `sink` must outlive this.
   CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup);
 
-  /// Takes force with the next frame.
+  /// Takes effect with the next frame.
   void change(CameraSetup setup) { setup_.store(std::move(setup)); }
   std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
 

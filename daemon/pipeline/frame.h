@@ -36,7 +36,7 @@ struct Frame {
 /// What the admin has set up for one camera, swapped as a whole between frames.
 struct World {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Lut> lut;    // as it is in today's light
+  std::shared_ptr<const Lut> lut;    // as it is in the current light
   std::shared_ptr<const Mask> mask;  // as the admin drew it
   std::shared_ptr<const PatternTable> patterns;
   std::shared_ptr<const Lut> accepted_lut{};  // what `lut` follows the light from; the same when it does not

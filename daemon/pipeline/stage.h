@@ -7,9 +7,10 @@
 //
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
-// whose signature is the contract: `const T&` reads the part of type T, `T&` writes it afresh, `Update<T>`
-// edits it in place. `const Scene&`, `const Lut&`, `const Mask&` and `const PatternTable&` are constants of
-// the camera, `DetectionSink&` is where results leave the process. Any other parameter does not compile.
+// whose signature is the contract: `const T&` reads the part of type T, `T&` writes it from scratch,
+// `Update<T>` edits it in place. `const Scene&`, `const Lut&`, `const Mask&` and `const PatternTable&` are
+// constants of the camera, `DetectionSink&` is where results leave the process. Any other parameter does not
+// compile.
 
 #include "base/params_json.h"
 #include "pipeline/frame.h"

@@ -32,7 +32,7 @@ class SettingsHistory {
   static constexpr std::size_t kMostSteps = 300, kMostBytes = 512 * 1024;
 
   SettingsHistory() = default;
-  /// Of what to_json() made; what is no list of steps is forgotten.
+  /// From what to_json() returned; anything but a list of steps is ignored.
   explicit SettingsHistory(const Json& saved);
 
   void add(SettingsStep step);

@@ -16,7 +16,7 @@ namespace sslv {
 namespace {
 
 constexpr std::array kRoles{Role::kViewer, Role::kAdmin};
-constexpr const char* kSetAnew = "; set them anew with: ssl-visionctl passwd";
+constexpr const char* kSetAgain = "; set them again with: ssl-visionctl passwd";
 
 std::size_t place(Role role) {
   return static_cast<std::size_t>(role);
@@ -83,13 +83,13 @@ Passwords::Hashes Passwords::read(const std::filesystem::path& file) {
   try {
     saved = read_json_file(file);
   } catch (const SettingsError& error) {
-    throw SettingsError(error.what() + std::string(kSetAnew));
+    throw SettingsError(error.what() + std::string(kSetAgain));
   }
   Hashes hashes;
   const auto refuse = [&] {
     throw SettingsError(
         fmt::format("{}: expected the hash of an admin's password, and perhaps of the viewers'{}",
-                    file.string(), kSetAnew));
+                    file.string(), kSetAgain));
   };
   if (!saved.is_object() || !saved.contains(name_of(Role::kAdmin))) refuse();
   for (const auto& [name, hash] : saved.items()) {

@@ -16,7 +16,7 @@ namespace sslv {
 
 class StateFolder;
 
-/// Settings that were put by under a name.
+/// Settings that were saved under a name.
 struct Profile {
   static constexpr std::size_t kMaxSize = 4'000'000;  // as PatchLimits has it
 

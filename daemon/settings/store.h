@@ -85,8 +85,8 @@ class SettingsStore {
   /// patch() throws.
   Version undo(std::uint64_t revision, const SettingsEdit& edit, const Prepare& prepare);
 
-  /// Reads the admin's file anew; what the panel changed stays on top. A step of the history, unless the
-  /// result is what is in force already. Throws SettingsError, beginning with the file's name, when it cannot
+  /// Reads the admin's file again; what the panel changed stays on top. A step of the history, unless the
+  /// result is in effect already. Throws SettingsError, beginning with the file's name, when it cannot
   /// be used or those changes do not fit it any more, StorageError when it cannot be saved; in each case
   /// nothing has changed but `reload_problem()`.
   Version reload(const Prepare& prepare);

@@ -37,7 +37,7 @@ double looks_like_ball(const BallEvidence& e) {
          4 * orange;
 }
 
-/// Of what a sphere leaves unexplained, of its outline and place.
+/// From what a sphere leaves unexplained, its outline and its place.
 double is_shaped_like_ball(const BallEvidence& e) {
   const double rough = std::log(std::clamp(e.misfit, 0.05, 2.0));
   const double very_rough = std::max(0.0, rough - std::log(0.3));

@@ -61,12 +61,12 @@ class DetectRobots {
               "confidence"),
           number("memory_ms", &Params::memory_ms, 0.0, 2000.0, "ms",
                  "how long a robot's last place helps to find it again; it changes where it is reported "
-                 "only with a rolling shutter. 0: each image by itself"),
-          number(
-              "rolling_shutter_ms", &Params::rolling_shutter_ms, 0.0, 100.0, "ms",
-              "time from the exposure of the image's first row to that of its last, when one follows the "
-              "other; robots are then reported where they were at the frame's time, that of the middle row, "
-              "by their speed in the last images (needs memory_ms). 0: all rows at once"),
+                 "only with a rolling shutter. 0: each image alone"),
+          number("rolling_shutter_ms", &Params::rolling_shutter_ms, 0.0, 100.0, "ms",
+                 "time between the exposures of the image's first and last row, when one row follows the "
+                 "other; robots are then reported where they were at the time of the middle row, the frame's "
+                 "time, "
+                 "by their speed in the last images (needs memory_ms). 0: all rows at once"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
           number("max_work", &Params::max_work, 100, 1'000'000, "",
                  "does no more than this for one image: fitted dots, or other work that takes as long (about "

@@ -31,8 +31,8 @@ HWY_INLINE Vector InverseSqrt(Vector x) {
 }
 
 /// Values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from `bytes`, the
-/// first sample's group of bytes. (Gather instructions would do the same, but are slow where CPUs have had to
-/// be mended.) kDeep: what lies `to_low_bits` behind belongs to it.
+/// first sample's group of bytes. (Gather instructions would do the same, but are slow on CPUs whose
+/// microcode was fixed against leaks.) kDeep: what lies `to_low_bits` behind belongs to it.
 template <int kPlanes, bool kDeep>
 HWY_INLINE void LoadValues(const SampleGrid& grid, const std::uint8_t* HWY_RESTRICT bytes,
                            std::ptrdiff_t to_low_bits, std::size_t at, PlaneSamples& samples) {

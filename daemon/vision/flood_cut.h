@@ -23,8 +23,8 @@ namespace sslv {
 /// from anything: all labels are cut. When what is left is still more than the cap of the whole image, the
 /// fullest pairs of block and label are cut until the rest fits.
 ///
-/// Which runs are cut depends only on the image's labels, not on the order of work: whoever has found
-/// the runs of some rows may ask already then what will be cut in any case.
+/// Which runs are cut depends only on the image's labels, not on the order of work: a thread that has
+/// found the runs of some rows may ask already then what will be cut in any case.
 class FloodCut {
  public:
   static constexpr int kBlockCells = 64;

@@ -15,8 +15,8 @@
 
 namespace sslv {
 
-/// The class of colour a pixel belongs to: a LUT entry. Values are those of existing league LUT files; from
-/// label::kCount on they are an admin's own.
+/// The class of colour a pixel belongs to: a LUT entry. Values are the same as in existing league LUT files;
+/// from label::kCount on they are an admin's own.
 using Label = std::uint8_t;
 
 namespace label {

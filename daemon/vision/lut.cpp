@@ -73,7 +73,7 @@ ColorTable read_table(const std::string& file, const std::string& path, const La
   return decode_lut(bytes, fmt::format("{}: \"{}\"", path, file), labels);
 }
 
-// ---- the RGB twin
+// ---- the table over RGB
 
 /// Fills rows of `rgb` with the labels that `yuv` has for the middles of its cells.
 template <int kBits>

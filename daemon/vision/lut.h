@@ -98,13 +98,13 @@ struct LutTable {
   /// as the labels are.
   std::vector<Label> blocks;
   /// The label that all colours of one chroma share, or kMixed, at chroma_a << 5 | chroma_b. In YUV chroma_a
-  /// and chroma_b are the upper five bits of U and V. In RGB they are those of (B + 255 - G + 1) / 2 and
+  /// and chroma_b are the upper five bits of U and V. In RGB they come from (B + 255 - G + 1) / 2 and
   /// (R + 255 - G + 1) / 2, which byte-wise instructions can make, and a colour may count in several.
   std::array<Label, std::size_t{1} << (2 * kChromaBits)> chroma;
 };
 
 /// A colour table made ready for looking up: 7 bits a channel (2 MiB), or 8 (16 MiB) for a table of 8;
-/// coarser ones are spread out. It is defined over YUV; an RGB twin is derived from it once, so that RGB and
+/// coarser ones are spread out. It is defined over YUV; an RGB table is derived from it once, so that RGB and
 /// Bayer pixels need no conversion.
 class Lut {
  public:
@@ -206,8 +206,8 @@ struct ColorSettings {
   static constexpr auto fields() {
     return std::tuple{
         text("table", &ColorSettings::table,
-             "the table that was edited, learnt or imported on the Colours page; empty: that of lut_file or "
-             "classes"),
+             "the table that was edited, learnt or imported on the Colours page; empty: the one of lut_file "
+             "or classes"),
         file("lut_file", &ColorSettings::lut_file, "a .lut file; empty: the table is made from the classes"),
         list("classes", &ColorSettings::classes, "colour classes; a later one wins"),
         number("bits", &ColorSettings::bits, ColorTable::kLeastBits, ColorTable::kMostBits, "",

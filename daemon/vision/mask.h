@@ -89,7 +89,7 @@ class Mask {
   void add_rows(const MaskSettings& settings, const FieldView* view);
   struct Rows {
     std::vector<Interval> intervals;
-    std::vector<std::uint32_t> begin;  // intervals begin[y] .. begin[y + 1] are those of row y
+    std::vector<std::uint32_t> begin;  // row y has the intervals begin[y] .. begin[y + 1]
   };
   std::array<Rows, 2> rows_;    // of pixels, of quads
   std::vector<Interval> rest_;  // of every row below those

@@ -28,8 +28,8 @@ class Segment {
     FindRegions::Params regions;
     int threads = 1;
     static constexpr auto fields() {
-      return std::tuple{group("runs", &Params::runs, "as those of find_runs"),
-                        group("regions", &Params::regions, "as those of find_regions"),
+      return std::tuple{group("runs", &Params::runs, "as for find_runs"),
+                        group("regions", &Params::regions, "as for find_regions"),
                         number("threads", &Params::threads, 1, 8, "",
                                "threads that share each image: more than one is for a large camera with "
                                "processors to itself; with several cameras, each has its own thread anyway")};

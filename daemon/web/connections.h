@@ -15,7 +15,7 @@ namespace sslv {
 /// A newcomer is let in as long as something can go for it: a connection whose request is not there yet (it
 /// is idle, or half of a request came), or one that takes its answer for longer than kSendPatience_s. Of
 /// these goes the one whose address has most connections, and of equals the one that has been so for longest.
-/// So whoever sends a request at once is served, however many others never do. Viewers (WebSockets and
+/// So a client that sends a request at once is served, however many others never do. Viewers (WebSockets and
 /// streams of images) stay until they go, and are few enough to leave room.
 ///
 /// A part of the connections is kept for trusted addresses: strangers never have all of them.

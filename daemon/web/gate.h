@@ -22,7 +22,7 @@ class Gate {
   virtual void refresh() {}
   /// By the Cookie header, "" when there is none.
   virtual May may(std::string_view cookies) = 0;
-  /// Why nothing may be changed now, whoever asks; empty: it may.
+  /// Why nobody may change anything now; empty: changes are allowed.
   virtual std::string lock_reason() = 0;
   /// Names by which browsers reach this computer, besides its own name and addresses.
   virtual std::vector<std::string> names() const = 0;

@@ -157,7 +157,7 @@ void answer_exception(const httplib::Request& request, httplib::Response& respon
   set_error(response, 500, error.what());
 }
 
-/// Puts words to what httplib refuses by itself; refusals of handlers have theirs.
+/// Adds a text to what httplib refuses itself; refusals of handlers have their own.
 void explain_refusal(std::span<const Route> routes, const httplib::Request& request,
                      httplib::Response& response) {
   if (!response.body.empty()) return;
@@ -196,7 +196,7 @@ void write_down(AuditLog& audit, const httplib::Request& request, const httplib:
   if (!is_read(request)) audit.add(request.remote_addr, request.method, request.target, response.status);
 }
 
-/// Of what is no file, nothing is to be kept.
+/// Only files may be cached.
 void set_caching(std::span<const Route> routes, const httplib::Request& request,
                  httplib::Response& response) {
   const bool is_route = std::any_of(routes.begin(), routes.end(),

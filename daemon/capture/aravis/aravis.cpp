@@ -92,7 +92,7 @@ std::size_t bytes_of(const AravisFormat& format, const SentPicture& sent) {
   return (sent_bytes(format, width) + sent.padding_bytes) * height - sent.padding_bytes;
 }
 
-/// Of one that needs no unpacking.
+/// The view of an image that needs no unpacking.
 ImageView view_of(const SentPicture& sent) {
   const auto row_bytes = sent_bytes(*sent.format, static_cast<std::size_t>(sent.width));
   return {sent.data, sent.width, sent.height, static_cast<std::ptrdiff_t>(row_bytes + sent.padding_bytes),

@@ -10,8 +10,8 @@
 
 namespace sslv {
 
-/// An open camera, shared by whoever takes its images and whoever sets its controls. The library's feature
-/// tree is for one thread at a time.
+/// An open camera. The thread that takes its images and the threads that set its controls share it. The
+/// library's feature tree is for one thread at a time.
 struct AravisCamera {
   std::mutex mutex;  // guards the camera's features
   Object<ArvCamera> camera;

@@ -56,7 +56,7 @@ struct AravisOptions {
         flag("chunks", &O::chunks,
              "have each image say its own exposure time, and when it was taken (GenICam chunk data)"),
         object("controls", &O::controls,
-               "what to set at the camera itself, by the camera's own names (GenICam), such as "
+               "what to set on the camera itself, by the camera's own names (GenICam), such as "
                "{\"GainAuto\": \"Off\", \"Gain\": 6}; changed while it runs"),
     };
   }

@@ -258,9 +258,9 @@ class IidcControls final : public Controls {
     };
     const int most = camera()->max_mem_channel;
     if (most <= 0) return;
-    action(kLoad, 0, "the maker's settings; opens the camera anew");
+    action(kLoad, 0, "the maker's settings; reopens the camera");
     for (int channel = 1; channel <= most; ++channel) {
-      action(kLoad, channel, "opens the camera anew");
+      action(kLoad, channel, "reopens the camera");
       action(kSave, channel, "wears the camera's memory a little");
     }
   }

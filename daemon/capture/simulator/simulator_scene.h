@@ -35,8 +35,8 @@ struct SimulatedRobot {
 struct SimulatedBall {
   double x_mm, y_mm;
 };
-/// A thing that lies flat on the carpet. An orange or red one is never as long and wide as a ball, so whoever
-/// takes it for one is wrong.
+/// A thing that lies flat on the carpet. An orange or red one is never as long and wide as a ball, so a
+/// detector that takes it for one is wrong.
 struct SimulatedDistractor {
   enum class Shape : std::uint8_t { kEllipse, kRectangle, kTriangle };  // discs and stripes are among these
   Shape shape;

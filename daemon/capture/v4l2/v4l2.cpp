@@ -47,7 +47,7 @@ struct Options {
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
                "a camera that sends nothing for this long is taken for lost"),
         object("controls", &O::controls,
-               "what is set at the camera when it is opened: the names and values that it has for them"),
+               "what is set on the camera when it is opened: the names and values that it has for them"),
     };
   }
 };
@@ -215,7 +215,7 @@ class V4l2Source final : public Source {
     last_sequence_ = sequence;
   }
 
-  /// The driver tells us of every change, whoever makes it; asking a USB camera would take a millisecond.
+  /// The driver tells us of every change by any program; asking a USB camera would take a millisecond.
   void watch_exposure() {
     v4l2_event_subscription subscription{};
     subscription.type = V4L2_EVENT_CTRL;

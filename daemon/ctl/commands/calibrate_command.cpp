@@ -53,7 +53,7 @@ int calibrate_several_cameras(const CalibrateOptions& o, const Client& client) {
   const int exit_code = tell(o, report, "", joint_calibration_text);
   if (o.accept && exit_code == EXIT_SUCCESS) {
     client.post("/api/calibration/accept", {{"force", o.force}});
-    std::cerr << "They are in force.\n";
+    std::cerr << "They are in effect.\n";
   }
   return exit_code;
 }
@@ -65,7 +65,7 @@ int calibrate_camera(const CalibrateOptions& o, const Client& client) {
   const int exit_code = tell(o, report, o.calibration_file, calibration_text);
   if (o.accept && exit_code == EXIT_SUCCESS) {
     client.post(fmt::format("/api/cameras/{}/calibration/accept", o.camera_id), {{"force", o.force}});
-    std::cerr << "It is in force.\n";
+    std::cerr << "It is in effect.\n";
   }
   return exit_code;
 }
@@ -132,7 +132,7 @@ void add_calibrate(CommandLine& line) {
                                             "calibration to write, as settings have it; -: standard output");
   command->add_option("--report", o->report_file, "file for all figures");
   command->add_flag("--json", o->as_json, "print the report as JSON");
-  command->add_flag("--accept", o->accept, "put it into force when it is good enough")->excludes(of_files);
+  command->add_flag("--accept", o->accept, "apply it when it is good enough")->excludes(of_files);
   command->add_flag("--force", o->force, "also while the game runs")->excludes(of_files);
   for (const char* of_one_camera :
        {"--points", "--height", "--height-sigma", "--focal", "--plus-x", "--lines", "--output"})

@@ -147,7 +147,7 @@ void add_colours(CommandLine& line) {
   add_post(line, group, "undo", "/undo", "take the newest step back");
   add_post(line, group, "redo", "/redo", "do again what was taken back");
   add_post(line, group, "reset", "/reset", "back to the table of the settings' classes or file");
-  add_post(line, group, "keep-light", "/light/keep", "accept the table as it is in today's light");
+  add_post(line, group, "keep-light", "/light/keep", "accept the table as it is in the current light");
   add_post(line, group, "revert-light", "/light/revert", "back to the accepted table");
 }
 

@@ -31,7 +31,7 @@ int learn_live(const LearnOptions& o, const Client& daemon) {
   if (report.at("learnt") != true) return EXIT_FAILURE;
   if (o.accept) {
     daemon.post(fmt::format("/api/cameras/{}/colors/learning/accept", o.choice.camera_id), Json::object());
-    std::cerr << "It is in force.\n";
+    std::cerr << "It is in effect.\n";
   }
   return EXIT_SUCCESS;
 }
@@ -80,7 +80,7 @@ void add_learn_colours(CommandLine& line) {
       ->capture_default_str()
       ->needs(input);
   command->add_option("--output", o->lut_file, "table to write (.lut); -: standard output")->needs(input);
-  command->add_flag("--accept", o->accept, "put it into force")->excludes(input);
+  command->add_flag("--accept", o->accept, "apply it")->excludes(input);
   command->add_flag("--json", o->as_json, "print what was found as JSON");
   line.on(command, [&line, o, input] { return input->empty() ? learn_live(*o, line.client()) : learn(*o); });
 }

@@ -15,7 +15,7 @@ void CameraChoice::add_to(CLI::App* command) {
 }
 
 void CameraChoice::add_lut_to(CLI::App* command) {
-  command->add_option("--lut", lut_file, "colour table (.lut) to use instead of that of the settings");
+  command->add_option("--lut", lut_file, "colour table (.lut) to use instead of the one in the settings");
 }
 
 Config CameraChoice::config() const {

@@ -56,7 +56,7 @@ void add_passwd(CommandLine& line) {
   command->add_flag("--viewer", options->viewer,
                     "the viewers', who may look but change nothing; without one everybody may look");
   command->add_flag("--remove", options->remove,
-                    "take it away; takes force when the service is started anew");
+                    "remove the password; takes effect when the service is restarted");
   command->add_option("--state", options->state_folder, "the service's state folder")->capture_default_str();
   line.on(command, [options] {
     const Role role = options->viewer ? Role::kViewer : Role::kAdmin;
@@ -67,7 +67,7 @@ void add_passwd(CommandLine& line) {
     }
     const auto file = options->state_folder / Passwords::kFileName;
     std::error_code ignored;
-    // One that cannot be read any more is to be set anew.
+    // A file that cannot be read any more must be replaced.
     std::unique_ptr<Passwords> passwords;
     try {
       passwords = std::make_unique<Passwords>(file);

@@ -154,7 +154,7 @@ void add_profile_apply(CommandLine& line, CLI::App* parent) {
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = parent->add_subcommand("apply", "put one, or parts of it, into force: live and saved");
+  CLI::App* command = parent->add_subcommand("apply", "apply a profile, or parts of it: live and saved");
   command->add_option("name", o->name, "the profile")->required();
   command->add_option("--only", o->only, "JSON pointers: nothing but what is there");
   command->add_flag("--json", o->as_json, "changes and revision as JSON");
@@ -232,7 +232,7 @@ void add_field(CommandLine& line) {
 }
 
 void add_profiles(CommandLine& line) {
-  CLI::App* profiles = line.app.add_subcommand("profiles", "settings that are put by under a name");
+  CLI::App* profiles = line.app.add_subcommand("profiles", "settings that are saved under a name");
   profiles->require_subcommand(0, 1);
   struct Options {
     std::string name;
@@ -253,7 +253,7 @@ void add_profiles(CommandLine& line) {
     add_json_flag(command, o->as_json);
     return command;
   };
-  line.on(add("save", "save the settings in force under a name"), [&line, o] {
+  line.on(add("save", "save the current settings under a name"), [&line, o] {
     print_answer(line.client().put(profile_path(o->name), Json::object()), o->as_json,
                  [](const Json& saved) { return "saved as " + saved.at("name").get<std::string>() + "\n"; });
     return EXIT_SUCCESS;

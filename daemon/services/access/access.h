@@ -48,14 +48,14 @@ class Access {
   /// The Set-Cookie header that takes the cookie away.
   std::string sign_out(std::string_view cookies);
 
-  /// Sets the password of a role, or takes the viewers' away; who did so by `cookies` stays signed in,
-  /// whoever else used the old one is signed out. With an admin's password set, `admin_password` must be it.
-  /// Answers with the Set-Cookie header. Throws as sign_in() and Passwords::set() do.
+  /// Sets the password of a role, or removes the viewers' password. The client that did so stays signed in,
+  /// all others that used the old one are signed out. With an admin's password set, `admin_password` must be
+  /// it. Answers with the Set-Cookie header. Throws as sign_in() and Passwords::set() do.
   std::string set_password(Role role, const std::optional<std::string>& password,
                            const std::string& admin_password, const std::string& address);
 
-  /// Whether strangers must leave room for this address: it is this computer's own, or the admin's password
-  /// of now came from it within kLongest_s. Takes no time.
+  /// Whether strangers must leave room for this address: it is this computer's own, or the current
+  /// admin password came from it within kLongest_s. Takes no time.
   bool is_trusted(const std::string& address);
 
  private:

@@ -22,9 +22,9 @@ struct SignIn {
 struct NewPassword {
   std::string password, admin_password;
   static constexpr auto fields() {
-    return std::tuple{
-        secret("password", &NewPassword::password, "the new one; empty: none any more"),
-        secret("admin_password", &NewPassword::admin_password, "the admin's one of now, where there is one")};
+    return std::tuple{secret("password", &NewPassword::password, "the new one; empty: none any more"),
+                      secret("admin_password", &NewPassword::admin_password,
+                             "the current admin password, if there is one")};
   }
 };
 

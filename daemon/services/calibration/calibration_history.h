@@ -17,13 +17,13 @@ namespace sslv {
 
 class StateFolder;
 
-/// A calibration that was put into force.
+/// A calibration that was applied.
 struct CalibrationRecord {
   double time_s = 0;
   std::string who;                // the client's address
   Json figures = Json::object();  // of its report
   CameraCalibration calibration;
-  std::optional<CameraCalibration> replaced;  // what was in force before
+  std::optional<CameraCalibration> replaced;  // what was in effect before
   std::optional<double> reverted_s;           // when `replaced` was put back
   std::string reverted_by;
 
@@ -34,8 +34,8 @@ struct CalibrationRecord {
         number("time", &R::time_s, 0.0, kFarFuture, "s", "Unix time"),
         text("who", &R::who, "the client's address"),
         object("figures", &R::figures, "of its report"),
-        group("calibration", &R::calibration, "what was put into force"),
-        group("replaced", &R::replaced, "what was in force before; null: none"),
+        group("calibration", &R::calibration, "the calibration that was applied"),
+        group("replaced", &R::replaced, "the calibration before it; null: none"),
         number("reverted", &R::reverted_s, 0.0, kFarFuture, "s", "Unix time when it was taken back"),
         text("reverted_by", &R::reverted_by, "the client's address"),
     };

@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// Calibrates cameras, each by itself: from a click or none to what is accepted, and back.
+/// Calibrates cameras, each alone: from a click or none to what is accepted, and back.
 class CalibrationService final : public Service, public CameraObserver {
  public:
   /// All must outlive this.

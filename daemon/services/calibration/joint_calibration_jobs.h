@@ -16,7 +16,7 @@ namespace sslv {
 struct JointCalibrationOrder {
   struct Camera {
     int id;
-    CameraCalibration calibration;  // in force
+    CameraCalibration calibration;  // the current one
   };
   JointCalibrationRequest request;
   std::vector<Camera> cameras;

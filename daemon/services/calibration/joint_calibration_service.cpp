@@ -22,7 +22,7 @@ std::string joined(const std::vector<int>& ids) {
   return out;
 }
 
-/// The cameras that are meant, with their calibrations in force.
+/// The cameras that are meant, with their current calibrations.
 std::vector<JointCalibrationOrder::Camera> cameras_for(const JointCalibrationRequest& request,
                                                        const Config& config) {
   std::vector<int> known;

@@ -45,8 +45,8 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .severity = Severity::kBad,
                       .title = fmt::format("Camera {} is lost: {}", camera.id, health.error),
                       .fix = camera.backend == "files"
-                                 ? "Check source/path in its settings; it is tried again by itself."
-                                 : "Check its cable and power; it is tried again by itself.",
+                                 ? "Check source/path in its settings; the service tries again automatically."
+                                 : "Check its cable and power; the service tries again automatically.",
                       .page = camera_page(camera),
                       .camera = camera.id});
   }

@@ -31,7 +31,7 @@ struct CameraFacts {
   static constexpr std::size_t kLastSeconds = 10;
 };
 
-/// Adds their alerts and the checks "cameras", "pictures" and "latency".
+/// Adds their alerts and the checks `cameras`, `pictures` and `latency`.
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report);
 
 /// "2/2 cameras 60.0 fps p99 0.9 ms".

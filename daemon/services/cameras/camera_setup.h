@@ -21,7 +21,7 @@ struct CameraInUse {
 /// What a camera's frames are processed with from a change of settings on.
 struct NewSetup {
   CameraSetup setup;
-  bool keeps_colors = false;  // its tables are those of the setup before, as they are at that moment
+  bool keeps_colors = false;  // it keeps the tables that the setup before has at that moment
 };
 
 /// For the camera at place `i` of the list; `previous`: when it runs already. Nothing when nothing that its

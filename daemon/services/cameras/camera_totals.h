@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// What is counted of a camera id as long as the process lives: also when the camera is opened anew, has
+/// What is counted of a camera id as long as the process lives: also when the camera is reopened, has
 /// another stack, or is taken out of the settings and comes back. Counted without a lock.
 struct CameraTotals {
   CaptureTotals capture;

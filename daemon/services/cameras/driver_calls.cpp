@@ -51,7 +51,7 @@ Json DriverCalls::run(std::function<Json()> function) const {
     } catch (...) {
       error = std::current_exception();
     }
-    call->run = nullptr;  // what it owns goes here, not with whoever waits
+    call->run = nullptr;  // what it owns is destroyed here, not by the thread that waits
     const std::lock_guard done(shared->mutex);
     call->result = std::move(result);
     call->error = error;

@@ -11,7 +11,7 @@ namespace sslv {
 
 /// Calls of a camera's driver, which may hang: one at a time, each in a thread of its own and waited for only
 /// so long. One that hangs is left behind, and those after it are refused soon, so that they cannot use up
-/// the threads of whoever asks. Copies are of the same camera. May be used from any thread.
+/// the threads of the callers. Copies are of the same camera. May be used from any thread.
 class DriverCalls {
  public:
   static constexpr std::chrono::milliseconds kPatience{5000}, kPatienceWithOthers{500};

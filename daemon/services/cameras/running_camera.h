@@ -56,7 +56,7 @@ class RunningCamera {
   bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> adapted);
 
   std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
-  /// Its counts are those of the totals.
+  /// Its counts come from the totals.
   CameraHealth health() const;
   /// Those of the open camera; none while it is not open, or has none. To be called through `driver_calls`.
   std::shared_ptr<Controls> controls() const;

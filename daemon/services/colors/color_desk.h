@@ -24,8 +24,8 @@ struct TableChange {
   std::size_t left_clear = 0;  // cells that clusters would have taken from a surface
 };
 
-/// A camera's accepted table, and what was done to it since it was put on the desk: by whoever edits it, one
-/// after the other. Whoever uses it sees to it that one thread does at a time.
+/// A camera's accepted table, and what was done to it since it was put on the desk: the edits of all people,
+/// one after the other. The caller ensures that one thread uses it at a time.
 class ColorDesk {
  public:
   /// Puts this table onto the desk. Another than the one that lies there has no history here.
@@ -41,7 +41,7 @@ class ColorDesk {
   /// What these edits together would change. Throws SettingsError.
   TableChange tried(std::span<const TableEdit> edits) const;
 
-  /// Each puts a table into force by `save`; when that throws, nothing has changed here either.
+  /// Each applies a table by `save`; when that throws, nothing has changed here either.
   using Save = std::function<void(const std::shared_ptr<const Lut>& lut, const std::string& what)>;
   /// One step of undo; none when nothing changes.
   void change(const TableChange& change, const std::string& what, const std::string& who, const Save& save);

@@ -15,7 +15,7 @@ namespace {
 
 // Around a robot lies what its hull and shadow do to the carpet.
 constexpr double kRobotReachMm = 130, kBallReach = 1.6;
-/// Of one processor, whatever the number of cameras and the size of their frames.
+/// A share of one processor, whatever the number of cameras and the size of their frames.
 constexpr int kRestPerWork = 50;
 
 /// 0 where the camera does not see that plane.
@@ -136,7 +136,7 @@ void ColorMargins::look_at(const Camera& camera, Look& look) {
     const std::lock_guard lock(mutex_);
     auto& known = known_[camera.id];
     if (!known) known = std::make_shared<Known>();
-    if (look.known != known) look = {.known = known};  // forgotten meanwhile: begins anew
+    if (look.known != known) look = {.known = known};  // forgotten meanwhile: starts over
   }
   const auto begun = Clock::now();
   const auto rest = [&](Clock::duration least) {

@@ -35,7 +35,7 @@ SurfaceColors surfaces_of(const LentFrame& frame, const Scene& scene, const Patt
 class ColorMargins {
  public:
   using Clock = std::chrono::steady_clock;
-  /// What is in force for a camera.
+  /// What is in effect for a camera.
   struct Camera {
     int id;
     std::shared_ptr<const Lut> lut;

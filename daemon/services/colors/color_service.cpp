@@ -277,7 +277,7 @@ Response ColorService::export_table(const Request& request) {
 Response ColorService::revert_light(const Request& request) {
   ColorTables::AtDesk at = tables_.open(path_camera_id(request));
   if (!at.is_adapted())
-    throw HttpError(409, fmt::format("camera {}'s accepted table is in force", at.camera.id));
+    throw HttpError(409, fmt::format("camera {}'s accepted table is in use", at.camera.id));
   follow_light_.take_back(at.camera.id);
   const auto& accepted = at.camera.world().accepted_lut;
   cameras_.change_light(at.camera.id, accepted, accepted);
@@ -289,7 +289,7 @@ Response ColorService::keep_light(const Request& request) {
   ColorTables::AtDesk at = tables_.open(path_camera_id(request));
   if (!at.is_adapted()) {
     throw HttpError(
-        409, fmt::format("camera {}'s accepted table is in force: the light has not changed", at.camera.id));
+        409, fmt::format("camera {}'s accepted table is in use: the light has not changed", at.camera.id));
   }
   tables_.take_over(at, at.camera.world().lut, "taken over as adapted to the light", request.address);
   return json_response(state_json(at));

@@ -16,11 +16,11 @@
 
 namespace sslv {
 
-/// What the table in force has to do with the accepted one.
+/// How the table in use differs from the accepted one.
 struct LightView {
   LightState state;
   std::vector<LightStep> steps;  // oldest first
-  bool changed = false;          // the table in force is not the accepted one
+  bool changed = false;          // the table in use is not the accepted one
 };
 
 Json light_json(const LightView& light);

@@ -27,7 +27,7 @@ namespace sslv {
 /// May be used from any thread.
 class FollowLight {
  public:
-  /// What is in force for a camera.
+  /// What is in effect for a camera.
   struct Camera {
     int id;
     FollowLightParams params;
@@ -40,8 +40,8 @@ class FollowLight {
     WaitFrame wait_frame;
     std::function<std::vector<Camera>()> cameras;
     std::function<bool()> game_is_running;
-    /// Puts a table in force that was made of `accepted`, or that one again; to be left alone when another
-    /// than `accepted` is in the settings by now.
+    /// Applies a table that was made of `accepted`, or `accepted` itself. Does nothing when the settings have
+    /// another table than `accepted` by now.
     std::function<void(int camera_id, const std::shared_ptr<const Lut>& accepted,
                        std::shared_ptr<const Lut> table)>
         put_table;

@@ -91,7 +91,7 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                       .check = "network",
                       .severity = Severity::kBad,
                       .title = "No packets leave",
-                      .fix = facts.multicast.error + "; sending is tried again by itself.",
+                      .fix = facts.multicast.error + "; the service tries again automatically.",
                       .page = "#/settings/network/vision"});
     return;  // that says what to do about those below too
   }
@@ -101,7 +101,7 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                       .check = check,
                       .severity = Severity::kWarn,
                       .title = "A group cannot be heard",
-                      .fix = error + "; it is tried again by itself.",
+                      .fix = error + "; the service tries again automatically.",
                       .page = fmt::format("#/settings/network/{}", group),
                       .about = group});
   };

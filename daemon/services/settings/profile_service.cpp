@@ -108,7 +108,7 @@ Response ProfileService::get(const Request& request) {
 
 Response ProfileService::save(const Request& request) {
   const auto settings =
-      only_member(request, "settings", R"(expected {"settings": {...}}, or nothing for those in force)");
+      only_member(request, "settings", R"(expected {"settings": {...}}, or nothing for the current ones)");
   const Profile profile{request.matches[1], unix_time_s(), request.address,
                         settings ? complete_settings(*settings) : settings_.current().settings,
                         newest_version(settings_migrations())};
@@ -130,7 +130,7 @@ Response ProfileService::apply(const Request& request) {
     changes = changes_below(changes, *paths);
   }
   if (!changes.empty() || if_revision.value_or(version.revision) != version.revision) {
-    // The changes are those of this very revision.
+    // The changes were made against this very revision.
     version = settings_.patch(
         forward_patch(changes),
         {request.address, if_revision.value_or(version.revision), fmt::format("profile {}", name)});

@@ -23,18 +23,18 @@ void report_settings(const SettingsFacts& facts, HealthReport& report) {
   if (!facts.save_problem.empty()) {
     warn("settings_not_saved",
          fmt::format("The last change was refused, as it could not be saved: {}", facts.save_problem),
-         "Make room or mend the folder's rights, then make the change again.", "#/settings");
+         "Make room or fix the folder's rights, then make the change again.", "#/settings");
   }
   if (!facts.folder_problem.empty()) {
     warn("state_not_writable", fmt::format("No change can be saved: {}", facts.folder_problem),
-         "Mend the folder's rights, or mount its disk for writing. All else goes on meanwhile.",
+         "Fix the folder's rights, or mount its disk for writing. Everything else goes on meanwhile.",
          "#/diagnostics");
   }
   if (!facts.reload_problem.empty()) {
     warn("settings_not_reloaded",
-         fmt::format("The settings file was not taken over, the settings before are in force: {}",
+         fmt::format("The settings file was not loaded, the previous settings stay in effect: {}",
                      facts.reload_problem),
-         "Mend the file, then reload: systemctl reload ssl-visiond", "#/settings");
+         "Fix the file, then reload: systemctl reload ssl-visiond", "#/settings");
   }
 }
 
