@@ -55,7 +55,7 @@ std::string type_of(const Json& schema) {
 void print_entry(const std::string& key, const Json& schema) {
   std::string facts = type_of(schema);
   const Json standard = schema.value("default", Json());
-  // Those of groups repeat what stands at their members.
+  // Defaults of groups repeat the defaults of their members.
   if (standard.is_primitive() && schema.contains("default")) facts += "; default " + standard.dump();
   fmt::print(".TP\n.B {}\n{}.", roff(key), roff(facts));
   if (const std::string help = schema.value("description", ""); !help.empty())

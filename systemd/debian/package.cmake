@@ -26,7 +26,7 @@ set(CPACK_DEBIAN_SERVICE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers"
 set(CPACK_DEBIAN_SERVICE_PACKAGE_RECOMMENDS "systemd-timesyncd | time-daemon, udev, dbus")
 set(CPACK_COMPONENT_SERVICE_DESCRIPTION
 "vision service for RoboCup Small Size League fields
-Takes pictures from the cameras over a field, finds robots and balls, and
+Takes images from the cameras over a field, finds robots and balls, and
 sends where they are by multicast in the league's format.
 .
 It runs without a desktop, a GPU or a vendor's SDK. A web panel on the

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # find_package(SslVision) gives the target SslVision::proto: the league's messages, made from the .proto files by the
-# protobuf of whoever builds. ${SslVision_PROTO_DIR} is where those files are.
+# protobuf version of the program that is built. ${SslVision_PROTO_DIR} is where those files are.
 get_filename_component(SslVision_PROTO_DIR "${CMAKE_CURRENT_LIST_DIR}/../../ssl-vision/proto" ABSOLUTE)
 include(CMakeFindDependencyMacro)
 find_dependency(Protobuf)

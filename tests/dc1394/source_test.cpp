@@ -315,10 +315,9 @@ TEST_F(IidcCamera, SilenceIsALossAndSaysWhatTheCameraAnswers) {
   EXPECT_EQ(next(*open({{"silence_s", 3600}}), image, problem), CaptureStatus::kTimeout);
   const auto source = open({{"silence_s", 0.1}});
   EXPECT_EQ(source->next(image, problem, milliseconds(120)), CaptureStatus::kLost);
-  EXPECT_EQ(
-      problem,
-      "camera \"000a470112345678\": no picture for 0.1 s, although it answers (format7_0 yuv422 780x580, "
-      "iso_speed 800); do card, cables and hubs take this iso_speed?");
+  EXPECT_EQ(problem,
+            "camera \"000a470112345678\": no image for 0.1 s, although it answers (format7_0 yuv422 780x580, "
+            "iso_speed 800); do card, cables and hubs take this iso_speed?");
   fake_iidc::stop_by_bus_reset(kGuid);
   EXPECT_EQ(next(*source, image, problem), CaptureStatus::kLost);
   EXPECT_THAT(problem, HasSubstr("it has stopped sending, as after a bus reset"));

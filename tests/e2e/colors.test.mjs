@@ -470,7 +470,7 @@ describe('colour tables', () => {
       const { alerts } = await (await fetch(service.address('api/alerts'))).json();
       return alerts.find(({ id }) => id === 'frames_capped');
     }, 'nobody says that a colour floods');
-    assert.match(alert.title, /^Camera 0: green floods the picture between \(\d+, \d+\) and \(\d+, \d+\) px/);
+    assert.match(alert.title, /^Camera 0: green floods the image between \(\d+, \d+\) and \(\d+, \d+\) px/);
     assert.equal(alert.page, '#/colors/0');
     await becomes(async () => (await detections()).robots >= pictureRobots / 2, 'robots are not found');
     await post('colors/undo');

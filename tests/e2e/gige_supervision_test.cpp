@@ -59,7 +59,7 @@ TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
   camera->send_signal(SIGSTOP);
   const Json lost = daemon.wait_for_status(state_is("lost"));
   EXPECT_THAT(lost["cameras"][0]["error"].get<std::string>(),
-              AnyOf(HasSubstr("no picture for 0.5 s"), HasSubstr("no longer answers")));
+              AnyOf(HasSubstr("no image for 0.5 s"), HasSubstr("no longer answers")));
   EXPECT_THAT(lost["alerts"][0]["title"].get<std::string>(), HasSubstr("Camera 0 is lost"));
 
   camera->send_signal(SIGCONT);

@@ -369,7 +369,7 @@ describe('a service with passwords', () => {
     writeFileSync(passwordsFile, '{"admin": 7}');
     const { code, text } = await endsAtOnce({ panel: { port: 0 } });
     assert.equal(code, 78, text);
-    assert.match(text, /passwords\.json: .*set them anew with: ssl-visionctl passwd/);
+    assert.match(text, /passwords\.json: .*set them again with: ssl-visionctl passwd/);
     writeFileSync(passwordsFile, good);
     await service.start();
   });

@@ -202,8 +202,8 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   // The draft: what the detector finds, with a page for each picture.
   const auto first = annotate({});
   ASSERT_EQ(first.exit_code, 0) << first.output;
-  EXPECT_THAT(first.output, AllOf(HasSubstr("2 of 2 pictures not checked yet"),
-                                  HasSubstr("truth_pages/frame_000000.html")));
+  EXPECT_THAT(first.output,
+              AllOf(HasSubstr("2 of 2 images not checked yet"), HasSubstr("truth_pages/frame_000000.html")));
   EXPECT_THAT(text_of(folder_.file("truth_pages/frame_000000.html")),
               AllOf(HasSubstr("data:image/jpeg;base64,"), HasSubstr("\"frame_000001.html\"")));
   const Json draft = lines_of(truth).at("frame_000000");
@@ -249,7 +249,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   // What is refused leaves the file as it is.
   const std::string before = text_of(truth);
   EXPECT_THAT(annotate({"--frame", "frame_000000", "--remove", "99"}).output, HasSubstr("has no mark 99"));
-  EXPECT_THAT(annotate({"--frame", "no"}).output, HasSubstr("has no picture \"no\""));
+  EXPECT_THAT(annotate({"--frame", "no"}).output, HasSubstr("has no image \"no\""));
   EXPECT_EQ(text_of(truth), before);
   // A truth that another program wrote has no marks, and is not written over.
   const auto simulated = run_to_end({SSLV_CTL, "annotate", "--settings", settings, "--input",

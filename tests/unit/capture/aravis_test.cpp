@@ -500,7 +500,7 @@ TEST_F(Gige, ASilentCameraIsLost) {
     status = next(*source, image, problem);
   }
   EXPECT_EQ(status, CaptureStatus::kLost);
-  EXPECT_EQ(problem, "camera \"127.0.0.1\": no picture for 0.3 s");
+  EXPECT_EQ(problem, "camera \"127.0.0.1\": no image for 0.3 s");
   plug_in();  // closing would wait for its answers
 }
 

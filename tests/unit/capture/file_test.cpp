@@ -351,10 +351,10 @@ TEST_F(Files, WhatCannotBeOpenedIsNamed) {
   EXPECT_EQ(
       refusal(path("nowhere")),
       "path \"" + path("nowhere") +
-          "\": No such file or directory; expected a folder of pictures, a picture, a raw frame or a video");
+          "\": No such file or directory; expected a folder of images, an image, a raw frame or a video");
   EXPECT_THAT(refusal(""), HasSubstr("path \"\": "));
   EXPECT_THAT(refusal(folder_.string()),
-              HasSubstr("no pictures in this folder; expected files ending in .png"));
+              HasSubstr("no images in this folder; expected files ending in .png"));
   write("noise.avi", std::string(5000, '\x5a'));
   EXPECT_THAT(refusal(path("noise.avi")), HasSubstr("noise.avi\": "));
 }

@@ -689,7 +689,7 @@ TEST(SimulatedCamera, SaysWhatItCannotDraw) {
   other_size.width = 1280;
   EXPECT_THAT(
       error_of(other_size, context, league_patterns()),
-      HasSubstr("is for pictures of 780 x 580 (pixel_image_width, pixel_image_height), but the simulator's "
+      HasSubstr("is for images of 780 x 580 (pixel_image_width, pixel_image_height), but the simulator's "
                 "width and height say 1280 x 580"));
 
   PatternTable few = league_patterns();

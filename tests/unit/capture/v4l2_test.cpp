@@ -397,7 +397,7 @@ TEST_F(V4l2, ASilentCameraIsLostUnlessWeHoldItsBuffers) {
   EXPECT_EQ(source->next(image, problem, milliseconds(150)), CaptureStatus::kTimeout);
   held.clear();
   EXPECT_EQ(source->next(image, problem, milliseconds(150)), CaptureStatus::kLost);
-  EXPECT_EQ(problem, "camera \"A1\": no picture for 0.1 s");
+  EXPECT_EQ(problem, "camera \"A1\": no image for 0.1 s");
 }
 
 /// The kernel gives a camera that was away another number.
@@ -467,7 +467,7 @@ TEST_F(V4l2, SaysWhichCamerasThereAre) {
   EXPECT_EQ(refusal({{"camera", "/dev/nothing"}}), "camera \"/dev/nothing\": No such file or directory");
   cameras_.at(path_of(2))->capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
   EXPECT_EQ(refusal({{"camera", path_of(2)}}),
-            "camera \"" + path_of(2) + "\": this device delivers no pictures");
+            "camera \"" + path_of(2) + "\": this device delivers no images");
   for (auto& [path, camera] : cameras_) camera.reset();
   EXPECT_EQ(refusal({{"camera", "A1"}}),
             "camera \"A1\": " + path_of(2) + ": Permission denied; who may use it is in the group video");

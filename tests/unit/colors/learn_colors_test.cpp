@@ -268,7 +268,7 @@ TEST(LearnColors, SaysWhatIsMissing) {
   EXPECT_NE(problem_with().find("is grey"), std::string::npos) << problem_with();
   view.format = PixelFormat::kMono8;
   EXPECT_NE(problem_with().find("pixel format with colours"), std::string::npos) << problem_with();
-  EXPECT_EQ(learn_colors({{}, scene, league_patterns()}).problem, "no picture was given");
+  EXPECT_EQ(learn_colors({{}, scene, league_patterns()}).problem, "no image was given");
 }
 
 TEST(LearnColors, StopsWhenAsked) {

@@ -127,9 +127,9 @@ TEST(Truth, WhatWasMissedIsAddedByItsPixels) {
 }
 
 TEST(Truth, WhatCannotBeIsRefused) {
-  EXPECT_EQ(refusal({.remove = {9}}), "picture hall: has no mark 9; it has 1, 2, 3");
-  EXPECT_EQ(refusal({.ids = {{3, 1}}}), "picture hall: mark 3 is a ball and has no id");
-  EXPECT_EQ(refusal({.balls = {{640, 10}}}), "picture hall: 640, 10 is not in it; it has 640x480 pixels");
+  EXPECT_EQ(refusal({.remove = {9}}), "image hall: has no mark 9; it has 1, 2, 3");
+  EXPECT_EQ(refusal({.ids = {{3, 1}}}), "image hall: mark 3 is a ball and has no id");
+  EXPECT_EQ(refusal({.balls = {{640, 10}}}), "image hall: 640, 10 is not in it; it has 640x480 pixels");
   EXPECT_THAT(refusal({.robots = {{Team::kBlue, 5, 100, 100, 120, 100}}}),
               HasSubstr("blue 5 is there twice"));
   EXPECT_THAT(refusal({.robots = {{Team::kBlue, 1, 100, 100, 100, 100}}}), HasSubstr("looks towards"));

@@ -66,7 +66,7 @@ TEST(FloodCut, FindsAllElseWhereALabelFloods) {
   EXPECT_EQ(regions.of(label::kPink)[0].area_px, 81U);
   EXPECT_EQ(runs.flood.blocks, 1);
   EXPECT_EQ(runs.flood.label, label::kGreen);
-  EXPECT_EQ(flood_text(runs.flood, "green"), "green floods the picture between (64, 64) and (127, 127) px");
+  EXPECT_EQ(flood_text(runs.flood, "green"), "green floods the image between (64, 64) and (127, 127) px");
 }
 
 TEST(FloodCut, LeavesAloneWhatIsDenseButNoFlood) {
@@ -106,8 +106,7 @@ TEST(FloodCut, CutsAllLabelsWhereNothingCanBeTold) {
   fill(picture, kBlock + 9, 9, 5, 1, label::kOrange);
   const RunList runs = runs_of(picture);
   EXPECT_THAT(as_tuples(runs.runs), ElementsAre(std::tuple(9, kBlock + 9, kBlock + 14, label::kOrange)));
-  EXPECT_EQ(flood_text(runs.flood, "clear"),
-            "every colour floods the picture between (0, 0) and (63, 63) px");
+  EXPECT_EQ(flood_text(runs.flood, "clear"), "every colour floods the image between (0, 0) and (63, 63) px");
 }
 
 TEST(FloodCut, CutsARunWhereItReachesIntoTheFlood) {

@@ -165,7 +165,7 @@ TEST(CalibrationJobs, ASilentCameraFailsEvenThoughItHasAnOldFrame) {
   while (jobs.job(0).state == JobState::kCollecting && std::chrono::steady_clock::now() < deadline)
     std::this_thread::yield();
   EXPECT_EQ(jobs.job(0).state, JobState::kFailed);
-  EXPECT_THAT(jobs.job(0).problem, HasSubstr("no picture came for 0.001 s"));
+  EXPECT_THAT(jobs.job(0).problem, HasSubstr("no image came for 0.001 s"));
 }
 
 TEST(CalibrationJobs, EndWithoutWaitingForACamera) {

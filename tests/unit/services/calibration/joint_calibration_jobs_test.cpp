@@ -95,7 +95,7 @@ TEST_F(JointCalibrationJobsTest, FailsWhenOneOfItsCamerasShowsSomethingElse) {
 TEST_F(JointCalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 5, 0})));
   EXPECT_THAT(deliver_until(is(JobState::kFailed), PixelFormat::kMono8).problem,
-              HasSubstr("camera 1: the camera's pictures have no colours (mono8)"));
+              HasSubstr("camera 1: the camera's images have no colours (mono8)"));
 }
 
 TEST(JointCalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
@@ -116,7 +116,7 @@ TEST(JointCalibrationJobs, ASilentCameraFails) {
   while (is_running(jobs.job(kJointKey).state) && std::chrono::steady_clock::now() < deadline)
     std::this_thread::yield();
   EXPECT_EQ(jobs.job(kJointKey).state, JobState::kFailed);
-  EXPECT_THAT(jobs.job(kJointKey).problem, HasSubstr("camera 0: no picture came for 0.001 s"));
+  EXPECT_THAT(jobs.job(kJointKey).problem, HasSubstr("camera 0: no image came for 0.001 s"));
 }
 
 TEST(JointCalibrationJobs, EndWithoutWaitingForACamera) {

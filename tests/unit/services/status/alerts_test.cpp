@@ -128,12 +128,12 @@ TEST_F(Alerts, AreNoneWhenAllIsWell) {
 TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
   AnyCamera& camera = input_.cameras[1];
   camera.last_minute = {60, 3600, 0, 0, 120};
-  EXPECT_EQ(only_alert().title, "Camera 1: too much to look at, in 120 of 3600 pictures of the last minute");
-  camera.flood = "green floods the picture between (0, 64) and (1279, 511) px";
+  EXPECT_EQ(only_alert().title, "Camera 1: too much to look at, in 120 of 3600 images of the last minute");
+  camera.flood = "green floods the image between (0, 64) and (1279, 511) px";
   EXPECT_EQ(only_alert().id, "frames_capped");
   EXPECT_EQ(
       only_alert().title,
-      "Camera 1: green floods the picture between (0, 64) and (1279, 511) px, in 120 of 3600 pictures of the "
+      "Camera 1: green floods the image between (0, 64) and (1279, 511) px, in 120 of 3600 images of the "
       "last minute");
 }
 
@@ -194,7 +194,7 @@ TEST_F(Alerts, OfLostPicturesBeginAtOneInAThousand) {
   input_.cameras[0].last_minute.dropped = 3;
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_minute.dropped = 4;
-  EXPECT_THAT(only_alert().title, HasSubstr("4 of 3604 pictures"));
+  EXPECT_THAT(only_alert().title, HasSubstr("4 of 3604 images"));
   input_.cameras[0].last_minute = {5, 300, 3, 3, 0};  // it has just begun
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_minute = {60, 3600, 0, 4, 0};

@@ -47,7 +47,7 @@ describe('a request', () => {
   it('knows what the service asks for', () => {
     const says = (note: string) => reportWith([], [], [note]);
     expect(asksForHeight(says("The camera's height is known to 134 mm only: measured and given, it would make places more exact."))).toBe(true);
-    expect(asksForPlusX(says('Both ends of the field look alike: the +x half was taken to be at the top of the picture. Name the points, or say where +x is.'))).toBe(true);
+    expect(asksForPlusX(says('Both ends of the field look alike: the +x half was taken to be at the top of the image. Name the points, or say where +x is.'))).toBe(true);
     expect([asksForHeight(null), asksForPlusX(says(''))]).toEqual([false, false]);
   });
 });
