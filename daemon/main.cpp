@@ -64,7 +64,7 @@ Json checked_settings(const std::filesystem::path& file) {
   return naming(file, [&] {
     Json complete = complete_settings(up_to_date(read_json_file(file), settings_migrations()));
     const Config config = read_config(complete);
-    for (std::size_t i = 0; i < config.cameras.size(); ++i) make_world(config, i);
+    for (std::size_t i = 0; i < config.cameras.size(); ++i) make_context(config, i);
     return complete;
   });
 }

@@ -102,8 +102,8 @@ Json settings_schema() {
   return schema;
 }
 
-World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut,
-                 const LoadTable& load_table) {
+CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut,
+                           const LoadTable& load_table) {
   const CameraSettings& camera = config.cameras[i];
   const auto labels = std::make_shared<const LabelSet>(config.own_labels, "/own_labels");
   auto scene = std::make_shared<Scene>();
@@ -139,15 +139,15 @@ World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut>
     lut = load_table(camera.colors.table, colors_path + "/table", *labels);
   if (!lut) lut = make_lut(camera.colors, colors_path, *labels);
   lut = with_bits(std::move(lut), camera.colors.bits);
-  World world{std::move(scene),    std::move(lut), std::make_shared<const Mask>(camera.mask),
-              std::move(patterns), nullptr,        labels};
-  world.accepted_lut = world.lut;
-  if (world.scene->camera && camera.mask.beyond_boundary) {
-    world.field_view =
-        std::make_shared<const FieldView>(field_view(*world.scene, *camera.mask.beyond_boundary));
-    world.stage_mask = std::make_shared<const Mask>(camera.mask, *world.field_view);
+  CameraContext context{std::move(scene),    std::move(lut), std::make_shared<const Mask>(camera.mask),
+                        std::move(patterns), nullptr,        labels};
+  context.accepted_lut = context.adapted_lut;
+  if (context.scene->camera && camera.mask.beyond_boundary) {
+    context.field_view =
+        std::make_shared<const FieldView>(field_view(*context.scene, *camera.mask.beyond_boundary));
+    context.stage_mask = std::make_shared<const Mask>(camera.mask, *context.field_view);
   }
-  return world;
+  return context;
 }
 
 }  // namespace sslv

@@ -165,7 +165,7 @@ using LoadTable = std::function<std::shared_ptr<const Lut>(const std::string& na
 /// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table
 /// unless `lut` is given; throws SettingsError when their files cannot be used. Without `load_table` a saved
 /// table cannot.
-World make_world(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr,
-                 const LoadTable& load_table = {});
+CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr,
+                           const LoadTable& load_table = {});
 
 }  // namespace sslv

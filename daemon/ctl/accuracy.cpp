@@ -128,11 +128,11 @@ struct TrialResult {
 };
 
 /// A table of clicks, or a learnt one; an empty one with a problem.
-std::shared_ptr<const Lut> table_of(const Trial& trial, const World& world,
+std::shared_ptr<const Lut> table_of(const Trial& trial, const CameraContext& context,
                                     std::vector<std::string>& problems) {
   if (trial.colors == AccuracyColors::kClicked)
-    return std::make_shared<const Lut>(lut_from_samples(click(trial, world)));
-  LearntColors learnt = learn(trial, world);
+    return std::make_shared<const Lut>(lut_from_samples(click(trial, context)));
+  LearntColors learnt = learn(trial, context);
   if (!learnt.problem.empty()) {
     const bool one_hall = trial.halls.empty();
     problems.push_back(
@@ -149,17 +149,17 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
   CameraSetup setup;
   setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.stack, "/stack");
   setup.parameters = setup.pipeline->make_parameters(settings.stages, "/stages");
-  setup.world = make_world(trial.config, 0, std::make_shared<Lut>());
-  setup.world.lut = table_of(trial, setup.world, result.problems);
+  setup.context = make_context(trial.config, 0, std::make_shared<Lut>());
+  setup.context.adapted_lut = table_of(trial, setup.context, result.problems);
 
-  SimulatedCamera camera(trial.source, {0, *setup.world.scene}, *setup.world.patterns);
+  SimulatedCamera camera(trial.source, {0, *setup.context.scene}, *setup.context.patterns);
   std::vector<std::uint8_t> picture(camera.picture_bytes());
   ImageView view = camera.layout();
   view.data = picture.data();
   if (condition.cut_to_8_bits) view.to_low_bits = 0;
   NoSink sink;
   CameraPipeline pipeline(0, sink, setup);
-  LightFollower follower(setup.world.lut);
+  LightFollower follower(setup.context.adapted_lut);
   ScoreOptions scoring;
   scoring.min_ball_share = condition.min_ball_share;
 
@@ -181,17 +181,17 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
     const Json expected = camera.truth(name, t_s);
     add_frame(reliability, frame, expected);
     const SimulatorOptions& source = trial.source;
-    result.bounds.add(
-        camera, source,
-        {view, *setup.world.scene->camera, *setup.world.patterns, source.blur_sigma_px, source.noise_sigma},
-        expected, t_s);
+    result.bounds.add(camera, source,
+                      {view, *setup.context.scene->camera, *setup.context.patterns, source.blur_sigma_px,
+                       source.noise_sigma},
+                      expected, t_s);
     stretch.detections += found.dump() + '\n';
     stretch.truth += expected.dump() + '\n';
     if (is_film && i % look_frames == 0) {
       follower.observe(condition.follow_light,
-                       {t_s, view, *setup.world.scene, *setup.world.patterns, frame.robots.robots});
+                       {t_s, view, *setup.context.scene, *setup.context.patterns, frame.robots.robots});
       if (auto table = follower.new_table()) {
-        setup.world.lut = std::move(table);
+        setup.context.adapted_lut = std::move(table);
         pipeline.change(setup);
       }
     }

@@ -240,11 +240,11 @@ void take(SimulatedCamera& camera, int number, TrainingPicture& picture) {
 
 }  // namespace
 
-LearntColors learn(const Trial& trial, const World& world) {
+LearntColors learn(const Trial& trial, const CameraContext& context) {
   constexpr int kPictures = 3;
-  SimulatedCamera camera(other_pictures(trial.learn_source), {0, *world.scene}, *world.patterns);
+  SimulatedCamera camera(other_pictures(trial.learn_source), {0, *context.scene}, *context.patterns);
   std::vector<TrainingPicture> pictures(static_cast<std::size_t>(trial.learn_frames.value_or(kPictures)));
-  LearnTask task{{}, *world.scene, *world.patterns};
+  LearnTask task{{}, *context.scene, *context.patterns};
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     take(camera, static_cast<int>(i), pictures[i]);
     task.frames.push_back(pictures[i].view);
@@ -252,14 +252,14 @@ LearntColors learn(const Trial& trial, const World& world) {
   return learn_colors(task);
 }
 
-std::vector<ColorSample> click(const Trial& trial, const World& world) {
+std::vector<ColorSample> click(const Trial& trial, const CameraContext& context) {
   constexpr std::size_t kClicks = 8;
   constexpr int kPictures = 2;
   SimulatorOptions options = other_pictures(trial.learn_source);
   options.balls = std::max(options.balls, 6);                             // an admin has more than one
   options.hidden_balls = options.covered_dots = options.distractors = 0;  // knows what to click at
   options.light_swing.clear(), options.cast_swing.clear();
-  SimulatedCamera camera(options, {0, *world.scene}, *world.patterns);
+  SimulatedCamera camera(options, {0, *context.scene}, *context.patterns);
   SimulatorRandom random(static_cast<std::uint64_t>(options.seed));
 
   std::vector<TrainingPicture> pictures(static_cast<std::size_t>(trial.learn_frames.value_or(kPictures)));
@@ -267,7 +267,7 @@ std::vector<ColorSample> click(const Trial& trial, const World& world) {
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     TrainingPicture& picture = pictures[i];
     take(camera, static_cast<int>(i), picture);
-    const auto more = PlaceFinder(*world.scene, *world.patterns, i, picture.truth, random).find();
+    const auto more = PlaceFinder(*context.scene, *context.patterns, i, picture.truth, random).find();
     places.insert(places.end(), more.begin(), more.end());
   }
 

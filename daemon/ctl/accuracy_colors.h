@@ -11,9 +11,9 @@
 namespace sslv {
 
 /// A table without a click; with a problem when nothing was learnt.
-LearntColors learn(const Trial& trial, const World& world);
+LearntColors learn(const Trial& trial, const CameraContext& context);
 
 /// What an admin clicks at, spread over the image: eight places of each label.
-std::vector<ColorSample> click(const Trial& trial, const World& world);
+std::vector<ColorSample> click(const Trial& trial, const CameraContext& context);
 
 }  // namespace sslv

@@ -24,7 +24,7 @@ class Annotating {
  public:
   Annotating(const Config& config, std::size_t camera_index, const AnnotateOptions& o)
       : o_(o),
-        scene_(*make_world(config, camera_index, std::make_shared<const Lut>()).scene),
+        scene_(*make_context(config, camera_index, std::make_shared<const Lut>()).scene),
         lines_(read_truth(o.truth_file)) {
     if (!scene_.camera) {
       throw SettingsError(fmt::format("camera {} is not calibrated: nothing that it sees can be located",

@@ -23,7 +23,7 @@ StageTiming summary_of(std::string stage, std::vector<double> us) {
   return {std::move(stage), us.front(), us[us.size() / 2], us[std::min(us.size() - 1, us.size() * 99 / 100)]};
 }
 
-BenchResult time_stack(const CameraSettings& camera, const std::string& path, const World& world,
+BenchResult time_stack(const CameraSettings& camera, const std::string& path, const CameraContext& context,
                        const Recording& recording, int rounds) {
   Pipeline pipeline(stage_table(), camera.stack, path + "/stack");
   const auto parameters = pipeline.make_parameters(camera.stages, path + "/stages");
@@ -33,7 +33,7 @@ BenchResult time_stack(const CameraSettings& camera, const std::string& path, co
   for (int round = -1; round < rounds; ++round) {  // the first round only warms up
     for (const ImageView& view : recording.views) {
       frame.image = Image(view, nullptr, nullptr, nullptr);
-      pipeline.run(frame, world, sink, parameters);
+      pipeline.run(frame, context, sink, parameters);
       if (round < 0) continue;
       double total = 0;
       for (std::size_t i = 0; i < frame.stage_ns.size(); ++i) {
@@ -92,7 +92,7 @@ Recording record(Source& source, int count) {
 
 Scene scene_of(const Config& config, std::size_t camera_index, int width, int height) {
   const CameraSettings& camera = config.cameras.at(camera_index);
-  Scene scene = *make_world(config, camera_index, std::make_shared<Lut>()).scene;
+  Scene scene = *make_context(config, camera_index, std::make_shared<Lut>()).scene;
   const std::string path = "/cameras/" + std::to_string(camera_index);
   if (camera.calibration) scene.camera.emplace(scaled(*camera.calibration, width, height), path);
   return scene;
@@ -128,15 +128,15 @@ std::vector<BenchResult> bench_simulated(const Config& config, std::size_t camer
   const CameraSettings& camera = config.cameras.at(camera_index);
   if (!camera.calibration)
     throw SettingsError(path + "/calibration: is missing; the simulator needs it to draw frames");
-  World world = make_world(config, camera_index);
+  CameraContext context = make_context(config, camera_index);
   std::vector<BenchResult> results;
   for (const auto& [width, height] : kSizes) {
-    auto scene = std::make_shared<Scene>(*world.scene);
+    auto scene = std::make_shared<Scene>(*context.scene);
     scene->camera.emplace(scaled(*camera.calibration, width, height), path + "/calibration");
-    world.scene = scene;
+    context.scene = scene;
     for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8}) {
       const Recording recording = draw_frames(config, camera_index, format, width, height, frames);
-      results.push_back(time_stack(camera, path, world, recording, rounds));
+      results.push_back(time_stack(camera, path, context, recording, rounds));
     }
   }
   return results;
@@ -150,10 +150,10 @@ BenchResult bench_recorded(const Config& config, std::size_t camera_index, const
   Json options{{"path", input}, {"frame_rate_hz", 0}, {"loop", false}};
   if (!pixel_format.empty())
     options.update(Json{{"pixel_format", pixel_format}, {"width", width}, {"height", height}});
-  const World world = make_world(config, camera_index);
+  const CameraContext context = make_context(config, camera_index);
   const auto source =
-      files.open(files.complete(options, "--input"), {static_cast<std::uint32_t>(camera.id), *world.scene});
-  return time_stack(camera, path, world, record(*source, 0), rounds);
+      files.open(files.complete(options, "--input"), {static_cast<std::uint32_t>(camera.id), *context.scene});
+  return time_stack(camera, path, context, record(*source, 0), rounds);
 }
 
 Json bench_json(const std::vector<BenchResult>& results) {

@@ -17,7 +17,7 @@ namespace sslv {
 LearntColors learn_from_recording(const Config& config, std::size_t camera_index, const LearnInput& input,
                                   std::ostream& problems) {
   // The camera's own table is not asked for.
-  const World world = make_world(config, camera_index, std::make_shared<const Lut>());
+  const CameraContext context = make_context(config, camera_index, std::make_shared<const Lut>());
   const Backend& files = find_backend("files", "--input");
   Json source{{"path", input.path}, {"frame_rate_hz", 0}, {"loop", false}};
   if (!input.pixel_format.empty()) {
@@ -25,8 +25,8 @@ LearntColors learn_from_recording(const Config& config, std::size_t camera_index
         Json{{"pixel_format", input.pixel_format}, {"width", input.width}, {"height", input.height}});
   }
   const auto id = static_cast<std::uint32_t>(config.cameras.at(camera_index).id);
-  const auto recording = files.open(files.complete(source, "--input"), {id, *world.scene});
-  LearnTask task{{}, *world.scene, *world.patterns, world.mask.get()};
+  const auto recording = files.open(files.complete(source, "--input"), {id, *context.scene});
+  LearnTask task{{}, *context.scene, *context.patterns, context.mask.get()};
   std::list<std::vector<std::uint8_t>> buffers;
   bool ended = false;
   for (int seen = 0; !ended && static_cast<int>(task.frames.size()) < input.frames;) {

@@ -19,7 +19,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
   CameraSetup setup;
   setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.stack, path + "/stack");
   setup.parameters = setup.pipeline->make_parameters(camera.stages, path + "/stages");
-  setup.world = make_world(config, camera_index);
+  setup.context = make_context(config, camera_index);
 
   const Backend& files = find_backend("files", "--input");
   Json source{{"path", options.input}, {"frame_rate_hz", 0}, {"loop", false}};
@@ -28,7 +28,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
         Json{{"pixel_format", options.pixel_format}, {"width", options.width}, {"height", options.height}});
   }
   const auto id = static_cast<std::uint32_t>(camera.id);
-  const auto input = files.open(files.complete(source, "--input"), {id, *setup.world.scene});
+  const auto input = files.open(files.complete(source, "--input"), {id, *setup.context.scene});
 
   NoSink sink;
   CameraPipeline pipeline(id, sink, setup);

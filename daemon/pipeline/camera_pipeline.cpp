@@ -34,7 +34,7 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   frame.info = {camera_id_, next_number_++, times, whole};
   frame.image = std::move(image);
   forget_results(frame);
-  setup->pipeline->run(frame, setup->world, sink_, setup->parameters);
+  setup->pipeline->run(frame, setup->context, sink_, setup->parameters);
 
   const std::uint64_t frames = frames_.fetch_add(1, std::memory_order_relaxed) + 1;
   const bool is_flooded = frame.runs.flood.blocks > 0;

@@ -16,7 +16,7 @@ namespace sslv {
 struct CameraSetup {
   std::shared_ptr<Pipeline> pipeline;
   Pipeline::Parameters parameters;
-  World world;
+  CameraContext context;
 };
 
 /// One camera's way from image to published detections: numbers the frames, runs the stack, offers the

@@ -34,12 +34,13 @@ struct Frame {
 };
 
 /// What the admin has set up for one camera, swapped as a whole between frames.
-struct World {
+struct CameraContext {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Lut> lut;    // as it is in the current light
-  std::shared_ptr<const Mask> mask;  // as the admin drew it
+  std::shared_ptr<const Lut> adapted_lut;  // for the current light
+  std::shared_ptr<const Mask> mask;        // as the admin drew it
   std::shared_ptr<const PatternTable> patterns;
-  std::shared_ptr<const Lut> accepted_lut{};  // what `lut` follows the light from; the same when it does not
+  std::shared_ptr<const Lut>
+      accepted_lut{};  // what `adapted_lut` was made from; the same when the light has not changed
   std::shared_ptr<const LabelSet> labels{};
   std::shared_ptr<const FieldView> field_view{};  // null: not calibrated, or all of the image is looked at
   std::shared_ptr<const Mask> stage_mask{};       // `mask` and `field_view`; null: `mask`

@@ -77,9 +77,9 @@ Pipeline::Parameters Pipeline::make_parameters(const Json& stages, const std::st
   return parameters_of(read_stages(table_, stages, path).params);
 }
 
-void Pipeline::run(Frame& frame, const World& world, DetectionSink& sink,
+void Pipeline::run(Frame& frame, const CameraContext& context, DetectionSink& sink,
                    const Parameters& parameters) noexcept {
-  const Inputs inputs{frame, world, sink};
+  const Inputs inputs{frame, context, sink};
   frame.stage_ns.resize(steps_.size());
   std::int64_t before = steady_ns();
   for (std::size_t i = 0; i < steps_.size(); ++i) {

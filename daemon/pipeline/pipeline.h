@@ -44,7 +44,8 @@ class Pipeline {
 
   /// Runs every stage on `frame` in order and notes each one's time in frame.stage_ns. No allocation of its
   /// own once frame.stage_ns has its capacity.
-  void run(Frame& frame, const World& world, DetectionSink& sink, const Parameters& parameters) noexcept;
+  void run(Frame& frame, const CameraContext& context, DetectionSink& sink,
+           const Parameters& parameters) noexcept;
 
   const std::vector<std::string>& stack() const { return stack_; }
   /// Recent durations of stage i of the stack; may be read from any thread.

@@ -69,7 +69,7 @@ struct Update {
 /// All that a stage can be given besides its parameters.
 struct Inputs {
   Frame& frame;
-  const World& world;
+  const CameraContext& context;
   DetectionSink& sink;
 };
 
@@ -104,22 +104,22 @@ struct Feed<Update<T>> {
 };
 template <>
 struct Feed<const Scene&> {
-  static const Scene& get(const Inputs& in) { return *in.world.scene; }
+  static const Scene& get(const Inputs& in) { return *in.context.scene; }
   static void declare(PartSet&, PartSet&) {}
 };
 template <>
 struct Feed<const Lut&> {
-  static const Lut& get(const Inputs& in) { return *in.world.lut; }
+  static const Lut& get(const Inputs& in) { return *in.context.adapted_lut; }
   static void declare(PartSet&, PartSet&) {}
 };
 template <>
 struct Feed<const Mask&> {
-  static const Mask& get(const Inputs& in) { return in.world.looked_at(); }
+  static const Mask& get(const Inputs& in) { return in.context.looked_at(); }
   static void declare(PartSet&, PartSet&) {}
 };
 template <>
 struct Feed<const PatternTable&> {
-  static const PatternTable& get(const Inputs& in) { return *in.world.patterns; }
+  static const PatternTable& get(const Inputs& in) { return *in.context.patterns; }
   static void declare(PartSet&, PartSet&) {}
 };
 template <>

@@ -165,8 +165,8 @@ std::shared_ptr<const Lut> lut_with_margins(const HallKind& hall) {
 
 std::shared_ptr<const Lut> learnt_lut(const Recording& recording, int width, int height) {
   const Config config = demo();
-  const World world = make_world(config, 0, std::make_shared<const Lut>());
-  Scene scene = *world.scene;
+  const CameraContext context = make_context(config, 0, std::make_shared<const Lut>());
+  Scene scene = *context.scene;
   CameraCalibration calibration = *config.cameras[0].calibration;
   const double scale = std::min(static_cast<double>(width) / calibration.pixel_image_width,
                                 static_cast<double>(height) / calibration.pixel_image_height);
@@ -176,7 +176,7 @@ std::shared_ptr<const Lut> learnt_lut(const Recording& recording, int width, int
   calibration.pixel_image_width = width;
   calibration.pixel_image_height = height;
   scene.camera.emplace(calibration, "");
-  return learn_colors({{recording.views.front()}, scene, *world.patterns}).lut;
+  return learn_colors({{recording.views.front()}, scene, *context.patterns}).lut;
 }
 
 }  // namespace sslv::bench

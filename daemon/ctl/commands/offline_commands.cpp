@@ -109,7 +109,7 @@ void add_simulate(CommandLine& line) {
     }
     o->simulation.source = camera.source;
     o->simulation.source.erase("backend");
-    o->simulation.context = {static_cast<std::uint32_t>(camera.id), *make_world(config, index).scene};
+    o->simulation.context = {static_cast<std::uint32_t>(camera.id), *make_context(config, index).scene};
     simulate(o->simulation);
     return EXIT_SUCCESS;
   });

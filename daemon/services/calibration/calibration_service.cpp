@@ -140,7 +140,7 @@ void CalibrationService::report(HealthReport& report) const {
   const auto stale = stale_.load();
   std::vector<CalibrationFacts> cameras;
   for (const CameraNow& camera : cameras_.all()) {
-    const auto& model = camera.world().scene->camera;
+    const auto& model = camera.context().scene->camera;
     cameras.push_back({camera.id, camera.health.width, camera.health.height,
                        model ? std::optional(model->calibration()) : std::nullopt,
                        stale->contains(camera.id)});

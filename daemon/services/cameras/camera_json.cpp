@@ -81,7 +81,7 @@ Json camera_json(const RunningCamera& camera) {
     const auto times = setup->pipeline->durations(i).percentiles();
     out["stages"].push_back({{"name", stack[i]}, {"p50_us", times.p50_us}, {"p99_us", times.p99_us}});
   }
-  const auto& model = setup->world.scene->camera;
+  const auto& model = setup->context.scene->camera;
   out["calibration"] = model ? calibration_json(*model) : Json(nullptr);
   return out;
 }

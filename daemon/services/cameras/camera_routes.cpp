@@ -110,7 +110,7 @@ Response set_control(const CameraRoutes& of, const Request& request) {
 }
 
 Response get_field_view(const CameraRoutes& of, const Request& request) {
-  return json_response(field_view_json(camera_of(of, request)->pipeline().setup()->world.field_view.get()));
+  return json_response(field_view_json(camera_of(of, request)->pipeline().setup()->context.field_view.get()));
 }
 
 Response get_cameras(const CameraRoutes& of) {

@@ -35,7 +35,7 @@ std::vector<CameraFacts> CameraService::facts() const {
     const auto last_minute = watch_.timeline().sum(id, 60);
     const auto counters = camera->pipeline().counters();
     const bool is_flooded = counters.flood.blocks > 0 && counters.frames_since_flood <= last_minute.frames;
-    const auto labels = camera->pipeline().setup()->world.labels;
+    const auto labels = camera->pipeline().setup()->context.labels;
     out.push_back({.id = id,
                    .backend = settings->source.at("backend"),
                    .wanted_fps = wanted_fps(settings->source),

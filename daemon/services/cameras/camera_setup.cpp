@@ -49,15 +49,15 @@ std::optional<NewSetup> make_setup(const Config& config, std::size_t i,
   setup.parameters = setup.pipeline->parameters_of(camera.stage_params);
   out.keeps_colors =
       previous && same(previous->settings.colors, camera.colors) && same_labels(config, previous->config);
-  setup.world =
-      make_world(config, i, out.keeps_colors ? previous->setup.world.accepted_lut : nullptr, load_table);
+  setup.context =
+      make_context(config, i, out.keeps_colors ? previous->setup.context.accepted_lut : nullptr, load_table);
   return out;
 }
 
 CameraSetup with_robot_heights(CameraSetup setup, const std::array<double, 2>& robot_height_mm) {
-  Scene scene = *setup.world.scene;
+  Scene scene = *setup.context.scene;
   scene.robot_height_mm = robot_height_mm;
-  setup.world.scene = std::make_shared<const Scene>(std::move(scene));
+  setup.context.scene = std::make_shared<const Scene>(std::move(scene));
   return setup;
 }
 

@@ -25,7 +25,7 @@ void CameraWatch::look(const std::vector<std::shared_ptr<RunningCamera>>& camera
     // Held no longer than it is looked at: it is one of the few frames of the camera's ring.
     if (const auto newest = camera->pipeline().finished().peek(); newest && newest->version > before.frame) {
       before.frame = newest->version;
-      const auto mask = camera->pipeline().setup()->world.mask;
+      const auto mask = camera->pipeline().setup()->context.mask;
       if (const auto exposure = measure_exposure(newest->value->image.view(), *mask))
         exposures[id] = *exposure;
     }

@@ -25,7 +25,7 @@ struct CameraNow {
   std::shared_ptr<const CameraSetup> setup;
   CameraHealth health;
 
-  const World& world() const { return setup->world; }
+  const CameraContext& context() const { return setup->context; }
 };
 
 /// Is told what becomes of cameras.

@@ -30,7 +30,7 @@ RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, 
       totals_(std::move(totals)),
       sink_(multicast, *totals_),
       pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)),
-      thread_(make_thread(settings, *pipeline_.setup()->world.scene)) {}
+      thread_(make_thread(settings, *pipeline_.setup()->context.scene)) {}
 
 RunningCamera::~RunningCamera() {
   thread_.reset();
@@ -65,7 +65,7 @@ std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& s
 RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings, std::optional<NewSetup> setup,
                                              const std::string& path) {
   const auto old = settings_->load();
-  const Scene& scene = setup ? *setup->setup.world.scene : *pipeline_.setup()->world.scene;
+  const Scene& scene = setup ? *setup->setup.context.scene : *pipeline_.setup()->context.scene;
   const bool same_source = without_controls(old->source) == without_controls(settings.source);
   const bool same_thread = params_to_json(old->thread) == params_to_json(settings.thread);
   auto new_settings = std::make_shared<const CameraSettings>(settings);
@@ -88,8 +88,8 @@ bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_he
     if (change.setup->keeps_colors) {
       // What followed the light while the change was prepared and saved is not lost.
       const auto before = pipeline_.setup();
-      setup.world.lut = before->world.lut;
-      setup.world.accepted_lut = before->world.accepted_lut;
+      setup.context.adapted_lut = before->context.adapted_lut;
+      setup.context.accepted_lut = before->context.accepted_lut;
     }
     pipeline_.change(with_robot_heights(std::move(setup), robot_height_mm));
   }
@@ -104,15 +104,15 @@ bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_he
 
 void RunningCamera::change_robot_heights(const std::array<double, 2>& robot_height_mm) {
   const auto setup = pipeline_.setup();
-  if (setup->world.scene->robot_height_mm == robot_height_mm) return;
+  if (setup->context.scene->robot_height_mm == robot_height_mm) return;
   pipeline_.change(with_robot_heights(*setup, robot_height_mm));
 }
 
 bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
                                  std::shared_ptr<const Lut> adapted) {
   CameraSetup setup = *pipeline_.setup();
-  if (setup.world.accepted_lut != accepted) return false;
-  setup.world.lut = std::move(adapted);
+  if (setup.context.accepted_lut != accepted) return false;
+  setup.context.adapted_lut = std::move(adapted);
   pipeline_.change(std::move(setup));
   return true;
 }

@@ -133,7 +133,7 @@ std::optional<View> RunningCameras::wait_view(std::uint32_t camera_id, std::uint
             {},
             {}};
   if (frame.runs.width > 0) {
-    const auto labels = hold->camera->pipeline().setup()->world.labels;
+    const auto labels = hold->camera->pipeline().setup()->context.labels;
     view.regions = [hold, labels] { return regions_json(hold->frame->regions, *labels); };
     view.draw_labels = [hold, labels](std::vector<std::uint8_t>& buffer) {
       return draw_label_picture(hold->frame->runs, buffer, *labels);

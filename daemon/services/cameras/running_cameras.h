@@ -20,7 +20,7 @@ namespace sslv {
 /// The cameras that run, one for each of the settings. May be used from any thread.
 class RunningCameras final : public Cameras, public ViewSource {
  public:
-  /// All must outlive this. `config`: in effect. `load_table`: see make_world(). No camera runs before the
+  /// All must outlive this. `config`: in effect. `load_table`: see make_context(). No camera runs before the
   /// first change is committed.
   RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, const RefereeListener& referee,
                  LoadTable load_table);

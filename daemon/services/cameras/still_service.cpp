@@ -64,10 +64,10 @@ Response StillService::get_pixels(const Request& request) {
   const int middle_x = x + width / 2, middle_y = y + height / 2;
   if (of_region)
     box = {middle_x - kRegionReach_px, middle_y - kRegionReach_px, 2 * kRegionReach_px, 2 * kRegionReach_px};
-  PixelBlock block = read_pixels(looked.image, box, *camera.world().lut);
+  PixelBlock block = read_pixels(looked.image, box, *camera.context().adapted_lut);
   const PixelFigures figures =
       figures_of(block, of_region ? region_around(block, middle_x, middle_y) : std::vector<bool>{});
-  return json_response(pixels_json(block, figures, looked.frame_number, *camera.world().labels));
+  return json_response(pixels_json(block, figures, looked.frame_number, *camera.context().labels));
 }
 
 Response StillService::take_still(const Request& request) {
@@ -91,7 +91,8 @@ Response StillService::get_picture(const Request& request) {
 Response StillService::get_labels(const Request& request) {
   const CameraNow camera = cameras_.get(path_camera_id(request));
   const LentPicture looked = look(camera.id, path_still(request));
-  return bytes_response(label_image_bytes(looked.image, *camera.world().lut, camera.world().looked_at()));
+  return bytes_response(
+      label_image_bytes(looked.image, *camera.context().adapted_lut, camera.context().looked_at()));
 }
 
 }  // namespace sslv

@@ -52,12 +52,12 @@ struct NoSink : DetectionSink {
 /// Runs the camera's stack over still images with another table.
 class Detector {
  public:
-  Detector(const CameraSettings& settings, const World& world, std::shared_ptr<const Lut> lut) {
+  Detector(const CameraSettings& settings, const CameraContext& context, std::shared_ptr<const Lut> lut) {
     CameraSetup setup;
     setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.stack, "/stack");
     setup.parameters = setup.pipeline->make_parameters(settings.stages, "/stages");
-    setup.world = world;
-    setup.world.lut = std::move(lut);
+    setup.context = context;
+    setup.context.adapted_lut = std::move(lut);
     pipeline_ =
         std::make_unique<CameraPipeline>(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup));
   }
@@ -83,18 +83,19 @@ LearningReport::Cells cells_of(const ColorTable& table) {
 LearningReport learn(const LearningOrder& order, const StillPictures& pictures, const std::stop_token& stop) {
   const auto begun = std::chrono::steady_clock::now();
   LearningReport report;
-  report.calibrated = order.world.scene->camera.has_value();
-  report.before = order.world.lut;
-  LearnTask task{{}, *order.world.scene, *order.world.patterns, order.world.mask.get(), order.guide, stop};
+  report.calibrated = order.context.scene->camera.has_value();
+  report.before = order.context.adapted_lut;
+  LearnTask task{{},  *order.context.scene, *order.context.patterns, order.context.mask.get(), order.guide,
+                 stop};
   for (const auto& picture : pictures) task.frames.push_back(picture->view);
   report.learnt = learn_colors(task);
   for (const auto& picture : pictures) report.pictures.push_back({picture, {}, {}, {}, {}});
   if (stop.stop_requested()) return report;
-  Detector before(order.settings, order.world, report.before);
+  Detector before(order.settings, order.context, report.before);
   for (LearningPicture& one : report.pictures)
     before.detect(*one.picture, one.robots_before, one.balls_before);
   if (report.learnt.lut) {
-    Detector after(order.settings, order.world, report.learnt.lut);
+    Detector after(order.settings, order.context, report.learnt.lut);
     for (LearningPicture& one : report.pictures)
       after.detect(*one.picture, one.robots_after, one.balls_after);
     const ColorTable old = report.before->color_table(), now = report.learnt.lut->color_table();

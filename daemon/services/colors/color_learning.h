@@ -24,7 +24,7 @@ struct LearningOrder {
   int frames = 3;
   std::vector<ColorSample> guide;
   CameraSettings settings;  // its stack and stages say what would be detected
-  World world;              // with the table to compare with
+  CameraContext context;    // with the table to compare with
   std::string who;          // the client's address
   double time_s = 0;
 };

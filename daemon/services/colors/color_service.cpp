@@ -26,9 +26,9 @@ FollowLight::Hooks light_hooks(Cameras& cameras, const RefereeListener& referee)
   hooks.cameras = [&cameras] {
     std::vector<FollowLight::Camera> out;
     for (const CameraNow& camera : cameras.all()) {
-      const World& world = camera.world();
+      const CameraContext& context = camera.context();
       out.push_back(
-          {camera.id, camera.settings->follow_light, world.accepted_lut, world.scene, world.patterns});
+          {camera.id, camera.settings->follow_light, context.accepted_lut, context.scene, context.patterns});
     }
     return out;
   };
@@ -46,8 +46,8 @@ ColorMargins::Hooks margin_hooks(Cameras& cameras) {
   hooks.cameras = [&cameras] {
     std::vector<ColorMargins::Camera> out;
     for (const CameraNow& camera : cameras.all()) {
-      const World& world = camera.world();
-      out.push_back({camera.id, world.lut, world.scene, world.mask, world.patterns});
+      const CameraContext& context = camera.context();
+      out.push_back({camera.id, context.adapted_lut, context.scene, context.mask, context.patterns});
     }
     return out;
   };
@@ -90,15 +90,15 @@ Json ColorService::state_json(int camera_id) {
 Json ColorService::state_json(const ColorTables::AtDesk& at) {
   // The camera may have another table by now than when it was put on the desk.
   const CameraNow camera = cameras_.get(at.camera.id);
-  at.desk.take(camera.world().accepted_lut);
+  at.desk.take(camera.context().accepted_lut);
   const ColorSettings& colors = camera.settings->colors;
   const char* origin = !colors.table.empty() ? "table" : !colors.lut_file.empty() ? "file" : "classes";
   FollowLight::Status status = follow_light_.status(camera.id);
   const LightView light{std::move(status.state),
                         {status.steps.begin(), status.steps.end()},
-                        camera.world().lut != camera.world().accepted_lut};
-  return colors_json(camera.id, origin, at.desk, *camera.world().labels, light,
-                     margins_.margins(camera.id, *camera.world().lut));
+                        camera.context().adapted_lut != camera.context().accepted_lut};
+  return colors_json(camera.id, origin, at.desk, *camera.context().labels, light,
+                     margins_.margins(camera.id, *camera.context().adapted_lut));
 }
 
 std::vector<Route> ColorService::routes() {
@@ -114,9 +114,9 @@ std::vector<Route> ColorService::routes() {
       {"GET", R"(/api/cameras/(\d+)/colors/table)",
        [this](const Request& request) {
          const CameraNow camera = cameras_.get(path_camera_id(request));
-         const World& world = camera.world();
-         const Lut& lut = query_flag(request, "light") ? *world.lut : *world.accepted_lut;
-         return bytes_response(encode_lut(lut.color_table(), *world.labels));
+         const CameraContext& context = camera.context();
+         const Lut& lut = query_flag(request, "light") ? *context.adapted_lut : *context.accepted_lut;
+         return bytes_response(encode_lut(lut.color_table(), *context.labels));
        }},
       {"POST", R"(/api/cameras/(\d+)/colors/edits)", call(&ColorService::edit)},
       {"POST", R"(/api/cameras/(\d+)/colors/undo)",
@@ -152,7 +152,7 @@ TableEdit ColorService::read_pick(const ColorTables::AtDesk& at, const Json& jso
   const Label label = find_label(at.labels(), pick.label, path + "/label");
   const LentPicture looked = pictures_.look(at.camera.id, pick.still);
   const PixelBlock block =
-      read_pixels(looked.image, {pick.x, pick.y, pick.width, pick.height}, *at.camera.world().lut);
+      read_pixels(looked.image, {pick.x, pick.y, pick.width, pick.height}, *at.camera.context().adapted_lut);
   if (block.colors.empty()) {
     throw SettingsError(
         fmt::format("{}: the rectangle at ({}, {}) lies outside the image, which has {} x {} px", path,
@@ -186,7 +186,7 @@ Response ColorService::edit(const Request& request) {
   try {
     // The edit is made on the table that is in use; both steps are saved, and take effect, as one.
     if (!wanted.only_try && at.is_adapted()) {
-      at.desk.replace(with_bits(at.camera.world().lut, at.desk.table()->color_bits()),
+      at.desk.replace(with_bits(at.camera.context().adapted_lut, at.desk.table()->color_bits()),
                       "taken over as adapted to the light", request.address, [](const auto&, const auto&) {});
     }
     const TableChange change = at.desk.tried(edits);
@@ -239,7 +239,7 @@ Response ColorService::copy(const Request& request) {
   const int from = body["from"].get<int>();
   ColorTables::AtDesk at = tables_.open(path_camera_id(request));
   if (from == at.camera.id) throw HttpError(409, "a camera's table cannot be copied onto itself");
-  tables_.take_over(at, cameras_.get(from).world().accepted_lut, fmt::format("copied from camera {}", from),
+  tables_.take_over(at, cameras_.get(from).context().accepted_lut, fmt::format("copied from camera {}", from),
                     request.address);
   return json_response(state_json(at));
 }
@@ -266,12 +266,12 @@ Response ColorService::import(const Request& request) {
 
 Response ColorService::export_table(const Request& request) {
   const CameraNow camera = cameras_.get(path_camera_id(request));
-  const auto& table = camera.world().accepted_lut->color_table();
+  const auto& table = camera.context().accepted_lut->color_table();
   if (query_choice(request, "format", {"lut", "json"}) == 1) {
-    return file_response({200, "application/json", table_json_text(table, *camera.world().labels)}, camera.id,
-                         ".json");
+    return file_response({200, "application/json", table_json_text(table, *camera.context().labels)},
+                         camera.id, ".json");
   }
-  return file_response(bytes_response(encode_lut(table, *camera.world().labels)), camera.id, ".lut");
+  return file_response(bytes_response(encode_lut(table, *camera.context().labels)), camera.id, ".lut");
 }
 
 Response ColorService::revert_light(const Request& request) {
@@ -279,7 +279,7 @@ Response ColorService::revert_light(const Request& request) {
   if (!at.is_adapted())
     throw HttpError(409, fmt::format("camera {}'s accepted table is in use", at.camera.id));
   follow_light_.take_back(at.camera.id);
-  const auto& accepted = at.camera.world().accepted_lut;
+  const auto& accepted = at.camera.context().accepted_lut;
   cameras_.change_light(at.camera.id, accepted, accepted);
   log::info("camera {}: back to its accepted colour table, by {}", at.camera.id, request.address);
   return json_response(state_json(at));
@@ -291,7 +291,8 @@ Response ColorService::keep_light(const Request& request) {
     throw HttpError(
         409, fmt::format("camera {}'s accepted table is in use: the light has not changed", at.camera.id));
   }
-  tables_.take_over(at, at.camera.world().lut, "taken over as adapted to the light", request.address);
+  tables_.take_over(at, at.camera.context().adapted_lut, "taken over as adapted to the light",
+                    request.address);
   return json_response(state_json(at));
 }
 
@@ -302,7 +303,7 @@ void ColorService::report(HealthReport& report) const {
     ColorFacts one{camera.id};
     if (const auto margins = margins_.newest_margins(camera.id)) {
       const auto least = least_of(*margins);
-      const LabelSet& labels = *camera.world().labels;
+      const LabelSet& labels = *camera.context().labels;
       one.least_margin = least ? ColorFacts::Margin{std::abs(least->change),
                                                     margin_text(name_of(least->surface),
                                                                 labels.name(least->label), least->change)}

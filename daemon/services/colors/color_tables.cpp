@@ -17,12 +17,12 @@ ColorTables::AtDesk ColorTables::open(int camera_id) {
   std::unique_lock lock(mutex_);
   CameraNow camera = cameras_.get(camera_id);
   ColorDesk& desk = desks_[camera_id];
-  desk.take(camera.world().accepted_lut);
+  desk.take(camera.context().accepted_lut);
   return {std::move(lock), std::move(camera), desk};
 }
 
 ColorDesk::Save ColorTables::saver(const AtDesk& at, const std::string& who) {
-  return [this, camera_id = at.camera.id, labels = at.camera.world().labels, who](
+  return [this, camera_id = at.camera.id, labels = at.camera.context().labels, who](
              const std::shared_ptr<const Lut>& lut, const std::string& what) {
     name_table(camera_id, saved_.save(lut, *labels), what, who);
     tidy();

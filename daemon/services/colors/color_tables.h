@@ -28,9 +28,9 @@ class ColorTables {
     CameraNow camera;
     ColorDesk& desk;
 
-    const LabelSet& labels() const { return *camera.world().labels; }
+    const LabelSet& labels() const { return *camera.context().labels; }
     /// The table in use is adapted to the light.
-    bool is_adapted() const { return camera.world().lut != camera.world().accepted_lut; }
+    bool is_adapted() const { return camera.context().adapted_lut != camera.context().accepted_lut; }
   };
   /// Throws HttpError 404.
   AtDesk open(int camera_id);

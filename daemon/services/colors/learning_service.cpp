@@ -51,20 +51,20 @@ std::vector<Route> LearningService::routes() {
 
 Json LearningService::state_json(int camera_id) const {
   const CameraNow camera = cameras_.get(camera_id);
-  return learning_json(camera_id, jobs_.job(camera_id), *camera.world().labels);
+  return learning_json(camera_id, jobs_.job(camera_id), *camera.context().labels);
 }
 
 Response LearningService::start(const Request& request) {
   const CameraNow camera = cameras_.get(path_camera_id(request));
   const LearningRequest wanted = read_learning_request(body_json(request));
-  LearningOrder order{wanted.frames, {}, *camera.settings, camera.world(), request.address, unix_time_s()};
+  LearningOrder order{wanted.frames, {}, *camera.settings, camera.context(), request.address, unix_time_s()};
   for (std::size_t i = 0; i < wanted.guide.size(); ++i) {
     const LearningClick& click = wanted.guide[i];
     const std::string path = fmt::format("/guide/{}", i);
-    const Label label = find_label(*order.world.labels, click.label, path + "/label");
+    const Label label = find_label(*order.context.labels, click.label, path + "/label");
     const LentPicture looked = pictures_.look(camera.id, click.still);
     const PixelFigures figures =
-        figures_of(read_pixels(looked.image, {click.x - 1, click.y - 1, 3, 3}, *order.world.lut));
+        figures_of(read_pixels(looked.image, {click.x - 1, click.y - 1, 3, 3}, *order.context.adapted_lut));
     if (figures.count == 0) throw SettingsError(path + ": lies outside the image");
     const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
     order.guide.push_back(
@@ -123,7 +123,7 @@ Response LearningService::get_picture(const Request& request) {
   if (labels == 0) return jpeg_response(still.view, request);
   const auto& lut = labels == 2 ? report->learnt.lut : report->before;
   if (!lut) throw HttpError(404, "nothing was learnt");
-  return bytes_response(label_image_bytes(still.view, *lut, cameras_.get(camera_id).world().looked_at()));
+  return bytes_response(label_image_bytes(still.view, *lut, cameras_.get(camera_id).context().looked_at()));
 }
 
 }  // namespace sslv

@@ -290,10 +290,10 @@ class RealPhoto {
     const Config config = read_config(read_json_file(SSLV_SOURCE_DIR "/tests/golden/ssl_blue6.json"));
     config_ = config;
     const Backend& files = find_backend("files", "");
-    world_ = make_world(config_, 0, std::make_shared<const Lut>());
+    context_ = make_context(config_, 0, std::make_shared<const Lut>());
     const auto source =
         files.open(files.complete(Json{{"path", path().string()}, {"frame_rate_hz", 0}, {"loop", false}}, ""),
-                   {0, *world_.scene});
+                   {0, *context_.scene});
     CapturedImage captured;
     std::string problem;
     if (source->next(captured, problem, std::chrono::seconds(10)) != CaptureStatus::kImage) return;
@@ -318,9 +318,9 @@ class RealPhoto {
     return out;
   }
   LearntColors learn(const ImageView& picture, bool calibrated) const {
-    Scene scene = *world_.scene;
+    Scene scene = *context_.scene;
     if (!calibrated) scene.camera.reset();
-    return learn_colors({{picture}, scene, *world_.patterns});
+    return learn_colors({{picture}, scene, *context_.patterns});
   }
   /// The ids of the blue robots, with 'y' for each yellow one, and the balls, as the camera's stack finds
   /// them.
@@ -329,7 +329,7 @@ class RealPhoto {
     const CameraSettings& camera = config_.cameras.front();
     setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.stack, "");
     setup.parameters = setup.pipeline->make_parameters(camera.stages, "");
-    setup.world = make_world(config_, 0, std::move(lut));
+    setup.context = make_context(config_, 0, std::move(lut));
     NoSink sink;
     CameraPipeline pipeline(0, sink, setup);
     const Frame& frame = pipeline.process(Image(picture, nullptr, nullptr, nullptr), {});
@@ -342,7 +342,7 @@ class RealPhoto {
 
  private:
   Config config_;
-  World world_;
+  CameraContext context_;
   ImageView view_;
   std::vector<std::uint8_t> bytes_, lit_;
 };

@@ -62,8 +62,8 @@ CameraSetup setup_of(const std::vector<std::string>& stack, const Json& stages =
   CameraSetup setup;
   setup.pipeline = std::make_shared<Pipeline>(kTable, stack, "/stack");
   setup.parameters = setup.pipeline->make_parameters(stages, "/stages");
-  setup.world = {std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
-                 std::make_shared<PatternTable>(league_patterns())};
+  setup.context = {std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
+                   std::make_shared<PatternTable>(league_patterns())};
   return setup;
 }
 
@@ -190,7 +190,7 @@ TEST(CameraPipeline, AReplacedSetupIsNotFreedByTheCamerasThread) {
   WaitingSink sink;
   std::thread::id freed_by;
   CameraSetup setup = setup_of({"mark", "publish"});
-  setup.world.lut = std::shared_ptr<const Lut>(new Lut(), [&](const Lut* lut) {
+  setup.context.adapted_lut = std::shared_ptr<const Lut>(new Lut(), [&](const Lut* lut) {
     freed_by = std::this_thread::get_id();
     delete lut;
   });
@@ -254,8 +254,8 @@ TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {
         Stack{"threshold", "find_runs", "find_regions", "detect_robots", "detect_balls", "publish"}}) {
     CountingSink sink;
     CameraSetup setup = setup_of(stack);
-    setup.world.lut = lut;
-    setup.world.scene = scene;
+    setup.context.adapted_lut = lut;
+    setup.context.scene = scene;
     CameraPipeline camera(0, sink, setup);
     const auto run = [&](int frames) {
       for (int i = 0; i < frames; ++i) {

@@ -98,12 +98,12 @@ std::string settings_error(const char* stages) {
 class PipelineRun : public testing::Test {
  protected:
   void run(Pipeline& pipeline, const char* stages = "{}") {
-    pipeline.run(frame_, world_, sink_, pipeline.make_parameters(Json::parse(stages), ""));
+    pipeline.run(frame_, context_, sink_, pipeline.make_parameters(Json::parse(stages), ""));
   }
 
   Frame frame_;
-  World world_{std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
-               std::make_shared<PatternTable>()};
+  CameraContext context_{std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
+                         std::make_shared<PatternTable>()};
   Sink sink_;
 };
 
@@ -208,11 +208,11 @@ TEST_F(PipelineRun, ParametersMayChangeBetweenFrames) {
   Pipeline pipeline(kTable, {"make_labels", "double_labels", "find_runs"}, "");
   const auto first = pipeline.make_parameters(Json::parse(R"({"make_labels": {"level": 10}})"), "");
   const auto second = pipeline.make_parameters(Json::parse(R"({"double_labels": {"factor": 4}})"), "");
-  pipeline.run(frame_, world_, sink_, first);
+  pipeline.run(frame_, context_, sink_, first);
   EXPECT_EQ(frame_.runs.width, 20);
-  pipeline.run(frame_, world_, sink_, second);
+  pipeline.run(frame_, context_, sink_, second);
   EXPECT_EQ(frame_.runs.width, 28);
-  pipeline.run(frame_, world_, sink_, first);
+  pipeline.run(frame_, context_, sink_, first);
   EXPECT_EQ(frame_.runs.width, 20);
 }
 
@@ -238,7 +238,7 @@ TEST_F(PipelineRun, StagesSeeTheWorldOfTheirFrame) {
   Pipeline pipeline(kTable, {"count"}, "");
   auto scene = std::make_shared<Scene>();
   scene->field.ball_radius = 33;
-  world_.scene = scene;
+  context_.scene = scene;
   run(pipeline);
   EXPECT_EQ(frame_.balls.balls[0].x_mm, 33);
   EXPECT_EQ(frame_.balls.balls[0].y_mm, 50) << "the pattern table's";

@@ -114,23 +114,23 @@ TEST(FieldView, HiddenRectanglesAreAllThatItLeavesOut) {
 
 TEST(FieldView, StagesLookAtItUnlessTheSettingsSayAllOfThePicture) {
   Json camera = {{"calibration", params_to_json(overhead_camera())}};
-  const auto world_of = [&] {
-    return make_world(
+  const auto context_of = [&] {
+    return make_context(
         read_config({{"field", {{"field_length", 4500}, {"field_width", 1000}}}, {"cameras", {camera}}}), 0,
         std::make_shared<const Lut>());
   };
-  const World limited = world_of();
+  const CameraContext limited = context_of();
   EXPECT_FALSE(limited.looked_at().shows(300, 5));
   EXPECT_TRUE(limited.looked_at().shows(300, 290));
   EXPECT_TRUE(limited.mask->shows(300, 5)) << "learning and exposure may look there";
   camera["mask"]["beyond_boundary"] = 2000;
-  EXPECT_TRUE(world_of().looked_at().shows(300, 5));
+  EXPECT_TRUE(context_of().looked_at().shows(300, 5));
   camera["mask"]["beyond_boundary"] = nullptr;
-  EXPECT_FALSE(world_of().field_view);
-  EXPECT_TRUE(world_of().looked_at().shows(0, 0));
+  EXPECT_FALSE(context_of().field_view);
+  EXPECT_TRUE(context_of().looked_at().shows(0, 0));
   camera["calibration"] = nullptr;
   camera["mask"]["beyond_boundary"] = 0;
-  EXPECT_TRUE(world_of().looked_at().shows(300, 5)) << "nobody knows where the field is";
+  EXPECT_TRUE(context_of().looked_at().shows(300, 5)) << "nobody knows where the field is";
 }
 
 }  // namespace

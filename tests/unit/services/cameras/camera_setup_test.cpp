@@ -58,7 +58,7 @@ TEST_F(CameraSetups, KeepPipelineAndColoursWhereTheyCan) {
   ASSERT_TRUE(next);
   EXPECT_EQ(next->setup.pipeline, setup_.pipeline);
   EXPECT_TRUE(next->keeps_colors);
-  EXPECT_EQ(next->setup.world.accepted_lut, setup_.world.accepted_lut);
+  EXPECT_EQ(next->setup.context.accepted_lut, setup_.context.accepted_lut);
   EXPECT_FALSE(after(camera_with({{"colors", {{"bits", 6}}}}))->keeps_colors);
 }
 
