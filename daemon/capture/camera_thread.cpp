@@ -22,7 +22,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kTurn{100};      // the longest wait for an image, and so for stop() to be seen
+constexpr milliseconds kPollTimeout{100};  // the longest wait for an image, and so for stop() to be seen
 constexpr milliseconds kShortTurn{10};  // the same while buffers are out that the camera may be waiting for
 constexpr milliseconds kStopPatience{1500};
 /// After more damaged images than this in a row, a pause before the next: a source that fails at once must
@@ -125,7 +125,7 @@ std::string_view name_of(CameraState state) {
 
 namespace {
 
-/// Of a thread's health, what may change with every image: published as a whole once a turn.
+/// Of a thread's health, what may change with every image: published as a whole after each poll.
 struct Figures {
   CameraState state = CameraState::kOpening;
   std::uint64_t frames = 0, incomplete = 0, dropped = 0, reconnects = 0;
@@ -156,13 +156,13 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   void keep_open();
   std::unique_ptr<Source> try_open();
   CaptureStatus serve(Source& source);
-  CaptureStatus turn(Source& source, CapturedImage& image, std::string& problem, milliseconds patience);
+  CaptureStatus poll_once(Source& source, CapturedImage& image, std::string& problem, milliseconds patience);
   void check_times(CaptureTimes& times);
   template <class Call>
   bool call_out(const Call& call);
   bool buffers_are_out();
   void forget_controls();
-  void lose(const std::string& reason);
+  void mark_lost(const std::string& reason);
   void close_aside(std::unique_ptr<Source> source);
   void ask_to_stop();
   void silence();
@@ -185,7 +185,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   Figures now;
 
   // Without a lock, for each image.
-  Seqlock<Figures> figures;             // what `now` was at the end of the last turn
+  Seqlock<Figures> figures;             // what `now` was at the end of the last poll
   std::atomic<int> calling_out{0};      // 1: on_image or on_idle may be running, here or in a predecessor
   std::atomic<bool> silenced{false};    // no more of these
   std::atomic<bool> stop_asked{false};  // written with the mutex held, so that no wait on `changed` misses it
@@ -299,9 +299,9 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
     figures.store(now);
     return source;
   } catch (const std::exception& caught) {
-    lose(caught.what());
+    mark_lost(caught.what());
   } catch (...) {
-    lose("unknown error");
+    mark_lost("unknown error");
   }
   return nullptr;
 }
@@ -310,26 +310,26 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
 CaptureStatus CameraThread::Shared::serve(Source& source) {
   std::int64_t window_start_ns = steady_ns();
   int window_frames = 0, damaged_in_a_row = 0;
-  milliseconds patience = kTurn;
+  milliseconds patience = kPollTimeout;
   const std::uint64_t dropped_before = now.dropped;
   const PacketCounts packets_before = now.packets.value_or(PacketCounts{});
   for (;;) {
     CapturedImage image;
     std::string problem;
-    const CaptureStatus status = turn(source, image, problem, patience);
+    const CaptureStatus status = poll_once(source, image, problem, patience);
     if (status == CaptureStatus::kImage) check_times(image.times);
     const ImageView view = image.image.view();
     const bool is_damaged = image.is_damaged;
     const CaptureTimes times = image.times;
     bool delivered = false;
-    patience = kTurn;
+    patience = kPollTimeout;
     if (status == CaptureStatus::kImage) {
       image.times.arrived_ns = steady_ns();
       delivered = call_out([&] { on_image(std::move(image)); });
       window_frames += delivered;
       delay = delays.first;
     } else {
-      if (status == CaptureStatus::kLost) lose(problem);
+      if (status == CaptureStatus::kLost) mark_lost(problem);
       if (status == CaptureStatus::kIncomplete) damages.add(problem);
       if (buffers_are_out()) patience = kShortTurn;
     }
@@ -368,8 +368,8 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
   }
 }
 
-CaptureStatus CameraThread::Shared::turn(Source& source, CapturedImage& image, std::string& problem,
-                                         milliseconds patience) {
+CaptureStatus CameraThread::Shared::poll_once(Source& source, CapturedImage& image, std::string& problem,
+                                              milliseconds patience) {
   try {
     const CaptureStatus status = source.next(image, problem, patience);
     if (status != CaptureStatus::kImage) return status;
@@ -385,7 +385,7 @@ CaptureStatus CameraThread::Shared::turn(Source& source, CapturedImage& image, s
 
 void CameraThread::Shared::check_times(CaptureTimes& times) {
   const double given_s = times.t_capture_s, now_s = unix_time_s();
-  if (!mend_times(times, now_s)) return;
+  if (!sanitize_times(times, now_s)) return;
   std::string problem = fmt::format("{:.3f} s, where the clock says {:.3f} s", given_s, now_s);
   strange_times.add(problem);
 }
@@ -419,7 +419,7 @@ void CameraThread::Shared::forget_controls() {
   controls.reset();
 }
 
-void CameraThread::Shared::lose(const std::string& reason) {
+void CameraThread::Shared::mark_lost(const std::string& reason) {
   if (!stopping()) losses.lost(reason);
   const std::lock_guard lock(mutex);
   why_lost = reason;

@@ -28,7 +28,7 @@ std::string find_fault(const ImageView& picture) {
   return {};
 }
 
-bool mend_times(CaptureTimes& times, double now_s) {
+bool sanitize_times(CaptureTimes& times, double now_s) {
   if (times.t_capture_camera_s && !std::isfinite(*times.t_capture_camera_s)) times.t_capture_camera_s.reset();
   if (times.t_capture_sigma_s && !std::isfinite(*times.t_capture_sigma_s)) times.t_capture_sigma_s.reset();
   const double age_s = now_s - times.t_capture_s;

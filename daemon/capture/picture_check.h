@@ -13,8 +13,8 @@ namespace sslv {
 /// Why this is no image; empty when it is one.
 std::string find_fault(const ImageView& picture);
 
-/// Takes the moment it is handed over for an image whose time cannot be: no number, in the future, or so old
-/// that a clock was set meanwhile. Says whether it was so.
-bool mend_times(CaptureTimes& times, double now_s);
+/// Replaces an impossible time of an image by the current one: no number, in the future, or so old that a
+/// clock was set meanwhile. Returns whether it did.
+bool sanitize_times(CaptureTimes& times, double now_s);
 
 }  // namespace sslv

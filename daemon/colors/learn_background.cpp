@@ -59,7 +59,7 @@ std::vector<Color3> over_brightness(std::vector<Color3> colors, std::size_t coun
 
 }  // namespace
 
-std::optional<Color3> carpet_shares(const RobotSearch& search, std::span<const SeenRobot> robots) {
+std::optional<Color3> carpet_chromaticity(const RobotSearch& search, std::span<const SeenRobot> robots) {
   std::array<std::vector<double>, 3> all;
   std::vector<Color3> colors;
   for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
@@ -75,7 +75,7 @@ std::optional<Color3> carpet_shares(const RobotSearch& search, std::span<const S
           const int x = static_cast<int>(std::lround(cell.x())), y = static_cast<int>(std::lround(cell.y()));
           if (x < 1 || y < 1 || x + 1 >= picture.width() || y + 1 >= picture.height() || !picture.shows(x, y))
             continue;
-          colors.push_back(shares_of(picture.mean(x, y, 1)));
+          colors.push_back(chromaticity_of(picture.mean(x, y, 1)));
         }
       }
     }
@@ -94,7 +94,7 @@ std::optional<Color3> carpet_shares(const RobotSearch& search, std::span<const S
 }
 
 CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenRobot> robots,
-                                const Color3& shares, const Color3& gains) {
+                                const Color3& chromaticity, const Color3& gains) {
   std::vector<Color3> carpet, lines;
   for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
     const SmallPicture& picture = search.pictures[frame].finest();
@@ -103,7 +103,7 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
       for (int x = step; x + step < picture.width(); x += step) {
         if (!picture.shows(x, y) || is_at_robot(robots, frame, picture.pixel_of(x, y))) continue;
         const Color3 around = picture.mean(x, y, 1);
-        if ((shares_of(around) - shares).norm() < kCarpetAlike) carpet.push_back(around);
+        if ((chromaticity_of(around) - chromaticity).norm() < kCarpetAlike) carpet.push_back(around);
       }
     }
     // A line's middle is brighter than the carpet on both its sides, in every colour.
@@ -118,8 +118,8 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
           const Color3 ground = (one + other) / 2;
           if (here.sum() < kBrighter * ground.sum() + kBrighterGrey || (here - ground).minCoeff() <= 0)
             continue;
-          if ((shares_of(one) - shares).norm() > kCarpetAlike ||
-              (shares_of(other) - shares).norm() > kCarpetAlike)
+          if ((chromaticity_of(one) - chromaticity).norm() > kCarpetAlike ||
+              (chromaticity_of(other) - chromaticity).norm() > kCarpetAlike)
             continue;
           if (is_at_robot(robots, frame, picture.pixel_of(x, y))) continue;
           lines.push_back(here);
@@ -133,15 +133,15 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
     out.samples.push_back(sample_of(label::kField, color));
 
   // What lies beside the carpet is a blend with it; the farthest from the carpet's colour are white.
-  const Color3 expected = shares_of(gains);
-  out.white_shares = expected;
+  const Color3 expected = chromaticity_of(gains);
+  out.white_chromaticity = expected;
   const auto towards_white = [&](const Color3& color) {
-    return (shares_of(color) - shares).dot(expected - shares) /
-           std::max(1e-6, (expected - shares).squaredNorm());
+    return (chromaticity_of(color) - chromaticity).dot(expected - chromaticity) /
+           std::max(1e-6, (expected - chromaticity).squaredNorm());
   };
   constexpr double kLikeWhite = 0.12, kTowardsWhite = 0.3;
   std::erase_if(lines, [&](const Color3& color) {
-    return towards_white(color) < kTowardsWhite || (shares_of(color) - expected).norm() > kLikeWhite;
+    return towards_white(color) < kTowardsWhite || (chromaticity_of(color) - expected).norm() > kLikeWhite;
   });
   constexpr std::size_t kLeastLines = 40;
   if (lines.size() < kLeastLines) return out;
@@ -152,10 +152,10 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
     out.samples.push_back(sample_of(label::kWhite, color));
   for (int c = 0; c < 3; ++c) {
     std::vector<double> values;
-    for (const Color3& color : lines) values.push_back(shares_of(color)[c]);
-    out.white_shares[c] = median(values);
+    for (const Color3& color : lines) values.push_back(chromaticity_of(color)[c]);
+    out.white_chromaticity[c] = median(values);
   }
-  out.white_shares /= out.white_shares.sum();
+  out.white_chromaticity /= out.white_chromaticity.sum();
   return out;
 }
 

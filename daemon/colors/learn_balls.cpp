@@ -33,7 +33,7 @@ constexpr double kOutsideMm = 0;       // of the lines
 constexpr double kRobotReachMm = 100;  // nothing nearer to a robot's middle is a ball
 
 bool is_warm(const Color3& color, double most_green_per_red) {
-  const Color3 s = shares_of(color);
+  const Color3 s = chromaticity_of(color);
   return s[0] > s[1] && s[1] > s[2] && s[0] > kLeastRed && s[2] < kMostBlue &&
          s[1] > kLeastGreenPerRed * s[0] && s[1] < most_green_per_red * s[0];
 }
@@ -98,7 +98,7 @@ BallFit best_fit(BallFitter& fitter, const BallFitter::Frame& frame, const Eigen
 std::vector<SeenBall> find_balls(const BallSearch& b) {
   const double radius_mm = b.field.ball_radius;
   const auto in_white_light = [&](const Color3& color) {
-    return Color3(color.cwiseQuotient(b.white_shares));
+    return Color3(color.cwiseQuotient(b.white_chromaticity));
   };
   // As the camera sees it or as it would be in white light: what is known of it is not exact.
   const auto is_ball_colored = [&](const Color3& color) {
@@ -132,7 +132,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
       if (b.search.stop.stop_requested()) return out;
       if (!is_ball_colored(body_of(colors_within(fine, spot.pixel, radius_px)))) continue;
       // Beside the field grey is a floor.
-      if (!is_carpet(shares_of(spot.around), b.carpet_shares, b.white_shares,
+      if (!is_carpet(chromaticity_of(spot.around), b.carpet_chromaticity, b.white_chromaticity,
                      b.on_field_only ? kMostWorn : 0))
         continue;
       const bool on_robot = std::any_of(b.robots.begin(), b.robots.end(), [&](const SeenRobot& robot) {
@@ -161,7 +161,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
       const std::vector<Color3> within = colors_within(fine, *pixel, radius_px);
       const Color3 body = body_of(within);
       if (!is_ball_colored(body)) continue;
-      if (b.ball_shares && (shares_of(body) - *b.ball_shares).norm() > kOneColor) continue;
+      if (b.ball_chromaticity && (chromaticity_of(body) - *b.ball_chromaticity).norm() > kOneColor) continue;
       std::vector<Color3> shades{mean_of(within)};
       constexpr std::size_t kManyColors = 24;
       if (within.size() >= kManyColors) {
@@ -178,11 +178,11 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
             [](const SeenBall& one, const SeenBall& other) { return one.r2 > other.r2; });
   std::vector<SeenBall> kept;
   for (const SeenBall& ball : out) {
-    const bool twin = std::any_of(kept.begin(), kept.end(), [&](const SeenBall& other) {
+    const bool is_duplicate = std::any_of(kept.begin(), kept.end(), [&](const SeenBall& other) {
       return other.frame == ball.frame &&
              std::hypot(other.pixel_x - ball.pixel_x, other.pixel_y - ball.pixel_y) < ball.radius_px;
     });
-    if (!twin) kept.push_back(ball);
+    if (!is_duplicate) kept.push_back(ball);
   }
   // Brown, beige and skin are paler than a ball's orange; what is deeper is no more of a ball, and red has
   // less green between its red and its blue.
@@ -195,9 +195,10 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   const auto best = std::max_element(
       kept.begin(), kept.end(),
       [&](const SeenBall& one, const SeenBall& other) { return likely(one) < likely(other); });
-  const Color3 likeliest = shares_of(best->body);
-  std::erase_if(kept,
-                [&](const SeenBall& ball) { return (shares_of(ball.body) - likeliest).norm() > kOneColor; });
+  const Color3 likeliest = chromaticity_of(best->body);
+  std::erase_if(kept, [&](const SeenBall& ball) {
+    return (chromaticity_of(ball.body) - likeliest).norm() > kOneColor;
+  });
   return kept;
 }
 

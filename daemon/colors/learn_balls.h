@@ -23,12 +23,12 @@ struct BallSearch {
   const RobotSearch& search;
   const CameraModel& camera;
   const FieldSize& field;
-  bool on_field_only;                 // the camera tells what lies on the field
-  std::span<const SeenRobot> robots;  // that may hide one; nothing on them is a ball
-  Color3 white_shares;                // what is white has these
-  Color3 carpet_shares;               // what a ball lies on
-  std::optional<Color3> yellow;       // a ball is redder
-  std::optional<Color3> ball_shares;  // as people pointed at it
+  bool on_field_only;                       // the camera tells what lies on the field
+  std::span<const SeenRobot> robots;        // that may hide one; nothing on them is a ball
+  Color3 white_chromaticity;                // what is white has these
+  Color3 carpet_chromaticity;               // what a ball lies on
+  std::optional<Color3> yellow;             // a ball is redder
+  std::optional<Color3> ball_chromaticity;  // as people pointed at it
 };
 
 /// Balls: round, of the ball's size, on carpet, on the field, and of one warm colour, redder than yellow. Of

@@ -176,7 +176,7 @@ class Learner {
   }
 
   void see_background_and_balls() {
-    const auto carpet = carpet_shares(search_, robots_);
+    const auto carpet = carpet_chromaticity(search_, robots_);
     if (!carpet) {
       out_.problem =
           fmt::format("no carpet was found: the robots do not stand on one even ground; {}", kNeeded);
@@ -190,8 +190,8 @@ class Learner {
       if (sample.label == label::kOrange) guided += color_of(sample.color);
     }
     balls_ = find_balls({search_, *camera_, task_.scene.field, task_.scene.camera.has_value(), robots_,
-                         ground.white_shares, *carpet, mean_contrast(label::kYellow),
-                         guided.sum() > 0 ? std::optional(shares_of(guided)) : std::nullopt});
+                         ground.white_chromaticity, *carpet, mean_contrast(label::kYellow),
+                         guided.sum() > 0 ? std::optional(chromaticity_of(guided)) : std::nullopt});
     for (const SeenBall& ball : balls_) {
       for (const Color3& shade : ball.shades) add(label::kOrange, shade);
     }
@@ -216,9 +216,10 @@ class Learner {
       Color3 predicted = Color3::Zero();
       for (std::size_t i = 0; i < robots_.size(); ++i)
         predicted += robots_[i].black + lights_[i] * print_contrast(label);
-      predicted = shares_of(predicted);
+      predicted = chromaticity_of(predicted);
       for (const ColorSample& sample : out_.samples) {
-        if (is_background(sample.label) || (shares_of(color_of(sample.color)) - predicted).norm() > kTooAlike)
+        if (is_background(sample.label) ||
+            (chromaticity_of(color_of(sample.color)) - predicted).norm() > kTooAlike)
           continue;
         out_.notes.push_back(fmt::format("{} was not seen and is left out: here it is likely to look like {}",
                                          label::kNames[label], label::kNames[sample.label]));
@@ -295,18 +296,18 @@ class Learner {
 
   /// Of dots in their contrast to black, of balls as they are: so detectors compare them.
   Prints prints_of_samples() const {
-    std::map<Label, std::vector<Color3>> shares;
+    std::map<Label, std::vector<Color3>> chromaticities;
     for (const auto& [label, lit] : lit_) {
-      for (const auto& [light, contrast] : lit) shares[label].push_back(shares_of(contrast));
+      for (const auto& [light, contrast] : lit) chromaticities[label].push_back(chromaticity_of(contrast));
     }
-    for (const SeenBall& ball : balls_) shares[label::kOrange].push_back(shares_of(ball.body));
+    for (const SeenBall& ball : balls_) chromaticities[label::kOrange].push_back(chromaticity_of(ball.body));
     for (const Label label : unseen_) {
       const Color3 seen = label == label::kOrange ? Color3(print_color(label).cwiseProduct(dots_.gains))
                                                   : print_contrast(label);
-      shares[label].push_back(shares_of(seen));
+      chromaticities[label].push_back(chromaticity_of(seen));
     }
     Prints out;
-    for (const auto& [label, all] : shares) {
+    for (const auto& [label, all] : chromaticities) {
       Color3 mean = Color3::Zero();
       for (const Color3& one : all) mean += one / static_cast<double>(all.size());
       double square = 0;
@@ -315,7 +316,7 @@ class Learner {
       const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls shine and are shaded
       PrintColor print{};
       for (int c = 0; c < 3; ++c)
-        print.shares[static_cast<std::size_t>(c)] =
+        print.chromaticity[static_cast<std::size_t>(c)] =
             static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * std::max(0.0, mean[c]) / mean.sum()));
       print.spread = static_cast<std::uint16_t>(
           std::lround(PrintColor::kUnit * std::hypot(std::sqrt(square), other_makers)));
@@ -438,7 +439,7 @@ class Learner {
   double light_of(const SeenRobot& robot, const std::vector<Label>& labels) {
     std::vector<double> ratios;
     const auto contrast_of = [&](std::size_t i) {
-      return unclipped_contrast(robot.dots[i], dots_.shares.at(labels[i]));
+      return unclipped_contrast(robot.dots[i], dots_.chromaticities.at(labels[i]));
     };
     for (std::size_t i = 0; i < robot.dots.size(); ++i)
       ratios.push_back(contrast_of(i).sum() / std::max(1.0, print_contrast(labels[i]).sum()));

@@ -86,7 +86,7 @@ std::vector<double> scales_of(const ImageView& image, const CameraModel& camera,
 }
 
 /// Keeps the best of those that stand where only one can.
-std::vector<SeenRobot> without_twins(std::vector<SeenRobot> found) {
+std::vector<SeenRobot> without_duplicates(std::vector<SeenRobot> found) {
   std::sort(found.begin(), found.end(),
             [](const SeenRobot& a, const SeenRobot& b) { return quality(a) > quality(b); });
   std::vector<SeenRobot> out;
@@ -132,7 +132,7 @@ class PatternSearch {
       }
     }
   }
-  std::vector<SeenRobot> found() { return without_twins(std::move(found_)); }
+  std::vector<SeenRobot> found() { return without_duplicates(std::move(found_)); }
 
  private:
   const RobotSearch& search_;
@@ -172,7 +172,7 @@ std::vector<SeenRobot> find_patterns_flat(const RobotSearch& search, double mm_p
     }
     std::move(found.begin(), found.end(), std::back_inserter(all));
   }
-  return without_twins(std::move(all));
+  return without_duplicates(std::move(all));
 }
 
 CameraModel flat_camera(int width_px, int height_px, double mm_per_px) {

@@ -61,11 +61,12 @@ PrintColor print_of(const Json& label, const std::string& file_name) {
   const auto is_number = [](const Json& value) {
     return value.is_number_unsigned() && value.get<double>() <= PrintColor::kUnit;
   };
-  bool good = shares.is_array() && shares.size() == out.shares.size() &&
+  bool good = shares.is_array() && shares.size() == out.chromaticity.size() &&
               std::all_of(shares.begin(), shares.end(), is_number) &&
               is_number(label.value("print_spread", Json()));
   if (good) {
-    for (std::size_t c = 0; c < out.shares.size(); ++c) out.shares[c] = shares[c].get<std::uint16_t>();
+    for (std::size_t c = 0; c < out.chromaticity.size(); ++c)
+      out.chromaticity[c] = shares[c].get<std::uint16_t>();
     out.spread = label["print_spread"].get<std::uint16_t>();
     good = is_print(out);
   }
@@ -262,7 +263,7 @@ std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
                                        {"name", labels.name(static_cast<Label>(value))},
                                        {"color", hex(labels.color(static_cast<Label>(value)))}});
     if (const auto& print = table.prints[value]) {
-      one["print_shares"] = print->shares;
+      one["print_shares"] = print->chromaticity;
       one["print_spread"] = print->spread;
     }
   }

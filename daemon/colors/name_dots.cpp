@@ -39,8 +39,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double distance(const SeenDot& dot, const Color3& shares) {
-  return (shares_of(unclipped_contrast(dot, shares)) - shares).norm();
+double distance(const SeenDot& dot, const Color3& chromaticity) {
+  return (chromaticity_of(unclipped_contrast(dot, chromaticity)) - chromaticity).norm();
 }
 
 std::size_t nearest(const std::vector<Color3>& means, const SeenDot& dot) {
@@ -68,7 +68,7 @@ Color3 typical_shares(std::vector<const SeenDot*> dots) {
   Color3 out;
   for (Eigen::Index c = 0; c < 3; ++c) {
     std::vector<double> values;
-    for (const SeenDot* dot : dots) values.push_back(shares_of(dot->contrast)[c]);
+    for (const SeenDot* dot : dots) values.push_back(chromaticity_of(dot->contrast)[c]);
     out[c] = median(std::move(values));
   }
   return out;
@@ -108,7 +108,7 @@ Groups group(std::span<const SeenDot> colors, std::size_t count) {
     std::vector<Color3> starts;
     for (std::size_t k = 0; k < count; ++k) {
       random = random * 1664525 + 1013904223;
-      starts.push_back(shares_of(colors[(random >> 8) % colors.size()].contrast));
+      starts.push_back(chromaticity_of(colors[(random >> 8) % colors.size()].contrast));
     }
     Groups one;
     const double sum = group_from(colors, std::move(starts), one);
@@ -143,8 +143,8 @@ Color3 expected_shares(Label label, const Color3& gains, std::span<const ColorSa
   for (const ColorSample& sample : guide) {
     if (sample.label == label) sum += Color3(sample.color.r, sample.color.g, sample.color.b) - black;
   }
-  if (sum.sum() > 0) return shares_of(sum);
-  return shares_of(printed_contrast(label).cwiseProduct(gains));
+  if (sum.sum() > 0) return chromaticity_of(sum);
+  return chromaticity_of(printed_contrast(label).cwiseProduct(gains));
 }
 
 /// Names groups that are as many as the labels: by how they differ from one another, which a cast of the
@@ -205,10 +205,10 @@ std::vector<Label> name_some(const std::vector<Color3>& means, std::span<const L
 
 /// The light's gains, from what dots of known labels look like: how their shares differ from the prints',
 /// where the print has that colour.
-Color3 gains_from(const std::map<Label, Color3>& shares) {
+Color3 gains_from(const std::map<Label, Color3>& chromaticities) {
   Color3 sum = Color3::Zero(), weights = Color3::Zero();
-  for (const auto& [label, seen] : shares) {
-    const Color3 printed = shares_of(printed_contrast(label));
+  for (const auto& [label, seen] : chromaticities) {
+    const Color3 printed = chromaticity_of(printed_contrast(label));
     Color3 logs;
     for (int c = 0; c < 3; ++c) logs[c] = std::log(std::max(seen[c], 0.02) / std::max(printed[c], 0.02));
     logs.array() -= logs.dot(printed);
@@ -244,15 +244,15 @@ Color3 print_color(Label label) {
   }
 }
 
-Color3 shares_of(const Color3& contrast) {
+Color3 chromaticity_of(const Color3& contrast) {
   const Color3 positive = contrast.cwiseMax(0);
   const double sum = positive.sum();
   return sum > 1e-6 ? Color3(positive / sum) : Color3::Constant(1.0 / 3);
 }
 
-Color3 unclipped_contrast(const SeenDot& dot, const Color3& shares) {
+Color3 unclipped_contrast(const SeenDot& dot, const Color3& chromaticity) {
   const auto array = [](const Color3& color) { return std::array{color[0], color[1], color[2]}; };
-  const auto out = unclipped(array(dot.contrast), array(dot.color), array(shares));
+  const auto out = unclipped(array(dot.contrast), array(dot.color), array(chromaticity));
   return {out[0], out[1], out[2]};
 }
 
@@ -320,7 +320,8 @@ NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patte
   }
   for (const Kind& kind : kinds) {
     for (const Label label : kind.labels) {
-      if (const auto shares = seen.find(label); shares != seen.end()) out.shares[label] = shares->second;
+      if (const auto chromaticity = seen.find(label); chromaticity != seen.end())
+        out.chromaticities[label] = chromaticity->second;
       if (seen.contains(label) || std::find(out.unseen.begin(), out.unseen.end(), label) != out.unseen.end())
         continue;
       out.unseen.push_back(label);

@@ -19,18 +19,18 @@ Color3 print_color(Label label);
 
 /// Shares of red, green and blue, with sum 1: what stays of a colour's contrast to black when the light
 /// changes.
-Color3 shares_of(const Color3& contrast);
+Color3 chromaticity_of(const Color3& contrast);
 
 /// A dot's contrast to black. Clipped channels may have been brighter: they are as near to these shares as
 /// they may have been.
-Color3 unclipped_contrast(const SeenDot& dot, const Color3& shares);
+Color3 unclipped_contrast(const SeenDot& dot, const Color3& chromaticity);
 
 /// The labels of robots' dots.
 struct NamedDots {
   std::string problem;  // as LearntColors
   std::vector<std::string> notes;
   std::vector<std::vector<Label>> labels;  // of each robot: the centre's, then those of the side dots
-  std::map<Label, Color3> shares;          // of those that were seen: of the dots' contrast to black
+  std::map<Label, Color3> chromaticities;  // of those that were seen: of the dots' contrast to black
   std::vector<Label> unseen;               // of the table's colours
   Color3 gains = Color3::Ones();           // of red, green and blue: the light's and the camera's cast
 };

@@ -34,7 +34,7 @@ bool goes_on(const Color3& here, const Color3& there) {
 struct Place {
   std::size_t frame;
   int cell_x, cell_y;  // of the small image
-  Color3 color, shares;
+  Color3 color, chromaticity;
   std::optional<std::array<Color3, 2>> beside;  // shares on both its sides, where it is as narrow as a line
 };
 
@@ -43,12 +43,12 @@ std::optional<Color3> commonest(std::span<const Place> places,
                                 const std::function<bool(const Place&)>& counts) {
   constexpr int kBins = 50;
   std::vector<std::size_t> bins(std::size_t{kBins} * kBins);
-  const auto bin_of = [](const Color3& shares) {
+  const auto bin_of = [](const Color3& chromaticity) {
     const auto bin = [](double share) { return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1); };
-    return static_cast<std::size_t>(bin(shares[0]) * kBins + bin(shares[1]));
+    return static_cast<std::size_t>(bin(chromaticity[0]) * kBins + bin(chromaticity[1]));
   };
   for (const Place& place : places) {
-    if (counts(place)) ++bins[bin_of(place.shares)];
+    if (counts(place)) ++bins[bin_of(place.chromaticity)];
   }
   // Of three by three bins, so that no border splits what belongs together.
   std::size_t most = 0;
@@ -68,9 +68,9 @@ std::optional<Color3> commonest(std::span<const Place> places,
   double count = 0;
   for (const Place& place : places) {
     if (!counts(place)) continue;
-    const auto bin = static_cast<int>(bin_of(place.shares));
+    const auto bin = static_cast<int>(bin_of(place.chromaticity));
     if (std::abs(bin / kBins - best / kBins) > 1 || std::abs(bin % kBins - best % kBins) > 1) continue;
-    sum += place.shares;
+    sum += place.chromaticity;
     ++count;
   }
   return Color3(sum / count);
@@ -107,11 +107,11 @@ std::vector<Place> find_places(const SurfaceSearch& search) {
         const bool across = alike(away, 0), along = alike(0, away);
         if (!across && !along) continue;
         if (is_left_out(picture.pixel_of(x, y))) continue;
-        Place place{frame, x, y, here, shares_of(here), {}};
+        Place place{frame, x, y, here, chromaticity_of(here), {}};
         if (across != along) {
           const int dx = across ? 0 : away, dy = across ? away : 0;
           const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
-          if (one && other) place.beside = {shares_of(*one), shares_of(*other)};
+          if (one && other) place.beside = {chromaticity_of(*one), chromaticity_of(*other)};
         }
         out.push_back(std::move(place));
       }
@@ -316,15 +316,15 @@ std::vector<SurfaceColors::Color> SurfaceColors::colors(SurfaceKind kind) const 
 SurfaceColors find_surfaces(const SurfaceSearch& search) {
   const std::vector<Place> places = find_places(search);
   const auto carpet =
-      search.carpet_shares ? search.carpet_shares : commonest(places, [&](const Place& place) {
+      search.carpet_chromaticity ? search.carpet_chromaticity : commonest(places, [&](const Place& place) {
         if (!search.on_carpet) return true;
         return search.on_carpet(place.frame,
                                 search.pictures[place.frame].finest().pixel_of(place.cell_x, place.cell_y));
       });
-  const auto like_carpet = [&](const Color3& shares) {
-    return carpet && (shares - *carpet).norm() < kCarpetAlike;
+  const auto like_carpet = [&](const Color3& chromaticity) {
+    return carpet && (chromaticity - *carpet).norm() < kCarpetAlike;
   };
-  const auto is_carpet = [&](const Place& place) { return like_carpet(place.shares); };
+  const auto is_carpet = [&](const Place& place) { return like_carpet(place.chromaticity); };
   // White lines may have the colour of a grey floor, but have carpet on both sides.
   const auto is_line = [&](const Place& place) {
     return place.beside && like_carpet((*place.beside)[0]) && like_carpet((*place.beside)[1]);
@@ -332,7 +332,7 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
   const auto floor =
       commonest(places, [&](const Place& place) { return !is_carpet(place) && !is_line(place); });
   const auto is_floor = [&](const Place& place) {
-    return floor && (place.shares - *floor).norm() < kFloorAlike && !is_line(place);
+    return floor && (place.chromaticity - *floor).norm() < kFloorAlike && !is_line(place);
   };
   const auto floor_places = std::count_if(
       places.begin(), places.end(), [&](const Place& place) { return !is_carpet(place) && is_floor(place); });

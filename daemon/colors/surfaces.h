@@ -42,8 +42,8 @@ struct SurfaceSearch {
   std::span<SmallPictures> pictures;  // of each frame
   const Mask* mask = nullptr;
   std::span<const PixelDisc> left_out = {};
-  double largest_dot_px = 0;                 // diameter of the largest dot or ball
-  std::optional<Color3> carpet_shares = {};  // of red, green and blue; absent: the commonest surface
+  double largest_dot_px = 0;                       // diameter of the largest dot or ball
+  std::optional<Color3> carpet_chromaticity = {};  // of red, green and blue; absent: the commonest surface
   std::function<bool(std::size_t frame, const Eigen::Vector2d& pixel)> on_carpet =
       {};  // may be known; where the
            // commonest counts

@@ -451,9 +451,9 @@ void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
     if (carpet(color)) return false;
     const Rgb rgb = to_rgb(color);
     const double sum = std::max(1, rgb.r + rgb.g + rgb.b);
-    const std::array<double, 3>& mean = lut.shares(label);
+    const std::array<double, 3>& mean = lut.chromaticity_mean(label);
     return std::hypot(rgb.r / sum - mean[0], rgb.g / sum - mean[1], rgb.b / sum - mean[2]) <=
-           lut.share_spread(label);
+           lut.chromaticity_spread(label);
   });
   // What the surfaces take from one side of a label does not change what its prints look like.
   const auto unit = [](double value) {
@@ -464,9 +464,9 @@ void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
   for (std::size_t i = 1; i < label::kMost; ++i) {
     const auto label = static_cast<Label>(i);
     if (table.prints[i] || !has_cells[i] || is_surface_label(label)) continue;
-    const auto& mean = lut.shares(label);
+    const auto& mean = lut.chromaticity_mean(label);
     table.prints[i] =
-        PrintColor{{unit(mean[0]), unit(mean[1]), unit(mean[2])}, unit(lut.share_spread(label))};
+        PrintColor{{unit(mean[0]), unit(mean[1]), unit(mean[2])}, unit(lut.chromaticity_spread(label))};
   }
   set_all(widened, table, brush);
 }

@@ -78,11 +78,11 @@ class Past {
     }
     for (int i = kSide - 1; i >= 0; --i) {
       const float luma = middle(i);
-      const Color today{luma + chroma[0], luma + chroma[1], luma + chroma[2]};
-      const auto [least, brightest] = std::minmax({today[0], today[1], today[2]});
+      const Color current{luma + chroma[0], luma + chroma[1], luma + chroma[2]};
+      const auto [least, brightest] = std::minmax({current[0], current[1], current[2]});
       if (brightest < kFull) break;
       if (brightest < 255 + kFarOut && least > -kFarOut)
-        out[static_cast<std::size_t>(i)] = label_of_full(today);
+        out[static_cast<std::size_t>(i)] = label_of_full(current);
     }
   }
 
@@ -108,21 +108,21 @@ class Past {
     return true;
   }
 
-  static float scaled(float today, float per_gain) {
-    return std::min(today * per_gain, std::max(today, 255.0F));
+  static float scaled(float current, float per_gain) {
+    return std::min(current * per_gain, std::max(current, 255.0F));
   }
 
   /// Of all the colours that a camera shows alike once channels are at their end. One of the prints' colours
   /// it is when any of them is one. Most must be one beside a named background, and where all channels are
   /// at their end: that is white.
-  Label label_of_full(const Color& today) const {
+  Label label_of_full(const Color& current) const {
     constexpr std::array<std::size_t, 4> kSteps{1, 6, 5, 4};  // by the number of such channels
     Color then;
     std::array<bool, 3> full;
     std::size_t count = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      then[c] = scaled(today[c], per_gain_[c]);
-      full[c] = today[c] >= kFull && per_gain_[c] < 1;
+      then[c] = scaled(current[c], per_gain_[c]);
+      full[c] = current[c] >= kFull && per_gain_[c] < 1;
       count += full[c] ? 1 : 0;
     }
     const std::size_t steps = kSteps[count];
@@ -193,13 +193,13 @@ void grow(std::vector<Label>& labels) {
 }
 
 PrintColor in_light(const PrintColor& print, const std::array<double, 3>& gain) {
-  std::array<double, 3> shares{};
+  std::array<double, 3> chromaticity{};
   double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) sum += shares[c] = print.shares[c] * gain[c];
+  for (std::size_t c = 0; c < 3; ++c) sum += chromaticity[c] = print.chromaticity[c] * gain[c];
   PrintColor out = print;
   if (!(sum > 0)) return out;
   for (std::size_t c = 0; c < 3; ++c)
-    out.shares[c] = static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * shares[c] / sum));
+    out.chromaticity[c] = static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * chromaticity[c] / sum));
   return out;
 }
 

@@ -141,7 +141,7 @@ void Passwords::set(Role role, const std::optional<std::string>& password) {
   hashes_.store(std::move(next));
 }
 
-void Passwords::look_again() {
+void Passwords::reload_if_changed() {
   const std::lock_guard lock(mutex_);
   const auto now = stamp_of(file_);
   if (!now || now == stamp_) return;

@@ -45,7 +45,7 @@ class Passwords {
   void set(Role role, const std::optional<std::string>& password);
 
   /// Reads the file again if it was changed. One that is gone or cannot be used changes nothing.
-  void look_again();
+  void reload_if_changed();
 
  private:
   using Hashes = std::array<std::string, 2>;  // by role

@@ -65,7 +65,7 @@ void BallMemory::count_moved(Entry& entry) noexcept {
   });
   entry.is_counted = true;
   Moved& moved = near != end ? *near : moved_[moved_count_++ % kMostMoved];
-  moved = {entry.x_mm, entry.y_mm, entry.shares};
+  moved = {entry.x_mm, entry.y_mm, entry.chromaticity};
 }
 
 bool BallMemory::has_other_hue(Entry& entry) const noexcept {
@@ -74,20 +74,21 @@ bool BallMemory::has_other_hue(Entry& entry) const noexcept {
   Color ball{};
   std::array<double, kMostMoved> values;
   for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t i = 0; i < count; ++i) values[i] = moved_[i].shares[c];
+    for (std::size_t i = 0; i < count; ++i) values[i] = moved_[i].chromaticity[c];
     ball[c] = median_of(values, count);
   }
   // Across the line from grey to the balls' colour, in the plane of shares that sum up to 1.
   const Color across{ball[1] - ball[2], ball[2] - ball[0], ball[0] - ball[1]};
   const double length = std::hypot(across[0], across[1], across[2]);
   if (!(length > 0)) return false;
-  const auto off = [&](const Color& shares) {
+  const auto off = [&](const Color& chromaticity) {
     double sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) sum += (shares[c] - ball[c]) * across[c];
+    for (std::size_t c = 0; c < 3; ++c) sum += (chromaticity[c] - ball[c]) * across[c];
     return std::abs(sum) / length;
   };
-  for (std::size_t i = 0; i < count; ++i) values[i] = off(moved_[i].shares);
-  entry.had_other_hue = off(entry.shares) > std::max(kOtherHue, kOtherHueSpreads * median_of(values, count));
+  for (std::size_t i = 0; i < count; ++i) values[i] = off(moved_[i].chromaticity);
+  entry.had_other_hue =
+      off(entry.chromaticity) > std::max(kOtherHue, kOtherHueSpreads * median_of(values, count));
   return entry.had_other_hue;
 }
 
@@ -98,7 +99,8 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
   const auto add_color = [&](Entry& entry) {
     if (!has_color) return;
     ++entry.colors;
-    for (std::size_t c = 0; c < 3; ++c) entry.shares[c] += (color[c] / sum - entry.shares[c]) / entry.colors;
+    for (std::size_t c = 0; c < 3; ++c)
+      entry.chromaticity[c] += (color[c] / sum - entry.chromaticity[c]) / entry.colors;
   };
   const auto begin = entries_.begin(), end = begin + count_;
   const auto distance_mm = [&](const Entry& entry) {

@@ -37,13 +37,13 @@ class BallMemory {
     bool is_counted;  // among those that moved
     bool was_there;   // when the memory began
     bool had_other_hue;
-    int colors;    // that `shares` are the mean of
-    Color shares;  // of red, green and blue
+    int colors;          // that `chromaticity` is the mean of
+    Color chromaticity;  // of red, green and blue
   };
   /// A ball that was there, and is not any more.
   struct Moved {
     double x_mm, y_mm;
-    Color shares;
+    Color chromaticity;
   };
   static constexpr std::size_t kMostMoved = 32;
 

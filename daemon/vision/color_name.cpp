@@ -8,25 +8,25 @@
 namespace sslv {
 namespace {
 
-using Shares = std::array<double, 3>;
+using Chromaticity = std::array<double, 3>;
 
-Shares shares_of(const std::array<double, 3>& contrast) {
-  Shares out{};
+Chromaticity chromaticity_of(const std::array<double, 3>& contrast) {
+  Chromaticity out{};
   double sum = 0;
   for (std::size_t i = 0; i < 3; ++i) sum += out[i] = std::max(0.0, contrast[i]);
   for (double& share : out) share = sum > 0 ? share / sum : 1.0 / 3;
   return out;
 }
 
-double squared_distance(const Shares& a, const Shares& b) {
+double squared_distance(const Chromaticity& a, const Chromaticity& b) {
   double sum = 0;
   for (std::size_t i = 0; i < 3; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return sum;
 }
 
 /// A purer colour of the same hue is no further away: it is the same print with less white in its light.
-double distance_unless_purer(const Shares& seen, const Shares& known) {
-  Shares away, purer;  // from the known colour; from grey to the known colour
+double distance_unless_purer(const Chromaticity& seen, const Chromaticity& known) {
+  Chromaticity away, purer;  // from the known colour; from grey to the known colour
   double along = 0, length2 = 0, distance2 = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     away[i] = seen[i] - known[i];
@@ -42,7 +42,7 @@ double distance_unless_purer(const Shares& seen, const Shares& known) {
 }  // namespace
 
 std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
-                                const std::array<double, 3>& shares) noexcept {
+                                const std::array<double, 3>& chromaticity) noexcept {
   constexpr double kMostTimes = 2;  // with no limit, white that shines would be of any colour
   double along = 0, length2 = 0;
   bool any_clipped = false;
@@ -51,14 +51,14 @@ std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std
       any_clipped = true;
       continue;
     }
-    along += std::max(0.0, contrast[i]) * shares[i];
-    length2 += shares[i] * shares[i];
+    along += std::max(0.0, contrast[i]) * chromaticity[i];
+    length2 += chromaticity[i] * chromaticity[i];
   }
   std::array<double, 3> out = contrast;
   if (!any_clipped || length2 <= 0) return out;
   for (std::size_t i = 0; i < 3; ++i) {
     if (color[i] >= kClippedGrey && contrast[i] > 0)
-      out[i] = std::clamp(along / length2 * shares[i], contrast[i], kMostTimes * contrast[i]);
+      out[i] = std::clamp(along / length2 * chromaticity[i], contrast[i], kMostTimes * contrast[i]);
   }
   return out;
 }
@@ -66,11 +66,13 @@ std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std
 ColorName name_color(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                      const Lut& lut, std::span<const Label> allowed) noexcept {
   ColorName out;
-  const auto seen_as = [&](Label label) { return shares_of(unclipped(contrast, color, lut.shares(label))); };
+  const auto seen_as = [&](Label label) {
+    return chromaticity_of(unclipped(contrast, color, lut.chromaticity_mean(label)));
+  };
   double best = 1e9, second = 1e9;
   Label best_color = label::kClear, second_color = label::kClear;
   for (const Label label : allowed) {
-    const double distance = squared_distance(seen_as(label), lut.shares(label));
+    const double distance = squared_distance(seen_as(label), lut.chromaticity_mean(label));
     if (distance < best) {
       second = best;
       second_color = best_color;
@@ -84,11 +86,12 @@ ColorName name_color(const std::array<double, 3>& contrast, const std::array<dou
   out.color = best_color;
   out.margin = 1;
   constexpr double kLeastSpread = 0.02;
-  out.off = distance_unless_purer(seen_as(best_color), lut.shares(best_color)) /
-            std::max(lut.share_spread(best_color), kLeastSpread);
+  out.off = distance_unless_purer(seen_as(best_color), lut.chromaticity_mean(best_color)) /
+            std::max(lut.chromaticity_spread(best_color), kLeastSpread);
   if (second_color != label::kClear) {
     // Along the line between the two: 0 in its middle, 1 at the best one.
-    const double apart = squared_distance(lut.shares(best_color), lut.shares(second_color));
+    const double apart =
+        squared_distance(lut.chromaticity_mean(best_color), lut.chromaticity_mean(second_color));
     // A clipped colour may lie just at one of the two, and nearer to the other than these to each other.
     constexpr double kLeastApart = 0.2;
     const double both = std::max(std::sqrt(best) + std::sqrt(second), kLeastApart);

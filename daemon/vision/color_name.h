@@ -25,7 +25,7 @@ inline constexpr double kClippedGrey = 250;
 /// up to twice as much, and count as what makes the contrast's shares most like these. In grey levels, red,
 /// green, blue.
 std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
-                                const std::array<double, 3>& shares) noexcept;
+                                const std::array<double, 3>& chromaticity) noexcept;
 
 /// Names the colour of an evenly coloured thing. The shares of red, green and blue in its contrast to the
 /// black (or dark) ground, which stay when the light changes, are compared with those of the table's labels;

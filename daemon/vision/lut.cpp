@@ -77,7 +77,7 @@ ColorTable read_table(const std::string& file, const std::string& path, const La
 
 /// Fills rows of `rgb` with the labels that `yuv` has for the middles of its cells.
 template <int kBits>
-void fill_twin(const LutTable& yuv, LutTable& rgb) {
+void fill_rgb_lut(const LutTable& yuv, LutTable& rgb) {
   constexpr int kSide = 1 << kBits;
   rgb.labels.resize(yuv.labels.size());
   std::array<std::uint32_t, kSide> cells;
@@ -96,7 +96,7 @@ void fill_twin(const LutTable& yuv, LutTable& rgb) {
 
 /// Calls with r, g, b for every cell of an RGB table whose middle lies in the cell (y, u, v).
 template <class Call>
-void for_twins(int y, int u, int v, int bits, const Call& call) {
+void for_rgb_cells(int y, int u, int v, int bits, const Call& call) {
   const int side = 1 << bits;
   // Rounded values up to half a level off; 256 is stored as 255. The inverse is good to a hundredth.
   const auto range = [&](int cell, int offset) {
@@ -263,7 +263,7 @@ Label rgb_chroma_label(const LutTable& table, int a, int b) {
 constexpr std::int64_t kSquareUnit = 256;
 
 /// Every fourth level each way is enough for a mean.
-bool counts_for_shares(int cell, int bits) {
+bool counts_for_chromaticity(int cell, int bits) {
   return middle(cell, bits) % 4 == 1;
 }
 
@@ -369,7 +369,7 @@ ColorTable resampled(const ColorTable& table, int bits) {
   return out;
 }
 
-void Lut::ShareSums::add(int r, int g, int b, int times) {
+void Lut::ChromaticitySums::add(int r, int g, int b, int times) {
   const std::array<std::int64_t, 3> levels{r, g, b};
   std::int64_t squares_here = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -380,8 +380,8 @@ void Lut::ShareSums::add(int r, int g, int b, int times) {
   squares += times * (squares_here * kSquareUnit / (levels[0] + levels[1] + levels[2]));
 }
 
-Lut::Shares Lut::ShareSums::shares() const {
-  Shares out;
+Lut::Chromaticity Lut::ChromaticitySums::chromaticity() const {
+  Chromaticity out;
   const auto weight = static_cast<double>(color[0] + color[1] + color[2]);
   if (weight <= 0) return out;
   double length2 = 0;
@@ -394,15 +394,15 @@ Lut::Shares Lut::ShareSums::shares() const {
   return out;
 }
 
-void Lut::finish_shares() {
-  for (std::size_t label = 0; label < shares_.size(); ++label) {
-    shares_[label] = share_sums_[label].shares();
+void Lut::finish_chromaticities() {
+  for (std::size_t label = 0; label < chromaticities_.size(); ++label) {
+    chromaticities_[label] = chromaticity_sums_[label].chromaticity();
     if (!prints_[label]) continue;
     for (std::size_t c = 0; c < 3; ++c)
-      shares_[label].mean[c] = prints_[label]->shares[c] / PrintColor::kUnit;
-    shares_[label].spread = prints_[label]->spread / PrintColor::kUnit;
+      chromaticities_[label].mean[c] = prints_[label]->chromaticity[c] / PrintColor::kUnit;
+    chromaticities_[label].spread = prints_[label]->spread / PrintColor::kUnit;
   }
-  shares_[label::kClear] = {};
+  chromaticities_[label::kClear] = {};
 }
 
 Lut::Lut() : Lut(ColorTable()) {}
@@ -416,10 +416,10 @@ Lut::Lut(ColorTable table) : color_bits_(table.bits), id_(next_id()) {
   prints_ = table.prints;
   yuv_.labels = bits == table.bits ? std::move(table.labels) : spread_out(table, bits);
   if (bits == 8) {
-    fill_twin<8>(yuv_, rgb_);
+    fill_rgb_lut<8>(yuv_, rgb_);
     for (LutTable* each : {&yuv_, &rgb_}) summarise_blocks<8>(*each);
   } else {
-    fill_twin<kBits>(yuv_, rgb_);
+    fill_rgb_lut<kBits>(yuv_, rgb_);
     for (LutTable* each : {&yuv_, &rgb_}) summarise_blocks<kBits>(*each);
   }
   for (int a = 0; a < kChromaSide; ++a) {
@@ -434,11 +434,11 @@ Lut::Lut(ColorTable table) : color_bits_(table.bits), id_(next_id()) {
       for (int g = first; g < side; g += step) {
         const Label label = rgb_.labels[place(r, b, g, side)];
         if (label != label::kClear)
-          share_sums_[label].add(middle(r, bits), middle(g, bits), middle(b, bits), 1);
+          chromaticity_sums_[label].add(middle(r, bits), middle(g, bits), middle(b, bits), 1);
       }
     }
   }
-  finish_shares();
+  finish_chromaticities();
 }
 
 Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) const {
@@ -465,7 +465,7 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
   out.prints_ = prints;
   Changes yuv(out.yuv_), rgb(out.rgb_);
   Places yuv_chromas(out.yuv_.chroma.size()), rgb_chromas(out.rgb_.chroma.size());
-  const auto set_twin = [&](int r, int g, int b, Label before, Label after) {
+  const auto set_rgb_cell = [&](int r, int g, int b, Label before, Label after) {
     if (!rgb.set(r, b, g, after)) return;
     const auto chromas = [&](int cell) {
       return reached_chromas(first_level(cell, bits), last_level(cell, bits), first_level(g, bits),
@@ -475,10 +475,12 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
     for (int i = of_blue[0]; i <= of_blue[1]; ++i) {
       for (int j = of_red[0]; j <= of_red[1]; ++j) rgb_chromas.add(place(0, i, j, kChromaSide));
     }
-    if (!counts_for_shares(r, bits) || !counts_for_shares(g, bits) || !counts_for_shares(b, bits)) return;
+    if (!counts_for_chromaticity(r, bits) || !counts_for_chromaticity(g, bits) ||
+        !counts_for_chromaticity(b, bits))
+      return;
     for (const auto& [label, times] : {std::pair{before, -1}, std::pair{after, 1}}) {
       if (label != label::kClear)
-        out.share_sums_[label].add(middle(r, bits), middle(g, bits), middle(b, bits), times);
+        out.chromaticity_sums_[label].add(middle(r, bits), middle(g, bits), middle(b, bits), times);
     }
   };
   const auto set_cell = [&](int y, int u, int v, Label label) {
@@ -486,7 +488,7 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
     if (!yuv.set(u, v, y, label)) return;
     yuv_chromas.add(
         place(0, u >> (bits - LutTable::kChromaBits), v >> (bits - LutTable::kChromaBits), kChromaSide));
-    for_twins(y, u, v, bits, [&](int r, int g, int b) { set_twin(r, g, b, before, label); });
+    for_rgb_cells(y, u, v, bits, [&](int r, int g, int b) { set_rgb_cell(r, g, b, before, label); });
   };
   const int copies = 1 << shift;  // of a cell, each way
   for (const CellRun& run : changed) {
@@ -510,7 +512,7 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
     const auto i = static_cast<int>(chroma);
     out.rgb_.chroma[chroma] = rgb_chroma_label(out.rgb_, i / kChromaSide, i % kChromaSide);
   }
-  out.finish_shares();
+  out.finish_chromaticities();
   return out;
 }
 

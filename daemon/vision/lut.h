@@ -22,7 +22,7 @@ namespace sslv {
 /// them exactly.
 struct PrintColor {
   static constexpr double kUnit = 10'000;
-  std::array<std::uint16_t, 3> shares;
+  std::array<std::uint16_t, 3> chromaticity;
   std::uint16_t spread;
   bool operator==(const PrintColor&) const = default;
 };
@@ -108,7 +108,7 @@ struct LutTable {
 /// Bayer pixels need no conversion.
 class Lut {
  public:
-  struct Shares {
+  struct Chromaticity {
     std::array<double, 3> mean{1.0 / 3, 1.0 / 3, 1.0 / 3};
     double spread = 0;
   };
@@ -139,13 +139,13 @@ class Lut {
   ColorTable color_table() const;
   int color_bits() const { return color_bits_; }
 
-  /// Mean shares of red, green and blue (with sum 1) of the label's prints, where the table tells them, else
-  /// among its cells: what stays of a colour when the light changes. Equal shares for a label without
-  /// colours.
-  const std::array<double, 3>& shares(Label label) const { return shares_[label].mean; }
+  /// Mean chromaticity, the shares of red, green and blue (with sum 1), of the label's prints if the table
+  /// has them, else of its cells: what stays of a colour when the light changes. Equal shares for a label
+  /// without colours.
+  const std::array<double, 3>& chromaticity_mean(Label label) const { return chromaticities_[label].mean; }
   const Prints& prints() const { return prints_; }
   /// How far the label's colours lie from that: root mean square distance.
-  double share_spread(Label label) const { return shares_[label].spread; }
+  double chromaticity_spread(Label label) const { return chromaticities_[label].spread; }
 
   const LutTable& yuv() const { return yuv_; }
   const LutTable& rgb() const { return rgb_; }
@@ -155,22 +155,22 @@ class Lut {
   std::uint64_t id() const { return id_; }
 
  private:
-  /// Sums over a label's colours, so that shares follow changed cells. Whole numbers: the order of adding
-  /// does not matter.
-  struct ShareSums {
+  /// Sums over a label's colours, so that its chromaticity follows changed cells. Whole numbers: the order of
+  /// adding does not matter.
+  struct ChromaticitySums {
     std::array<std::int64_t, 3> color{};
-    std::int64_t squares = 0;  // of the shares' lengths, times the brightness and kSquareUnit
+    std::int64_t squares = 0;  // of the chromaticities' lengths, times the brightness and kSquareUnit
 
     void add(int r, int g, int b, int times);
-    Shares shares() const;
+    Chromaticity chromaticity() const;
   };
-  void finish_shares();
+  void finish_chromaticities();
 
   int color_bits_;
   LutTable yuv_, rgb_;
   Prints prints_;
-  std::array<ShareSums, label::kMost> share_sums_{};
-  std::array<Shares, label::kMost> shares_;
+  std::array<ChromaticitySums, label::kMost> chromaticity_sums_{};
+  std::array<Chromaticity, label::kMost> chromaticities_;
   std::uint64_t id_;
 };
 

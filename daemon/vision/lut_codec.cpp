@@ -81,7 +81,7 @@ Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& pat
       return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
     };
     PrintColor print{};
-    for (std::uint16_t& share : print.shares) share = number();
+    for (std::uint16_t& share : print.chromaticity) share = number();
     print.spread = number();
     if (!is_print(print)) refuse(path, "has a print of label {} whose shares do not add up to 1", value);
     out[*ours[value]] = print;
@@ -124,7 +124,7 @@ ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::stri
 
 bool is_print(const PrintColor& print) {
   constexpr int kRounding = 2;
-  const int sum = print.shares[0] + print.shares[1] + print.shares[2];
+  const int sum = print.chromaticity[0] + print.chromaticity[1] + print.chromaticity[2];
   return std::abs(sum - static_cast<int>(PrintColor::kUnit)) <= kRounding &&
          print.spread <= PrintColor::kUnit;
 }
@@ -195,7 +195,8 @@ std::vector<std::uint8_t> encode_lut(const ColorTable& table, const LabelSet& la
     if (!has_print(value)) continue;
     const PrintColor& print = *table.prints[value];
     out.push_back(static_cast<std::uint8_t>(value));
-    for (const std::uint16_t number : {print.shares[0], print.shares[1], print.shares[2], print.spread}) {
+    for (const std::uint16_t number :
+         {print.chromaticity[0], print.chromaticity[1], print.chromaticity[2], print.spread}) {
       out.push_back(static_cast<std::uint8_t>(number & 0xFF));
       out.push_back(static_cast<std::uint8_t>(number >> 8));
     }

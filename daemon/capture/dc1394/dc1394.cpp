@@ -86,7 +86,7 @@ class Dc1394Source final : public Source {
     const Clock::time_point until = Clock::now() + timeout;
     for (;;) {
       const Ring::Taken taken = ring_->take();
-      if (taken.error != DC1394_SUCCESS) return lose(problem, dc1394_error_get_string(taken.error));
+      if (taken.error != DC1394_SUCCESS) return mark_lost(problem, dc1394_error_get_string(taken.error));
       if (taken.frame != nullptr) {
         last_frame_ = Clock::now();
         return hand_over(taken, image, problem);
@@ -95,7 +95,7 @@ class Dc1394Source final : public Source {
       if (left.count() <= 0) return nothing_came(problem);
       pollfd ready{ring_->fd(), POLLIN, 0};
       if (::poll(&ready, 1, static_cast<int>(left.count())) < 0 && errno != EINTR)
-        return lose(problem, "it cannot be waited for");
+        return mark_lost(problem, "it cannot be waited for");
     }
   }
 
@@ -104,7 +104,7 @@ class Dc1394Source final : public Source {
   std::vector<std::string> warnings() const override { return warnings_; }
 
  private:
-  CaptureStatus lose(std::string& problem, std::string_view why) {
+  CaptureStatus mark_lost(std::string& problem, std::string_view why) {
     lost_ = true;
     problem = fmt::format("camera \"{}\": no longer delivers: {}", label_, why);
     return CaptureStatus::kLost;
@@ -116,7 +116,7 @@ class Dc1394Source final : public Source {
     const std::lock_guard lock(link_->mutex);
     dc1394switch_t sends = DC1394_OFF;
     if (dc1394_video_get_transmission(link_->camera, &sends) != DC1394_SUCCESS)
-      return lose(problem, fmt::format("no image for {:g} s, and it does not answer", silence_s_));
+      return mark_lost(problem, fmt::format("no image for {:g} s, and it does not answer", silence_s_));
     if (sends == DC1394_ON && waits_for_trigger(link_->camera)) {
       last_frame_ = Clock::now();
       return CaptureStatus::kTimeout;

@@ -39,7 +39,7 @@ class Filler {
     const int hiding = std::min(options_.hidden_balls, robots - options_.touching);
     const auto each = [&](int from, int to, int step, const char* key, const auto& placed) {
       for (int i = from; i < to; i += step) {
-        if (!tried([&] { return placed(static_cast<std::size_t>(i)); })) slot_.no_room_for = key;
+        if (!try_often([&] { return placed(static_cast<std::size_t>(i)); })) slot_.no_room_for = key;
       }
     };
     each(0, options_.touching, 2, "robots", [&](std::size_t i) { return place_pair(i); });
@@ -49,14 +49,14 @@ class Filler {
     each(options_.hidden_balls, options_.balls, 1, "balls", [&](std::size_t) { return place_ball(); });
     for (int i = 0; i < options_.distractors; ++i) {
       const SimulatedDistractor distractor = make_distractor(random_);
-      if (!tried([&] { return place_distractor(distractor); })) slot_.no_room_for = "distractors";
+      if (!try_often([&] { return place_distractor(distractor); })) slot_.no_room_for = "distractors";
     }
     return slot_;
   }
 
  private:
   template <class Place>
-  static bool tried(const Place& place) {
+  static bool try_often(const Place& place) {
     constexpr int kAttempts = 2000;  // of which all but the last of a crowd need a few
     for (int i = 0; i < kAttempts; ++i) {
       if (place()) return true;

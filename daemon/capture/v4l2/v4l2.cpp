@@ -103,8 +103,8 @@ class V4l2Source final : public Source {
     const int error = stream_->fetch(filled);
     if (error == EAGAIN && !ready.error) return CaptureStatus::kTimeout;
     if (error != 0) {
-      return lost(problem, error == ENODEV ? "it is no longer there"
-                                           : fmt::format("it delivers no more: {}", errno_text(error)));
+      return mark_lost(problem, error == ENODEV ? "it is no longer there"
+                                                : fmt::format("it delivers no more: {}", errno_text(error)));
     }
     last_picture_ns_ = steady_ns();
     count_gap(filled.sequence);
@@ -123,18 +123,18 @@ class V4l2Source final : public Source {
   }
 
  private:
-  CaptureStatus lost(std::string& problem, std::string_view why) const {
+  CaptureStatus mark_lost(std::string& problem, std::string_view why) const {
     problem = fmt::format("camera \"{}\": {}", label_, why);
     return CaptureStatus::kLost;
   }
 
   CaptureStatus nothing_came(std::string& problem) {
     if (const int error = stream_->queue_error(); error != 0)
-      return lost(problem, fmt::format("it does not take its buffers back: {}", errno_text(error)));
+      return mark_lost(problem, fmt::format("it does not take its buffers back: {}", errno_text(error)));
     if (!stream_->can_deliver()) last_picture_ns_ = steady_ns();  // not its fault
     if (static_cast<double>(steady_ns() - last_picture_ns_) * 1e-9 < options_.silence_s)
       return CaptureStatus::kTimeout;
-    return lost(problem, fmt::format("no image for {} s", options_.silence_s));
+    return mark_lost(problem, fmt::format("no image for {} s", options_.silence_s));
   }
 
   /// Of an image with so many rows of so many bytes.

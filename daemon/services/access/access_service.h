@@ -20,7 +20,7 @@ class AccessService final : public Service, public Gate {
   AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock);
 
   // Gate
-  void refresh() override { passwords_.look_again(); }  // ssl-visionctl may have set one
+  void refresh() override { passwords_.reload_if_changed(); }  // ssl-visionctl may have set one
   May may(std::string_view cookies) override { return access_.may(cookies); }
   std::string lock_reason() override { return match_lock_.state().is_locked() ? MatchLock::kReason : ""; }
   std::vector<std::string> names() const override { return config_.load()->panel.names; }

@@ -34,7 +34,7 @@ const TableStatistics& ColorDesk::statistics() {
   return statistics_;
 }
 
-TableChange ColorDesk::tried(std::span<const TableEdit> edits) const {
+TableChange ColorDesk::preview(std::span<const TableEdit> edits) const {
   const ColorTable before = table_->color_table();
   ColorTable after = before;
   std::vector<CellRun> cells;

@@ -39,7 +39,7 @@ class ColorDesk {
   const TableStatistics& statistics();
 
   /// What these edits together would change. Throws SettingsError.
-  TableChange tried(std::span<const TableEdit> edits) const;
+  TableChange preview(std::span<const TableEdit> edits) const;
 
   /// Each applies a table by `save`; when that throws, nothing has changed here either.
   using Save = std::function<void(const std::shared_ptr<const Lut>& lut, const std::string& what)>;

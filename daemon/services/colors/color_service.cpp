@@ -189,7 +189,7 @@ Response ColorService::edit(const Request& request) {
       at.desk.replace(with_bits(at.camera.context().adapted_lut, at.desk.table()->color_bits()),
                       "taken over as adapted to the light", request.address, [](const auto&, const auto&) {});
     }
-    const TableChange change = at.desk.tried(edits);
+    const TableChange change = at.desk.preview(edits);
     out = table_change_json(change, at.labels());
     if (!wanted.only_try) {
       at.desk.change(change, what_they_did(edits, at.labels()), request.address,

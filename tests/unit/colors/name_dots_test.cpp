@@ -53,9 +53,9 @@ TEST(NameDots, ClippedChannelsMayHaveBeenBrighter) {
   const NamedDots named = name_dots(robots, league_patterns(), {});
   ASSERT_EQ(named.problem, "");
   EXPECT_EQ(named.labels, expected);
-  for (const auto& [label, shares] : named.shares) {
-    const Color3 printed = shares_of(print_color(label) - print_color(label::kBlack));
-    EXPECT_LT((shares - printed).norm(), 0.08) << label::kNames[label];
+  for (const auto& [label, chromaticity] : named.chromaticities) {
+    const Color3 printed = chromaticity_of(print_color(label) - print_color(label::kBlack));
+    EXPECT_LT((chromaticity - printed).norm(), 0.08) << label::kNames[label];
   }
 }
 

@@ -63,15 +63,15 @@ TEST(TableInLight, ThingsKeepTheirLabelsInEveryLight) {
   for (const std::array<double, 3> gain :
        {std::array{0.3, 0.3, 0.3}, std::array{0.6, 0.6, 0.6}, std::array{1.5, 1.5, 1.5},
         std::array{2.0, 2.0, 2.0}, std::array{1.2, 1.0, 0.8}, std::array{0.36, 0.4, 0.44}}) {
-    const Lut today(table_in_light(*accepted, {gain}));
+    const Lut adapted_lut(table_in_light(*accepted, {gain}));
     for (const Label label : kColors) {
       const Rgb color = in_light(paint_color(label), gain);
-      EXPECT_EQ(name_of(today.of_rgb(color.r, color.g, color.b)), name_of(label))
+      EXPECT_EQ(name_of(adapted_lut.of_rgb(color.r, color.g, color.b)), name_of(label))
           << gain[0] << " " << gain[2];
     }
     for (const Label label : {label::kField, label::kWhite, label::kBlack}) {
       const Rgb color = in_light(paint_color(label), gain);
-      const Label seen = today.of_rgb(color.r, color.g, color.b);
+      const Label seen = adapted_lut.of_rgb(color.r, color.g, color.b);
       EXPECT_TRUE(seen == label || seen == label::kClear) << name_of(label) << " is " << name_of(seen);
     }
   }
@@ -81,14 +81,14 @@ TEST(TableInLight, ThingsKeepTheirLabelsInEveryLight) {
 
 TEST(TableInLight, AreasOfOtherLightCountToo) {
   const auto accepted = painted_table();
-  const Lut today(table_in_light(*accepted, {{0.8, 0.8, 0.8}, 0.6, 1.4}));
+  const Lut adapted_lut(table_in_light(*accepted, {{0.8, 0.8, 0.8}, 0.6, 1.4}));
   for (const double area : {0.6, 0.8, 1.0, 1.2, 1.4}) {
     for (const Label label : kColors) {
       const Rgb color = in_light(paint_color(label), {0.8 * area, 0.8 * area, 0.8 * area});
-      EXPECT_EQ(name_of(today.of_rgb(color.r, color.g, color.b)), name_of(label)) << area;
+      EXPECT_EQ(name_of(adapted_lut.of_rgb(color.r, color.g, color.b)), name_of(label)) << area;
     }
     const Rgb carpet = in_light(paint_color(label::kField), {0.8 * area, 0.8 * area, 0.8 * area});
-    const Label seen = today.of_rgb(carpet.r, carpet.g, carpet.b);
+    const Label seen = adapted_lut.of_rgb(carpet.r, carpet.g, carpet.b);
     EXPECT_TRUE(seen == label::kField || seen == label::kClear) << name_of(seen);
   }
 }

@@ -98,10 +98,10 @@ TEST_F(PasswordsTest, SeesWhatAnotherProgramSets) {
   Passwords service(file_), tool(file_);
   tool.set(Role::kAdmin, "correct horse");
   EXPECT_FALSE(service.has(Role::kAdmin));
-  service.look_again();
+  service.reload_if_changed();
   EXPECT_EQ(service.role_of("correct horse"), Role::kAdmin);
   tool.set(Role::kAdmin, "battery staple");
-  service.look_again();
+  service.reload_if_changed();
   EXPECT_EQ(service.role_of("battery staple"), Role::kAdmin);
 }
 
@@ -109,10 +109,10 @@ TEST_F(PasswordsTest, AFileThatGoesOrBreaksLetsNobodyIn) {
   Passwords passwords(file_);
   passwords.set(Role::kAdmin, "correct horse");
   std::ofstream(file_) << "{";
-  passwords.look_again();
+  passwords.reload_if_changed();
   EXPECT_EQ(passwords.role_of("correct horse"), Role::kAdmin);
   std::filesystem::remove(file_);
-  passwords.look_again();
+  passwords.reload_if_changed();
   EXPECT_TRUE(passwords.has(Role::kAdmin));
   passwords.set(Role::kAdmin, "battery staple");
   EXPECT_EQ(Passwords(file_).role_of("battery staple"), Role::kAdmin);

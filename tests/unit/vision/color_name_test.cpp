@@ -69,14 +69,16 @@ TEST_F(ColorNames, OnlyAllowedNamesAreGiven) {
 }
 
 TEST_F(ColorNames, HalfwayBetweenTwoNothingIsSure) {
-  const auto pink = drawn_.lut().shares(label::kPink), green = drawn_.lut().shares(label::kGreen);
+  const auto pink = drawn_.lut().chromaticity_mean(label::kPink),
+             green = drawn_.lut().chromaticity_mean(label::kGreen);
   Color between;
   for (std::size_t c = 0; c < 3; ++c) between[c] = 100 * (pink[c] + green[c]);
   EXPECT_NEAR(name_color(between, between, drawn_.lut(), kSides).margin, 0, 0.01);
 }
 
 TEST_F(ColorNames, TheMarginFallsFromOneColourToTheOther) {
-  const auto pink = drawn_.lut().shares(label::kPink), green = drawn_.lut().shares(label::kGreen);
+  const auto pink = drawn_.lut().chromaticity_mean(label::kPink),
+             green = drawn_.lut().chromaticity_mean(label::kGreen);
   double last = 2;
   for (const double share : {0.0, 0.1, 0.2, 0.3, 0.4, 0.49}) {
     Color mixed;
@@ -91,7 +93,7 @@ TEST_F(ColorNames, TheMarginFallsFromOneColourToTheOther) {
 }
 
 TEST_F(ColorNames, TheTableMayContradict) {
-  const auto pink = drawn_.lut().shares(label::kPink);
+  const auto pink = drawn_.lut().chromaticity_mean(label::kPink);
   const Color seen{200 * pink[0], 200 * pink[1], 200 * pink[2]};
   const Rgb green = paint_color(label::kGreen);
   const Color table_says_green{1.0 * green.r, 1.0 * green.g, 1.0 * green.b};

@@ -85,17 +85,17 @@ TEST(Lut, SharesAreThoseOfALabelsColours) {
                     {"blue", {20, 255}, {320, 380}, {40, 1000}}};
   const auto lut = make_lut(colors, "");
   for (const Label label : {label::kOrange, label::kBlue}) {
-    const auto& shares = lut->shares(label);
-    EXPECT_NEAR(shares[0] + shares[1] + shares[2], 1, 1e-9);
+    const auto& mean = lut->chromaticity_mean(label);
+    EXPECT_NEAR(mean[0] + mean[1] + mean[2], 1, 1e-9);
   }
-  EXPECT_GT(lut->shares(label::kOrange)[0], lut->shares(label::kOrange)[1]);
-  EXPECT_GT(lut->shares(label::kOrange)[1], lut->shares(label::kOrange)[2]);
-  EXPECT_GT(lut->shares(label::kBlue)[2], 0.4);
-  EXPECT_GT(lut->share_spread(label::kOrange), 0.01);
-  EXPECT_LT(lut->share_spread(label::kOrange), 0.2);
-  for (const double share : lut->shares(label::kPink))
+  EXPECT_GT(lut->chromaticity_mean(label::kOrange)[0], lut->chromaticity_mean(label::kOrange)[1]);
+  EXPECT_GT(lut->chromaticity_mean(label::kOrange)[1], lut->chromaticity_mean(label::kOrange)[2]);
+  EXPECT_GT(lut->chromaticity_mean(label::kBlue)[2], 0.4);
+  EXPECT_GT(lut->chromaticity_spread(label::kOrange), 0.01);
+  EXPECT_LT(lut->chromaticity_spread(label::kOrange), 0.2);
+  for (const double share : lut->chromaticity_mean(label::kPink))
     EXPECT_NEAR(share, 1.0 / 3, 1e-9) << "a label without colours";
-  EXPECT_EQ(lut->share_spread(label::kPink), 0);
+  EXPECT_EQ(lut->chromaticity_spread(label::kPink), 0);
 }
 
 TEST(Lut, PrintsTellMoreThanCells) {
@@ -103,13 +103,13 @@ TEST(Lut, PrintsTellMoreThanCells) {
   for (Label& label : table.labels) label = label::kGreen;
   table.prints[label::kGreen] = PrintColor{{2000, 6000, 2000}, 900};
   const Lut lut(table);
-  EXPECT_NEAR(lut.shares(label::kGreen)[1], 0.6, 1e-9);
-  EXPECT_NEAR(lut.share_spread(label::kGreen), 0.09, 1e-9);
+  EXPECT_NEAR(lut.chromaticity_mean(label::kGreen)[1], 0.6, 1e-9);
+  EXPECT_NEAR(lut.chromaticity_spread(label::kGreen), 0.09, 1e-9);
   EXPECT_TRUE(lut.color_table() == table);
   const CellRun erased{0, 100, label::kGreen, label::kClear};
   EXPECT_EQ(lut.with_changes({&erased, 1}).prints(), table.prints);
   const Lut forgotten = lut.with_changes({&erased, 1}, {});
-  EXPECT_LT(forgotten.shares(label::kGreen)[1], 0.5);
+  EXPECT_LT(forgotten.chromaticity_mean(label::kGreen)[1], 0.5);
   EXPECT_EQ(with_bits(std::make_shared<const Lut>(lut), 5)->prints(), table.prints);
 }
 
@@ -128,7 +128,7 @@ TEST(Lut, SharesStayWhenTheLightChanges) {
         labels[Lut::index_yuv(off(c.y, near % 3), off(c.u, near / 3 % 3), off(c.v, near / 9))] = label::kPink;
       }
     }
-    return Lut(std::move(labels)).shares(label::kPink);
+    return Lut(std::move(labels)).chromaticity_mean(label::kPink);
   };
   const auto all = shades(0.2), bright = shades(0.6);
   const std::array<double, 3> expected{224.0 / 440, 66.0 / 440, 150.0 / 440};
@@ -161,7 +161,7 @@ TEST(Lut, ClassesMayHaveOwnLabels) {
   const auto lut = make_lut(colors, "/colors", labels);
   const Yuv purple = to_yuv({160, 60, 200});
   EXPECT_EQ(lut->of_yuv(purple.y, purple.u, purple.v), 11);
-  EXPECT_NE(lut->shares(11)[2], lut->shares(11)[1]);
+  EXPECT_NE(lut->chromaticity_mean(11)[2], lut->chromaticity_mean(11)[1]);
   EXPECT_THAT(error_of([&] { make_lut(colors, "/colors"); }), HasSubstr("\"purple\" is not allowed"));
 }
 
@@ -209,8 +209,8 @@ void expect_same(const Lut& found, const Lut& expected) {
   }
   for (std::size_t label = 0; label < label::kMost; ++label) {
     const auto value = static_cast<Label>(label);
-    EXPECT_EQ(found.shares(value), expected.shares(value)) << label;
-    EXPECT_EQ(found.share_spread(value), expected.share_spread(value)) << label;
+    EXPECT_EQ(found.chromaticity_mean(value), expected.chromaticity_mean(value)) << label;
+    EXPECT_EQ(found.chromaticity_spread(value), expected.chromaticity_spread(value)) << label;
   }
 }
 

@@ -97,7 +97,7 @@ TEST_F(AccessTest, AnotherPasswordEndsTheSessionsOfThatRole) {
   const std::string admin = sign_in("correct horse"), viewer = sign_in("battery staple");
   // As ssl-visionctl does it.
   Passwords(folder_.path() / Passwords::kFileName).set(Role::kViewer, "another staple");
-  passwords_.look_again();  // as the service does once a second
+  passwords_.reload_if_changed();  // as the service does once a second
   EXPECT_EQ(access_.may(viewer), May::kNothing);
   EXPECT_EQ(access_.may(admin), May::kChange);
   const std::string changed =

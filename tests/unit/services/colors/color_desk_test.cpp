@@ -23,7 +23,7 @@ class ColorDeskTest : public testing::Test {
     return PaintEdit{label, {y, 100, 100}, {1, 1, 1}, Shape::kBox, Over::kAny};
   }
   void do_edit(const TableEdit& edit, const std::string& what) {
-    desk_.change(desk_.tried(std::vector{edit}), what, "me", save_);
+    desk_.change(desk_.preview(std::vector{edit}), what, "me", save_);
   }
   Label at(int y) const { return desk_.table()->of_yuv(static_cast<std::uint8_t>(y), 100, 100); }
 
@@ -77,7 +77,7 @@ TEST_F(ColorDeskTest, PrintsComeWithATableAndGoWhereALabelGrows) {
 TEST_F(ColorDeskTest, TryingChangesNothing) {
   const auto before = desk_.table();
   const auto revision = desk_.revision();
-  const TableChange change = desk_.tried(std::vector{paint(label::kPink, 50)});
+  const TableChange change = desk_.preview(std::vector{paint(label::kPink, 50)});
   EXPECT_GT(change.cells.size(), 0U);
   EXPECT_EQ(desk_.table(), before);
   EXPECT_EQ(desk_.revision(), revision);
@@ -87,12 +87,12 @@ TEST_F(ColorDeskTest, TryingChangesNothing) {
 TEST_F(ColorDeskTest, CountsWhatClustersLeaveToASurface) {
   ColorCluster cluster{{{60, 100, 100}}, {}};
   AddClusterEdit edit{label::kPink, cluster, Over::kAny};
-  const std::size_t all = cells_before(desk_.tried(std::vector<TableEdit>{edit}).cells).front().second;
+  const std::size_t all = cells_before(desk_.preview(std::vector<TableEdit>{edit}).cells).front().second;
   edit.stays_clear = [](Yuv color) { return color.y < 60; };
-  const TableChange change = desk_.tried(std::vector<TableEdit>{edit});
+  const TableChange change = desk_.preview(std::vector<TableEdit>{edit});
   EXPECT_GT(change.left_clear, 0U);
   EXPECT_EQ(cells_before(change.cells).front().second, all - change.left_clear);
-  EXPECT_EQ(desk_.tried(std::vector<TableEdit>{edit, edit}).left_clear, 2 * change.left_clear);
+  EXPECT_EQ(desk_.preview(std::vector<TableEdit>{edit, edit}).left_clear, 2 * change.left_clear);
 }
 
 TEST_F(ColorDeskTest, WhatCannotBeSavedIsNotDone) {
@@ -115,7 +115,7 @@ TEST_F(ColorDeskTest, WhatCannotBeSavedIsNotDone) {
 
 TEST_F(ColorDeskTest, SeveralEditsAreOneStep) {
   desk_.change(
-      desk_.tried(std::vector{paint(label::kPink, 50), paint(label::kBlue, 50), paint(label::kPink, 90)}),
+      desk_.preview(std::vector{paint(label::kPink, 50), paint(label::kBlue, 50), paint(label::kPink, 90)}),
       "painted", "me", save_);
   EXPECT_EQ(at(50), label::kBlue);
   EXPECT_EQ(desk_.history().done().size(), 1U);
