@@ -27,7 +27,7 @@ void LogRing::add(double time_s, Level level, std::string_view text) {
   const std::lock_guard lock(mutex_);
   bytes_ += kept.size();
   lines_.push_back({++newest_, time_s, level, std::move(kept)});
-  while (lines_.size() > kMostLines || bytes_ > kMostBytes) {
+  while (lines_.size() > kMaxLines || bytes_ > kMaxBytes) {
     bytes_ -= lines_.front().text.size();
     lines_.pop_front();
   }

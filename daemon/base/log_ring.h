@@ -21,7 +21,7 @@ std::optional<Level> level_named(std::string_view name);
 /// The newest lines of a log. May be used from any thread.
 class LogRing {
  public:
-  static constexpr std::size_t kMostLines = 1000, kMostBytes = 256 * 1024;
+  static constexpr std::size_t kMaxLines = 1000, kMaxBytes = 256 * 1024;
   static constexpr std::size_t kLongestLine = 4096;  // bytes; the rest of a longer one is left out
 
   struct Line {

@@ -79,12 +79,12 @@ class Calibrator {
     for (const NamedPoint& place : clicks_.places) places.push_back(place.place_mm);
     auto guesses = guess_poses(pixels, places, true, task_.click_sigma_px, picture_, curves_, prior);
     // The best of each way round: turned by half a turn, most of a field's lines fit as well.
-    constexpr double kMostBehind = 0.45;
-    constexpr std::size_t kMost = 3;
+    constexpr double kMaxBehind = 0.45;
+    constexpr std::size_t kMax = 3;
     std::vector<PoseGuess> chosen;
     for (PoseGuess& guess : guesses) {
-      if (chosen.size() >= kMost ||
-          guesses.front().evidence - guess.evidence > kMostBehind * guesses.front().evidence)
+      if (chosen.size() >= kMax ||
+          guesses.front().evidence - guess.evidence > kMaxBehind * guesses.front().evidence)
         break;
       const bool is_new = std::none_of(chosen.begin(), chosen.end(), [&](const PoseGuess& other) {
         return same_way_round(guess.camera, other.camera);

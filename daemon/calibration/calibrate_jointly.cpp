@@ -18,7 +18,7 @@ namespace sslv {
 namespace {
 
 /// How far lines may be from where the current calibration has them: a share of the image's width.
-constexpr double kWindowShare = 0.02, kLeastWindowPx = 8;
+constexpr double kWindowShare = 0.02, kMinWindowPx = 8;
 /// A camera that would hang this much higher or lower than it was said to: a share of its height. Robots
 /// whose height is 7 mm wrong do that.
 constexpr double kHeightShare = 0.05;
@@ -94,7 +94,7 @@ class JointCalibrator {
         continue;
       }
       LinePicture picture = find_line_pixels(view.picture, task_.field.line_thickness * start.px_per_mm());
-      const double window_px = std::max(kLeastWindowPx, kWindowShare * start.width);
+      const double window_px = std::max(kMinWindowPx, kWindowShare * start.width);
       auto refined = refine_camera(picture, start, curves_, prior_in_force(view.calibration, view.picture),
                                    {window_px, false}, stop_);
       if (stop_.stop_requested()) return false;

@@ -28,9 +28,9 @@ std::vector<Sighting> on_curves(std::span<const Sighting> sightings, std::span<c
 
 CameraFit fit(const RefinedCamera& refined, std::span<const Sighting> sightings, bool two_radial) {
   constexpr double kCauchy = 3;
-  constexpr int kMostSteps = 40;
+  constexpr int kMaxSteps = 40;
   return fit_camera(refined.camera, sightings, two_radial ? with_second_radial(refined.prior) : refined.prior,
-                    {kCauchy, kMostSteps});
+                    {kCauchy, kMaxSteps});
 }
 
 /// All cameras with their sightings on one kind of lines.

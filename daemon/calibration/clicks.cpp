@@ -26,8 +26,8 @@ const NamedPoint& point_named(const std::string& name, std::size_t click,
 }  // namespace
 
 Clicks read_clicks(std::span<const ClickedPoint> clicked, std::span<const NamedPoint> points) {
-  constexpr std::size_t kLeast = 4;
-  if (!clicked.empty() && clicked.size() < kLeast) {
+  constexpr std::size_t kMin = 4;
+  if (!clicked.empty() && clicked.size() < kMin) {
     throw SettingsError(
         fmt::format("/points: {} are too few; expected four or more corners or crossings, or none at all",
                     clicked.size()));

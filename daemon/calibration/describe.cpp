@@ -267,7 +267,7 @@ std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt) 
     out.push_back(
         fmt::format("The lines lie {:.2f} px off on average (expected less than {}): do the field's sizes "
                     "fit this field?",
-                    verdict.rms_px, kMostRmsPx));
+                    verdict.rms_px, kMaxRmsPx));
   }
   return out;
 }

@@ -22,13 +22,13 @@ double turn_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
 
 /// In an image taken from above, y downwards, all triangles go the other way round.
 bool is_from_above(Points pixels, Points places, const Assignment& place_of) {
-  constexpr double kLeastPx2 = 400, kLeastMm2 = 1e5;  // thinner ones may turn over by bad clicks
+  constexpr double kMinPx2 = 400, kMinMm2 = 1e5;  // thinner ones may turn over by bad clicks
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
       for (std::size_t k = j + 1; k < pixels.size(); ++k) {
         const double seen = turn_of(pixels[i], pixels[j], pixels[k]);
         const double real = turn_of(places[place_of[i]], places[place_of[j]], places[place_of[k]]);
-        if (std::abs(seen) > kLeastPx2 && std::abs(real) > kLeastMm2 && seen * real > 0) return false;
+        if (std::abs(seen) > kMinPx2 && std::abs(real) > kMinMm2 && seen * real > 0) return false;
       }
     }
   }
@@ -105,7 +105,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   };
   std::vector<Candidate> candidates;
   const double width = picture.width();
-  const double most_off_px = 0.12 * width;  // tilt and distortion bend the similarity
+  const double max_off_px = 0.12 * width;  // tilt and distortion bend the similarity
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
       if ((pixels[i] - pixels[j]).norm() < 0.15 * width) continue;
@@ -118,7 +118,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
           Candidate candidate{Assignment(pixels.size()), 0};
           std::set<std::size_t> taken;
           for (std::size_t k = 0; k < pixels.size(); ++k) {
-            double nearest = most_off_px;
+            double nearest = max_off_px;
             for (std::size_t p = 0; p < places.size(); ++p) {
               const double off = (map(places[p]) - pixels[k]).norm();
               if (off >= nearest) continue;
@@ -126,7 +126,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
               candidate.place_of[k] = p;
             }
             candidate.off_px += nearest;
-            if (nearest >= most_off_px || !taken.insert(candidate.place_of[k]).second) {
+            if (nearest >= max_off_px || !taken.insert(candidate.place_of[k]).second) {
               candidate.off_px = -1;
               break;
             }
@@ -139,10 +139,10 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.off_px < b.off_px; });
-  constexpr std::size_t kMost = 120;
+  constexpr std::size_t kMax = 120;
   std::set<Assignment> seen;
   for (Candidate& candidate : candidates) {
-    if (seen.size() >= kMost) break;
+    if (seen.size() >= kMax) break;
     if (seen.insert(candidate.place_of).second) out.push_back(std::move(candidate.place_of));
   }
 }
@@ -207,7 +207,7 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
   }
 
   const auto points = evidence_points(curves);
-  constexpr double kMostRmsSigmas = 12;
+  constexpr double kMaxRmsSigmas = 12;
   for (const Assignment& place_of : assignments) {
     std::vector<Eigen::Vector2d> places;
     for (const std::size_t place : place_of) places.push_back(places_mm[place]);
@@ -220,7 +220,7 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
       held.k1_sigma = 0.02;
       const CameraFit fit =
           camera_of_points(pixels, places, click_sigma_px, picture.width(), picture.height(), held);
-      if (!is_plausible(fit.camera) || fit.rms > kMostRmsSigmas) continue;
+      if (!is_plausible(fit.camera) || fit.rms > kMaxRmsSigmas) continue;
       const double evidence = line_evidence(fit.camera, points, picture);
       if (evidence > best.evidence) best = {fit.camera, place_of, fit.rms * click_sigma_px, evidence};
     }

@@ -83,7 +83,7 @@ void descend(LensCamera& camera, double& cost, std::span<const Sighting> sightin
              const FitOptions& options) {
   // Restarted from where it arrived, the steps' parameters are again small changes of a camera near by.
   constexpr int kRounds = 4;
-  int steps_left = options.most_steps;
+  int steps_left = options.max_steps;
   for (int round = 0; round < kRounds && steps_left > 0; ++round) {
     Problem problem(camera, sightings, prior, options.cauchy);
     Eigen::LevenbergMarquardt<Problem> solver(problem);

@@ -34,7 +34,7 @@ struct CameraFit {
 struct FitOptions {
   /// Sightings this many sigmas off count little (Cauchy's loss); 0: all count by their square.
   double cauchy = 0;
-  int most_steps = 40;
+  int max_steps = 40;
 };
 
 /// The likeliest camera: Levenberg and Marquardt's method (MINPACK's, as in Eigen), started from `start`.

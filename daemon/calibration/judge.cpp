@@ -7,7 +7,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kLeastCredit = 0.52, kUnexplainedWeight = 4;
+constexpr double kMinCredit = 0.52, kUnexplainedWeight = 4;
 
 double unexplained_share(const LensCamera& camera, const LinePicture& picture,
                          std::span<const PaintedCurve> curves, const FieldSize& field) {
@@ -17,7 +17,7 @@ double unexplained_share(const LensCamera& camera, const LinePicture& picture,
   for (int y = 0; y < picture.height(); ++y) {
     const float* row = picture.line.row(y);
     for (int x = 0; x < picture.width(); ++x) {
-      if (row[x] < picture.least_line) continue;
+      if (row[x] < picture.min_line) continue;
       const auto place = camera.unproject({x, y}, 0);
       if (!place || std::abs(place->x()) > half_x || std::abs(place->y()) > half_y) continue;
       ++all;
@@ -36,11 +36,11 @@ double Verdict::credit() const {
 }
 
 bool Verdict::lines_are_near() const {
-  return rms_px < kMostRmsPx;
+  return rms_px < kMaxRmsPx;
 }
 
 bool Verdict::lines_are_found() const {
-  return credit() > kLeastCredit;
+  return credit() > kMinCredit;
 }
 
 Verdict judge(const RefinedCamera& refined, const LinePicture& picture, std::span<const PaintedCurve> curves,

@@ -24,7 +24,7 @@ struct Verdict {
   bool is_acceptable() const { return lines_are_near() && lines_are_found(); }
 };
 
-inline constexpr double kMostRmsPx = 0.6;  // of lines that are near
+inline constexpr double kMaxRmsPx = 0.6;  // of lines that are near
 
 Verdict judge(const RefinedCamera& refined, const LinePicture& picture, std::span<const PaintedCurve> curves,
               const FieldSize& field);

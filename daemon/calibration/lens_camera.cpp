@@ -10,7 +10,7 @@ namespace sslv {
 namespace {
 
 /// The map is taken for one-to-one where it grows at least so fast.
-constexpr double kLeastSlope = 0.05;
+constexpr double kMinSlope = 0.05;
 
 struct Distorted {
   double radius, slope;  // slope: of the undistorted radius by the distorted one
@@ -23,7 +23,7 @@ std::optional<Distorted> distort(double undistorted, double k1, double k2) {
   for (int i = 0; i < 20; ++i) {
     const double r2 = r * r;
     slope = 1 + r2 * (3 * k1 + 5 * k2 * r2);
-    if (slope < kLeastSlope) return std::nullopt;
+    if (slope < kMinSlope) return std::nullopt;
     const double step = (r * (1 + r2 * (k1 + k2 * r2)) - undistorted) / slope;
     r -= step;
     if (std::abs(step) < 1e-8) break;  // its square is what is left
@@ -79,7 +79,7 @@ std::optional<Eigen::Vector2d> LensCamera::project(const Eigen::Vector3d& point_
 std::optional<Eigen::Vector2d> LensCamera::unproject(const Eigen::Vector2d& pixel, double height_mm) const {
   const double x = (pixel.x() - center_x) / focal_px, y = (pixel.y() - center_y) / focal_px;
   const double r2 = x * x + y * y, scale = 1 + r2 * (k1 + k2 * r2);
-  if (1 + r2 * (3 * k1 + 5 * k2 * r2) < kLeastSlope) return std::nullopt;
+  if (1 + r2 * (3 * k1 + 5 * k2 * r2) < kMinSlope) return std::nullopt;
   const Eigen::Vector3d ray = rotation.transpose() * Eigen::Vector3d(x * scale, y * scale, 1);
   const double along = (height_mm - position_mm.z()) / ray.z();
   if (!(along > 0) || !std::isfinite(along)) return std::nullopt;

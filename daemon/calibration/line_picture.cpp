@@ -127,11 +127,11 @@ void raise_to_stand_out(const float* here, const float* one_side, const float* o
 /// Sets to 0 what is not white.
 void clear_colored(const float* red, const float* green, const float* blue, int count, float noise,
                    float* value) {
-  constexpr float kMostColor = 0.55F;  // of white: the channels' difference, as a share of the brightest
+  constexpr float kMaxColor = 0.55F;  // of white: the channels' difference, as a share of the brightest
   for (int i = 0; i < count; ++i) {
     const float most = std::max(std::max(red[i], green[i]), blue[i]),
                 least = std::min(std::min(red[i], green[i]), blue[i]);
-    value[i] = most - least > kMostColor * most + noise ? 0 : value[i];
+    value[i] = most - least > kMaxColor * most + noise ? 0 : value[i];
   }
 }
 
@@ -251,8 +251,8 @@ LinePicture find_line_pixels(const MeanPicture& picture, double line_px) {
   }
   const auto high = some.begin() + static_cast<std::ptrdiff_t>(0.992 * static_cast<double>(some.size()));
   std::nth_element(some.begin(), high, some.end());
-  out.least_line = std::max(4 * out.noise / std::max(1.0F, static_cast<float>(0.6 * line_px)), 0.35F * *high);
-  out.distance_px = distance_to_lines(out.line, out.least_line);
+  out.min_line = std::max(4 * out.noise / std::max(1.0F, static_cast<float>(0.6 * line_px)), 0.35F * *high);
+  out.distance_px = distance_to_lines(out.line, out.min_line);
   return out;
 }
 

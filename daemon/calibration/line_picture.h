@@ -46,7 +46,7 @@ struct LinePicture {
   FloatPicture line;         // by how much a pixel stands out against its sides; 0: it does not
   FloatPicture distance_px;  // to the nearest pixel that stands out enough
   float noise = 1;           // standard deviation of `light`
-  float least_line = 0;      // what is enough
+  float min_line = 0;        // what is enough
 
   int width() const { return light.width; }
   int height() const { return light.height; }

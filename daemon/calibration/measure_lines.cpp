@@ -92,8 +92,8 @@ std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& c
                                  double window_px) {
   constexpr double kMarginPx = 6, kBeyondPx = 2.2;
   // Seven pixels' mean has less noise than one.
-  const double least = std::max(0.6 * picture.least_line, 3 * picture.noise / 2.6);
-  constexpr std::size_t kMostStripes = 4;  // where there are more, there is no telling
+  const double least = std::max(0.6 * picture.min_line, 3 * picture.noise / 2.6);
+  constexpr std::size_t kMaxStripes = 4;  // where there are more, there is no telling
   std::vector<Sighting> out;
   for (const CurvePoint& point : points) {
     const auto expected = expect_line(camera, curves[point.curve], point, kMarginPx);
@@ -120,7 +120,7 @@ std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& c
       before = here;
       here = after;
     }
-    if (!found || stripes > kMostStripes) continue;
+    if (!found || stripes > kMaxStripes) continue;
     Sighting& sighting = out.emplace_back();
     sighting.place_mm = point.place_mm;
     sighting.pixel = expected->pixel + nearest_px * expected->normal;
@@ -136,7 +136,7 @@ std::optional<MeasuredLine> measure_line(const LinePicture& picture, const Expec
     double across, along, value;
   };
   constexpr double kBeyondPx = 1.6, kHalfPx = kPatchPx / 2;
-  constexpr std::size_t kLeastPixels = 30;
+  constexpr std::size_t kMinPixels = 30;
   const double half_width = expected.width_px / 2;
   const double reach = half_width + 3 * blur_px + kBeyondPx;
   const double box = kHalfPx + reach;
@@ -157,7 +157,7 @@ std::optional<MeasuredLine> measure_line(const LinePicture& picture, const Expec
       if (std::abs(along) <= kHalfPx && std::abs(across) <= reach) pixels.push_back({across, along, row[x]});
     }
   }
-  if (pixels.size() < kLeastPixels) return std::nullopt;
+  if (pixels.size() < kMinPixels) return std::nullopt;
 
   // Ground, slopes across and along, contrast; the stripe's place.
   using Vector5 = Eigen::Matrix<double, 5, 1>;

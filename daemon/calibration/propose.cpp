@@ -34,7 +34,7 @@ std::optional<double> normal_at(const LinePicture& picture, int x, int y) {
   for (int j = -kReach; j <= kReach; ++j) {
     const float* row = picture.line.row(y + j) + x;
     for (int i = -kReach; i <= kReach; ++i) {
-      const double weight = std::max(0.0F, row[i] - 0.5F * picture.least_line);
+      const double weight = std::max(0.0F, row[i] - 0.5F * picture.min_line);
       sum += weight;
       sx += weight * i;
       sy += weight * j;
@@ -47,8 +47,8 @@ std::optional<double> normal_at(const LinePicture& picture, int x, int y) {
   xx -= sx * sx / sum;
   xy -= sx * sy / sum;
   yy -= sy * sy / sum;
-  constexpr double kLeastCoherence = 0.6;
-  if (std::hypot(xx - yy, 2 * xy) < kLeastCoherence * (xx + yy)) return std::nullopt;
+  constexpr double kMinCoherence = 0.6;
+  if (std::hypot(xx - yy, 2 * xy) < kMinCoherence * (xx + yy)) return std::nullopt;
   return 0.5 * std::atan2(2 * xy, xx - yy) + kPi / 2;
 }
 
@@ -59,7 +59,7 @@ std::vector<StripePoint> stripe_points(const LinePicture& picture) {
     const float *above = picture.line.row(y - 1), *here = picture.line.row(y),
                 *below = picture.line.row(y + 1);
     for (int x = kMargin; x < picture.width() - kMargin; ++x) {
-      if (here[x] < picture.least_line) continue;
+      if (here[x] < picture.min_line) continue;
       const bool on_crest =
           (here[x] >= here[x - 1] && here[x] > here[x + 1]) || (here[x] >= above[x] && here[x] > below[x]);
       if (!on_crest) continue;
@@ -144,9 +144,9 @@ class Votes {
   }
   /// The line most voted for; its votes are taken away. Nothing when only few are left.
   std::optional<StraightLine> take_best() {
-    constexpr float kLeastVotes = 8;
+    constexpr float kMinVotes = 8;
     const auto best = std::max_element(counts_.begin(), counts_.end());
-    if (best == counts_.end() || *best < kLeastVotes) return std::nullopt;
+    if (best == counts_.end() || *best < kMinVotes) return std::nullopt;
     const auto at = static_cast<int>(best - counts_.begin());
     const int angle = at / distances_, bin = at % distances_;
     for (int i = -12; i <= 12; ++i) {
@@ -179,13 +179,13 @@ double angle_between(double a_rad, double b_rad) {
 
 /// The straight lines that the points make, each by total least squares over its own points.
 std::vector<StraightLine> straight_lines(std::span<const StripePoint> points, Votes& votes, int width) {
-  const double near_px = std::max(3.0, width / 300.0), least_length_px = 0.06 * width;
-  constexpr int kMostPeaks = 24;
-  constexpr std::size_t kLeastPoints = 8;
+  const double near_px = std::max(3.0, width / 300.0), min_length_px = 0.06 * width;
+  constexpr int kMaxPeaks = 24;
+  constexpr std::size_t kMinPoints = 8;
   constexpr double kNearRad = 0.12, kGapPx = 2.5;
   std::vector<char> used(points.size(), 0);
   std::vector<StraightLine> out;
-  for (int peak = 0; peak < kMostPeaks; ++peak) {
+  for (int peak = 0; peak < kMaxPeaks; ++peak) {
     auto line = votes.take_best();
     if (!line) break;
     std::vector<std::size_t> on;
@@ -197,7 +197,7 @@ std::vector<StraightLine> straight_lines(std::span<const StripePoint> points, Vo
             angle_between(points[i].normal_rad, line->normal_rad) < kNearRad)
           on.push_back(i);
       }
-      if (on.size() < kLeastPoints) break;
+      if (on.size() < kMinPoints) break;
       Eigen::Vector2d middle(0, 0);
       for (const std::size_t i : on) middle += Eigen::Vector2d(points[i].x, points[i].y);
       middle /= static_cast<double>(on.size());
@@ -212,14 +212,14 @@ std::vector<StraightLine> straight_lines(std::span<const StripePoint> points, Vo
       line->normal_rad -= kPi * std::floor(line->normal_rad / kPi);
       line->distance_px = middle.x() * std::cos(line->normal_rad) + middle.y() * std::sin(line->normal_rad);
     }
-    if (on.size() < kLeastPoints) continue;
+    if (on.size() < kMinPoints) continue;
     std::vector<double> along;
     for (const std::size_t i : on)
       along.push_back(-points[i].x * std::sin(line->normal_rad) + points[i].y * std::cos(line->normal_rad));
     std::sort(along.begin(), along.end());
     for (std::size_t i = 1; i < along.size(); ++i)
       line->length_px += std::min(along[i] - along[i - 1], kGapPx);
-    if (line->length_px < least_length_px) continue;
+    if (line->length_px < min_length_px) continue;
     const bool is_known = std::any_of(out.begin(), out.end(), [&](const StraightLine& other) {
       const bool turned = std::abs(other.normal_rad - line->normal_rad) > kPi / 2;
       const double distance_px = turned ? -line->distance_px : line->distance_px;
@@ -251,7 +251,7 @@ std::array<Family, 2> two_families(const std::vector<StraightLine>& lines) {
   }
   std::array<Family, 2> out;
   constexpr double kAlike = 0.55;
-  constexpr std::size_t kMost = 7;
+  constexpr std::size_t kMax = 7;
   for (const StraightLine& line : lines) {
     const double alike = std::cos(2 * (line.normal_rad - best));
     if (alike > kAlike) out[0].push_back(line);
@@ -261,7 +261,7 @@ std::array<Family, 2> two_families(const std::vector<StraightLine>& lines) {
     Family& family = out[f];
     std::sort(family.begin(), family.end(),
               [](const StraightLine& a, const StraightLine& b) { return a.length_px > b.length_px; });
-    if (family.size() > kMost) family.resize(kMost);
+    if (family.size() > kMax) family.resize(kMax);
     const double base = best + (f == 0 ? 0 : kPi / 2);
     for (StraightLine& line : family) {  // all normals the same way
       while (line.normal_rad - base > kPi / 2) line.normal_rad -= kPi, line.distance_px = -line.distance_px;
@@ -338,7 +338,7 @@ double score_of(const Eigen::Matrix3d& map, const Straightener& straightener, co
                 std::span<const CurvePoint> points, double px_per_mm) {
   const double radius_px = std::max(4.0, 0.008 * picture.width());
   constexpr double kMissing = 0.6;
-  constexpr int kFirstLook = 30, kLeastInView = 20;
+  constexpr int kFirstLook = 30, kMinInView = 20;
   double score = 0;
   int in_view = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -351,7 +351,7 @@ double score_of(const Eigen::Matrix3d& map, const Straightener& straightener, co
     score += off < radius_px ? 1 - 0.5 * off / radius_px : -kMissing;
     if (++in_view == kFirstLook && score < 4) return -1;
   }
-  return in_view >= kLeastInView ? score * px_per_mm : -1;
+  return in_view >= kMinInView ? score * px_per_mm : -1;
 }
 
 }  // namespace
@@ -397,12 +397,12 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   const bool looks_alike_turned = same_turned(curves);
   const auto samples = points_along(curves, std::max(80.0, length_mm / 70), 0);
   std::vector<Guess> guesses;
-  constexpr double kLeastApart = 0.05;                    // of the image's width
-  constexpr double kLeastRatio = 0.62, kMostRatio = 1.6;  // of the scales in the two directions
+  constexpr double kMinApart = 0.05;                   // of the image's width
+  constexpr double kMinRatio = 0.62, kMaxRatio = 1.6;  // of the scales in the two directions
   const auto try_map = [&](const std::array<Eigen::Vector2d, 4>& corners, double apart_a, double apart_b,
                            bool swapped, double a0, double a1, double b0, double b1) {
     const double scale_a = apart_a / std::abs(a1 - a0), scale_b = apart_b / std::abs(b1 - b0);
-    if (scale_a / scale_b < kLeastRatio || scale_a / scale_b > kMostRatio) return;
+    if (scale_a / scale_b < kMinRatio || scale_a / scale_b > kMaxRatio) return;
     const double scale = std::sqrt(scale_a * scale_b);
     if (scale < 0.4 * width / length_mm || scale > 3 * width / width_mm) return;
     const auto place = [&](double at_a, double at_b) {
@@ -419,7 +419,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
         for (std::size_t l = k + 1; l < b.size(); ++l) {
           const double apart_a = a[j].distance_px - a[i].distance_px,
                        apart_b = b[l].distance_px - b[k].distance_px;
-          if (apart_a < kLeastApart * width || apart_b < kLeastApart * width) continue;
+          if (apart_a < kMinApart * width || apart_b < kMinApart * width) continue;
           const std::array corners{crossing(a[i], b[k]), crossing(a[j], b[k]), crossing(a[j], b[l]),
                                    crossing(a[i], b[l])};
           for (const bool swapped : {false, true}) {
@@ -449,10 +449,10 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   }
   std::sort(guesses.begin(), guesses.end(), [](const Guess& x, const Guess& y) { return x.score > y.score; });
 
-  constexpr std::size_t kMostCameras = 6;
-  constexpr double kLeastShare = 0.6, kSameShare = 0.02, kSigmaPx = 2;
+  constexpr std::size_t kMaxCameras = 6;
+  constexpr double kMinShare = 0.6, kSameShare = 0.02, kSigmaPx = 2;
   for (const Guess& guess : guesses) {
-    if (out.cameras.size() >= kMostCameras || guess.score < kLeastShare * guesses.front().score) break;
+    if (out.cameras.size() >= kMaxCameras || guess.score < kMinShare * guesses.front().score) break;
     std::vector<Eigen::Vector2d> pixels, places;
     for (const double x : template_lines[0]) {
       for (const double y : template_lines[1]) {

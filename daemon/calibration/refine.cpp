@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kLeastSightings = 12;
+constexpr std::size_t kMinSightings = 12;
 constexpr double kEdgeMarginPx = 9;
 
 /// Standard deviation of normally distributed values, by the median.
@@ -30,26 +30,26 @@ std::optional<LensCamera> fit_roughly(const LinePicture& picture, const LensCame
   // Coarse edges drive a focal length that they do not show far up the valley, from where it is slow to come
   // back: it is held tighter here than it is known.
   prior.focal_share = std::min(prior.focal_share, 0.15);
-  constexpr double kStepPx = 9, kClearPx = 6, kNarrowing = 0.72, kLeastWindowPx = 3;
-  constexpr double kCauchyShare = 0.22, kLeastCauchyPx = 0.7;
-  constexpr int kLeastPasses = 9, kMostPasses = 16;
+  constexpr double kStepPx = 9, kClearPx = 6, kNarrowing = 0.72, kMinWindowPx = 3;
+  constexpr double kCauchyShare = 0.22, kMinCauchyPx = 0.7;
+  constexpr int kMinPasses = 9, kMaxPasses = 16;
   LensCamera camera = start;
   const double scale = start.px_per_mm();
   const auto points = points_along(curves, kStepPx / scale, kClearPx / scale + 10);
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     if (stop.stop_requested() || !is_plausible(camera)) return std::nullopt;
     const auto sightings = find_lines(picture, camera, curves, points, window_px);
-    if (sightings.size() < kLeastSightings) return std::nullopt;
+    if (sightings.size() < kMinSightings) return std::nullopt;
     const LensCamera last = camera;
     camera =
-        fit_camera(camera, sightings, prior, {std::max(kLeastCauchyPx, kCauchyShare * window_px), 8}).camera;
-    if (window_px <= kLeastWindowPx) {
+        fit_camera(camera, sightings, prior, {std::max(kMinCauchyPx, kCauchyShare * window_px), 8}).camera;
+    if (window_px <= kMinWindowPx) {
       const auto before = last.unproject({last.center_x, last.center_y}, 0),
                  now = camera.unproject({camera.center_x, camera.center_y}, 0);
       const bool still = before && now && (*before - *now).norm() * scale < 0.1;
-      if (pass >= kLeastPasses || still) break;
+      if (pass >= kMinPasses || still) break;
     }
-    window_px = std::max(kLeastWindowPx, kNarrowing * window_px);
+    window_px = std::max(kMinWindowPx, kNarrowing * window_px);
   }
   return camera;
 }
@@ -63,8 +63,8 @@ struct Patches {
 Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
                         std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
                         double blur_px, double* median_residual = nullptr) {
-  constexpr double kLeastSignal = 3;  // contrast in sigmas of the noise
-  constexpr double kLeastContrastShare = 0.4, kMostResidualShare = 2.5, kResidualOfContrast = 0.02;
+  constexpr double kMinSignal = 3;  // contrast in sigmas of the noise
+  constexpr double kMinContrastShare = 0.4, kMaxResidualShare = 2.5, kResidualOfContrast = 0.02;
   Patches out;
   std::vector<double> contrasts, rests;
   for (const CurvePoint& point : points) {
@@ -72,13 +72,13 @@ Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
     if (!expected) continue;
     ++out.expected;
     const auto measured = measure_line(picture, *expected, blur_px);
-    if (!measured || measured->contrast < kLeastSignal * picture.noise) continue;
+    if (!measured || measured->contrast < kMinSignal * picture.noise) continue;
     Sighting& sighting = out.sightings.emplace_back();
     sighting.place_mm = point.place_mm;
     sighting.pixel = expected->pixel + measured->offset_px * expected->normal;
     sighting.normal = expected->normal;
-    constexpr double kLeastSigmaPx = 0.004;
-    sighting.sigma_px = std::max(kLeastSigmaPx, measured->sigma_px);
+    constexpr double kMinSigmaPx = 0.004;
+    sighting.sigma_px = std::max(kMinSigmaPx, measured->sigma_px);
     sighting.curve = point.curve;
     contrasts.push_back(measured->contrast);
     rests.push_back(measured->residual);
@@ -87,8 +87,8 @@ Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
   if (median_residual != nullptr) *median_residual = rest;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.sightings.size(); ++i) {
-    if (contrasts[i] > kLeastContrastShare * contrast &&
-        rests[i] < kMostResidualShare * rest + kResidualOfContrast * contrast)
+    if (contrasts[i] > kMinContrastShare * contrast &&
+        rests[i] < kMaxResidualShare * rest + kResidualOfContrast * contrast)
       out.sightings[kept++] = out.sightings[i];
   }
   out.sightings.resize(kept);
@@ -106,7 +106,7 @@ double blur_of(const LinePicture& picture, const LensCamera& camera, std::span<c
   for (const double blur_px : {0.5, 0.7, 1.0, 1.4, 2.0}) {
     double rest = 0;
     const Patches patches = measure_patches(picture, camera, curves, some, blur_px, &rest);
-    if (patches.sightings.size() < kLeastSightings || rest >= least) continue;
+    if (patches.sightings.size() < kMinSightings || rest >= least) continue;
     least = rest;
     best = blur_px;
   }
@@ -183,32 +183,32 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
   const double blur_px = blur_of(picture, start, curves, points);
 
   constexpr int kPasses = 3;
-  constexpr double kFirstScalePx = 0.5, kLeastScalePx = 0.01, kCauchy = 3, kMostSigmas = 4.5;
+  constexpr double kFirstScalePx = 0.5, kMinScalePx = 0.01, kCauchy = 3, kMaxSigmas = 4.5;
   RefinedCamera out;
   out.prior = prior;
   out.camera = start;
   for (int pass = 0; pass < kPasses; ++pass) {
     if (stop.stop_requested() || !is_plausible(out.camera)) return std::nullopt;
     Patches patches = measure_patches(picture, out.camera, curves, points, blur_px);
-    if (patches.sightings.size() < kLeastSightings) return std::nullopt;
+    if (patches.sightings.size() < kMinSightings) return std::nullopt;
     const double spread_px =
         pass == 0 ? kFirstScalePx
-                  : std::max(kLeastScalePx, robust_sigma(residuals_px(out.camera, patches.sightings)));
+                  : std::max(kMinScalePx, robust_sigma(residuals_px(out.camera, patches.sightings)));
     for (Sighting& sighting : patches.sightings) sighting.sigma_px = std::hypot(sighting.sigma_px, spread_px);
     out.camera = fit_camera(out.camera, patches.sightings, prior, {kCauchy, 30}).camera;
     out.sightings = std::move(patches.sightings);
     out.expected = patches.expected;
   }
   // By their true spread, without those that are something else.
-  const double spread_px = std::max(kLeastScalePx / 2, robust_sigma(residuals_px(out.camera, out.sightings)));
+  const double spread_px = std::max(kMinScalePx / 2, robust_sigma(residuals_px(out.camera, out.sightings)));
   for (Sighting& sighting : out.sightings) sighting.sigma_px = spread_px;
   const std::vector<double> off = residuals(out.camera, out.sightings);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < off.size(); ++i) {
-    if (std::abs(off[i]) < kMostSigmas) out.sightings[kept++] = out.sightings[i];
+    if (std::abs(off[i]) < kMaxSigmas) out.sightings[kept++] = out.sightings[i];
   }
   out.sightings.resize(kept);
-  if (kept < kLeastSightings) return std::nullopt;
+  if (kept < kMinSightings) return std::nullopt;
   out.camera = fit_camera(out.camera, out.sightings, prior, {kCauchy, 40}).camera;
   const double fewer = std::sqrt(redundancy(out.camera, out.sightings, kPatchPx / scale));
   for (Sighting& sighting : out.sightings) sighting.sigma_px = fewer * spread_px;

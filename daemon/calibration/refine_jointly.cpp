@@ -193,10 +193,10 @@ std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::s
     for (std::size_t b = a + 1; b < marks.size(); ++b) {
       for (const Mark& mark : marks[a]) {
         const Mark* nearest = nullptr;
-        double least_mm = kNearMm;
+        double min_mm = kNearMm;
         for (const Mark& other : marks[b]) {
-          if (other.curve != mark.curve || std::abs(other.at_mm - mark.at_mm) >= least_mm) continue;
-          least_mm = std::abs(other.at_mm - mark.at_mm);
+          if (other.curve != mark.curve || std::abs(other.at_mm - mark.at_mm) >= min_mm) continue;
+          min_mm = std::abs(other.at_mm - mark.at_mm);
           nearest = &other;
         }
         if (nearest != nullptr) out.push_back(mark.off_mm - nearest->off_mm);
@@ -214,7 +214,7 @@ JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::spa
   out.disagreement_before_mm = rms(before);
   out.overlapping_patches = static_cast<int>(before.size());
 
-  constexpr int kRounds = 3, kMostSteps = 25;
+  constexpr int kRounds = 3, kMaxSteps = 25;
   Eigen::VectorXd paint;  // goes on from round to round
   for (int round = 0; round < kRounds; ++round) {
     JointProblem problem(out.cameras, cameras, curves, ties, stop);
@@ -225,7 +225,7 @@ JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::spa
       if (place) x.segment<2>(problem.first_tie() + 2 * static_cast<int>(t)) = *place;
     }
     Eigen::LevenbergMarquardt<JointProblem> solver(problem);
-    solver.parameters.maxfev = kMostSteps;
+    solver.parameters.maxfev = kMaxSteps;
     solver.parameters.ftol = solver.parameters.xtol = 1e-9;
     solver.minimize(x);
     if (stop.stop_requested()) break;

@@ -8,7 +8,7 @@ namespace sslv {
 namespace {
 
 constexpr double kBinS = 0.25, kLongestBinS = 1;
-constexpr std::size_t kLeastInBin = 10;
+constexpr std::size_t kMinInBin = 10;
 /// Low enough to leave delays out, high enough to be sure of.
 constexpr double kQuantile = 0.2;
 constexpr std::size_t kBinsForDrift = 5;
@@ -39,7 +39,7 @@ CameraClock::Estimate CameraClock::add(double t_camera_s, double t_arrival_s) {
   const double offset_s = t_arrival_s - base_arrival_s_ - t_s;
   if (strays_ == 0) {
     const double age_s = t_s - bin_start_s_;
-    const bool full = in_bin_count_ == kMostInBin || (age_s >= kBinS && in_bin_count_ >= kLeastInBin);
+    const bool full = in_bin_count_ == kMaxInBin || (age_s >= kBinS && in_bin_count_ >= kMinInBin);
     if (in_bin_count_ > 0 && (full || age_s >= kLongestBinS)) close_bin();
     if (in_bin_count_ == 0) bin_start_s_ = t_s;
     const auto end = in_bin_.begin() + static_cast<std::ptrdiff_t>(in_bin_count_);
@@ -101,7 +101,7 @@ void CameraClock::close_bin() {
 /// Least squares, with points far off the last line counted less (Huber's weights).
 void CameraClock::fit() {
   constexpr int kRounds = 4;
-  constexpr double kLeastSpreadS = 2e-6;
+  constexpr double kMinSpreadS = 2e-6;
   double spread_s = 0;
   for (int round = 0; round < kRounds; ++round) {
     double weights = 0, t_sum = 0, offset_sum = 0;
@@ -130,7 +130,7 @@ void CameraClock::fit() {
       off_s[i] = std::abs(bins_[i].offset_s - predicted_offset_s(bins_[i].t_s));
     const auto middle = off_s.begin() + static_cast<std::ptrdiff_t>(bin_count_ / 2);
     std::nth_element(off_s.begin(), middle, off_s.begin() + static_cast<std::ptrdiff_t>(bin_count_));
-    spread_s = std::max(kLeastSpreadS, *middle / 0.6745);
+    spread_s = std::max(kMinSpreadS, *middle / 0.6745);
   }
   residual_s_ = spread_s;
   rise_s_ = 0;

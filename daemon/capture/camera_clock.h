@@ -27,7 +27,7 @@ class CameraClock {
   double drift() const { return -slope_; }
 
  private:
-  static constexpr std::size_t kBins = 40, kMostInBin = 64;
+  static constexpr std::size_t kBins = 40, kMaxInBin = 64;
   struct Point {
     double t_s = 0, offset_s = 0;  // host less camera: the low quantile
     double rise_s = 0;             // of that above the least
@@ -43,7 +43,7 @@ class CameraClock {
   bool started_ = false;
   double last_s_ = 0;
 
-  std::array<double, kMostInBin> in_bin_{};  // offsets, sorted
+  std::array<double, kMaxInBin> in_bin_{};  // offsets, sorted
   std::size_t in_bin_count_ = 0;
   double bin_start_s_ = 0, bin_sum_s_ = 0;
   std::array<Point, kBins> bins_{};  // a ring

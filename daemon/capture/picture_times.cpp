@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kPicturesToTrust = 20;
 /// PTP counts in TAI, which is ahead of UTC: 37 s in 2026, and more one day.
-constexpr double kMostLeapS = 45;
+constexpr double kMaxLeapS = 45;
 /// From the beginning of an exposure to the first packet, with the errors of the host's clock.
 constexpr double kEarliestS = -0.001, kLatestS = 0.3;
 /// Of clocks that follow the same master: an assumption.
@@ -42,7 +42,7 @@ bool PictureTimes::follows_ptp(const PictureStamps& stamps, double& leap_s) {
   const double ahead_s = *stamps.camera_s - stamps.arrival_s;
   leap_s = std::ceil(ahead_s + kEarliestS);
   const double late_s = leap_s - ahead_s;
-  const bool agrees = leap_s >= 0 && leap_s <= kMostLeapS && late_s <= kLatestS + stamps.exposure_s;
+  const bool agrees = leap_s >= 0 && leap_s <= kMaxLeapS && late_s <= kLatestS + stamps.exposure_s;
   ptp_pictures_ = agrees ? std::min(ptp_pictures_ + 1, kPicturesToTrust) : 0;
   return ptp_pictures_ == kPicturesToTrust;
 }

@@ -15,8 +15,8 @@ struct SharedCamera::Pool {
     std::atomic<int> takers{0};
     std::atomic<bool> is_free{true};  // only when all of the above is done with
   };
-  static constexpr std::size_t kMostOut = 64;  // more than any backend lends at once
-  std::array<Held, kMostOut> held;
+  static constexpr std::size_t kMaxOut = 64;  // more than any backend lends at once
+  std::array<Held, kMaxOut> held;
 
   /// Called by the last taker of an image, among others.
   static void let_go(void*, void* lent) noexcept {

@@ -9,7 +9,7 @@ namespace {
 
 /// Squares that stand for a disc and a ring around it, by the disc's radius.
 constexpr double kCore = 0.62, kRingFrom = 1.25, kRingTo = 1.75;
-constexpr double kLeastDeviations = 4, kLeastGrey = 1.5;
+constexpr double kMinDeviations = 4, kMinGrey = 1.5;
 /// Cells are so small that a spot's radius has this many.
 constexpr double kCellsPerRadius = 2.4;
 
@@ -32,7 +32,7 @@ std::vector<Spot> find_spots(const SmallPicture& picture, double radius_px, doub
   if (width <= 2 * outer + 1 || height <= 2 * outer + 1) return out;
 
   const double core_px = (2 * core + 1) * picture.cell_px();
-  const double least = kLeastGrey + kLeastDeviations * noise_grey * std::sqrt(3.0) / core_px;
+  const double least = kMinGrey + kMinDeviations * noise_grey * std::sqrt(3.0) / core_px;
   // What noise makes of a dark ring must not look like much contrast.
   const double floor_grey = 4 + noise_grey;
   std::vector<float> contrast(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

@@ -143,8 +143,8 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
   std::erase_if(lines, [&](const Color3& color) {
     return towards_white(color) < kTowardsWhite || (chromaticity_of(color) - expected).norm() > kLikeWhite;
   });
-  constexpr std::size_t kLeastLines = 40;
-  if (lines.size() < kLeastLines) return out;
+  constexpr std::size_t kMinLines = 40;
+  if (lines.size() < kMinLines) return out;
   std::sort(lines.begin(), lines.end(),
             [&](const Color3& a, const Color3& b) { return towards_white(a) > towards_white(b); });
   lines.resize(lines.size() / 3);

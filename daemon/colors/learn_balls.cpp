@@ -11,31 +11,31 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMostSpots = 600;
+constexpr std::size_t kMaxSpots = 600;
 constexpr double kBlurPx = 0.55;
 // Of red, green and blue in a ball's colour. By print orange has .64, .29, .07, but balls shine, and cameras
 // see them paler.
-constexpr double kLeastRed = 0.38, kMostBlue = 0.27, kLeastGreenPerRed = 0.15;
-constexpr double kMostGreenPerRed = 0.75, kOfYellows = 0.9;
+constexpr double kMinRed = 0.38, kMaxBlue = 0.27, kMinGreenPerRed = 0.15;
+constexpr double kMaxGreenPerRed = 0.75, kOfYellows = 0.9;
 // Where red is clipped there is more of it than that, as in a ball under a lamp.
-constexpr double kClippedRed = 250, kMostGreenPerClippedRed = 0.9;
+constexpr double kClippedRed = 250, kMaxGreenPerClippedRed = 0.9;
 constexpr double kCarpetAlike = 0.1;  // in shares
 /// How far a worn or shining place of the carpet may be from its colour towards white.
-constexpr double kMostWorn = 0.8;
-constexpr double kLeastR2 = 0.6, kMostRadiusOff = 0.25, kLeastClear = 0.4, kLeastVisible = 0.9;
+constexpr double kMaxWorn = 0.8;
+constexpr double kMinR2 = 0.6, kMaxRadiusOff = 0.25, kMinClear = 0.4, kMinVisible = 0.9;
 /// Of an outline's harmonics, over 3.5 % of the radius and their deviation: cones and hands have more, balls
 /// in hard halls up to 1.9.
-constexpr double kMostOutOfRound = 2, kRoundShare = 0.035;
+constexpr double kMaxOutOfRound = 2, kRoundShare = 0.035;
 /// BallFitter::rectangle_gain(): balls have less than nothing, tape has more.
-constexpr double kMostLikeTape = -0.05;
+constexpr double kMaxLikeTape = -0.05;
 constexpr double kOneColor = 0.06;     // in shares
 constexpr double kOutsideMm = 0;       // of the lines
 constexpr double kRobotReachMm = 100;  // nothing nearer to a robot's middle is a ball
 
-bool is_warm(const Color3& color, double most_green_per_red) {
+bool is_warm(const Color3& color, double max_green_per_red) {
   const Color3 s = chromaticity_of(color);
-  return s[0] > s[1] && s[1] > s[2] && s[0] > kLeastRed && s[2] < kMostBlue &&
-         s[1] > kLeastGreenPerRed * s[0] && s[1] < most_green_per_red * s[0];
+  return s[0] > s[1] && s[1] > s[2] && s[0] > kMinRed && s[2] < kMaxBlue && s[1] > kMinGreenPerRed * s[0] &&
+         s[1] < max_green_per_red * s[0];
 }
 
 /// How far from grey, towards orange.
@@ -44,10 +44,10 @@ double depth_of(const Color3& color) {
 }
 
 /// Whether something lies on the carpet, which may be so worn, shine or have a line there. All in shares.
-bool is_carpet(const Color3& around, const Color3& carpet, const Color3& white, double most_worn) {
+bool is_carpet(const Color3& around, const Color3& carpet, const Color3& white, double max_worn) {
   const Color3 to_white = white - carpet;
   const double worn = (around - carpet).dot(to_white) / std::max(1e-6, to_white.squaredNorm());
-  return (around - carpet - std::clamp(worn, 0.0, most_worn) * to_white).norm() < kCarpetAlike;
+  return (around - carpet - std::clamp(worn, 0.0, max_worn) * to_white).norm() < kCarpetAlike;
 }
 
 /// The colours of what lies well within a ball, those with most colour first.
@@ -102,7 +102,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   };
   // As the camera sees it or as it would be in white light: what is known of it is not exact.
   const auto is_ball_colored = [&](const Color3& color) {
-    const double most = color[0] < kClippedRed ? kMostGreenPerRed : kMostGreenPerClippedRed;
+    const double most = color[0] < kClippedRed ? kMaxGreenPerRed : kMaxGreenPerClippedRed;
     const auto limit = [&](const Color3& yellow) {
       return b.yellow ? std::min(most, kOfYellows * yellow[1] / std::max(yellow[0], 1e-6)) : most;
     };
@@ -128,12 +128,12 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
         image,  b.camera, radius_mm, robots, b.search.patterns.top_radius_mm, b.search.patterns.top_front_mm,
         kBlurPx};
     for (const Spot& spot :
-         find_spots(picture, radius_px, b.search.noise_grey[frame], SpotsOf::kAnyColor, kMostSpots)) {
+         find_spots(picture, radius_px, b.search.noise_grey[frame], SpotsOf::kAnyColor, kMaxSpots)) {
       if (b.search.stop.stop_requested()) return out;
       if (!is_ball_colored(body_of(colors_within(fine, spot.pixel, radius_px)))) continue;
       // Beside the field grey is a floor.
       if (!is_carpet(chromaticity_of(spot.around), b.carpet_chromaticity, b.white_chromaticity,
-                     b.on_field_only ? kMostWorn : 0))
+                     b.on_field_only ? kMaxWorn : 0))
         continue;
       const bool on_robot = std::any_of(b.robots.begin(), b.robots.end(), [&](const SeenRobot& robot) {
         return robot.frame == frame &&
@@ -147,15 +147,15 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
                               std::abs(place->y()) > b.field.field_width / 2.0 + kOutsideMm))
         continue;
       const BallFit fit = best_fit(fitter, to_fit, *place, picture.cell_px() * std::sqrt(area));
-      if (!fit.ok || fit.r2 < kLeastR2 || fit.clear_share < kLeastClear || fit.visible_share < kLeastVisible)
+      if (!fit.ok || fit.r2 < kMinR2 || fit.clear_share < kMinClear || fit.visible_share < kMinVisible)
         continue;
-      if (std::abs(fit.radius_mm - radius_mm) > std::max(kMostRadiusOff * radius_mm, 2 * fit.radius_sigma_mm))
+      if (std::abs(fit.radius_mm - radius_mm) > std::max(kMaxRadiusOff * radius_mm, 2 * fit.radius_sigma_mm))
         continue;
       if (fit.out_of_round_mm >
-          kMostOutOfRound * std::hypot(kRoundShare * radius_mm, fit.out_of_round_sigma_mm))
+          kMaxOutOfRound * std::hypot(kRoundShare * radius_mm, fit.out_of_round_sigma_mm))
         continue;
       const double like_tape = fitter.rectangle_gain(to_fit, fit);
-      if (like_tape > kMostLikeTape) continue;
+      if (like_tape > kMaxLikeTape) continue;
       const auto pixel = b.camera.project({fit.x_mm, fit.y_mm, radius_mm});
       if (!pixel) continue;
       const std::vector<Color3> within = colors_within(fine, *pixel, radius_px);
@@ -187,10 +187,10 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   // Brown, beige and skin are paler than a ball's orange; what is deeper is no more of a ball, and red has
   // less green between its red and its blue.
   const auto likely = [&](const SeenBall& ball) {
-    constexpr double kDeep = 0.4, kLeastGreen = 0.2;
+    constexpr double kDeep = 0.4, kMinGreen = 0.2;
     const Color3 white = in_white_light(ball.body);
     const double green = (white[1] - white[2]) / std::max(1e-6, white[0] - white[2]);
-    return ball.r2 + 2 * std::min(depth_of(ball.body), kDeep) - 2 * std::max(0.0, kLeastGreen - green);
+    return ball.r2 + 2 * std::min(depth_of(ball.body), kDeep) - 2 * std::max(0.0, kMinGreen - green);
   };
   const auto best = std::max_element(
       kept.begin(), kept.end(),

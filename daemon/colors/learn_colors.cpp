@@ -23,9 +23,9 @@ namespace {
 /// Sightings of robots that will do; fewer when each is beyond doubt.
 constexpr std::size_t kEnoughRobots = 5;
 constexpr double kClearR2 = 0.7, kClearRmsMm = 1.5;
-constexpr double kMostClippedShare = 0.35, kLeastBright = 15, kLeastColorfulness = 3;
+constexpr double kMaxClippedShare = 0.35, kMinBright = 15, kMinColorfulness = 3;
 /// Of the dots that taught a table, so many must get their label from it.
-constexpr double kLeastNamed = 0.9;
+constexpr double kMinNamed = 0.9;
 constexpr const char* kNeeded =
     "put at least five robots (both teams, and a ball) on the field, in the light of the match";
 
@@ -79,8 +79,8 @@ class Learner {
         out_.problem = "the camera sends grey images: choose a pixel format with colours";
         return;
       }
-      constexpr int kLeastSide = 32;
-      if (std::min(image.width, image.height) < kLeastSide) {
+      constexpr int kMinSide = 32;
+      if (std::min(image.width, image.height) < kMinSide) {
         out_.problem =
             fmt::format("images of {} x {} pixels are too small to learn from", image.width, image.height);
         return;
@@ -97,17 +97,17 @@ class Learner {
     search_.pictures = pictures_;
     clipped_share_ = clipped;
     bright_ = bright;
-    if (bright < kLeastBright) {
+    if (bright < kMinBright) {
       out_.problem = fmt::format(
           "the image is too dark: its brightest parts reach {:.0f} of 255; open the lens, "
           "raise exposure or gain, or switch the light on",
           bright);
-    } else if (clipped > kMostClippedShare) {
+    } else if (clipped > kMaxClippedShare) {
       out_.problem = fmt::format(
           "the image is over-exposed: {:.0f} % of it is at the upper end; lower exposure or "
           "gain",
           100 * clipped);
-    } else if (colorfulness < kLeastColorfulness) {
+    } else if (colorfulness < kMinColorfulness) {
       out_.problem = "the image is grey: check the camera's saturation and pixel format";
     }
   }
@@ -148,7 +148,7 @@ class Learner {
       return;
     }
     const bool clear_cut = std::all_of(robots_.begin(), robots_.end(), [](const SeenRobot& robot) {
-      return robot.least_r2 > kClearR2 && robot.rms_mm < kClearRmsMm;
+      return robot.min_r2 > kClearR2 && robot.rms_mm < kClearRmsMm;
     });
     if (robots_.size() < kEnoughRobots && (robots_.size() < 2 || !clear_cut)) {
       out_.problem = fmt::format(
@@ -264,10 +264,10 @@ class Learner {
   void make_table() {
     // What a table allows for as noise is also how much colours may differ: where detectors could not be sure
     // of the dots that taught it, it is too narrow.
-    constexpr double kLeastNoiseGrey = 6, kWider = 1.6;
+    constexpr double kMinNoiseGrey = 6, kWider = 1.6;
     constexpr int kWidths = 3;
     std::size_t best = 0;
-    double noise_grey = std::max(out_.noise_grey, kLeastNoiseGrey);
+    double noise_grey = std::max(out_.noise_grey, kMinNoiseGrey);
     const SurfaceColors surfaces = see_surfaces();
     const Prints prints = prints_of_samples();
     for (int i = 0; i < kWidths && !task_.stop.stop_requested(); ++i, noise_grey *= kWider) {
@@ -283,7 +283,7 @@ class Learner {
       out_.table_noise_grey = noise_grey;
       if (named == dot_count()) break;
     }
-    if (static_cast<double>(best) < kLeastNamed * static_cast<double>(dot_count())) {
+    if (static_cast<double>(best) < kMinNamed * static_cast<double>(dot_count())) {
       out_.problem = fmt::format(
           "the colours do not come apart: with a table only {} of {} dots would be named for sure; there is "
           "too "
@@ -356,7 +356,7 @@ class Learner {
   std::size_t dot_count() const { return robots_.size() * (task_.patterns.dots.size() + 1); }
   /// How many of the dots a table names for sure.
   std::size_t count_named(const Lut& lut) const {
-    constexpr double kLeastMargin = 0.4, kMostOff = 1.3;
+    constexpr double kMinMargin = 0.4, kMaxOff = 1.3;
     std::size_t count = 0;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       for (std::size_t j = 0; j < robots_[i].dots.size(); ++j) {
@@ -365,7 +365,7 @@ class Learner {
         const ColorName name = name_color(
             array(dot.contrast), array(dot.color), lut,
             j == 0 ? std::span<const Label>(task_.patterns.team_colors) : task_.patterns.side_colors);
-        if (name.color == dots_.labels[i][j] && name.margin > kLeastMargin && name.off < kMostOff) ++count;
+        if (name.color == dots_.labels[i][j] && name.margin > kMinMargin && name.off < kMaxOff) ++count;
       }
     }
     return count;

@@ -12,13 +12,13 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMostSpots = 1500;
+constexpr std::size_t kMaxSpots = 1500;
 constexpr double kBlurPx = 0.55;
-constexpr int kMostPasses = 4;
+constexpr int kMaxPasses = 4;
 // What a pattern must be like to teach.
-constexpr double kMostRmsMm = 2.5, kLeastR2 = 0.45;
+constexpr double kMaxRmsMm = 2.5, kMinR2 = 0.45;
 /// How far the tops of one robot may differ below its dots, as a share of its dots' contrast.
-constexpr double kMostUnevenBlack = 0.45;
+constexpr double kMaxUnevenBlack = 0.45;
 /// Robots do not stand closer.
 constexpr double kApartMm = 120;
 
@@ -34,15 +34,14 @@ double quality(const SeenRobot& robot) {
 /// Whether all dots are there, and what is between them is one black.
 std::optional<SeenRobot> whole(const PatternFit& fit, const PatternTable& patterns) {
   const std::size_t sides = patterns.dots.size();
-  if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMostRmsMm || fit.least_r2 < kLeastR2)
-    return {};
+  if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMaxRmsMm || fit.min_r2 < kMinR2) return {};
   SeenRobot out;
   out.pose = fit.pose;
   out.pixel_x = fit.pixel_x;
   out.pixel_y = fit.pixel_y;
   out.px_per_mm = fit.px_per_mm;
   out.rms_mm = fit.rms_mm;
-  out.least_r2 = fit.least_r2;
+  out.min_r2 = fit.min_r2;
   out.mean_r2 = fit.mean_r2;
   Color3 ground = Color3::Zero();
   double contrast = 0;
@@ -58,7 +57,7 @@ std::optional<SeenRobot> whole(const PatternFit& fit, const PatternTable& patter
   out.black = ground / count;
   contrast /= count;
   for (const SeenDot& dot : out.dots) {
-    if ((dot.color - dot.contrast - out.black).norm() > kMostUnevenBlack * contrast) return {};
+    if ((dot.color - dot.contrast - out.black).norm() > kMaxUnevenBlack * contrast) return {};
   }
   return out;
 }
@@ -110,7 +109,7 @@ class PatternSearch {
     const double radius_px = search_.patterns.center_diameter_mm / 2 * px_per_mm;
     const SmallPicture& picture = search_.pictures[frame_].of(cell_px_for(image_.format, radius_px));
     const auto spots =
-        find_spots(picture, radius_px, search_.noise_grey[frame_], SpotsOf::kBrighter, kMostSpots);
+        find_spots(picture, radius_px, search_.noise_grey[frame_], SpotsOf::kBrighter, kMaxSpots);
     const PatternFitter::Frame frame{image_, camera, search_.patterns, no_colors(), kBlurPx};
     for (const Spot& spot : spots) {
       if (search_.stop.stop_requested()) return;
@@ -118,11 +117,11 @@ class PatternSearch {
       if (!place) continue;
       const auto center = fitter_.fit_center(frame, place->x(), place->y(), height_mm);
       if (!center.seen) continue;
-      std::array<double, PatternFitter::kMostHeadings> angles;
+      std::array<double, PatternFitter::kMaxHeadings> angles;
       const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, angles);
       for (std::size_t i = 0; i < count; ++i) {
         const PatternFit fit =
-            fitter_.fit(frame, {center.x_mm, center.y_mm, angles[i]}, height_mm, kMostPasses);
+            fitter_.fit(frame, {center.x_mm, center.y_mm, angles[i]}, height_mm, kMaxPasses);
         auto robot = whole(fit, search_.patterns);
         if (!robot) continue;
         robot->frame = frame_;
@@ -192,9 +191,9 @@ CameraModel flat_camera(int width_px, int height_px, double mm_per_px) {
 
 double find_scale(const RobotSearch& search) {
   // A camera sees between 1.5 m and 14 m of a field, and a dot is four pixels wide at least.
-  constexpr double kMostSeenMm = 14'000, kLeastSeenMm = 1500, kLeastPxPerMm = 0.08, kStep = 1.1;
+  constexpr double kMaxSeenMm = 14'000, kMinSeenMm = 1500, kMinPxPerMm = 0.08, kStep = 1.1;
   const double width = search.frames.empty() ? 0 : search.frames.front().width;
-  const double least = std::max(kLeastPxPerMm, width / kMostSeenMm), most = width / kLeastSeenMm;
+  const double least = std::max(kMinPxPerMm, width / kMaxSeenMm), most = width / kMinSeenMm;
   const auto score_at = [&](double px_per_mm, std::size_t frame) {
     const CameraModel camera =
         flat_camera(search.frames[frame].width, search.frames[frame].height, 1 / px_per_mm);

@@ -28,7 +28,7 @@ struct SeenRobot {
   PatternPose pose{};
   double height_mm = 0;
   double pixel_x = 0, pixel_y = 0, px_per_mm = 0;
-  double rms_mm = 0, least_r2 = 0, mean_r2 = 0;
+  double rms_mm = 0, min_r2 = 0, mean_r2 = 0;
   Color3 black;               // of its top
   std::vector<SeenDot> dots;  // the centre, then the side dots as the table has them
 };

@@ -10,32 +10,32 @@ namespace sslv {
 namespace {
 
 // A robot teaches when its pattern fits as well as this and every dot has the colour that its id says.
-constexpr double kMostRmsMm = 3, kLeastR2 = 0.4, kLeastMargin = 0.3, kMostMovedMm = 10;
+constexpr double kMaxRmsMm = 3, kMinR2 = 0.4, kMinMargin = 0.3, kMaxMovedMm = 10;
 constexpr double kBlurPx = 0.55;
 /// A channel from here on may be at its end; a contrast below this is little but noise.
-constexpr double kFull = 245, kLeastContrast = 8;
+constexpr double kFull = 245, kMinContrast = 8;
 /// Prints, shades and blur make two dots of one colour differ by this much.
 constexpr double kPrintSigma = 0.03;
 /// A team's dots of one colour that make a reference, and a robot's dots that must have one.
 constexpr int kReferenceDots = 8;
-constexpr std::size_t kLeastDots = 3;
+constexpr std::size_t kMinDots = 3;
 /// Dots that must tell of red, green or blue before it moves beside the others: bright ones are at its end.
-constexpr std::size_t kLeastOfChannel = 4;
+constexpr std::size_t kMinOfChannel = 4;
 /// Shares of a difference that are followed at each look: brightness at once but for noise, balance slowly.
 constexpr double kFollowBrightness = 0.7, kFollowBalance = 0.2;
 /// The first looks at an area say how it was, later ones move it by this share. Fewer robots than these do
 /// not tell an area from the whole.
 constexpr int kAreaLooks = 8;
-constexpr double kFollowArea = 0.1, kMostAreaLog = 0.7;
-constexpr std::size_t kLeastRobotsForAreas = 3;
+constexpr double kFollowArea = 0.1, kMaxAreaLog = 0.7;
+constexpr std::size_t kMinRobotsForAreas = 3;
 /// A new table is made when a gain or an area has moved so far.
 constexpr double kTableStepLog = 0.05, kAreaStepLog = 0.07;
 /// A jump of the light is one of at least this, alike in this share of all areas.
-constexpr double kLeastJumpLog = 0.15, kAlikeLog = 0.12, kAlikeShare = 0.8;
+constexpr double kMinJumpLog = 0.15, kAlikeLog = 0.12, kAlikeShare = 0.8;
 /// A busy computer looks seldom, so what was before may be seconds old.
 constexpr double kVanishedWithinS = 3, kTrialS = 2;
 constexpr double kMinuteS = 60;
-constexpr std::size_t kMostSteps = 500;
+constexpr std::size_t kMaxSteps = 500;
 
 double mean_of(const std::array<double, 3>& values) {
   return (values[0] + values[1] + values[2]) / 3;
@@ -155,9 +155,9 @@ void LightFollower::observe(const FollowLightParams& params, const Look& look) {
   const std::vector<Dot> dots = confirmed_dots(params, look);
   const std::size_t robots = dots.empty() ? 0 : dots.back().robot + 1;
   const auto luma = area_lumas<kAreas>(look.image);
-  if (robots < static_cast<std::size_t>(params.least_robots)) {
+  if (robots < static_cast<std::size_t>(params.min_robots)) {
     freeze(robots == 0 ? "no robot is confirmed"
-                       : fmt::format("{} of {} robots are confirmed", robots, params.least_robots));
+                       : fmt::format("{} of {} robots are confirmed", robots, params.min_robots));
     return try_carpet(params, look, luma);
   }
   const bool followed = follow_robots(params, look, dots);
@@ -168,7 +168,7 @@ void LightFollower::observe(const FollowLightParams& params, const Look& look) {
   if (!followed) state_.following = LightFollowing::kLearning;
   has_followed_ = has_followed_ || followed;
   learn_references(dots);
-  if (robots >= kLeastRobotsForAreas) learn_areas(dots);
+  if (robots >= kMinRobotsForAreas) learn_areas(dots);
   for (std::size_t i = 0; i < kAreas; ++i) state_.areas[i] = std::exp(relative_area_log(i));
   state_.robots = static_cast<int>(robots);
   state_.last_confirmed_s = look.time_s;
@@ -190,8 +190,8 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
     const PatternFit fit =
         fitter_.fit(frame, {robot.x_mm, robot.y_mm, robot.orientation_rad}, robot.height_mm, 2);
     const std::size_t sides = look.patterns.dots.size();
-    if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMostRmsMm || fit.least_r2 < kLeastR2 ||
-        std::hypot(fit.pose.x_mm - robot.x_mm, fit.pose.y_mm - robot.y_mm) > kMostMovedMm)
+    if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMaxRmsMm || fit.min_r2 < kMinR2 ||
+        std::hypot(fit.pose.x_mm - robot.x_mm, fit.pose.y_mm - robot.y_mm) > kMaxMovedMm)
       continue;
     const auto color_of = [&](std::size_t i) {
       return i == sides ? look.patterns.team_colors[static_cast<std::size_t>(robot.team)] : code->colors[i];
@@ -199,7 +199,7 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
     std::vector<Dot> dots;
     for (std::size_t i = 0; i <= sides; ++i) {
       const PatternDotFit& dot = fit.dots[i == sides ? PatternFit::kCenter : i];
-      if (dot.color != color_of(i) || dot.margin < kLeastMargin) break;
+      if (dot.color != color_of(i) || dot.margin < kMinMargin) break;
       Dot& one = dots.emplace_back();
       one.key = {robot.team, dot.color};
       one.robot = robots;
@@ -222,13 +222,13 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
 /// How a dot's channel differs from what its reference, its area and the gain make expected; nothing when it
 /// says little.
 std::optional<LightFollower::Difference> LightFollower::difference(const Dot& dot, std::size_t channel,
-                                                                   int least_count) const {
+                                                                   int min_count) const {
   const auto known = references_.find(dot.key);
-  if (known == references_.end() || known->second.count[channel] < least_count || !dot.below_end[channel])
+  if (known == references_.end() || known->second.count[channel] < min_count || !dot.below_end[channel])
     return std::nullopt;
   const double expected = known->second.contrast[channel] + gain_[channel] + area_log(dot.area);
   const double grey = std::exp(expected);
-  if (grey < kLeastContrast) return std::nullopt;
+  if (grey < kMinContrast) return std::nullopt;
   const double sigma = dot.sigma_grey / grey;
   return Difference{std::log(std::max(dot.contrast[channel], 1.0)) - expected,
                     1 / (sigma * sigma + kPrintSigma * kPrintSigma)};
@@ -251,13 +251,13 @@ bool LightFollower::follow_robots(const FollowLightParams& params, const Look& l
     if (known) ++known_dots[dot.robot];
   }
   const auto robots = std::count_if(known_dots.begin(), known_dots.end(),
-                                    [](const auto& entry) { return entry.second >= kLeastDots; });
-  if (robots < params.least_robots) return false;
+                                    [](const auto& entry) { return entry.second >= kMinDots; });
+  if (robots < params.min_robots) return false;
 
   const double brightness = weighted_median(all);
   Log3 gain = gain_, turn{};
   for (std::size_t c = 0; c < 3; ++c) {
-    if (by_channel[c].size() >= kLeastOfChannel) turn[c] = weighted_median(by_channel[c]) - brightness;
+    if (by_channel[c].size() >= kMinOfChannel) turn[c] = weighted_median(by_channel[c]) - brightness;
   }
   for (std::size_t c = 0; c < 3; ++c)
     gain[c] += kFollowBrightness * brightness + kFollowBalance * (turn[c] - mean_of(turn));
@@ -273,7 +273,7 @@ void LightFollower::learn_references(const std::vector<Dot>& dots) {
   for (const Dot& dot : dots) {
     Reference& reference = references_[dot.key];
     for (std::size_t c = 0; c < 3; ++c) {
-      if (reference.count[c] >= kReferenceDots || !dot.below_end[c] || dot.contrast[c] < kLeastContrast)
+      if (reference.count[c] >= kReferenceDots || !dot.below_end[c] || dot.contrast[c] < kMinContrast)
         continue;
       const double log = std::log(dot.contrast[c]) - gain_[c] - area_log(dot.area);
       reference.contrast[c] += (log - reference.contrast[c]) / ++reference.count[c];
@@ -296,7 +296,7 @@ void LightFollower::learn_areas(const std::vector<Dot>& dots) {
         if (const auto one = difference(dots[i], c, 1)) differences.push_back(*one);
       }
     }
-    if (differences.size() < kLeastDots) continue;
+    if (differences.size() < kMinDots) continue;
     robots.push_back({dots[first].area, weighted_median(differences)});
     of_robots.push_back({robots.back().log, 1});
   }
@@ -308,7 +308,7 @@ void LightFollower::learn_areas(const std::vector<Dot>& dots) {
     const bool is_new = area.count < kAreaLooks;
     area.count += is_new ? 1 : 0;
     area.now += (is_new ? 1.0 / area.count : kFollowArea) * (here - area.now);
-    area.now = std::clamp(area.now, -kMostAreaLog, kMostAreaLog);
+    area.now = std::clamp(area.now, -kMaxAreaLog, kMaxAreaLog);
     if (is_new) area.first = area.now;
   }
 }
@@ -361,7 +361,7 @@ void LightFollower::try_carpet(const FollowLightParams& params, const Look& look
   const double jump = sorted[kAreas / 2];
   const auto alike =
       std::count_if(logs.begin(), logs.end(), [&](double log) { return std::abs(log - jump) < kAlikeLog; });
-  if (std::abs(jump) < kLeastJumpLog || static_cast<double>(alike) < kAlikeShare * kAreas) return;
+  if (std::abs(jump) < kMinJumpLog || static_cast<double>(alike) < kAlikeShare * kAreas) return;
   trial_ = {look.time_s, gain_};
   Log3 gain = gain_;
   for (double& one : gain) one += jump;
@@ -373,8 +373,8 @@ void LightFollower::try_carpet(const FollowLightParams& params, const Look& look
 /// `bound` says which one it is at, if any.
 LightFollower::Log3 LightFollower::bounded(const FollowLightParams& params, Log3 gain,
                                            std::string& bound) const {
-  const auto limit = [&](double wanted, double most, double most_per_min, const auto& of, const char* what) {
-    const double total = std::log(most), per_min = std::log(most_per_min);
+  const auto limit = [&](double wanted, double most, double max_per_min, const auto& of, const char* what) {
+    const double total = std::log(most), per_min = std::log(max_per_min);
     double low = -total, high = total;
     for (const auto& [then_s, then] : last_minute_) {
       low = std::max(low, of(then) - per_min);
@@ -385,16 +385,16 @@ LightFollower::Log3 LightFollower::bounded(const FollowLightParams& params, Log3
     if (std::abs(allowed - wanted) > 0.01 && bound.empty()) {
       bound = std::abs(allowed) > total - 1e-6
                   ? fmt::format("the {} is more than a factor {:g} from the accepted table's", what, most)
-                  : fmt::format("the {} moves by more than a factor {:g} in a minute", what, most_per_min);
+                  : fmt::format("the {} moves by more than a factor {:g} in a minute", what, max_per_min);
     }
     return allowed;
   };
   const double brightness =
-      limit(mean_of(gain), params.most_brightness, params.most_brightness_per_min, mean_of, "brightness");
+      limit(mean_of(gain), params.max_brightness, params.max_brightness_per_min, mean_of, "brightness");
   const double mean = mean_of(gain);
   for (std::size_t c = 0; c < 3; ++c) {
     gain[c] = brightness + limit(
-                               gain[c] - mean, params.most_balance, params.most_balance_per_min,
+                               gain[c] - mean, params.max_balance, params.max_balance_per_min,
                                [c](const Log3& then) { return then[c] - mean_of(then); }, "colour");
   }
   return gain;
@@ -439,7 +439,7 @@ std::shared_ptr<const Lut> LightFollower::new_table() {
   table_ =
       wanted == LightChange{} ? accepted_ : std::make_shared<const Lut>(table_in_light(*accepted_, wanted));
   steps_.push_back({time_s_, wanted, state_.robots, state_.from_carpet});
-  if (steps_.size() > kMostSteps) steps_.pop_front();
+  if (steps_.size() > kMaxSteps) steps_.pop_front();
   return table_;
 }
 

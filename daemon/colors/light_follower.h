@@ -29,28 +29,28 @@ namespace sslv {
 struct FollowLightParams {
   bool enabled = false;
   bool in_match = false;
-  double most_brightness = 4;
-  double most_balance = 1.3;
-  double most_brightness_per_min = 6;
-  double most_balance_per_min = 1.2;
+  double max_brightness = 4;
+  double max_balance = 1.3;
+  double max_brightness_per_min = 6;
+  double max_balance_per_min = 1.2;
   double min_confidence = 0.9;
-  int least_robots = 2;
+  int min_robots = 2;
 
   static constexpr auto fields() {
     using P = FollowLightParams;
     return std::tuple{
         flag("enabled", &P::enabled, "the colour table follows the light on confirmed robots"),
         flag("in_match", &P::in_match, "also while the game runs; else the table stays as it is then"),
-        number("most_brightness", &P::most_brightness, 1.0, 8.0, "",
+        number("most_brightness", &P::max_brightness, 1.0, 8.0, "",
                "the light may become so many times as bright as the accepted table's, or as dark"),
-        number("most_balance", &P::most_balance, 1.0, 2.0, "",
+        number("most_balance", &P::max_balance, 1.0, 2.0, "",
                "so far may red, green and blue each part from their common brightness"),
-        number("most_brightness_per_min", &P::most_brightness_per_min, 1.0, 64.0, "",
+        number("most_brightness_per_min", &P::max_brightness_per_min, 1.0, 64.0, "",
                "largest factor between the brightness now and any in the last minute"),
-        number("most_balance_per_min", &P::most_balance_per_min, 1.0, 4.0, "",
+        number("most_balance_per_min", &P::max_balance_per_min, 1.0, 4.0, "",
                "the same for red, green and blue against their common brightness"),
         number("min_confidence", &P::min_confidence, 0.0, 1.0, "", "robots below it teach nothing"),
-        number("least_robots", &P::least_robots, 1, 16, "", "with fewer confirmed robots it is frozen"),
+        number("least_robots", &P::min_robots, 1, 16, "", "with fewer confirmed robots it is frozen"),
     };
   }
 };
@@ -157,7 +157,7 @@ class LightFollower {
   using AreaLuma = std::array<float, kAreas>;
 
   std::vector<Dot> confirmed_dots(const FollowLightParams& params, const Look& look);
-  std::optional<Difference> difference(const Dot& dot, std::size_t channel, int least_count) const;
+  std::optional<Difference> difference(const Dot& dot, std::size_t channel, int min_count) const;
   template <class Value>
   double known_or_near(std::size_t area, const Value& value) const;
   double area_log(std::size_t area) const;

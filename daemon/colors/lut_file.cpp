@@ -25,7 +25,7 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::string_view kFormat = "ssl-visiond colour table";
 constexpr int kVersion = 1;
 /// Larger than any file of tables.
-constexpr std::size_t kMostBytes = 64U << 20;
+constexpr std::size_t kMaxBytes = 64U << 20;
 
 template <class... Args>
 [[noreturn]] void refuse_file(const std::string& file_name, fmt::format_string<Args...> format,
@@ -93,14 +93,14 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
     refuse_file(file_name, "is of version {}; this program reads {}", version, kVersion);
   const int bits = number_of(json, "bits", 255, file_name);
 
-  std::array<std::optional<Label>, label::kMost> ours;
+  std::array<std::optional<Label>, label::kMaxCount> ours;
   Prints prints;
   const Json& theirs = get(json, "labels", file_name);
   if (!theirs.is_array()) refuse_file(file_name, "\"labels\" is no list");
   for (const Json& each : theirs) {
     if (!each.is_object()) refuse_file(file_name, "\"labels\" is no list of {{value, name, color}}");
     const auto value =
-        static_cast<std::size_t>(number_of(each, "value", static_cast<int>(label::kMost) - 1, file_name));
+        static_cast<std::size_t>(number_of(each, "value", static_cast<int>(label::kMaxCount) - 1, file_name));
     const std::string name = text_of(each, "name", file_name);
     // As labels are named that have no name: their values tell.
     const bool nameless = name == LabelSet::built_in().name(static_cast<Label>(value)) && !labels.find(name);
@@ -254,7 +254,7 @@ std::vector<ImportedTable> tables_of_xml(Bytes bytes, const std::string& file_na
 }  // namespace
 
 std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
-  std::array<bool, label::kMost> occurs{};
+  std::array<bool, label::kMaxCount> occurs{};
   for (const Label label : table.labels) occurs[label] = true;
   Json list = Json::array();
   for (std::size_t value = 0; value < occurs.size(); ++value) {
@@ -277,8 +277,8 @@ std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
 
 std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_name, const LabelSet& labels) {
   if (bytes.empty()) refuse_file(file_name, "is empty");
-  if (bytes.size() > kMostBytes) {
-    refuse_file(file_name, "has {} bytes; a file of colour tables has {} at most", bytes.size(), kMostBytes);
+  if (bytes.size() > kMaxBytes) {
+    refuse_file(file_name, "has {} bytes; a file of colour tables has {} at most", bytes.size(), kMaxBytes);
   }
   const auto alone = [&](const char* format, ColorTable table) {
     std::vector<ImportedTable> out;

@@ -20,9 +20,9 @@ namespace sslv {
 namespace {
 
 /// Groups nearer than this in shares, or than so many times their spread, are one.
-constexpr double kLeastApart = 0.15, kLeastApartPerSpread = 3.2;
+constexpr double kMinApart = 0.15, kMinApartPerSpread = 3.2;
 /// How alike seen and printed differences must be (a cosine).
-constexpr double kLeastAlike = 0.4;
+constexpr double kMinAlike = 0.4;
 /// A single group is named when the next likeliest print is this much further off.
 constexpr double kClearlyNearest = 0.6;
 const Color3 kPrintedBlack(26, 26, 29);
@@ -127,7 +127,7 @@ Groups distinct_groups(std::span<const SeenDot> colors, std::size_t most) {
     for (std::size_t a = 0; a < count; ++a) {
       for (std::size_t b = 0; b < a; ++b) apart = std::min(apart, (out.means[a] - out.means[b]).norm());
     }
-    if (apart > std::max(kLeastApart, kLeastApartPerSpread * out.spread)) return out;
+    if (apart > std::max(kMinApart, kMinApartPerSpread * out.spread)) return out;
   }
   return group(colors, 1);
 }
@@ -173,7 +173,7 @@ std::vector<Label> name_all(const std::vector<Color3>& means, std::span<const La
       best_order = order;
     }
   } while (std::next_permutation(order.begin(), order.end()));
-  if (best < kLeastAlike * std::sqrt(seen2 * expected2)) return {};
+  if (best < kMinAlike * std::sqrt(seen2 * expected2)) return {};
   std::vector<Label> out;
   for (const std::size_t at : best_order) out.push_back(labels[at]);
   return out;

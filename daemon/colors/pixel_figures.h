@@ -41,8 +41,8 @@ std::vector<bool> region_around(const PixelBlock& block, int x_px, int y_px);
 struct PixelFigures {
   static constexpr std::size_t kBins = 64;
   std::size_t count = 0;
-  std::array<double, 3> mean{}, spread{};         // of Y, U, V; spread: standard deviation
-  std::array<std::size_t, label::kMost> cells{};  // of each label
+  std::array<double, 3> mean{}, spread{};             // of Y, U, V; spread: standard deviation
+  std::array<std::size_t, label::kMaxCount> cells{};  // of each label
   std::array<std::array<std::size_t, kBins>, 3> histogram{};
 };
 

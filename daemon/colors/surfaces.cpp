@@ -15,9 +15,9 @@
 namespace sslv {
 namespace {
 
-constexpr double kCarpetAlike = 0.07;      // in shares
-constexpr double kFloorAlike = 0.06;       // in shares
-constexpr double kLeastFloorShare = 0.02;  // of what was looked at
+constexpr double kCarpetAlike = 0.07;    // in shares
+constexpr double kFloorAlike = 0.06;     // in shares
+constexpr double kMinFloorShare = 0.02;  // of what was looked at
 constexpr std::size_t kPlacesPerFrame = 120'000;
 
 /// Whether one colour is another in more or less light.
@@ -25,8 +25,8 @@ bool goes_on(const Color3& here, const Color3& there) {
   const double length2 = there.squaredNorm();
   if (length2 < 1) return here.norm() < 12;
   const double factor = here.dot(there) / length2;
-  constexpr double kLeast = 0.6, kMost = 1 / kLeast;
-  if (factor < kLeast || factor > kMost) return (here - there).norm() < 10;
+  constexpr double kMin = 0.6, kMax = 1 / kMin;
+  if (factor < kMin || factor > kMax) return (here - there).norm() < 10;
   return (here - factor * there).norm() < 5 + 0.08 * here.norm();
 }
 
@@ -337,7 +337,7 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
   const auto floor_places = std::count_if(
       places.begin(), places.end(), [&](const Place& place) { return !is_carpet(place) && is_floor(place); });
   const bool has_floor =
-      static_cast<double>(floor_places) > kLeastFloorShare * static_cast<double>(places.size());
+      static_cast<double>(floor_places) > kMinFloorShare * static_cast<double>(places.size());
 
   SurfaceColors out;
   std::array<std::array<std::size_t, 256>, 3> differences{};  // of pixels from what lies around
@@ -397,7 +397,7 @@ SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const Cle
 }
 
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces) {
-  std::array<bool, label::kMost> in_table{};
+  std::array<bool, label::kMaxCount> in_table{};
   for (const Label label : lut.yuv().labels) in_table[label] = true;
   static const auto kNoise = noise_samples();
   std::vector<LabelMargin> out;
@@ -405,9 +405,9 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
     const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
     if (colors.empty()) continue;
     const auto flood = kFloodShare * static_cast<double>(surfaces.total(kind));
-    std::array<std::optional<double>, label::kMost> brighter, darker;
+    std::array<std::optional<double>, label::kMaxCount> brighter, darker;
     const auto look = [&](double factor, auto& first) {
-      std::array<double, label::kMost> count{};
+      std::array<double, label::kMaxCount> count{};
       for (const auto& [color, pixels] : colors) {
         const Yuv lit = in_light(color, factor);
         for (const auto& noise : kNoise) {
@@ -424,9 +424,9 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
       }
     };
     constexpr double kStep = 1.01;
-    for (double factor = 1; factor < LabelMargin::kMostFactor; factor *= kStep) look(factor, brighter);
-    for (double factor = 1; factor > 1 / LabelMargin::kMostFactor; factor /= kStep) look(factor, darker);
-    for (std::size_t i = 1; i < label::kMost; ++i) {
+    for (double factor = 1; factor < LabelMargin::kMaxFactor; factor *= kStep) look(factor, brighter);
+    for (double factor = 1; factor > 1 / LabelMargin::kMaxFactor; factor /= kStep) look(factor, darker);
+    for (std::size_t i = 1; i < label::kMaxCount; ++i) {
       const auto label = static_cast<Label>(i);
       if (in_table[i] && !is_surface_label(label)) out.push_back({label, kind, brighter[i], darker[i]});
     }
@@ -434,8 +434,8 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
   return out;
 }
 
-std::optional<LeastMargin> least_of(std::span<const LabelMargin> margins) {
-  std::optional<LeastMargin> least;
+std::optional<MinMargin> min_of(std::span<const LabelMargin> margins) {
+  std::optional<MinMargin> least;
   for (const LabelMargin& margin : margins) {
     for (const auto& factor : {margin.brighter, margin.darker}) {
       if (!factor) continue;
@@ -455,8 +455,8 @@ bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b) 
   };
   return std::ranges::equal(a, b, [&](const LabelMargin& one, const LabelMargin& other) {
     return one.label == other.label && one.surface == other.surface &&
-           alike(one.brighter, other.brighter, LabelMargin::kMostFactor) &&
-           alike(one.darker, other.darker, 1 / LabelMargin::kMostFactor);
+           alike(one.brighter, other.brighter, LabelMargin::kMaxFactor) &&
+           alike(one.darker, other.darker, 1 / LabelMargin::kMaxFactor);
   });
 }
 

@@ -114,9 +114,9 @@ SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const Cle
 struct LabelMargin {
   Label label;
   SurfaceKind surface;
-  /// Factors on the light; absent: beyond kMostFactor either way.
+  /// Factors on the light; absent: beyond kMaxFactor either way.
   std::optional<double> brighter, darker;
-  static constexpr double kMostFactor = 2.5;
+  static constexpr double kMaxFactor = 2.5;
 };
 
 /// Of every label that a table has, to carpet and floor. A surface has a label when kFloodShare of its pixels
@@ -130,16 +130,16 @@ bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);
 /// Every margin shall be as large: lamps differ by that much over a field, and from day to day.
 inline constexpr double kWantedMargin = 0.30;
 /// Lamps flicker and age by so much: what is nearer floods during a match.
-inline constexpr double kLeastMargin = 0.10;
+inline constexpr double kMinMargin = 0.10;
 
 /// Where a table is nearest to a surface.
-struct LeastMargin {
+struct MinMargin {
   Label label;
   SurfaceKind surface;
   double change;  // of the light, as a share of it: 0.09 is brighter, -0.09 darker
 };
 /// Nothing when no margin has a limit.
-std::optional<LeastMargin> least_of(std::span<const LabelMargin> margins);
+std::optional<MinMargin> min_of(std::span<const LabelMargin> margins);
 /// "carpet becomes green at +9 %", or "carpet is green now".
 std::string margin_text(std::string_view surface, std::string_view label, double change);
 

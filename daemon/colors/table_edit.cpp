@@ -330,11 +330,11 @@ double median(std::vector<double>& values) {
 }
 
 /// Begins with medians, which a half of wrong pixels does not move, and goes on with those that fit.
-Ellipsoid ellipsoid_of(const std::vector<Yuv>& pixels, double least_variance) {
+Ellipsoid ellipsoid_of(const std::vector<Yuv>& pixels, double min_variance) {
   std::vector<Eigen::Vector3d> colors;
   colors.reserve(pixels.size());
   for (const Yuv& c : pixels) colors.emplace_back(c.y, c.u, c.v);
-  const Eigen::Matrix3d least = least_variance * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d least = min_variance * Eigen::Matrix3d::Identity();
   Ellipsoid out{Eigen::Vector3d::Zero(), least};
   std::vector<double> values(colors.size());
   for (Eigen::Index k = 0; k < 3; ++k) {
@@ -367,10 +367,10 @@ template <class Call>
 void for_cells_of_cluster(const ColorTable& table, const ColorCluster& cluster, const Call& call) {
   const int step = step_of(table), last = table.side() - 1;
   // A single pixel reaches its cell's neighbours: a level and a half of noise, or what a cell is wide.
-  const double least_variance = std::pow(std::max(1.5, 1.01 * step / kReach), 2);
+  const double min_variance = std::pow(std::max(1.5, 1.01 * step / kReach), 2);
   Ellipsoid all;
   if (cluster.spread) {
-    all.covariance = least_variance * Eigen::Matrix3d::Identity();
+    all.covariance = min_variance * Eigen::Matrix3d::Identity();
     for (std::size_t i = 0; i < 3; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       all.mean[row] = cluster.spread->mean[i];
@@ -378,7 +378,7 @@ void for_cells_of_cluster(const ColorTable& table, const ColorCluster& cluster, 
         all.covariance(row, static_cast<Eigen::Index>(j)) += cluster.spread->covariance[i][j];
     }
   } else if (!cluster.pixels.empty()) {
-    all = ellipsoid_of(cluster.pixels, least_variance);
+    all = ellipsoid_of(cluster.pixels, min_variance);
     // A pixel stands for the whole cell it lies in.
     if (cluster.pixels.size() == 1) {
       const Cell cell = cell_of(table, {cluster.pixels[0].y, cluster.pixels[0].u, cluster.pixels[0].v});
@@ -459,9 +459,9 @@ void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
   const auto unit = [](double value) {
     return static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * value));
   };
-  std::array<bool, label::kMost> has_cells{};
+  std::array<bool, label::kMaxCount> has_cells{};
   for (const Label label : table.labels) has_cells[label] = true;
-  for (std::size_t i = 1; i < label::kMost; ++i) {
+  for (std::size_t i = 1; i < label::kMaxCount; ++i) {
     const auto label = static_cast<Label>(i);
     if (table.prints[i] || !has_cells[i] || is_surface_label(label)) continue;
     const auto& mean = lut.chromaticity_mean(label);
@@ -542,7 +542,7 @@ std::vector<CellRun> difference(const ColorTable& from, const ColorTable& to) {
 
 // ---- statistics
 
-TableStatistics table_statistics(const ColorTable& table, std::size_t most_places) {
+TableStatistics table_statistics(const ColorTable& table, std::size_t max_places) {
   TableStatistics out;
   for (const Label label : table.labels) ++out.cells[label];
 
@@ -550,7 +550,7 @@ TableStatistics table_statistics(const ColorTable& table, std::size_t most_place
     return label != label::kClear && label != label::kField && label != label::kWhite &&
            label != label::kBlack;
   };
-  std::array<std::array<TableConflict, label::kMost>, label::kMost> pairs{};
+  std::array<std::array<TableConflict, label::kMaxCount>, label::kMaxCount> pairs{};
   const int last = table.side() - 1;
   const CellBox whole{{0, 0, 0}, {last, last, last}};
   const std::size_t v_stride = std::size_t{1} << table.bits, u_stride = v_stride << table.bits;
@@ -572,7 +572,7 @@ TableStatistics table_statistics(const ColorTable& table, std::size_t most_place
       if ((others & 1) == 0) continue;
       TableConflict& pair = pairs[std::min(here, other)][std::max(here, other)];
       ++pair.cells;
-      if (here < other && pair.places.size() < most_places) pair.places.push_back(table.color_of(place));
+      if (here < other && pair.places.size() < max_places) pair.places.push_back(table.color_of(place));
     }
   });
   for (std::size_t a = 0; a < pairs.size(); ++a) {

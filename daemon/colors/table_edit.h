@@ -133,10 +133,10 @@ struct TableConflict {
   std::vector<Yuv> places;  // the first of them: middles of cells of `a`
 };
 struct TableStatistics {
-  std::array<std::size_t, label::kMost> cells{};  // of each label
-  std::vector<TableConflict> conflicts;           // the largest first
+  std::array<std::size_t, label::kMaxCount> cells{};  // of each label
+  std::vector<TableConflict> conflicts;               // the largest first
 };
-/// Up to `most_places` places for each pair. Field, white, black and clear are no colours here.
-TableStatistics table_statistics(const ColorTable& table, std::size_t most_places = 50);
+/// Up to `max_places` places for each pair. Field, white, black and clear are no colours here.
+TableStatistics table_statistics(const ColorTable& table, std::size_t max_places = 50);
 
 }  // namespace sslv

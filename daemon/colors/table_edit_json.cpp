@@ -12,8 +12,8 @@
 namespace sslv {
 namespace {
 
-constexpr int kMostCells = 16;
-constexpr std::size_t kMostPixels = 100'000;
+constexpr int kMaxEditCells = 16;
+constexpr std::size_t kMaxPixels = 100'000;
 
 /// The keys of one edit. Every key that is asked for is known; finish() refuses all others.
 class Keys {
@@ -51,7 +51,7 @@ class Keys {
   }
   int cells() {
     const Json* found = find("cells");
-    return found == nullptr ? 1 : read_number<int>(*found, at("cells"), 1, kMostCells, "cells");
+    return found == nullptr ? 1 : read_number<int>(*found, at("cells"), 1, kMaxEditCells, "cells");
   }
   bool flag(std::string_view key) {
     const Json* found = find(key);
@@ -108,8 +108,8 @@ ColorCluster Keys::cluster() {
     throw SettingsError(path_ + ": expected pixels, or mean and covariance");
   }
   if (pixels != nullptr) {
-    if (!pixels->is_array() || pixels->empty() || pixels->size() > kMostPixels)
-      refuse(at("pixels"), *pixels, fmt::format("1 .. {} colours [y, u, v]", kMostPixels));
+    if (!pixels->is_array() || pixels->empty() || pixels->size() > kMaxPixels)
+      refuse(at("pixels"), *pixels, fmt::format("1 .. {} colours [y, u, v]", kMaxPixels));
     for (std::size_t i = 0; i < pixels->size(); ++i) {
       const Json& pixel = (*pixels)[i];
       const std::string here = fmt::format("{}/{}", at("pixels"), i);
@@ -122,7 +122,7 @@ ColorCluster Keys::cluster() {
     }
     return out;
   }
-  constexpr double kMostVariance = 128 * 128;
+  constexpr double kMaxVariance = 128 * 128;
   ColorCluster::Spread spread{};
   Eigen::Matrix3d matrix;
   if (!mean->is_array() || mean->size() != 3) refuse(at("mean"), *mean, "[y, u, v], each 0 .. 255");
@@ -135,13 +135,13 @@ ColorCluster Keys::cluster() {
     if (!row.is_array() || row.size() != 3) refuse(here, row, "3 numbers");
     for (std::size_t j = 0; j < 3; ++j) {
       spread.covariance[i][j] =
-          read_number<double>(row[j], fmt::format("{}/{}", here, j), -kMostVariance, kMostVariance, "");
+          read_number<double>(row[j], fmt::format("{}/{}", here, j), -kMaxVariance, kMaxVariance, "");
       matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = spread.covariance[i][j];
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix, Eigen::EigenvaluesOnly);
-  if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > 1e-6 * kMostVariance ||
-      solver.eigenvalues().minCoeff() < -1e-6 * kMostVariance) {
+  if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > 1e-6 * kMaxVariance ||
+      solver.eigenvalues().minCoeff() < -1e-6 * kMaxVariance) {
     refuse(at("covariance"), *covariance, "a covariance: symmetric, no direction with less than none");
   }
   out.spread = spread;

@@ -31,7 +31,7 @@ void TableHistory::add(TableStep step) {
   undone_.clear();
   bytes_ += bytes_of(step);
   done_.push_back(std::move(step));
-  while (!done_.empty() && (done_.size() > kMostSteps || bytes_ > kMostBytes)) {
+  while (!done_.empty() && (done_.size() > kMaxSteps || bytes_ > kMaxBytes)) {
     bytes_ -= bytes_of(done_.front());
     done_.pop_front();
   }

@@ -23,7 +23,7 @@ struct TableStep {
 /// Steps that can be undone and done again. Bounded: beyond that the oldest are forgotten.
 class TableHistory {
  public:
-  static constexpr std::size_t kMostSteps = 500, kMostBytes = 32U << 20;
+  static constexpr std::size_t kMaxSteps = 500, kMaxBytes = 32U << 20;
 
   /// A step that was just made. What was undone before it cannot be redone any more.
   void add(TableStep step);

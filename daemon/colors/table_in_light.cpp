@@ -20,7 +20,7 @@ constexpr float kFarOut = 24;
 /// Areas this much apart in light need a look each: tables hold over more.
 constexpr double kAreaStep = 1.2;
 /// What a label's colours may lie apart by noise, in cells each way, and so what a darker scale takes away.
-constexpr double kNoiseCells = 3, kMostGrowth = 2;
+constexpr double kNoiseCells = 3, kMaxGrowth = 2;
 
 using Color = std::array<float, 3>;  // red, green, blue
 
@@ -92,15 +92,15 @@ class Past {
   /// Whether the table is clear, whatever the luma, for all chromas from the least to the greatest of these.
   bool is_clear(const Bytes& us, const Bytes& vs) const {
     constexpr int kShift = 8 - LutTable::kChromaBits;
-    std::uint8_t least_u = 255, most_u = 0, least_v = 255, most_v = 0;
+    std::uint8_t min_u = 255, max_u = 0, min_v = 255, max_v = 0;
     for (std::size_t i = 0; i < kSide; ++i) {
-      least_u = std::min(least_u, us[i]);
-      most_u = std::max(most_u, us[i]);
-      least_v = std::min(least_v, vs[i]);
-      most_v = std::max(most_v, vs[i]);
+      min_u = std::min(min_u, us[i]);
+      max_u = std::max(max_u, us[i]);
+      min_v = std::min(min_v, vs[i]);
+      max_v = std::max(max_v, vs[i]);
     }
-    for (int u = least_u >> kShift; u <= most_u >> kShift; ++u) {
-      for (int v = least_v >> kShift; v <= most_v >> kShift; ++v) {
+    for (int u = min_u >> kShift; u <= max_u >> kShift; ++u) {
+      for (int v = min_v >> kShift; v <= max_v >> kShift; ++v) {
         const auto at = static_cast<std::size_t>(u << LutTable::kChromaBits | v);
         if (lut_.yuv().chroma[at] != label::kClear) return false;
       }
@@ -227,7 +227,7 @@ ColorTable table_in_light(const Lut& accepted, const LightChange& change) {
     }
   }
   const double scale = *std::min_element(change.gain.begin(), change.gain.end()) * change.darkest_area;
-  const auto growth = static_cast<int>(std::clamp(kNoiseCells * (1 - scale), 0.0, kMostGrowth));
+  const auto growth = static_cast<int>(std::clamp(kNoiseCells * (1 - scale), 0.0, kMaxGrowth));
   for (int k = 0; k < growth; ++k) grow(out.labels);
   return out;
 }

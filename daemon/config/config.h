@@ -134,7 +134,7 @@ struct Config {
         file("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
         list("own_labels", &Config::own_labels,
              "labels of colour tables besides the built-in ones, for patterns of your own",
-             label::kMost - label::kCount),
+             label::kMaxCount - label::kCount),
         group("network", &Config::network, "what is sent where"),
         group("panel", &Config::panel, "where the web panel listens"),
         list("cameras", &Config::cameras, "the cameras of this daemon", 32),

@@ -33,17 +33,17 @@ Json parse_answer(const std::string& text, const std::string& path) {
 
 /// Who changed what, the newest first: SettingsStep[] of docs/openapi.json.
 std::string steps_text(const Json& steps) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMax = 3;
   std::string out;
-  for (std::size_t i = 0; i < std::min(steps.size(), kMost); ++i) {
+  for (std::size_t i = 0; i < std::min(steps.size(), kMax); ++i) {
     const Json& changes = steps[i].at("changes");
     out += fmt::format("; {} made revision {}", steps[i].at("who").get<std::string>(),
                        steps[i].at("revision").get<std::uint64_t>());
-    for (std::size_t j = 0; j < std::min(changes.size(), kMost); ++j)
+    for (std::size_t j = 0; j < std::min(changes.size(), kMax); ++j)
       out += (j == 0 ? ": " : ", ") + change_text(changes[j]);
-    if (changes.size() > kMost) out += fmt::format(", and {} more", changes.size() - kMost);
+    if (changes.size() > kMax) out += fmt::format(", and {} more", changes.size() - kMax);
   }
-  if (steps.size() > kMost) out += fmt::format("; and {} revisions before", steps.size() - kMost);
+  if (steps.size() > kMax) out += fmt::format("; and {} revisions before", steps.size() - kMax);
   return out;
 }
 

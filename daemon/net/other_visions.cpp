@@ -16,7 +16,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
 // More can only be an attack; these are enough to say that something is wrong.
-constexpr std::size_t kMostSenders = 16, kMostCameras = 64;
+constexpr std::size_t kMaxSenders = 16, kMaxCameras = 64;
 
 /// A number that is set; nothing for an absent field or one of another kind.
 std::optional<double> number(const Message& message, const FieldDescriptor& field) {
@@ -116,7 +116,7 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
   }
   std::erase_if(senders_, [&](const auto& one) { return now_s - one.second.heard_s > kForgottenAfter_s; });
   const std::string address = sender.address().to_string();
-  if (senders_.size() >= kMostSenders && !senders_.contains(address)) return;
+  if (senders_.size() >= kMaxSenders && !senders_.contains(address)) return;
   Sender& from = senders_[address];
   from.heard_s = now_s;
   if (field) from.field = std::move(field);
@@ -124,7 +124,7 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
     auto& heard_s = from.camera_heard_s;
     std::erase_if(heard_s, [&](const auto& one) { return now_s - one.second > kForgottenAfter_s; });
     const std::uint32_t id = packet.detection().camera_id();
-    if (heard_s.size() < kMostCameras || heard_s.contains(id)) heard_s[id] = now_s;
+    if (heard_s.size() < kMaxCameras || heard_s.contains(id)) heard_s[id] = now_s;
   }
 }
 

@@ -86,7 +86,7 @@ void SettingsHistory::add(SettingsStep step) {
   bytes_ += sizes_.back();
   steps_.push_back(std::move(step));
   // The newest stays however large it is.
-  while (steps_.size() > 1 && (steps_.size() > kMostSteps || bytes_ > kMostBytes)) {
+  while (steps_.size() > 1 && (steps_.size() > kMaxSteps || bytes_ > kMaxBytes)) {
     bytes_ -= sizes_.front();
     sizes_.erase(sizes_.begin());
     steps_.erase(steps_.begin());

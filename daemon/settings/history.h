@@ -29,7 +29,7 @@ Json backward_patch(const Json& changes);
 /// The newest steps, as many as fit a quota.
 class SettingsHistory {
  public:
-  static constexpr std::size_t kMostSteps = 300, kMostBytes = 512 * 1024;
+  static constexpr std::size_t kMaxSteps = 300, kMaxBytes = 512 * 1024;
 
   SettingsHistory() = default;
   /// From what to_json() returned; anything but a list of steps is ignored.

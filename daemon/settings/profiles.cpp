@@ -26,11 +26,11 @@ void check_name(const std::string& name) {
   if (is_plain_text(name) && !name.empty() && g_utf8_strlen(name.c_str(), -1) <= Profiles::kLongestName &&
       name.find('/') == std::string::npos && name.front() != '.' && name.front() != ' ' && name.back() != ' ')
     return;
-  throw SettingsError(fmt::format(
-      "name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
-      "the beginning or a space at either end",
-      shortened(escaped_text(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace))),
-      Profiles::kLongestName));
+  throw SettingsError(
+      fmt::format("name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
+                  "the beginning or a space at either end",
+                  shortened(escaped_text(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace))),
+                  Profiles::kLongestName));
 }
 
 auto place_of(std::vector<Profile>& profiles, const std::string& name) {
@@ -72,9 +72,9 @@ void Profiles::save(Profile profile) {
   const auto old = place_of(next, profile.name);
   if (old != next.end()) {
     *old = std::move(profile);
-  } else if (next.size() == kMost) {
+  } else if (next.size() == kMax) {
     throw SettingsError(
-        fmt::format("there are {} profiles already, and no more are kept; delete one first", kMost));
+        fmt::format("there are {} profiles already, and no more are kept; delete one first", kMax));
   } else {
     const auto after = std::find_if(next.begin(), next.end(),
                                     [&](const Profile& other) { return other.name > profile.name; });

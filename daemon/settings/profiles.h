@@ -38,7 +38,7 @@ struct Profile {
 /// All profiles, by name, kept in a file. May be used from several threads at once.
 class Profiles {
  public:
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMax = 32;
   static constexpr long kLongestName = 60;  // characters
 
   /// Kept in profiles.json. A file that cannot be used is set aside (renamed *.rejected).

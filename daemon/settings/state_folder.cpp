@@ -148,10 +148,10 @@ void remove_leftover(const fs::path& file) {
 }
 
 fs::path set_aside(const fs::path& file) {
-  constexpr int kMost = 100;
+  constexpr int kMax = 100;
   std::error_code error;
   fs::path aside = file.string() + ".rejected";
-  for (int i = 2; i <= kMost && fs::exists(aside, error); ++i)
+  for (int i = 2; i <= kMax && fs::exists(aside, error); ++i)
     aside = fmt::format("{}.rejected.{}", file.string(), i);
   fs::rename(file, aside, error);
   return aside;

@@ -14,7 +14,7 @@ constexpr int kSamplesPerFrame = 64;
 constexpr int kSamplesAtOnce = 1'024;  // when nothing is known yet
 // The boxes of a new table are grown again after so many frames, then after twice as many, and so on: the
 // light that they have seen by then is more and more of all there is.
-constexpr int kFirstFramesBetween = 8, kMostFramesBetween = 1'024;
+constexpr int kFirstFramesBetween = 8, kMaxFramesBetween = 1'024;
 constexpr int kBins = BackgroundFollower::kBins, kStep = 256 / kBins;
 using Bins = BackgroundFollower::Bins;
 
@@ -208,14 +208,14 @@ void BackgroundFollower::begin_growth() {
 /// The next one, around what most of the samples that are left share.
 void BackgroundFollower::grow_box() {
   // A test that fewer pass costs more than it saves.
-  constexpr std::size_t kLeastShare = 500;  // one in so many
-  constexpr std::size_t kLookedAt = 128;    // samples are enough to grow towards
-  constexpr int kSeeds = 3;                 // of which the best box is taken
+  constexpr std::size_t kMinShare = 500;  // one in so many
+  constexpr std::size_t kLookedAt = 128;  // samples are enough to grow towards
+  constexpr int kSeeds = 3;               // of which the best box is taken
 
   const std::span<Bins> rest(growth_.left.data(), growth_.left_count);
   Box best{};
   std::size_t most = 0;
-  if (growth_.boxes < Background::kMostBoxes && rest.size() * kLeastShare > growth_.all) {
+  if (growth_.boxes < Background::kMaxBoxes && rest.size() * kMinShare > growth_.all) {
     std::array<Bins, kLookedAt> room;
     const std::span<Bins> some(room.data(), std::min(rest.size(), kLookedAt));
     for (std::size_t i = 0; i < some.size(); ++i) some[i] = rest[i * rest.size() / some.size()];
@@ -239,7 +239,7 @@ void BackgroundFollower::grow_box() {
     }
     if (in_background(middle)) try_seed(middle);
   }
-  growth_.goes_on = most * kLeastShare > growth_.all;
+  growth_.goes_on = most * kMinShare > growth_.all;
   if (growth_.goes_on) {
     growth_.left_count = static_cast<std::size_t>(
         std::remove_if(rest.begin(), rest.end(), [&](const Bins& bins) { return best.contains(bins); }) -
@@ -261,7 +261,7 @@ const Background& BackgroundFollower::follow(const ImageView& image, const Lut& 
   sample(image, mask, sampled_ == 0 ? kSamplesAtOnce : kSamplesPerFrame);
   if (is_new) frames_between_ = kFirstFramesBetween;
   if (is_new || ++age_ >= frames_between_) {
-    if (!is_new) frames_between_ = std::min(2 * frames_between_, kMostFramesBetween);
+    if (!is_new) frames_between_ = std::min(2 * frames_between_, kMaxFramesBetween);
     const Label label = commonest_label(lut.yuv());
     if (is_new || label != background_.label) take_table(lut, image.format, label);
     begin_growth();

@@ -19,11 +19,11 @@ struct ColorBox {
 /// What lets most of an image pass without a look at the table: boxes around the commonest colours, the
 /// carpet's first, then the floor's, the lines'...
 struct Background {
-  static constexpr std::size_t kMostBoxes = 8;
+  static constexpr std::size_t kMaxBoxes = 8;
 
   Label label = label::kClear;  // of every colour in the boxes
   std::size_t boxes = 0;        // how many of `box` count
-  std::array<ColorBox, kMostBoxes> box;
+  std::array<ColorBox, kMaxBoxes> box;
   /// One bit for each block of the table of the images' colours, ordered as LutTable::blocks: whether all
   /// of it has that label.
   alignas(64) std::array<std::uint64_t, std::size_t{1} << (2 * LutTable::kBlockBits)> blocks{};
@@ -79,7 +79,7 @@ class BackgroundFollower {
   struct Growth {
     bool goes_on = false, is_first = false;  // first: of a new table, so that each box is used at once
     std::size_t boxes = 0;
-    std::array<ColorBox, Background::kMostBoxes> box;
+    std::array<ColorBox, Background::kMaxBoxes> box;
     std::array<Bins, kSamples> left;  // samples that could be in a box and are in none yet
     std::size_t left_count = 0, all = 0;
   } growth_;

@@ -21,20 +21,20 @@ constexpr double kMarginMm = 9, kUsualPixelMm = 6.1, kMarginGrows = 1.7;
 constexpr double kWanderMm = 5;  // samples are read for a centre this far from the start
 constexpr int kPasses = 4;
 /// With less of the ball in view, whatever there is fits.
-constexpr double kLeastVisible = 0.3;
+constexpr double kMinVisible = 0.3;
 /// Fewer values than this, of all planes together, fit anything.
-constexpr int kLeastValues = 6;
-constexpr double kLeastVariance = 0.5;
-constexpr double kMostStepMm = 8, kSmallStepMm = 0.6;
+constexpr int kMinValues = 6;
+constexpr double kMinVariance = 0.5;
+constexpr double kMaxStepMm = 8, kSmallStepMm = 0.6;
 /// A start this far off is followed by another.
 constexpr double kFarMm = 4;
 /// Unless it explains less than this.
 constexpr double kHopelessR2 = 0.15, kLargeCell = 0.75;
 /// Carpet differs from its median by no more than this many times its usual difference.
 constexpr float kOddCarpet = 4.5F;
-constexpr float kLeastSpread = 2.5F;
+constexpr float kMinSpread = 2.5F;
 constexpr float kOddReachPx = 1.2F;
-constexpr double kLeastClear = 0.5;  // share of the ring that should be left
+constexpr double kMinClear = 0.5;  // share of the ring that should be left
 /// One side of a ball differs from its middle by about this share of its contrast.
 constexpr float kShading = 0.3F;
 /// PlaneSamples::keep of a sample that a robot hides.
@@ -45,7 +45,7 @@ constexpr float kUnlikeModel = -0.5F;
 /// where the place counts, nothing does.
 constexpr float kUnlike = 3, kUnlikeShare = 0.12F, kUnlikeFrom = 0.3F;
 /// Among fewer samples of a plane nothing stands out, nor in Bayer images.
-constexpr std::size_t kLeastOfPlane = 28;
+constexpr std::size_t kMinOfPlane = 28;
 /// Shading by direction is a small part of the light: priors in units of one grey level squared.
 constexpr double kShadePrior = 0.5;
 
@@ -271,7 +271,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
     }
   }
   out.visible_share = on_ball > 0 ? static_cast<double>(visible) / on_ball : 0;
-  return on_ball >= kLeastValues && out.visible_share >= kLeastVisible;
+  return on_ball >= kMinValues && out.visible_share >= kMinVisible;
 }
 
 /// What lies around the ball is carpet by its majority; the rest is left out.
@@ -293,7 +293,7 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
       const float middle = values.get();
       for (const std::uint16_t i : ring) distances.add(std::abs(value[i] - middle));
       // 1.48 times the median distance is sigma, were they normally distributed.
-      const float limit = kOddCarpet * std::max(1.48F * distances.get(), kLeastSpread);
+      const float limit = kOddCarpet * std::max(1.48F * distances.get(), kMinSpread);
       const auto leave_out = [&](std::size_t i) {
         if (odd.size() < odd.capacity()) odd.push_back({group.samples.u[i], group.samples.v[i]});
       };
@@ -334,7 +334,7 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
     // left.
     const bool narrow = look.groups == 3 && count_clear([&](std::size_t g, std::size_t i) {
                                               return !is_odd(g, i, false);
-                                            }) < kLeastClear * look.around;
+                                            }) < kMinClear * look.around;
     for (std::size_t g = 0; g < look.groups; ++g) {
       PlaneSamples& samples = groups_[g]->samples;
       for (std::size_t i = 0; i < static_cast<std::size_t>(samples.count); ++i) {
@@ -371,10 +371,9 @@ int BallFitter::leave_out_unlike(const Look& look) noexcept {
       for (std::size_t i = 0; i < n; ++i) {
         if (samples.keep[i] > 0 && places[i].z != kNowhere) lefts.add(std::min(255.0F, left_of(i)));
       }
-      if (lefts.count() < kLeastOfPlane) continue;
-      const float limit =
-          std::max({kUnlike * 1.48F * (lefts.get() + 0.5F), kUnlikeShare * std::abs(look.contrast[first + p]),
-                    kUnlike * kLeastSpread});
+      if (lefts.count() < kMinOfPlane) continue;
+      const float limit = std::max({kUnlike * 1.48F * (lefts.get() + 0.5F),
+                                    kUnlikeShare * std::abs(look.contrast[first + p]), kUnlike * kMinSpread});
       for (std::size_t i = 0; i < n; ++i) {
         if (samples.keep[i] > 0 && places[i].z != kNowhere && std::abs(places[i].z) > kUnlikeFrom &&
             left_of(i) > limit) {
@@ -441,7 +440,7 @@ void BallFitter::judge(BallFit& out) const noexcept {
   }
   for (std::size_t k = 0; k < kSectors; ++k) {
     const float slack = outside / (2 * kSectors);
-    out.most_alike = std::max(out.most_alike, static_cast<double>(sector[k] / (sector_weight[k] + slack)));
+    out.max_alike = std::max(out.max_alike, static_cast<double>(sector[k] / (sector_weight[k] + slack)));
   }
   out.misfit = kept > 0 ? std::sqrt(left2 / kept) : 1;
   double squares = 0, variance = 0;
@@ -483,7 +482,7 @@ double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noex
                        covariance(patch.yu, patch.yv, patch.yu, patch.yv)}}};
     for (std::size_t i = 0; i < static_cast<std::size_t>(samples.count); ++i) {
       const bool is_unlike = samples.keep[i] == kUnlikeModel;
-      if (!(samples.keep[i] > 0 || is_unlike) || flat.count == RectangleSamples::kMost) continue;
+      if (!(samples.keep[i] > 0 || is_unlike) || flat.count == RectangleSamples::kMax) continue;
       const float u = samples.u[i], v = samples.v[i];
       if (!place.look_up(ball, u, v, sigma_x2, sigma_y2)) continue;
       // A highlight is no help to either.
@@ -508,8 +507,7 @@ double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noex
   for (std::size_t g = 0; g < look.groups; ++g) {
     const auto n = static_cast<double>(groups[g]->count);
     for (std::size_t p = 0; p < groups[g]->planes && n > 0; ++p) {
-      sum +=
-          n * std::log((left2[first + p] / n + kLeastVariance) / (groups[g]->left2[p] / n + kLeastVariance));
+      sum += n * std::log((left2[first + p] / n + kMinVariance) / (groups[g]->left2[p] / n + kMinVariance));
       count += n;
     }
     first += groups[g]->planes;
@@ -565,7 +563,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
         const Columns s = solver.solve(with);
         const double left = std::max(0.0, static_cast<double>(plane.square) - s.dot(with));
         const double free = std::max(1.0, count - 7);  // samples beyond those that any model could fit
-        const double variance = std::max(left / free, kLeastVariance);
+        const double variance = std::max(left / free, kMinVariance);
         const double mean = with[kGround - kCover] / count;
         const double all = std::max(0.0, static_cast<double>(plane.square) - count * mean * mean);
         total += all / (count - 1) / variance;
@@ -592,7 +590,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     if (!(places.determinant() > 0)) return out;
     Eigen::Vector2d step = places.ldlt().solve(gradient.head<2>());
     const double length_mm = step.norm();
-    if (length_mm > kMostStepMm) step *= kMostStepMm / length_mm;
+    if (length_mm > kMaxStepMm) step *= kMaxStepMm / length_mm;
     ball.x += as_float(step.x());
     ball.y += as_float(step.y());
     out.moved_mm = std::hypot(ball.x, ball.y);

@@ -26,7 +26,7 @@ struct BallFit {
   double contrast = 0;  // difference of that from the carpet's, as a share of it (lengths of vectors)
   double misfit = 1;    // root mean square of what the model leaves of the samples, over the contrast
   /// Mean colour of what lies outside the silhouette in the worst of eight directions; 0: carpet, 1: ball.
-  double most_alike = 0;
+  double max_alike = 0;
   /// Root of the summed squares of its outline's second to fourth harmonics: what ellipses, triangles and
   /// squares have.
   double out_of_round_mm = 0;
@@ -56,7 +56,7 @@ class BallFitter {
   BallFit fit(const Frame& frame, double x_mm, double y_mm) noexcept;
 
   /// Adds to the result of the last fit() what the samples say that the model has no room for: misfit,
-  /// most_alike, out_of_round_mm and its sigma. It takes about as long as a fit.
+  /// max_alike, out_of_round_mm and its sigma. It takes about as long as a fit.
   void judge(BallFit& last) const noexcept;
 
   /// How much better a piece of tape (a rectangle of one colour) explains the image than the ball `found`

@@ -59,20 +59,20 @@ void BallMemory::begin(double now_s) noexcept {
 
 void BallMemory::count_moved(Entry& entry) noexcept {
   if (entry.is_counted || !entry.is_sure || entry.colors == 0) return;
-  const auto end = moved_.begin() + static_cast<std::ptrdiff_t>(std::min(moved_count_, kMostMoved));
+  const auto end = moved_.begin() + static_cast<std::ptrdiff_t>(std::min(moved_count_, kMaxMoved));
   const auto near = std::find_if(moved_.begin(), end, [&](const Moved& moved) {
     return std::hypot(moved.x_mm - entry.x_mm, moved.y_mm - entry.y_mm) < kOtherPlaceMm;
   });
   entry.is_counted = true;
-  Moved& moved = near != end ? *near : moved_[moved_count_++ % kMostMoved];
+  Moved& moved = near != end ? *near : moved_[moved_count_++ % kMaxMoved];
   moved = {entry.x_mm, entry.y_mm, entry.chromaticity};
 }
 
 bool BallMemory::has_other_hue(Entry& entry) const noexcept {
-  const std::size_t count = std::min(moved_count_, kMostMoved);
+  const std::size_t count = std::min(moved_count_, kMaxMoved);
   if (!entry.was_there || entry.has_moved || entry.colors == 0 || count < kEnoughMoved) return false;
   Color ball{};
-  std::array<double, kMostMoved> values;
+  std::array<double, kMaxMoved> values;
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < count; ++i) values[i] = moved_[i].chromaticity[c];
     ball[c] = median_of(values, count);
@@ -141,7 +141,7 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
     now.is_ball = now.is_ball || before->is_ball || now.has_moved;
     if (now.has_moved) count_moved(*before);
     *before = now;
-  } else if (count_ < kMost) {
+  } else if (count_ < kMax) {
     entries_[count_++] = now;
   } else {
     *std::min_element(begin, end, [](const Entry& a, const Entry& b) { return a.seen_s < b.seen_s; }) = now;

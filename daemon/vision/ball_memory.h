@@ -25,7 +25,7 @@ class BallMemory {
   Known see(double x_mm, double y_mm, double outside_mm, const Color& color, bool is_sure) noexcept;
 
  private:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
   struct Entry {
     double x_mm, y_mm;            // where it was first
     double from_x_mm, from_y_mm;  // where the track that led there began
@@ -45,16 +45,16 @@ class BallMemory {
     double x_mm, y_mm;
     Color chromaticity;
   };
-  static constexpr std::size_t kMostMoved = 32;
+  static constexpr std::size_t kMaxMoved = 32;
 
   void count_moved(Entry& entry) noexcept;
   bool has_other_hue(Entry& entry) const noexcept;
 
-  std::array<Entry, kMost> entries_;
+  std::array<Entry, kMax> entries_;
   std::size_t count_ = 0;
   double begun_s_ = 0, now_s_ = 0;
-  std::array<Moved, kMostMoved> moved_;  // in a ring
-  std::size_t moved_count_ = 0;          // ever
+  std::array<Moved, kMaxMoved> moved_;  // in a ring
+  std::size_t moved_count_ = 0;         // ever
 };
 
 }  // namespace sslv

@@ -43,7 +43,7 @@ double distance_unless_purer(const Chromaticity& seen, const Chromaticity& known
 
 std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                                 const std::array<double, 3>& chromaticity) noexcept {
-  constexpr double kMostTimes = 2;  // with no limit, white that shines would be of any colour
+  constexpr double kMaxTimes = 2;  // with no limit, white that shines would be of any colour
   double along = 0, length2 = 0;
   bool any_clipped = false;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -58,7 +58,7 @@ std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std
   if (!any_clipped || length2 <= 0) return out;
   for (std::size_t i = 0; i < 3; ++i) {
     if (color[i] >= kClippedGrey && contrast[i] > 0)
-      out[i] = std::clamp(along / length2 * chromaticity[i], contrast[i], kMostTimes * contrast[i]);
+      out[i] = std::clamp(along / length2 * chromaticity[i], contrast[i], kMaxTimes * contrast[i]);
   }
   return out;
 }
@@ -85,16 +85,16 @@ ColorName name_color(const std::array<double, 3>& contrast, const std::array<dou
   }
   out.color = best_color;
   out.margin = 1;
-  constexpr double kLeastSpread = 0.02;
+  constexpr double kMinSpread = 0.02;
   out.off = distance_unless_purer(seen_as(best_color), lut.chromaticity_mean(best_color)) /
-            std::max(lut.chromaticity_spread(best_color), kLeastSpread);
+            std::max(lut.chromaticity_spread(best_color), kMinSpread);
   if (second_color != label::kClear) {
     // Along the line between the two: 0 in its middle, 1 at the best one.
     const double apart =
         squared_distance(lut.chromaticity_mean(best_color), lut.chromaticity_mean(second_color));
     // A clipped colour may lie just at one of the two, and nearer to the other than these to each other.
-    constexpr double kLeastApart = 0.2;
-    const double both = std::max(std::sqrt(best) + std::sqrt(second), kLeastApart);
+    constexpr double kMinApart = 0.2;
+    const double both = std::max(std::sqrt(best) + std::sqrt(second), kMinApart);
     out.margin = apart > 0 ? (second - best) / std::min(apart, both * both) : 0;
   }
   const auto byte = [](double value) {

@@ -11,7 +11,7 @@ namespace {
 /// a sphere of a known radius explains nearly all and nothing around is like it, that is all.
 double area_counts(const BallEvidence& e) {
   const auto share = [](double x) { return std::clamp(x, 0.0, 1.0); };
-  return 0.25 + 0.75 * std::max({share(e.most_alike / 0.4), share(e.radius_off - 1),
+  return 0.25 + 0.75 * std::max({share(e.max_alike / 0.4), share(e.radius_off - 1),
                                  share((e.radius_sigma - 0.1) / 0.1), share((0.9 - e.clear_share) / 0.3),
                                  share((0.85 - e.r2) / 0.2)});
 }
@@ -59,15 +59,15 @@ double is_shaped_like_ball(const BallEvidence& e) {
   return 4.1 - 1.04 * rough - 1.05 * very_rough - 5.2 * out_of_round - 1.69 * radius_off - 1.27 * unsure -
          5.18 * area_counts(e) * too_large - 3.29 * too_small + 4.5 * hidden -
          2.50 * std::clamp(e.color_off - 0.3, 0.0, 3.0) - (e.is_orange ? 0 : 3.82) + 3.18 * contrast -
-         2.11 * std::clamp(e.most_alike - 0.3, 0.0, 1.0) - 5.36 * outside - tape;
+         2.11 * std::clamp(e.max_alike - 0.3, 0.0, 1.0) - 5.36 * outside - tape;
 }
 
 }  // namespace
 
 double confidence_of(const RobotEvidence& e) noexcept {
   // Dots that are equally clear speak for a pattern; one good dot among bad ones does not.
-  return logistic(12.5 + 1.94 * std::log(e.least_sure + 0.1) - 8.4 * std::log(e.rms_mm + 0.1) +
-                  12.7 * e.least_r2 - 15.5 * e.mean_r2 - 4 * e.unproven);
+  return logistic(12.5 + 1.94 * std::log(e.min_sure + 0.1) - 8.4 * std::log(e.rms_mm + 0.1) +
+                  12.7 * e.min_r2 - 15.5 * e.mean_r2 - 4 * e.unproven);
 }
 
 double confidence_of(const BallEvidence& e) noexcept {

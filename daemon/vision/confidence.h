@@ -9,9 +9,9 @@ namespace sslv {
 
 /// What speaks for a pattern being that robot.
 struct RobotEvidence {
-  double least_sure = 0;  // of the proven dots: the least margin times snr of a colour (PatternDotFit)
-  double rms_mm = 0;      // as PatternFit
-  double least_r2 = 0, mean_r2 = 0;
+  double min_sure = 0;  // of the proven dots: the least margin times snr of a colour (PatternDotFit)
+  double rms_mm = 0;    // as PatternFit
+  double min_r2 = 0, mean_r2 = 0;
   int unproven = 0;  // dots that are not proven: their colours follow from what else is known
 };
 double confidence_of(const RobotEvidence& evidence) noexcept;
@@ -30,7 +30,7 @@ struct BallEvidence {
   bool is_orange = true;     // no other of the table's colours is nearer to the fitted one
   double color_off = 0;      // as ColorName
   double contrast = 0;       // as BallFit
-  double most_alike = 0;     // as BallFit
+  double max_alike = 0;      // as BallFit
   double outside_mm = 0;     // how far outside the lines and goals it lies; less than 0: inside
   /// As BallFitter::rectangle_gain(); balls have less. By default nothing is known.
   double tape_gain = -1;

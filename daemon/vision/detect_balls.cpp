@@ -58,15 +58,15 @@ double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen
 }
 
 /// The most that BallFitter::judge() may leave of the confidence.
-double most_confidence_of(BallEvidence e) {
-  e.misfit = e.out_of_round = e.most_alike = 0;
+double max_confidence_of(BallEvidence e) {
+  e.misfit = e.out_of_round = e.max_alike = 0;
   return confidence_of(e);
 }
 
 /// Of the radius; in spreads of the ball's colour.
 constexpr double kUnsure = 0.35, kOffColor = 0.5;
 /// With less of it in sight a ball is hidden; other starts lie so many radii to each side.
-constexpr double kHidden = 0.95, kLeastVisible = 0.4, kAside = 0.35;
+constexpr double kHidden = 0.95, kMinVisible = 0.4, kAside = 0.35;
 /// What tells the balls' colour looks so much like a ball.
 constexpr double kSure = 0.8;
 /// What is remembered looks at least so much like a ball.
@@ -91,7 +91,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
 
   const BallFitter::Frame frame{image.view(),    camera,         radius_mm,     robots.robots,
                                 robot_radius_mm, robot_front_mm, params.blur_px};
-  const double least_remembered = std::min(params.min_confidence, kPerhaps);
+  const double min_remembered = std::min(params.min_confidence, kPerhaps);
   memory_.begin(info.times.t_capture_s);
   int fits = 0;
   const auto look_at = [&](const Region& region) {
@@ -124,8 +124,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       const bool unlike =
           coarse_mm > 0 && (!says.is_orange || says.color_off > kOffColor || says.radius_sigma > kUnsure);
       // Most of what is orange in a hall is no ball whatever its samples say besides.
-      double likely = unlike ? 0 : most_confidence_of(says);
-      if (!unlike && likely >= least_remembered) {
+      double likely = unlike ? 0 : max_confidence_of(says);
+      if (!unlike && likely >= min_remembered) {
         fitter_.judge(other);
         says = evidence_of(other, scene, lut, ratio, coarse_mm);
         likely = confidence_of(says);
@@ -145,11 +145,11 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       for (const double x : {-aside_mm, aside_mm}) {
         for (const double y : {-aside_mm, aside_mm}) try_from(place->x() + x, place->y() + y);
       }
-      if (is_hidden && !(evidence.is_orange && fit.visible_share > kLeastVisible)) return;
+      if (is_hidden && !(evidence.is_orange && fit.visible_share > kMinVisible)) return;
     }
     if (!fit.ok) return;
     // Also what is not reported: in other light it may look more like a ball.
-    if (confidence < least_remembered) return;
+    if (confidence < min_remembered) return;
     const BallMemory::Known known =
         memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color, confidence > kSure);
     if (known.as_furniture || known.has_other_hue || confidence < params.min_confidence) return;
@@ -217,7 +217,7 @@ BallEvidence DetectBalls::evidence_of(const BallFit& fit, const Scene& scene, co
   e.is_orange = name.color == label::kOrange && (name.margin > 0 || same_color);
   e.color_off = name.off;
   e.contrast = fit.contrast;
-  e.most_alike = fit.most_alike;
+  e.max_alike = fit.max_alike;
   e.outside_mm = outside_mm(scene.field, {fit.x_mm, fit.y_mm});
   return e;
 }

@@ -20,11 +20,11 @@ constexpr double kSureMm = 2;
 /// Regions around one centre that are tried as side dots; more would be clutter.
 constexpr std::size_t kMaxNear = 24;
 /// How much nearer than the second likeliest a colour must be to count as proven: PatternDotFit::margin.
-constexpr double kLeastMargin = 0.05;
+constexpr double kMinMargin = 0.05;
 /// A dot whose colour lies further from the table's than this many times their spread is something else: a
 /// sticker, a hand.
 /// The two teams' colours lie further apart than two side dots' may, and yellow turns to orange in dim light.
-constexpr double kMostOff = 1.6, kMostCenterOff = 2.5;
+constexpr double kMaxOff = 1.6, kMaxCenterOff = 2.5;
 constexpr int kFewPasses = 4, kManyPasses = 6;
 constexpr double kDuplicateShare = 0.25;
 /// What was seen in the last images is the same robot within these.
@@ -107,13 +107,13 @@ DetectRobots::Expected DetectRobots::expected_in_picture(const Frame& frame, con
 }
 
 Eigen::Vector2d DetectRobots::mm_per_row_at(const PatternPose& pose) const {
-  double least_mm = kSamePlaceMm;
+  double min_mm = kSamePlaceMm;
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
   if (!rows_.rolls()) return out;
   for (const Expected& expected : expected_) {
     const double away_mm = distance(expected.pose.x_mm - pose.x_mm, expected.pose.y_mm - pose.y_mm);
-    if (away_mm >= least_mm) continue;
-    least_mm = away_mm;
+    if (away_mm >= min_mm) continue;
+    min_mm = away_mm;
     out = expected.mm_per_row;
   }
   return out;
@@ -178,11 +178,11 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
     length_of_dot[i] = std::sqrt(std::norm(place_of_dot[i]));
   }
   int most = 0;
-  double least_error = 0;
+  double min_error = 0;
   Point turn_dots(0, 0), shift(0, 0);  // of the best arrangement
   double matched_weight = 1;
   const auto is_sure = [&] {
-    return most == static_cast<int>(sides) && least_error < most * kSureMm * kSureMm;
+    return most == static_cast<int>(sides) && min_error < most * kSureMm * kSureMm;
   };
   for (std::size_t i = 0; i < count && !is_sure(); ++i) {
     const double length = std::sqrt(std::norm(near[i]));
@@ -210,9 +210,9 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
         sum_seen += *seen;
         sum_model += place_of_dot[other];
       }
-      if (matched > most || (matched == most && error < least_error)) {
+      if (matched > most || (matched == most && error < min_error)) {
         most = matched;
-        least_error = error;
+        min_error = error;
         // Least squares with the centre itself as one more point, at 0 in both (Umeyama 1991, no scale).
         matched_weight = 1.0 / (matched + 1);
         turn_dots = sum_turn - sum_seen * std::conj(sum_model) * matched_weight;
@@ -229,12 +229,12 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
                                        const Mask& mask, const RegionList& regions) {
   const Label color = frame.patterns.team_colors[static_cast<std::size_t>(team)];
   const double area_mm2 = disc_area_mm2(frame.patterns.center_diameter_mm);
-  const auto search = [&](Label label, int least_matched) {
+  const auto search = [&](Label label, int min_matched) {
     for (const Region& region : regions.of(label)) {
       const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
       if (!place) continue;
       if (!time_left(params)) return;
-      search_around(params, frame, place->x(), place->y(), height_mm, least_matched);
+      search_around(params, frame, place->x(), place->y(), height_mm, min_matched);
     }
   };
   search(color, 0);
@@ -244,10 +244,10 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
 }
 
 void DetectRobots::search_around(const Params& params, const Frame& frame, double x_mm, double y_mm,
-                                 double height_mm, int least_matched) {
+                                 double height_mm, int min_matched) {
   const int all = static_cast<int>(frame.patterns.dots.size()) + 1;
   const Start start = arrange(frame.patterns, x_mm, y_mm);
-  if (start.matched < least_matched) return;
+  if (start.matched < min_matched) return;
   Candidate best{};
   if (start.matched + 1 == all) {
     best = examine(params, frame, start.pose, height_mm, kFewPasses);
@@ -267,7 +267,7 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
   if (start.matched >= 2 && start.matched + 1 < all &&
       try_start({center.x_mm, center.y_mm, start.pose.angle_rad}))
     return keep(frame.patterns, best);
-  std::array<double, PatternFitter::kMostHeadings> headings;
+  std::array<double, PatternFitter::kMaxHeadings> headings;
   const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, headings);
   for (std::size_t i = 0; i < count; ++i) {
     if (try_start({center.x_mm, center.y_mm, headings[i]})) break;
@@ -278,13 +278,13 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
 void DetectRobots::search_from_side_dots(const Params& params, const Frame& frame, double height_mm) {
   const PatternTable& patterns = frame.patterns;
   const double reach_mm = 2 * patterns.reach_mm;
-  constexpr std::size_t kMostTries = 8;  // of one dot
+  constexpr std::size_t kMaxTries = 8;  // of one dot
   constexpr double kWorkOfAPair = 0.05;
   for (std::size_t i = 0; i < dots_.size(); ++i) {
     std::size_t tries = 0;
     for (std::size_t k = i + 1; k < dots_.size() && dots_[k].x_mm < dots_[i].x_mm + reach_mm; ++k) {
       if (!time_left(params)) return;
-      if (explained_[dots_[i].region] != 0 || tries >= kMostTries) break;
+      if (explained_[dots_[i].region] != 0 || tries >= kMaxTries) break;
       if (explained_[dots_[k].region] != 0) continue;
       work_ += kWorkOfAPair;
       const double dx = dots_[k].x_mm - dots_[i].x_mm, dy = dots_[k].y_mm - dots_[i].y_mm;
@@ -338,31 +338,31 @@ void DetectRobots::search_from_memory(const Params& params, const Frame& frame, 
 }
 
 DetectRobots::Candidate DetectRobots::examine(const Params& params, const Frame& frame,
-                                              const PatternPose& start, double height_mm, int most_passes) {
+                                              const PatternPose& start, double height_mm, int max_passes) {
   Candidate out{};
-  out.fit = fitter_.fit(frame, start, height_mm, most_passes, mm_per_row_at(start));
+  out.fit = fitter_.fit(frame, start, height_mm, max_passes, mm_per_row_at(start));
   out.height_mm = height_mm;
   if (out.fit.seen == 0 || out.fit.rms_mm > params.max_rms_mm) return out;
-  const auto is_proven = [](const PatternDotFit& dot, double most_off) {
-    return dot.seen && dot.margin > kLeastMargin && dot.off < most_off;
+  const auto is_proven = [](const PatternDotFit& dot, double max_off) {
+    return dot.seen && dot.margin > kMinMargin && dot.off < max_off;
   };
   RobotEvidence evidence;
-  evidence.least_sure = std::numeric_limits<double>::infinity();
+  evidence.min_sure = std::numeric_limits<double>::infinity();
   const auto count = [&](const PatternDotFit& dot) {
-    evidence.least_sure = std::min(evidence.least_sure, dot.margin * dot.snr);
+    evidence.min_sure = std::min(evidence.min_sure, dot.margin * dot.snr);
     ++out.proven_dots;
   };
   const PatternDotFit& center = out.fit.dots[PatternFit::kCenter];
-  if (is_proven(center, kMostCenterOff)) {
+  if (is_proven(center, kMaxCenterOff)) {
     out.team = center.color == frame.patterns.team_colors[0] ? Team::kYellow : Team::kBlue;
     count(center);
   }
   for (std::size_t i = 0; i < frame.patterns.dots.size(); ++i) {
-    out.proven[i] = is_proven(out.fit.dots[i], kMostOff);
+    out.proven[i] = is_proven(out.fit.dots[i], kMaxOff);
     if (out.proven[i]) count(out.fit.dots[i]);
   }
   evidence.rms_mm = out.fit.rms_mm;
-  evidence.least_r2 = out.fit.least_r2;
+  evidence.min_r2 = out.fit.min_r2;
   evidence.mean_r2 = out.fit.mean_r2;
   evidence.unproven = static_cast<int>(frame.patterns.dots.size()) + 1 - out.proven_dots;
   out.confidence = confidence_of(evidence);

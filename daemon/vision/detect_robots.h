@@ -111,7 +111,7 @@ class DetectRobots {
   void search_from_centers(const Params& params, const Frame& frame, Team team, double height_mm,
                            const Mask& mask, const RegionList& regions);
   void search_around(const Params& params, const Frame& frame, double x_mm, double y_mm, double height_mm,
-                     int least_matched);
+                     int min_matched);
   void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);
   void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, const Mask& mask);
   bool time_left(const Params& params) const { return fitter_.work() + work_ < params.max_work; }
@@ -128,7 +128,7 @@ class DetectRobots {
 
   /// Fits the pattern and judges it.
   Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
-                    int most_passes);
+                    int max_passes);
   void keep(const PatternTable& patterns, const Candidate& candidate);
   void choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& robots);
 

@@ -33,10 +33,10 @@ Json detections_json(const RobotList& robots, const BallList& balls) {
 }
 
 Json regions_json(const RegionList& list, const LabelSet& labels) {
-  constexpr std::size_t kMost = 500;
+  constexpr std::size_t kMax = 500;
   std::vector<const Region*> largest;
   for (const Region& region : list.regions) largest.push_back(&region);
-  const std::size_t shown = std::min(kMost, largest.size());
+  const std::size_t shown = std::min(kMax, largest.size());
   std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(shown), largest.end(),
                     [](const Region* a, const Region* b) { return a->area_px > b->area_px; });
   Json boxes = Json::array();

@@ -12,9 +12,9 @@ namespace sslv {
 namespace {
 
 /// A noise variance below this is that of rounding and of what the model leaves out.
-constexpr double kLeastVariance = 0.5;
+constexpr double kMinVariance = 0.5;
 /// Samples, and covered ones of them, without which a plane says nothing.
-constexpr double kLeastSamples = 3, kLeastCovered = 0.25;
+constexpr double kMinSamples = 3, kMinCovered = 0.25;
 
 /// What one plane says besides the centre.
 struct PlaneFit {
@@ -25,7 +25,7 @@ struct PlaneFit {
 /// Nothing when there are too few samples of disc or ground.
 bool fit_plane(const DiscMeasure::Plane& s, PlaneFit& fit, DiscFit::Plane& plane, DiscFit& out) {
   const double det = s.tt * s.n - s.t * s.t;
-  if (s.n < kLeastSamples || s.tt < kLeastCovered || det < 1e-2 * s.n) return false;
+  if (s.n < kMinSamples || s.tt < kMinCovered || det < 1e-2 * s.n) return false;
   fit.contrast = (s.tv * s.n - s.v * s.t) / det;
   fit.ground = (s.v * s.tt - s.tv * s.t) / det;
   const double left = std::max(0.0, s.vv - fit.contrast * s.tv - fit.ground * s.v);
@@ -33,7 +33,7 @@ bool fit_plane(const DiscMeasure::Plane& s, PlaneFit& fit, DiscFit::Plane& plane
   plane.spread = det / s.n;
   plane.left = left;
   plane.free = std::max(1.0, s.n - 4);
-  fit.variance = std::max(left / plane.free, kLeastVariance);
+  fit.variance = std::max(left / plane.free, kMinVariance);
   fit.total = std::max(0.0, s.vv - s.v * s.v / s.n) / fit.variance;
   fit.explained = fit.total - left / fit.variance;
   // The centre's normal equations with contrast and ground eliminated (Schur complement).
@@ -92,7 +92,7 @@ std::array<double, 3> common_ground(std::span<const DiscMeasure> discs) noexcept
     double sum = 0, weight = 0;
     for (const DiscMeasure& disc : discs) {
       const DiscMeasure::Plane& s = disc.planes[p];
-      if (!disc.in_view || s.tt < kLeastCovered) continue;
+      if (!disc.in_view || s.tt < kMinCovered) continue;
       sum += s.v - s.t * s.tv / s.tt;
       weight += s.n - s.t * s.t / s.tt;
     }

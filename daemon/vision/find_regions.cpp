@@ -9,7 +9,7 @@ namespace {
 
 // A sort key holds label, area and place in 8, 28 and 28 bits: no image has more pixels than that.
 constexpr int kPlaceBits = 28;
-constexpr std::uint64_t kPlace = (std::uint64_t{1} << kPlaceBits) - 1, kMostArea = kPlace;
+constexpr std::uint64_t kPlace = (std::uint64_t{1} << kPlaceBits) - 1, kMaxArea = kPlace;
 
 }  // namespace
 
@@ -117,7 +117,7 @@ void FindRegions::process(const Params& params, const RunList& in, RegionList& o
   for (std::uint32_t i = 0; i < growing_.size(); ++i) {
     const Growing& one = growing_[i];
     if (one.parent != i || one.cells < static_cast<std::uint32_t>(params.min_cells)) continue;
-    keys_.push_back((kMostArea - std::min<std::uint64_t>(kMostArea, one.cells * cell * cell)) << kPlaceBits |
+    keys_.push_back((kMaxArea - std::min<std::uint64_t>(kMaxArea, one.cells * cell * cell)) << kPlaceBits |
                     i);
   }
   // Largest first; of equal ones, the first in reading order.

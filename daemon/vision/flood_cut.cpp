@@ -9,7 +9,7 @@ namespace sslv {
 namespace {
 
 constexpr std::uint32_t kAllLabels = 0xFFFF'FFFF;
-static_assert(label::kMost == 32);
+static_assert(label::kMaxCount == 32);
 constexpr int kWordBits = 64;
 
 int blocks_in(int cells) {
@@ -21,7 +21,7 @@ int blocks_in(int cells) {
 std::size_t FloodCut::room(int width, int rows, std::size_t pending) {
   // What note() leaves in a row of blocks: what is not cut, and runs of cut labels that reach into another
   // block, one for each side of a cell that blocks share.
-  const int strip = blocks_in(width) * (kMostOfAll + kBlockCells);
+  const int strip = blocks_in(width) * (kMaxOfAll + kBlockCells);
   return static_cast<std::size_t>(blocks_in(rows) * strip + width) + kNoteAfter + pending;
 }
 
@@ -43,17 +43,17 @@ bool FloodCut::count(const Run& run) {
   const std::size_t first = block_of(run);
   const std::size_t last =
       first + static_cast<std::size_t>((run.x_end - 1) / kBlockCells - run.x_begin / kBlockCells);
-  const std::size_t label = run.label % label::kMost;
+  const std::size_t label = run.label % label::kMaxCount;
   for (std::size_t block = first; block <= last; ++block) {
     if (is_cut(block, run.label)) continue;
     Sums& sums = sums_[block];
     ++sums.all;
-    if (++counts_[block][label] <= kMostCounted) ++sums.counted;
-    if (counts_[block][label] > kMostOfLabel) {
+    if (++counts_[block][label] <= kMaxCounted) ++sums.counted;
+    if (counts_[block][label] > kMaxOfLabel) {
       cut_[block] |= 1U << label;
       cuts = true;
     }
-    if (sums.all > kMostOfAll || sums.counted > kMostNoise) {
+    if (sums.all > kMaxOfAll || sums.counted > kMaxNoise) {
       cut_[block] = kAllLabels;
       const std::size_t across = block % static_cast<std::size_t>(blocks_across_);
       const std::size_t down = block / static_cast<std::size_t>(blocks_across_);
@@ -75,7 +75,7 @@ std::size_t FloodCut::drop_cut(Run* runs, std::size_t begin, std::size_t end) co
 
 void FloodCut::note(Band& band, bool ends_strip) noexcept {
   // So few are no flood, whatever block they are in, and mostly they are few.
-  if (!band.is_counted && band.count - band.strip > static_cast<std::size_t>(kMostNoise)) {
+  if (!band.is_counted && band.count - band.strip > static_cast<std::size_t>(kMaxNoise)) {
     const auto row = static_cast<std::size_t>(band.runs[band.strip].y / kBlockCells);
     const auto across = static_cast<std::size_t>(blocks_across_);
     std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(row * across), across, Sums{});
@@ -139,17 +139,17 @@ void FloodCut::cut_fullest(std::span<const Band> bands, std::size_t max_runs) {
   std::fill(is_counted_.begin(), is_counted_.end(), std::uint8_t{1});
 
   // Runs by how many of them a label has in a block.
-  std::array<std::size_t, kMostOfLabel + 1> runs{};
+  std::array<std::size_t, kMaxOfLabel + 1> runs{};
   const auto for_each = [&](auto what) {
     for (std::size_t block = 0; block < counts_.size(); ++block) {
-      for (std::size_t label = 0; label < label::kMost; ++label) {
+      for (std::size_t label = 0; label < label::kMaxCount; ++label) {
         if (!is_cut(block, static_cast<Label>(label))) what(block, label, counts_[block][label]);
       }
     }
   };
   for_each([&](std::size_t, std::size_t, std::uint16_t count) { runs[count] += count; });
   std::size_t most = 0, left = max_runs;
-  while (most < static_cast<std::size_t>(kMostOfLabel) && runs[most + 1] <= left) left -= runs[++most];
+  while (most < static_cast<std::size_t>(kMaxOfLabel) && runs[most + 1] <= left) left -= runs[++most];
   for_each([&](std::size_t block, std::size_t label, std::uint16_t count) {
     if (count > most) cut_[block] |= 1U << label;
   });
@@ -181,7 +181,7 @@ void FloodCut::finish(std::span<const Band> bands, std::size_t max_runs, RunList
 }
 
 Flood FloodCut::describe(int cell_px) const {
-  std::array<int, label::kMost> blocks{};
+  std::array<int, label::kMaxCount> blocks{};
   int whole = 0;
   for (const std::uint32_t cut : cut_) {
     if (cut == kAllLabels) {

@@ -28,8 +28,8 @@ namespace sslv {
 class FloodCut {
  public:
   static constexpr int kBlockCells = 64;
-  static constexpr int kMostOfLabel = 768, kMostOfAll = 1024;  // runs in a block
-  static constexpr int kMostCounted = 64, kMostNoise = 240;    // of a label; of all as far as counted
+  static constexpr int kMaxOfLabel = 768, kMaxOfAll = 1024;  // runs in a block
+  static constexpr int kMaxCounted = 64, kMaxNoise = 240;    // of a label; of all as far as counted
 
   /// Runs that were found in a band of rows, from the top down. A band begins and ends between blocks, or at
   /// the image's edge.
@@ -71,7 +71,7 @@ class FloodCut {
     return run.x_begin / kBlockCells == (run.x_end - 1) / kBlockCells;
   }
   bool is_cut(std::size_t block, Label label) const {
-    return (cut_[block] >> (label % label::kMost) & 1U) != 0;
+    return (cut_[block] >> (label % label::kMaxCount) & 1U) != 0;
   }
   std::size_t drop_cut(Run* runs, std::size_t begin, std::size_t end) const;
   bool append(const Band& band, std::size_t max_runs, std::vector<Run>& out) const;
@@ -84,9 +84,9 @@ class FloodCut {
   struct Sums {
     std::uint16_t all, counted;  // runs
   };
-  std::vector<Sums> sums_;                                       // of each block
-  std::vector<std::array<std::uint16_t, label::kMost>> counts_;  // of runs, where they were counted
-  std::vector<std::uint8_t> is_counted_;                         // by row of blocks
+  std::vector<Sums> sums_;                                           // of each block
+  std::vector<std::array<std::uint16_t, label::kMaxCount>> counts_;  // of runs, where they were counted
+  std::vector<std::uint8_t> is_counted_;                             // by row of blocks
   std::vector<std::uint64_t> whole_;
 };
 

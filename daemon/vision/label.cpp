@@ -69,9 +69,9 @@ LabelSet::LabelSet(const std::vector<OwnLabel>& own, const std::string& path) : 
     const auto refuse = [&](std::string_view key, const auto& value, std::string_view why) {
       throw SettingsError(fmt::format("{}/{}: {} {}", here, key, value, why));
     };
-    if (label.value < static_cast<int>(label::kCount) || label.value >= static_cast<int>(label::kMost)) {
+    if (label.value < static_cast<int>(label::kCount) || label.value >= static_cast<int>(label::kMaxCount)) {
       refuse("value", label.value,
-             fmt::format("is not allowed; expected {} .. {}", label::kCount, label::kMost - 1));
+             fmt::format("is not allowed; expected {} .. {}", label::kCount, label::kMaxCount - 1));
     }
     const auto value = static_cast<Label>(label.value);
     const std::string quoted = '"' + escaped_text(label.name) + '"';

@@ -25,7 +25,7 @@ inline constexpr Label kClear = 0, kField = 1, kOrange = 2, kYellow = 3, kBlue =
 /// Built-in ones.
 inline constexpr std::size_t kCount = 10;
 /// Values there can be, own ones included.
-inline constexpr std::size_t kMost = 32;
+inline constexpr std::size_t kMaxCount = 32;
 inline constexpr std::array<std::string_view, kCount> kNames{"clear", "field", "orange", "yellow", "blue",
                                                              "pink",  "cyan",  "green",  "white",  "black"};
 /// What people see for each label: no two alike, black darker than clear.
@@ -51,8 +51,8 @@ struct OwnLabel {
 
   static constexpr auto fields() {
     return std::tuple{
-        number("value", &OwnLabel::value, static_cast<int>(label::kCount), static_cast<int>(label::kMost) - 1,
-               "", "its number in tables and files"),
+        number("value", &OwnLabel::value, static_cast<int>(label::kCount),
+               static_cast<int>(label::kMaxCount) - 1, "", "its number in tables and files"),
         text("name", &OwnLabel::name, "printable, up to 32 bytes, no other label's", 32),
         text("color", &OwnLabel::color, "what people see for it: #rrggbb", 7),
     };
@@ -85,13 +85,13 @@ class LabelSet {
   bool has(Label value) const;
   /// For every value: "label 17" when it has no name.
   std::string name(Label value) const;
-  Rgb color(Label value) const { return colors_[value % label::kMost]; }
+  Rgb color(Label value) const { return colors_[value % label::kMaxCount]; }
   /// "clear, field, ...", for people.
   std::string names() const;
 
  private:
   std::vector<LabelInfo> labels_;
-  std::array<Rgb, label::kMost> colors_;
+  std::array<Rgb, label::kMaxCount> colors_;
 };
 
 }  // namespace sslv

@@ -25,7 +25,7 @@ using ChromaMasks = std::array<std::uint32_t, std::tuple_size_v<decltype(LutTabl
 using Cells = std::array<int, 2>;  // first and last of a channel
 
 constexpr int kBlockSide = 1 << LutTable::kBlockBits, kChromaSide = 1 << LutTable::kChromaBits;
-static_assert(label::kMost <= 32);  // a bit each in a mask
+static_assert(label::kMaxCount <= 32);  // a bit each in a mask
 
 /// Coarser tables are spread out to 7 bits.
 constexpr int kernel_bits(int color_bits) {
@@ -315,9 +315,9 @@ std::uint64_t next_id() {
 }
 
 ColorTable checked(ColorTable table) {
-  if (table.bits < ColorTable::kLeastBits || table.bits > ColorTable::kMostBits) {
+  if (table.bits < ColorTable::kMinBits || table.bits > ColorTable::kMaxBits) {
     throw SettingsError(fmt::format("a colour table has {} bits a channel; expected {} .. {}", table.bits,
-                                    ColorTable::kLeastBits, ColorTable::kMostBits));
+                                    ColorTable::kMinBits, ColorTable::kMaxBits));
   }
   const std::size_t expected = std::size_t{1} << (3 * table.bits);
   if (table.labels.size() != expected) {
@@ -326,9 +326,9 @@ ColorTable checked(ColorTable table) {
   }
   Label highest = 0;
   for (const Label label : table.labels) highest = std::max(highest, label);
-  if (highest >= label::kMost) {
+  if (highest >= label::kMaxCount) {
     throw SettingsError(
-        fmt::format("a lookup table has a label {}; labels are 0 .. {}", highest, label::kMost - 1));
+        fmt::format("a lookup table has a label {}; labels are 0 .. {}", highest, label::kMaxCount - 1));
   }
   return table;
 }
@@ -357,10 +357,10 @@ ColorTable resampled(const ColorTable& table, int bits) {
     out.labels = spread_out(table, bits);
     return out;
   }
-  std::vector<std::array<std::uint16_t, label::kMost>> votes(out.labels.size());
+  std::vector<std::array<std::uint16_t, label::kMaxCount>> votes(out.labels.size());
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
     const Yuv color = table.color_of(cell);
-    ++votes[out.index(color.y, color.u, color.v)][table.labels[cell] % label::kMost];
+    ++votes[out.index(color.y, color.u, color.v)][table.labels[cell] % label::kMaxCount];
   }
   for (std::size_t cell = 0; cell < votes.size(); ++cell) {
     const auto most = std::max_element(votes[cell].begin(), votes[cell].end());
@@ -446,7 +446,7 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
   std::size_t cells = 0;
   const std::size_t all = std::size_t{1} << (3 * color_bits_);
   for (const CellRun& run : changed) {
-    if (run.begin > all || run.length > all - run.begin || run.after >= label::kMost) {
+    if (run.begin > all || run.length > all - run.begin || run.after >= label::kMaxCount) {
       throw SettingsError(fmt::format("a change of {} cells from {} on to label {} is beyond the table of {}",
                                       run.length, run.begin, run.after, all));
     }

@@ -27,11 +27,11 @@ struct PrintColor {
   bool operator==(const PrintColor&) const = default;
 };
 /// Of each label that it is known of.
-using Prints = std::array<std::optional<PrintColor>, label::kMost>;
+using Prints = std::array<std::optional<PrintColor>, label::kMaxCount>;
 
 /// A table as people make, save and edit it: one label for each cell of the YUV colour cube.
 struct ColorTable {
-  static constexpr int kLeastBits = 5, kMostBits = 8;
+  static constexpr int kMinBits = 5, kMaxBits = 8;
 
   /// All clear.
   explicit ColorTable(int bits_a_channel = 7)
@@ -57,7 +57,7 @@ struct ColorTable {
     return {middle(cell & mask), middle(cell >> (2 * bits)), middle(cell >> bits & mask)};
   }
 
-  int bits;                   // a channel, kLeastBits .. kMostBits
+  int bits;                   // a channel, kMinBits .. kMaxBits
   std::vector<Label> labels;  // ordered U, V, Y, with Y innermost
   /// Where it is known, for instance because the table was learnt from them. A table's cells tell it less
   /// well: what surfaces took from a label is missing there on one side.
@@ -169,8 +169,8 @@ class Lut {
   int color_bits_;
   LutTable yuv_, rgb_;
   Prints prints_;
-  std::array<ChromaticitySums, label::kMost> chromaticity_sums_{};
-  std::array<Chromaticity, label::kMost> chromaticities_;
+  std::array<ChromaticitySums, label::kMaxCount> chromaticity_sums_{};
+  std::array<Chromaticity, label::kMaxCount> chromaticities_;
   std::uint64_t id_;
 };
 
@@ -210,7 +210,7 @@ struct ColorSettings {
              "or classes"),
         file("lut_file", &ColorSettings::lut_file, "a .lut file; empty: the table is made from the classes"),
         list("classes", &ColorSettings::classes, "colour classes; a later one wins"),
-        number("bits", &ColorSettings::bits, ColorTable::kLeastBits, ColorTable::kMostBits, "",
+        number("bits", &ColorSettings::bits, ColorTable::kMinBits, ColorTable::kMaxBits, "",
                "of each channel of the table: 5 to 7 cost the same time, 8 more"),
     };
   }

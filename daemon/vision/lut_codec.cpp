@@ -69,7 +69,7 @@ ColorTable decode_version_1(std::span<const std::uint8_t> bytes, const std::stri
   return table;
 }
 
-using OurLabels = std::array<std::optional<Label>, label::kMost>;
+using OurLabels = std::array<std::optional<Label>, label::kMaxCount>;
 
 Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& path) {
   Prints out;
@@ -100,7 +100,7 @@ ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::stri
     const auto bytes_of_name = reader.take(reader.byte("its labels"), "its labels");
     const std::string name(bytes_of_name.begin(), bytes_of_name.end());
     if (value >= ours.size()) {
-      refuse(path, "has a label {}; labels are 0 .. {}", value, label::kMost - 1);
+      refuse(path, "has a label {}; labels are 0 .. {}", value, label::kMaxCount - 1);
     }
     const auto found = name.empty() ? std::optional(value) : labels.find(name);
     if (!found) {
@@ -144,15 +144,16 @@ std::vector<std::uint8_t> encode_runs(const ColorTable& table) {
 }
 
 ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::string& path) {
-  if (bits < ColorTable::kLeastBits || bits > ColorTable::kMostBits) {
-    refuse(path, "has {} bits a channel; expected {} .. {}", bits, ColorTable::kLeastBits,
-           ColorTable::kMostBits);
+  if (bits < ColorTable::kMinBits || bits > ColorTable::kMaxBits) {
+    refuse(path, "has {} bits a channel; expected {} .. {}", bits, ColorTable::kMinBits,
+           ColorTable::kMaxBits);
   }
   ColorTable table(bits);
   Reader reader(runs, path);
   for (std::size_t at = 0; at < table.labels.size();) {
     const Label label = reader.byte("its runs");
-    if (label >= label::kMost) refuse(path, "has a label {}; labels are 0 .. {}", label, label::kMost - 1);
+    if (label >= label::kMaxCount)
+      refuse(path, "has a label {}; labels are 0 .. {}", label, label::kMaxCount - 1);
     std::size_t length = 0;
     std::size_t byte = 0x80;
     for (int shift = 0; (byte & 0x80) != 0; shift += 7) {
@@ -173,7 +174,7 @@ ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::
 }
 
 std::vector<std::uint8_t> encode_lut(const ColorTable& table, const LabelSet& labels) {
-  std::array<bool, label::kMost> occurs{};
+  std::array<bool, label::kMaxCount> occurs{};
   for (const Label label : table.labels) occurs[label] = true;
   const auto has_print = [&](std::size_t value) { return occurs[value] && table.prints[value]; };
   std::size_t prints = 0;

@@ -32,7 +32,7 @@ bool is_print(const PrintColor& print);
 
 /// The runs alone.
 std::vector<std::uint8_t> encode_runs(const ColorTable& table);
-/// Throws SettingsError when the runs do not fill a table of `bits` exactly, or label::kMost is passed.
+/// Throws SettingsError when the runs do not fill a table of `bits` exactly, or label::kMaxCount is passed.
 ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::string& path);
 
 }  // namespace sslv

@@ -18,7 +18,7 @@ namespace {
 using Color = Eigen::Vector3f;  // red, green, blue; unlike Rgb it may lie outside the cube
 
 constexpr float kToleranceShare = 0.07F, kToleranceGrey = 1.5F;
-constexpr float kLeastNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than what a sample averages
+constexpr float kMinNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than what a sample averages
 constexpr float kNoisePerPixelNoise = 0.67F;
 constexpr float kLimit = 4;  // in tolerances
 /// Light that surfaces and prints may be seen in, beside that of their samples.
@@ -94,7 +94,7 @@ float squared_distance(const Color& color, const Color& from, const Color& to) {
 /// what prints of one name differ by.
 float spread_of(std::span<const ColorSample> samples) {
   float sum = 0, degrees_of_freedom = 0;
-  for (std::size_t i = 0; i < label::kMost; ++i) {
+  for (std::size_t i = 0; i < label::kMaxCount; ++i) {
     const auto label = static_cast<Label>(i);
     const std::vector<Color> colors = colors_of(samples, label);
     if (label == label::kClear || colors.size() <= Curve::kKnots) continue;
@@ -206,9 +206,9 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
   const auto field = curve_of(samples, label::kField), white = curve_of(samples, label::kWhite),
              black = curve_of(samples, label::kBlack);
   const float field_range = field ? light_range(*field) : 1;
-  Pieces out(std::max({kLeastNoise, kNoisePerSpread * spread_of(samples),
+  Pieces out(std::max({kMinNoise, kNoisePerSpread * spread_of(samples),
                        kNoisePerPixelNoise * static_cast<float>(noise_grey)}));
-  for (std::size_t i = 0; i < label::kMost; ++i) {
+  for (std::size_t i = 0; i < label::kMaxCount; ++i) {
     const auto label = static_cast<Label>(i);
     if (label == label::kField || label == label::kWhite || label == label::kBlack) continue;
     if (label == label::kClear) {

@@ -77,7 +77,7 @@ class Mask {
 
   /// Whether the pixel at this place is looked at; left of the image or above it, the nearest one in it.
   bool shows(double x, double y) const {
-    const auto pixel = [](double at) { return static_cast<int>(std::lround(std::clamp(at, 0.0, kMostPx))); };
+    const auto pixel = [](double at) { return static_cast<int>(std::lround(std::clamp(at, 0.0, kMaxPx))); };
     const int column = pixel(x);
     return std::ranges::any_of(row(pixel(y), 1), [column](const Interval& interval) {
       return column >= interval.begin && column < interval.end;
@@ -85,7 +85,7 @@ class Mask {
   }
 
  private:
-  static constexpr double kMostPx = 16'383;
+  static constexpr double kMaxPx = 16'383;
   void add_rows(const MaskSettings& settings, const FieldView* view);
   struct Rows {
     std::vector<Interval> intervals;

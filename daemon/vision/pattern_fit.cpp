@@ -14,30 +14,30 @@ namespace sslv {
 namespace {
 
 // Thresholds of "there is a disc". The contrast of an empty place is some two or three of its deviations.
-constexpr double kLeastSignificance = 8, kLeastR2 = 0.2;
+constexpr double kMinSignificance = 8, kMinR2 = 0.2;
 /// Seen from a poor start, as where cells are large, much of what a disc leaves is no noise but its place
 /// being wrong.
-constexpr double kLeastSignificanceFirst = 3.5;
+constexpr double kMinSignificanceFirst = 3.5;
 /// Below this a sample's variance is that of rounding.
-constexpr double kLeastVariance = 0.5;
+constexpr double kMinVariance = 0.5;
 /// Dots this far from their place are something else: while the pose is still coming, and in the end.
 constexpr double kFarFirstMm = 10, kFarMm = 8;
 /// Steps larger than these are followed by another. Edges that are more blurred than the lens alone explains,
 /// as when the robot moves, tell less than the whole way at once.
 constexpr double kSmallStepMm = 1, kSmallTurnRad = 0.02;
 constexpr double kSmearedStepMm = 0.1, kSmearedTurnRad = 0.002, kSharpR2 = 0.97;
-constexpr double kMostStepMm = 12, kMostTurnRad = 0.25;
+constexpr double kMaxStepMm = 12, kMaxTurnRad = 0.25;
 /// Where a cell of the segmentation is large, regions know places only to this share of it: starts may be so
 /// far off, whatever the limits above.
 constexpr double kCellReach = 0.7;
 /// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred (by so many
 /// sigmas). The dots' edges lie there too, so each millimetre that is left out costs accuracy; ahead of the
 /// front there is mostly the robot's own dark wall. Where pixels are large, there would be none left.
-constexpr double kRimMm = 3, kRimSigmas = 1.5, kMostRimMm = 12;
-constexpr double kFrontRimMm = 2, kFrontRimSigmas = 0.8, kMostFrontRimMm = 7;
+constexpr double kRimMm = 3, kRimSigmas = 1.5, kMaxRimMm = 12;
+constexpr double kFrontRimMm = 2, kFrontRimSigmas = 0.8, kMaxFrontRimMm = 7;
 /// Ring around a disc that is looked at: so many pixels, within these limits and half of the gap between
 /// dots.
-constexpr double kMarginPx = 2, kLeastMarginMm = 8, kMostMarginMm = 20;
+constexpr double kMarginPx = 2, kMinMarginMm = 8, kMaxMarginMm = 20;
 /// The top is black all over: what the other dots' surroundings say counts like so many samples of one's own.
 /// It matters where a dot is but a few pixels large.
 constexpr double kGroundWeight = 4;
@@ -91,27 +91,27 @@ std::array<double, 3> common_variances(std::span<const DiscFit> discs) {
       left += disc.planes[p].left;
       free += disc.planes[p].free;
     }
-    out[p] = std::max(free > 0 ? left / free : 0, kLeastVariance);
+    out[p] = std::max(free > 0 ? left / free : 0, kMinVariance);
   }
   return out;
 }
 
 ExpectedDisc disc_at(const PatternTable& patterns, const PlanePatch& patch, const Eigen::Vector2d& place_mm,
                      double diameter_mm) {
-  const double margin_mm = std::clamp(kMarginPx * patch.mm_per_px(), kLeastMarginMm, kMostMarginMm);
+  const double margin_mm = std::clamp(kMarginPx * patch.mm_per_px(), kMinMarginMm, kMaxMarginMm);
   return {place_mm.x(), place_mm.y(), diameter_mm / 2, std::min(margin_mm, patterns.gap_mm / 2)};
 }
 
 }  // namespace
 
-PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double height_mm, int most_passes,
+PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double height_mm, int max_passes,
                               const Eigen::Vector2d& mm_per_row) noexcept {
   const PatternTable& patterns = frame.patterns;
   const std::size_t sides = patterns.dots.size();
   PatternFit out;
   out.pose = start;
   auto patch =
-      plane_patch(frame.camera, {start.x_mm, start.y_mm}, height_mm, patterns.reach_mm + kMostMarginMm);
+      plane_patch(frame.camera, {start.x_mm, start.y_mm}, height_mm, patterns.reach_mm + kMaxMarginMm);
   if (!patch) return out;
   // What a row shows is put back to where it was when the row of the start was exposed.
   patch->xv -= mm_per_row.x();
@@ -124,11 +124,11 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
   std::array<DiscFit, PatternTable::kMaxDots + 1> discs;
   const auto dot_at = [](std::size_t i) { return i == 0 ? PatternFit::kCenter : i - 1; };
   const double edge_mm = patch->mm_per_px() * std::sqrt(frame.blur_px * frame.blur_px + 1.0 / 12);
-  const double outline_mm = patterns.top_radius_mm - std::min(kRimMm + kRimSigmas * edge_mm, kMostRimMm);
+  const double outline_mm = patterns.top_radius_mm - std::min(kRimMm + kRimSigmas * edge_mm, kMaxRimMm);
   const double front_mm =
-      patterns.top_front_mm - std::min(kFrontRimMm + kFrontRimSigmas * edge_mm, kMostFrontRimMm);
+      patterns.top_front_mm - std::min(kFrontRimMm + kFrontRimSigmas * edge_mm, kMaxFrontRimMm);
   const double far_first_mm = reach_mm(kFarFirstMm, frame.image, *patch);
-  const double most_step_mm = reach_mm(kMostStepMm, frame.image, *patch);
+  const double max_step_mm = reach_mm(kMaxStepMm, frame.image, *patch);
   const bool starts_poorly = far_first_mm > kFarFirstMm;
   for (int pass = 1;; ++pass) {
     const double angle = start.angle_rad + moved.z(), c = std::cos(angle), s = std::sin(angle);
@@ -153,8 +153,7 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     out.seen = 0;
     double seen_r2 = 0;
     bool all_sure = true;
-    const double least_significance =
-        starts_poorly && pass == 1 ? kLeastSignificanceFirst : kLeastSignificance;
+    const double min_significance = starts_poorly && pass == 1 ? kMinSignificanceFirst : kMinSignificance;
     for (std::size_t i = 0; i <= sides; ++i) {
       for (std::size_t p = 0; p < 3; ++p) measures[i].planes[p].add_ground(ground[p], kGroundWeight);
       discs[i] = fit_disc(measures[i]);
@@ -172,13 +171,13 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
       seen.r2 = disc.r2;
       seen.snr = std::sqrt(signal);
       const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
-      seen.seen = disc.ok && brightness > 0 && significance > least_significance * least_significance &&
-                  disc.r2 > kLeastR2;
+      seen.seen =
+          disc.ok && brightness > 0 && significance > min_significance * min_significance && disc.r2 > kMinR2;
       if (!seen.seen) continue;
       const auto [dx, dy] = disc.offset_mm();
       seen.seen = dx * dx + dy * dy < far_first_mm * far_first_mm;
       if (!seen.seen) continue;
-      all_sure = all_sure && significance > kLeastSignificance * kLeastSignificance;
+      all_sure = all_sure && significance > kMinSignificance * kMinSignificance;
       ++out.seen;
       seen_r2 += seen.r2;
       // How much a plane's samples scatter is not known from one dot's few of them.
@@ -204,17 +203,17 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     }
     Eigen::Vector3d step = normal.ldlt().solve(gradient);
     const double length_mm = step.head<2>().norm();
-    if (length_mm > most_step_mm) step.head<2>() *= most_step_mm / length_mm;
-    step.z() = std::clamp(step.z(), -kMostTurnRad, kMostTurnRad);
+    if (length_mm > max_step_mm) step.head<2>() *= max_step_mm / length_mm;
+    step.z() = std::clamp(step.z(), -kMaxTurnRad, kMaxTurnRad);
     moved += step;
     const bool sharp = seen_r2 > kSharpR2 * out.seen;
     const bool small = length_mm < (sharp ? kSmallStepMm : kSmearedStepMm) &&
                        std::abs(step.z()) < (sharp ? kSmallTurnRad : kSmearedTurnRad);
-    if (!(small && all_sure) && pass < most_passes) continue;
+    if (!(small && all_sure) && pass < max_passes) continue;
 
     // What each dot says about itself, seen from the final pose.
     double squares = 0, sum_r2 = 0;
-    out.least_r2 = 1;
+    out.min_r2 = 1;
     out.seen = 0;
     for (std::size_t i = 0; i <= sides; ++i) {
       PatternDotFit& seen = out.dots[dot_at(i)];
@@ -239,7 +238,7 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
       ++out.seen;
       squares += seen.off_mm * seen.off_mm;
       sum_r2 += seen.r2;
-      out.least_r2 = std::min(out.least_r2, seen.r2);
+      out.min_r2 = std::min(out.min_r2, seen.r2);
     }
     if (out.seen < 3) {
       out.seen = 0;
@@ -263,7 +262,7 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
   const PatternTable& patterns = frame.patterns;
   const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.center_diameter_mm);
   if (!patch) return {};
-  const double most_step_mm = reach_mm(kMostStepMm, frame.image, *patch);
+  const double max_step_mm = reach_mm(kMaxStepMm, frame.image, *patch);
   double best_r2 = 0;
   Center best;
   const auto fit_from = [&](const Eigen::Vector2d& start) {
@@ -275,21 +274,21 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
                          {}, frame.blur_px));
       work_ += 1;
       const double brightness = disc.contrast[0] + disc.contrast[1] + disc.contrast[2];
-      if (!disc.ok || brightness <= 0 || disc.r2 < kLeastR2) return;
+      if (!disc.ok || brightness <= 0 || disc.r2 < kMinR2) return;
       const auto [dx, dy] = disc.offset_mm();
       Eigen::Vector2d step(dx, dy);
-      if (step.norm() > most_step_mm) step *= most_step_mm / step.norm();
+      if (step.norm() > max_step_mm) step *= max_step_mm / step.norm();
       moved += step;
       r2 = disc.r2;
     }
-    if (!(r2 > best_r2 && moved.norm() < most_step_mm)) return;
+    if (!(r2 > best_r2 && moved.norm() < max_step_mm)) return;
     best_r2 = r2;
     best = {true, x_mm + moved.x(), y_mm + moved.y()};
   };
   fit_from(Eigen::Vector2d::Zero());
-  if (best.seen || most_step_mm <= kMostStepMm) return best;
+  if (best.seen || max_step_mm <= kMaxStepMm) return best;
   // A dot of hardly two cells: from its region's place there may be no way to its own.
-  const double aside_mm = most_step_mm / 2;
+  const double aside_mm = max_step_mm / 2;
   for (const double x : {-aside_mm, aside_mm}) {
     for (const double y : {-aside_mm, aside_mm}) fit_from({x, y});
   }
@@ -297,7 +296,7 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
 }
 
 std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
-                                         std::array<double, kMostHeadings>& angles_rad) noexcept {
+                                         std::array<double, kMaxHeadings>& angles_rad) noexcept {
   const PatternTable& patterns = frame.patterns;
   const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.reach_mm);
   if (!patch) return 0;
@@ -367,9 +366,9 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
     }
     // What is brighter than dots must not outvote dim ones.
     std::array<float, kTurns> sorted = contrast;
-    constexpr std::size_t kMost = kTurns * 4 / 5;
-    std::nth_element(sorted.begin(), sorted.begin() + kMost, sorted.end());
-    for (float& one : contrast) one = std::min(one, sorted[kMost]);
+    constexpr std::size_t kMax = kTurns * 4 / 5;
+    std::nth_element(sorted.begin(), sorted.begin() + kMax, sorted.end());
+    for (float& one : contrast) one = std::min(one, sorted[kMax]);
 
     /// Contrast at an angle of the pattern, for every heading.
     const auto for_headings = [&](double angle, const auto& use) {
@@ -400,11 +399,11 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
                 (gaps > 0 ? 1.5F * between[i] / static_cast<float>(gaps) : 0);
   }
   constexpr double kApartRad = 0.25;
-  constexpr float kLeastScore = 4;  // grey levels: less is noise on even ground
+  constexpr float kMinScore = 4;  // grey levels: less is noise on even ground
   std::size_t found = 0;
-  while (found < kMostHeadings) {
+  while (found < kMaxHeadings) {
     const auto best = std::max_element(scores.begin(), scores.end());
-    if (*best < kLeastScore) break;
+    if (*best < kMinScore) break;
     const auto at = static_cast<std::size_t>(best - scores.begin());
     angles_rad[found++] = 2 * std::numbers::pi * static_cast<double>(at) / kHeadings;
     const auto width = static_cast<std::size_t>(kApartRad / (2 * std::numbers::pi) * kHeadings);

@@ -36,9 +36,9 @@ struct PatternFit {
   double pixel_x = 0, pixel_y = 0;  // of the pattern's centre
   double px_per_mm = 0;
   std::array<PatternDotFit, PatternTable::kMaxDots + 1> dots;
-  int seen = 0;                      // dots, with the centre
-  double rms_mm = 0;                 // of the seen dots' distances from their places
-  double least_r2 = 0, mean_r2 = 0;  // of the seen dots
+  int seen = 0;                    // dots, with the centre
+  double rms_mm = 0;               // of the seen dots' distances from their places
+  double min_r2 = 0, mean_r2 = 0;  // of the seen dots
 };
 
 /// Lays a pattern over the image: fits each of its dots as a disc (disc_fit.h) and from all of them that
@@ -55,11 +55,11 @@ class PatternFitter {
     double blur_px;
   };
 
-  /// Starts at `start`, which should be good to some 5 mm; up to `most_passes` Gauss-Newton steps, fewer when
+  /// Starts at `start`, which should be good to some 5 mm; up to `max_passes` Gauss-Newton steps, fewer when
   /// they have become small. Nothing (seen = 0) when fewer than three dots are there. With a rolling shutter
   /// the pattern is `mm_per_row` further in each row of the image than in the one above; its pose is that
   /// in the row of its centre.
-  PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int most_passes,
+  PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int max_passes,
                  const Eigen::Vector2d& mm_per_row = Eigen::Vector2d::Zero()) noexcept;
 
   /// The centre dot alone.
@@ -72,9 +72,9 @@ class PatternFitter {
   /// Looks for side dots all around a centre. The likeliest headings are written to `angles_rad`, best first;
   /// returns how many, 0 when there is nothing like the pattern. Needs neither regions nor colours: dots
   /// differ from the black between them.
-  static constexpr std::size_t kMostHeadings = 3;
+  static constexpr std::size_t kMaxHeadings = 3;
   std::size_t find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
-                            std::array<double, kMostHeadings>& angles_rad) noexcept;
+                            std::array<double, kMaxHeadings>& angles_rad) noexcept;
 
   /// What was done since the last reset, in discs fitted, or as much time.
   double work() const { return work_; }

@@ -11,7 +11,7 @@ namespace sslv {
 namespace {
 
 constexpr int kAngles = 4, kSteps = 8;
-constexpr double kLeastVariance = 0.5, kLeastHalfMm = 3, kMostStepMm = 5, kMostTurnRad = 0.25;
+constexpr double kMinVariance = 0.5, kMinHalfMm = 3, kMaxStepMm = 5, kMaxTurnRad = 0.25;
 
 /// A blurred step: 0 far before an edge, 1 far behind it; half there, whose normal distribution's sigma is a
 /// third of `half`.
@@ -79,7 +79,7 @@ Sums sum_up(const Rectangle& r, std::span<RectangleSamples* const> groups) {
       const double left2 =
           std::max(0.0, static_cast<double>(square[static_cast<Eigen::Index>(k)]) - weights.dot(seen));
       group->left2[k] = left2;
-      const double variance = left2 / n + kLeastVariance;
+      const double variance = left2 / n + kMinVariance;
       out.cost += n * std::log(variance);
       out.normal += weights[0] * weights[0] / variance *
                     (products.topLeftCorner<5, 5>().cast<double>() - cross * inverse * cross.transpose());
@@ -92,7 +92,7 @@ Sums sum_up(const Rectangle& r, std::span<RectangleSamples* const> groups) {
 Rectangle moved(const Rectangle& r, const Moves& step) {
   const double c = std::cos(r.angle_rad), s = std::sin(r.angle_rad);
   return {r.x + c * step[0] - s * step[1], r.y + s * step[0] + c * step[1],
-          std::max(kLeastHalfMm, r.half_length + step[2]), std::max(kLeastHalfMm, r.half_width + step[3]),
+          std::max(kMinHalfMm, r.half_length + step[2]), std::max(kMinHalfMm, r.half_width + step[3]),
           r.angle_rad + step[4]};
 }
 
@@ -114,8 +114,8 @@ Rectangle fit_rectangle(const Rectangle& start, std::span<RectangleSamples* cons
     Eigen::Matrix<double, 5, 5> normal = sums.normal;
     for (Eigen::Index k = 0; k < 5; ++k) normal(k, k) += damping * normal(k, k) + 1e-6;
     Moves by = normal.ldlt().solve(sums.gradient);
-    for (Eigen::Index k = 0; k < 4; ++k) by[k] = std::clamp(by[k], -kMostStepMm, kMostStepMm);
-    by[4] = std::clamp(by[4], -kMostTurnRad, kMostTurnRad);
+    for (Eigen::Index k = 0; k < 4; ++k) by[k] = std::clamp(by[k], -kMaxStepMm, kMaxStepMm);
+    by[4] = std::clamp(by[4], -kMaxTurnRad, kMaxTurnRad);
     if (!by.allFinite()) break;
     const Rectangle next = moved(best, by);
     const Sums other = sum_up(next, groups);

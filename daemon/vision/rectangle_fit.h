@@ -16,11 +16,11 @@ struct Rectangle {
 
 /// Samples of planes that share their places.
 struct RectangleSamples {
-  static constexpr std::size_t kMost = 1024;
+  static constexpr std::size_t kMax = 1024;
 
   std::size_t count = 0, planes = 0;
-  std::array<float, kMost> x, y;                    // mm
-  std::array<std::array<float, kMost>, 3> value;    // of each plane
+  std::array<float, kMax> x, y;                     // mm
+  std::array<std::array<float, kMax>, 3> value;     // of each plane
   std::array<std::array<double, 2>, 2> blur_mm2{};  // covariance of a sample's blur
   /// For each plane: the sum of squares that the rectangle leaves.
   std::array<double, 3> left2{};

@@ -25,7 +25,7 @@ void Segment::share_out(int threads, const RunList& picture) {
     part.row_begin = blocks * i / count * FloodCut::kBlockCells;
     part.row_end = std::min(blocks * (i + 1) / count * FloodCut::kBlockCells, picture.height);
     const std::size_t room =
-        FloodCut::room(picture.width, std::max(0, part.row_end - part.row_begin), kMostPendingRuns);
+        FloodCut::room(picture.width, std::max(0, part.row_end - part.row_begin), kMaxPendingRuns);
     if (part.room < room) {
       part.runs = std::make_unique_for_overwrite<Run[]>(room);  // what is never written is never in memory
       part.room = room;

@@ -283,7 +283,7 @@ class YuvBoxes {
  private:
   static constexpr int kVectors = kBlock * Format::kBytes / kLanes;
   std::size_t count_;
-  Vector low_[Background::kMostBoxes], extent_[Background::kMostBoxes];
+  Vector low_[Background::kMaxBoxes], extent_[Background::kMaxBoxes];
 };
 
 /// The same for images in red, green and blue: by rough_yuv(), and boxes smaller by its error.
@@ -339,7 +339,7 @@ class RgbBoxes {
   }
 
   std::size_t count_ = 0;
-  Vector low_[Background::kMostBoxes][3], extent_[Background::kMostBoxes][3];
+  Vector low_[Background::kMaxBoxes][3], extent_[Background::kMaxBoxes][3];
 };
 #endif
 
@@ -410,10 +410,10 @@ class Search {
     bool goes_on;            // in the next stretch
   };
   // Candidates of several rows are looked up together: the table's memory is waited for only once.
-  static constexpr std::size_t kMostStretches = 16, kManyListed = 1024;
+  static constexpr std::size_t kMaxStretches = 16, kManyListed = 1024;
   // So many of a block's cells are candidates that it is faster to look up all of them.
   static constexpr int kDense = 20;
-  static_assert(2 * (kManyListed + kGroup * kBlock) + kMostStretches <= kMostPendingRuns);
+  static_assert(2 * (kManyListed + kGroup * kBlock) + kMaxStretches <= kMaxPendingRuns);
 
   void search_blocks(int y, int begin, int end) {
     const std::uint8_t* in = row(y);
@@ -445,7 +445,7 @@ class Search {
       const int done = std::min((group + kGroup) * kBlock, end);
       add_stretch({y, begin, done, listed_, done < end});
       begin = done;
-      if (listed_ >= kManyListed || stretch_count_ == kMostStretches) finish_stretches();
+      if (listed_ >= kManyListed || stretch_count_ == kMaxStretches) finish_stretches();
     }
   }
 
@@ -657,7 +657,7 @@ class Search {
   const int width_;
 #if HWY_TARGET != HWY_SCALAR
   const Boxes boxes_;
-  Stretch stretches_[kMostStretches];
+  Stretch stretches_[kMaxStretches];
   std::size_t stretch_count_ = 0, listed_ = 0;
   std::uint16_t places_[kManyListed + kGroup * kBlock + 4];
   Label labels_[kManyListed + kGroup * kBlock];

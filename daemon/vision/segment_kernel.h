@@ -22,11 +22,11 @@ struct RunSearch {
   const Background* background;
   int row_begin, row_end;  // rows of cells
   FloodCut* flood_cut;     // is told of the runs, and tells where none are wanted any more
-  FloodCut::Band* found;   // with room for kMostPendingRuns besides
+  FloodCut::Band* found;   // with room for kMaxPendingRuns besides
 };
 
 /// Runs of many rows are found at once: up to so many besides those of one row.
-inline constexpr std::size_t kMostPendingRuns = 12 * 1'024;
+inline constexpr std::size_t kMaxPendingRuns = 12 * 1'024;
 
 /// Finds the runs of the labelled image without making it, just as Threshold and FindRuns would. Written
 /// once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs on.

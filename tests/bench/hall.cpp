@@ -18,7 +18,7 @@ namespace {
 using Color = std::array<double, 3>;                                // red, green, blue
 constexpr Color kDrawnCarpet{30, 92, 62}, kDrawnFloor{92, 88, 84};  // as the simulator has them
 constexpr Color kCarpet{34, 98, 48}, kFloor{60, 60, 62};
-constexpr int kLeast = 780;  // width at which lengths are given
+constexpr int kMinWidth = 780;  // width at which lengths are given
 
 Config demo() {
   std::ifstream in(SSLV_SOURCE_DIR "/config/demo.json");
@@ -72,7 +72,7 @@ Recording draw_hall(const HallKind& hall, PixelFormat format, int width, int hei
   const Recording clean = draw_frames(demo(), 0, PixelFormat::kRgb24, width, height, frames,
                                       {{"noise_sigma", 0}, {"gradient", 0}, {"vignette", 0}});
   std::mt19937 random(5);
-  const double scale = static_cast<double>(width) / kLeast;
+  const double scale = static_cast<double>(width) / kMinWidth;
   const Blotches large(width, height, 60 * scale, random), small(width, height, 14 * scale, random);
   const Blotches of_floor(width, height, 30 * scale, random);
   std::normal_distribution<double> normal(0, hall.noise_sigma);

@@ -65,11 +65,11 @@ void time_kind(const std::string& name, const Recording& drawn, const Lut& lut, 
   RegionList regions;
   Times segment_us, passes_us, reading_us;
   Segment segment;
-  std::size_t most_runs = 0;
+  std::size_t max_runs = 0;
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < images.size(); ++i) {
       segment_us.add(i, us_of([&] { segment.process({}, lut, mask, images[i], runs, regions); }));
-      most_runs = std::max(most_runs, runs.runs.size());
+      max_runs = std::max(max_runs, runs.runs.size());
     }
     for (std::size_t i = 0; i < images.size(); ++i)
       reading_us.add(i, us_of([&] {
@@ -83,7 +83,7 @@ void time_kind(const std::string& name, const Recording& drawn, const Lut& lut, 
   std::cout << fmt::format("| {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.2f} | {} |\n", name,
                            passes_us.mean(), reading_us.mean(), segment_us.mean(), segment_us.worst(),
                            passes_us.mean() / segment_us.mean(), segment_us.mean() / reading_us.mean(),
-                           most_runs)
+                           max_runs)
             << std::flush;
 }
 

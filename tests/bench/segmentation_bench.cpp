@@ -277,7 +277,7 @@ class Reporter : public benchmark::ConsoleReporter {
       const std::string& name = run.run_name.function_name;
       const std::string kind = name.substr(0, name.find('/'));
       if (std::find(kinds_.begin(), kinds_.end(), kind) == kinds_.end()) kinds_.push_back(kind);
-      double& least = least_us_.try_emplace(name, run.GetAdjustedRealTime()).first->second;
+      double& least = min_us_.try_emplace(name, run.GetAdjustedRealTime()).first->second;
       least = std::min(least, run.GetAdjustedRealTime());
     }
   }
@@ -307,12 +307,12 @@ class Reporter : public benchmark::ConsoleReporter {
  private:
   /// NaN for what a filter left out.
   double least(const std::string& name) const {
-    const auto found = least_us_.find(name);
-    return found == least_us_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+    const auto found = min_us_.find(name);
+    return found == min_us_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
   }
 
   std::vector<std::string> kinds_;  // in the order of their registration
-  std::map<std::string, double> least_us_;
+  std::map<std::string, double> min_us_;
 };
 
 }  // namespace

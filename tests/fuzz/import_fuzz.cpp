@@ -41,7 +41,7 @@ void check(const std::string& file) {
     const ColorTable& table = each.table;
     expect(table.bits >= 5 && table.bits <= 8, "bits");
     expect(table.labels.size() == std::size_t{1} << (3 * table.bits), "number of labels");
-    expect(*std::max_element(table.labels.begin(), table.labels.end()) < label::kMost, "labels");
+    expect(*std::max_element(table.labels.begin(), table.labels.end()) < label::kMaxCount, "labels");
   }
   const ColorTable& table = tables.back().table;
   if (table.bits > 6) return;  // takes long

@@ -15,7 +15,7 @@ namespace {
 
 // What is kept for a sender and a camera is small, but there may be many: these are the tables' bounds as
 // seen from outside.
-constexpr std::size_t kMostCameras = 4096;
+constexpr std::size_t kMaxCameras = 4096;
 
 struct Listeners {
   OtherVisions visions{[](const auto&) { return false; }};
@@ -24,7 +24,7 @@ struct Listeners {
 
 void check(const Listeners& listeners, double now_s) {
   for (const OtherVision& other : listeners.visions.seen(now_s)) {
-    expect(other.cameras.size() <= kMostCameras, "a table of cameras without bounds");
+    expect(other.cameras.size() <= kMaxCameras, "a table of cameras without bounds");
     expect(!other.address.empty() && other.silent_s >= 0, "a vision without an address");
     if (!other.field) continue;
     for (const SizeConflict& conflict : size_conflicts(*other.field, *other.field))

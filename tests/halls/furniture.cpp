@@ -177,10 +177,10 @@ class Furnisher {
   }
 
   /// Somebody who stands there.
-  void put_person(double least_out_mm) {
+  void put_person(double min_out_mm) {
     constexpr Seen kShoes[]{{28, 28, 30},  {230, 230, 232}, {190, 40, 40},
                             {45, 80, 180}, {225, 110, 35},  {90, 90, 95}};
-    const Rim place = rim(least_out_mm, 330, false);
+    const Rim place = rim(min_out_mm, 330, false);
     const Color shoe = kShoes[static_cast<std::size_t>(chance_.whole(0, is_hard_ ? 5 : 3))].in(transfer_);
     const Color trousers = cloth();
     const double facing =

@@ -97,8 +97,8 @@ MediaReader::MediaReader(const std::string& path, bool still) : av_(std::make_un
   av_->decoder = allocated(avcodec_alloc_context3(codec));
   check(avcodec_parameters_to_context(av_->decoder, av_->container->streams[av_->stream]->codecpar),
         "cannot be decoded");
-  constexpr std::int64_t kMostPixels = 16384LL * 16384;
-  av_->decoder->max_pixels = kMostPixels;
+  constexpr std::int64_t kMaxPixels = 16384LL * 16384;
+  av_->decoder->max_pixels = kMaxPixels;
   if (still) av_->decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   check(avcodec_open2(av_->decoder, codec, nullptr), "cannot be decoded");
 }

@@ -194,7 +194,7 @@ bool SimulatedCamera::fully_visible(const Eigen::Vector3d& center_mm, double rad
 double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double radius_mm,
                                       const SimulatedScene& scene, const SimulatedRobot* top) const {
   if (fully_visible(center_mm, radius_mm, scene)) return 1;
-  constexpr double kMost = 0.999;  // something of it is or may be missing
+  constexpr double kMax = 0.999;  // something of it is or may be missing
   const auto is_visible = [&](const Eigen::Vector3d& point) {
     const auto pixel = scene_.camera->project(point);
     return pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 && pixel->x() <= options_.width - 0.5 &&
@@ -211,7 +211,7 @@ double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double r
     ++points;
     visible += is_visible(center_mm + Eigen::Vector3d(offset_mm.x(), offset_mm.y(), 0));
   }
-  return std::min(kMost, static_cast<double>(visible) / points);
+  return std::min(kMax, static_cast<double>(visible) / points);
 }
 
 Json SimulatedCamera::truth(const std::string& frame, double t_s) const {

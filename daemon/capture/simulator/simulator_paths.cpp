@@ -16,7 +16,7 @@ constexpr double kFromLinesMm = 30;  // robots keep inside the field's lines
 
 /// The angle between neighbours when `count` things of radius `radius_mm` or more from the centre must keep
 /// `apart_mm`; nothing when they do not fit.
-std::optional<double> least_angle(int count, double radius_mm, double apart_mm) {
+std::optional<double> min_angle(int count, double radius_mm, double apart_mm) {
   if (count < 2) return 0.0;
   if (apart_mm > 2 * radius_mm) return std::nullopt;
   const double angle = 2 * std::asin(apart_mm / (2 * radius_mm));
@@ -58,8 +58,8 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
   const double robots_apart_mm = 2 * field.max_robot_radius + kSimulatorClearanceMm;
   const double balls_apart_mm = 2 * field.ball_radius + kSimulatorClearanceMm;
   const double robot_to_ball_mm = field.max_robot_radius + field.ball_radius + kSimulatorClearanceMm;
-  const double least_pitch_mm = 2 * robot_to_ball_mm + 10;  // between two rings, with a lane for balls
-  if (disc_mm < least_pitch_mm) throw no_room("robots", options, field);
+  const double min_pitch_mm = 2 * robot_to_ball_mm + 10;  // between two rings, with a lane for balls
+  if (disc_mm < min_pitch_mm) throw no_room("robots", options, field);
   stretch_x_ = half_x / disc_mm;
   stretch_y_ = half_y / disc_mm;
 
@@ -67,9 +67,9 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
   // More robots, more rings, as far as the field is wide enough.
   const auto robots = static_cast<int>(roster.size());
   const int wanted_rings = std::max(1, static_cast<int>(std::lround(std::sqrt(0.75 * robots))));
-  const int rings = std::min(wanted_rings, static_cast<int>(disc_mm / least_pitch_mm));
+  const int rings = std::min(wanted_rings, static_cast<int>(disc_mm / min_pitch_mm));
   const double pitch_mm = disc_mm / rings;
-  const double wobble_mm = 0.2 * (pitch_mm - least_pitch_mm);
+  const double wobble_mm = 0.2 * (pitch_mm - min_pitch_mm);
   const auto ring_radius_mm = [&](int ring) { return (ring + 0.8) * pitch_mm; };
 
   // Fill the rings evenly along their length.
@@ -78,7 +78,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
     int best = -1;
     for (int ring = 0; ring < rings; ++ring) {
       const int count = on_ring[static_cast<std::size_t>(ring)] + 1;
-      if (!least_angle(count, ring_radius_mm(ring) - wobble_mm, robots_apart_mm)) continue;
+      if (!min_angle(count, ring_radius_mm(ring) - wobble_mm, robots_apart_mm)) continue;
       if (best < 0 || count / ring_radius_mm(ring) <
                           (on_ring[static_cast<std::size_t>(best)] + 1) / ring_radius_mm(best)) {
         best = ring;
@@ -94,7 +94,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
   const auto orbits = [&](int count, const Swing& radius, double apart_mm, double speed_mm_s) {
     const double turn_rad_s = (random.bits() % 2 == 0 ? 1 : -1) * speed_mm_s / radius.middle;
     const double start = random.angle();
-    const double least = *least_angle(count, radius.middle - radius.reach, apart_mm);
+    const double least = *min_angle(count, radius.middle - radius.reach, apart_mm);
     const double spare = 0.499 * (kTwoPi / std::max(count, 1) - least);
     std::vector<Orbit> out;
     for (int i = 0; i < count; ++i) {
@@ -127,7 +127,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
     const double margin_mm = wobble_mm + robot_to_ball_mm;
     const double inner_mm = lane == 0 ? 0.15 * pitch_mm : ring_radius_mm(lane - 1) + margin_mm;
     const double outer_mm = ring_radius_mm(lane) - margin_mm;
-    if (!least_angle(count, inner_mm, balls_apart_mm)) throw no_room("robots", options, field);
+    if (!min_angle(count, inner_mm, balls_apart_mm)) throw no_room("robots", options, field);
     const Swing radius{(inner_mm + outer_mm) / 2, (outer_mm - inner_mm) / 2, 0, 0};
     const double speed_mm_s = random.uniform(500, 1200);
     for (const Orbit& orbit : orbits(count, radius, balls_apart_mm, speed_mm_s)) balls_.push_back(orbit);

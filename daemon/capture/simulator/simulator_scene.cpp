@@ -85,7 +85,7 @@ PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered
 }
 
 SimulatedDistractor make_distractor(SimulatorRandom& random) {
-  constexpr double kLeastMm = 15, kMostMm = 250;
+  constexpr double kMinMm = 15, kMaxMm = 250;
   // Small ones as often as large ones.
   const auto size_mm = [&](double least, double most) {
     return std::min(most, least * std::exp(random.uniform(0, std::log(most / least))));
@@ -99,10 +99,10 @@ SimulatedDistractor make_distractor(SimulatorRandom& random) {
   out.shape = kShapes[kind];
   out.paint = static_cast<std::uint8_t>(label::kOrange + random.bits() % (paint::kCount - label::kOrange));
   out.turn_rad = random.angle();
-  out.length_mm = kind == kStripe ? size_mm(100, kMostMm) : size_mm(kLeastMm, kMostMm);
+  out.length_mm = kind == kStripe ? size_mm(100, kMaxMm) : size_mm(kMinMm, kMaxMm);
   out.width_mm = kind == kDisc     ? out.length_mm
-                 : kind == kStripe ? random.uniform(kLeastMm, 27)
-                                   : size_mm(kLeastMm, kMostMm);
+                 : kind == kStripe ? random.uniform(kMinMm, 27)
+                                   : size_mm(kMinMm, kMaxMm);
   const auto is_ball_sized = [](double mm) { return mm >= 28 && mm <= 65; };
   const bool is_ball_colored = out.paint == label::kOrange || out.paint == paint::kRed;
   if (is_ball_colored && is_ball_sized(out.length_mm) && is_ball_sized(out.width_mm)) {

@@ -116,10 +116,10 @@ class SimulatedSurroundings::Furnisher {
     // Most are beside the carpet.
     double off_mm = random_.uniform(130, 800);
     const double turn = random_.angle();
-    constexpr double kLeastMarginMm = 200;  // so that no thing reaches the lines
+    constexpr double kMinMarginMm = 200;  // so that no thing reaches the lines
     const Kind kind = kOften[random_.bits() % kOften.size()];
     const bool is_small = kind == kCone || kind == kBottle || kind == kTape || kind == kCable;
-    if (is_small && margin_mm_ >= kLeastMarginMm && random_.uniform(0, 1) < 0.4)
+    if (is_small && margin_mm_ >= kMinMarginMm && random_.uniform(0, 1) < 0.4)
       off_mm = -random_.uniform(0.3, 0.5) * margin_mm_;
     const Eigen::Vector2d at = spot.off(off_mm);
     switch (kind) {

@@ -202,9 +202,9 @@ class V4l2Source final : public Source {
 
   void make_own_buffers() {
     decoder_.emplace();
-    constexpr std::size_t kMostBytesPerPixel = 3;
+    constexpr std::size_t kMaxBytesPerPixel = 3;
     own_buffers_.emplace(static_cast<std::size_t>(options_.buffers),
-                         kMostBytesPerPixel * static_cast<std::size_t>(format_.width) *
+                         kMaxBytesPerPixel * static_cast<std::size_t>(format_.width) *
                              static_cast<std::size_t>(format_.height));
   }
 

@@ -188,7 +188,7 @@ std::string Access::open_session(Role role) {
   const std::string token = random_token();
   const double now_s = now_s_();
   const std::lock_guard lock(mutex_);
-  if (sessions_.size() >= kMostSessions) {
+  if (sessions_.size() >= kMaxSessions) {
     const auto oldest =
         std::min_element(sessions_.begin(), sessions_.end(),
                          [](const auto& a, const auto& b) { return a.second.used_s < b.second.used_s; });

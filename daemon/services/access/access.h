@@ -31,7 +31,7 @@ class Access {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kIdle_s = 24 * 3600.0, kLongest_s = 7 * 24 * 3600.0;
-  static constexpr std::size_t kMostSessions = 256;
+  static constexpr std::size_t kMaxSessions = 256;
 
   /// `cookie`: its name; browsers do not tell the ports of a computer apart.
   Access(Passwords& passwords, std::string cookie, Clock now_s);

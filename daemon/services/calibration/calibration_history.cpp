@@ -12,7 +12,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::ptrdiff_t kMostRecords = 20;
+constexpr std::ptrdiff_t kMaxRecords = 20;
 
 struct CameraRecords {
   int camera = 0;
@@ -57,7 +57,7 @@ void CalibrationHistory::set(const ByCamera& records) {
   auto next = records_;
   for (const auto& [id, of_camera] : records) {
     const auto count = static_cast<std::ptrdiff_t>(of_camera.size());
-    next[id].assign(of_camera.end() - std::min(count, kMostRecords), of_camera.end());
+    next[id].assign(of_camera.end() - std::min(count, kMaxRecords), of_camera.end());
   }
   File file;
   for (const auto& [id, of_camera] : next) file.cameras.push_back({id, of_camera});

@@ -10,11 +10,11 @@ namespace {
 /// Cameras' clocks agree to this: what moves is less sure.
 constexpr double kClockSigmaS = 1e-3;
 /// Longest time between two images over which a robot goes straight on: at 3 m/s2 it leaves that by 1 mm.
-constexpr double kMostGapS = 0.05;
+constexpr double kMaxGapS = 0.05;
 /// Further apart than calibrations may be wrong: two robots of one identity.
 constexpr double kOtherRobotMm = 300;
 constexpr double kCellMm = 250;
-constexpr std::size_t kMostTies = 100;
+constexpr std::size_t kMaxTies = 100;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void TieCollector::tie(std::size_t camera, const Seen& seen, std::size_t other_c
   if (!other.before) return;
   const Seen &from = *other.before, &to = *other.newest;
   const double gap_s = to.t_s - from.t_s;
-  if (seen.t_s < from.t_s || seen.t_s > to.t_s || gap_s > kMostGapS) return;
+  if (seen.t_s < from.t_s || seen.t_s > to.t_s || gap_s > kMaxGapS) return;
   if (from.height_mm != seen.height_mm || to.height_mm != seen.height_mm) return;
   const double share = (seen.t_s - from.t_s) / gap_s;
   const Eigen::Vector2d pixel = from.pixel + share * (to.pixel - from.pixel);
@@ -60,7 +60,7 @@ void TieCollector::tie(std::size_t camera, const Seen& seen, std::size_t other_c
 std::vector<OverlapTie> TieCollector::ties() const {
   std::vector<OverlapTie> out;
   // Neighbouring cells follow each other: every third one, say, is spread as all are.
-  const std::size_t step = (ties_.size() + kMostTies - 1) / kMostTies;
+  const std::size_t step = (ties_.size() + kMaxTies - 1) / kMaxTies;
   std::size_t i = 0;
   for (const auto& [cell, tie] : ties_) {
     if (i++ % step == 0) out.push_back(tie);

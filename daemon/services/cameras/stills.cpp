@@ -22,7 +22,7 @@ int Stills::keep(int camera_id, StillPicture picture, Clock::time_point now) {
   forget_old_locked(now);
   auto& of_camera = stills_[camera_id];
   of_camera.push_back({++newest_, now, std::move(shared)});
-  if (of_camera.size() > kMostOfACamera) of_camera.pop_front();
+  if (of_camera.size() > kMaxOfACamera) of_camera.pop_front();
   return newest_;
 }
 

@@ -29,7 +29,7 @@ struct StillPicture {
 class Stills {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kMostOfACamera = 4;
+  static constexpr std::size_t kMaxOfACamera = 4;
   static constexpr std::chrono::minutes kLongest{10};
 
   /// Its number; numbers only grow.

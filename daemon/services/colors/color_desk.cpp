@@ -103,7 +103,7 @@ bool ColorDesk::redo(const Save& save) {
 }
 
 std::vector<std::pair<Label, std::size_t>> cells_before(std::span<const CellRun> runs) {
-  std::array<std::size_t, label::kMost> counts{};
+  std::array<std::size_t, label::kMaxCount> counts{};
   for (const CellRun& run : runs) counts[run.before] += run.length;
   std::vector<std::pair<Label, std::size_t>> out;
   for (std::size_t label = 0; label < counts.size(); ++label) {

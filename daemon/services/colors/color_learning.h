@@ -40,7 +40,7 @@ struct LearningReport {
   LearntColors learnt;
   bool calibrated = false;
   std::shared_ptr<const Lut> before;
-  using Cells = std::array<std::size_t, label::kMost>;  // of each label, in a table
+  using Cells = std::array<std::size_t, label::kMaxCount>;  // of each label, in a table
   Cells cells_before{}, cells_after{};
   std::vector<LearningPicture> pictures;
   std::size_t changed_cells = 0;

@@ -7,12 +7,12 @@ namespace sslv {
 namespace {
 
 void add_margin_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
-  if (!camera.least_margin || camera.least_margin->share >= kWantedMargin) return;
+  if (!camera.min_margin || camera.min_margin->share >= kWantedMargin) return;
   alerts.push_back(
       {.id = "margin_thin",
        .check = "colors",
-       .severity = camera.least_margin->share < kLeastMargin ? Severity::kBad : Severity::kWarn,
-       .title = fmt::format("Camera {}: {}", camera.camera_id, camera.least_margin->text),
+       .severity = camera.min_margin->share < kMinMargin ? Severity::kBad : Severity::kWarn,
+       .title = fmt::format("Camera {}: {}", camera.camera_id, camera.min_margin->text),
        .fix =
            "A little more or less light drowns robots in it: widen the margins, or learn the colours again.",
        .page = fmt::format("#/colors/{}", camera.camera_id),
@@ -22,8 +22,7 @@ void add_margin_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
 Check check_colors(std::span<const ColorFacts> cameras) {
   const ColorFacts::Margin* least = nullptr;
   for (const ColorFacts& camera : cameras) {
-    if (camera.least_margin && (!least || camera.least_margin->share < least->share))
-      least = &*camera.least_margin;
+    if (camera.min_margin && (!least || camera.min_margin->share < least->share)) least = &*camera.min_margin;
   }
   Check check{"colors",  "Colours", CheckState::kPass,
               kNoFigure, "",        "margins to carpet and floor are not known yet"};

@@ -18,9 +18,9 @@ struct ColorFacts {
   struct Margin {
     double share;      // of the light, at most kMax
     std::string text;  // "carpet becomes green at +9 %"; empty: nothing does
-    static constexpr double kMax = LabelMargin::kMostFactor - 1;
+    static constexpr double kMax = LabelMargin::kMaxFactor - 1;
   };
-  std::optional<Margin> least_margin{};
+  std::optional<Margin> min_margin{};
 };
 
 /// Adds their alerts and the check "colors". `lost_tables`: why saved tables could not be used at start.

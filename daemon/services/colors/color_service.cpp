@@ -302,12 +302,12 @@ void ColorService::report(HealthReport& report) const {
   for (const CameraNow& camera : cameras_.all()) {
     ColorFacts one{camera.id};
     if (const auto margins = margins_.newest_margins(camera.id)) {
-      const auto least = least_of(*margins);
+      const auto least = min_of(*margins);
       const LabelSet& labels = *camera.context().labels;
-      one.least_margin = least ? ColorFacts::Margin{std::abs(least->change),
-                                                    margin_text(name_of(least->surface),
-                                                                labels.name(least->label), least->change)}
-                               : ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
+      one.min_margin = least ? ColorFacts::Margin{std::abs(least->change),
+                                                  margin_text(name_of(least->surface),
+                                                              labels.name(least->label), least->change)}
+                             : ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
     }
     facts.push_back(std::move(one));
     if (auto problem = saved_.lost(camera.settings->colors.table); !problem.empty())

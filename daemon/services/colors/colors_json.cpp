@@ -12,7 +12,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMostSteps = 20;
+constexpr std::size_t kMaxSteps = 20;
 
 Json step_json(const TableStep& step) {
   std::size_t cells = 0;
@@ -94,7 +94,7 @@ Json report_json(const LearningReport& report, const LabelSet& labels) {
 Json light_json(const LightView& light) {
   const LightState& state = light.state;
   Json steps = Json::array();
-  for (auto step = light.steps.rbegin(); step != light.steps.rend() && steps.size() < kMostSteps; ++step) {
+  for (auto step = light.steps.rbegin(); step != light.steps.rend() && steps.size() < kMaxSteps; ++step) {
     steps.push_back({{"time", step->time_s},
                      {"gain", array_json(step->change.gain)},
                      {"robots", step->robots},
@@ -116,7 +116,7 @@ Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, cons
                  const LightView& light, const std::optional<std::vector<LabelMargin>>& margins) {
   const TableStatistics& statistics = desk.statistics();
   Json label_list = Json::array();
-  for (std::size_t i = 0; i < label::kMost; ++i) {
+  for (std::size_t i = 0; i < label::kMaxCount; ++i) {
     const auto value = static_cast<Label>(i);
     // One that was taken out of the settings may still be in the table.
     if (!labels.has(value) && statistics.cells[i] == 0) continue;
@@ -135,8 +135,7 @@ Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, cons
   }
   const TableHistory& history = desk.history();
   Json steps = Json::array();
-  for (auto step = history.done().rbegin(); step != history.done().rend() && steps.size() < kMostSteps;
-       ++step)
+  for (auto step = history.done().rbegin(); step != history.done().rend() && steps.size() < kMaxSteps; ++step)
     steps.push_back(step_json(*step));
   return {{"camera", camera_id},
           {"revision", desk.revision()},
@@ -151,7 +150,7 @@ Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, cons
           {"light", light_json(light)},
           {"margins", margins ? margins_json(*margins, labels) : Json(nullptr)},
           {"wanted_margin", kWantedMargin},
-          {"least_margin", kLeastMargin}};
+          {"least_margin", kMinMargin}};
 }
 
 Json table_change_json(const TableChange& change, const LabelSet& labels) {
@@ -167,8 +166,8 @@ Json table_change_json(const TableChange& change, const LabelSet& labels) {
 Json imported_json(const std::vector<ImportedTable>& tables, const LabelSet& labels) {
   Json out = Json::array();
   for (const ImportedTable& one : tables) {
-    std::array<std::size_t, label::kMost> cells{};
-    for (const Label label : one.table.labels) ++cells[label % label::kMost];
+    std::array<std::size_t, label::kMaxCount> cells{};
+    for (const Label label : one.table.labels) ++cells[label % label::kMaxCount];
     Json names = Json::array();
     std::size_t labelled = 0;
     for (std::size_t i = 1; i < cells.size(); ++i) {

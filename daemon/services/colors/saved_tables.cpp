@@ -133,9 +133,9 @@ void SavedTables::tidy(const std::set<std::string>& used) {
     if (entry.path().extension() != ".lut" || used.contains(entry.path().stem().string())) continue;
     unused.emplace_back(entry.last_write_time(error), entry.path());
   }
-  if (unused.size() <= kMost) return;
+  if (unused.size() <= kMax) return;
   std::sort(unused.begin(), unused.end());
-  unused.resize(unused.size() - kMost);
+  unused.resize(unused.size() - kMax);
   for (const auto& [time, file] : unused) std::filesystem::remove(file, error);
 }
 

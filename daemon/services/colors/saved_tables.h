@@ -22,7 +22,7 @@ class StateFolder;
 class SavedTables {
  public:
   /// Beyond that the oldest that nobody uses go.
-  static constexpr std::size_t kMost = 200;
+  static constexpr std::size_t kMax = 200;
 
   explicit SavedTables(StateFolder& folder);
 

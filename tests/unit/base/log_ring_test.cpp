@@ -46,7 +46,7 @@ TEST(LogRing, KeepsTheNewestThousand) {
   LogRing ring;
   for (int i = 1; i <= 1500; ++i) ring.add(0, Level::kInfo, std::to_string(i));
   const auto [lines, newest] = ring.newer_than(0, Level::kDebug);
-  ASSERT_EQ(lines.size(), LogRing::kMostLines);
+  ASSERT_EQ(lines.size(), LogRing::kMaxLines);
   EXPECT_EQ(lines.front().text, "501");
   EXPECT_EQ(newest, 1500u);
 }
@@ -57,8 +57,8 @@ TEST(LogRing, IsBoundedInBytes) {
   for (int i = 0; i < 200; ++i) ring.add(0, Level::kInfo, longest);
   std::size_t bytes = 0;
   for (const auto& line : ring.newer_than(0, Level::kDebug).lines) bytes += line.text.size();
-  EXPECT_LE(bytes, LogRing::kMostBytes);
-  EXPECT_GT(bytes, LogRing::kMostBytes / 2);
+  EXPECT_LE(bytes, LogRing::kMaxBytes);
+  EXPECT_GT(bytes, LogRing::kMaxBytes / 2);
 }
 
 TEST(LogLevels, AreFoundByTheirNames) {

@@ -59,8 +59,8 @@ LinePicture lines_of(const Drawn& drawn) {
 
 TEST(LinePicture, FindsAWhiteStripe) {
   const LinePicture picture = lines_of(stripe(40, 0.1, 3, {205, 208, 200}, 4));
-  EXPECT_GT(picture.line.row(46)[60], picture.least_line);
-  EXPECT_LT(picture.line.row(20)[60], picture.least_line);
+  EXPECT_GT(picture.line.row(46)[60], picture.min_line);
+  EXPECT_LT(picture.line.row(20)[60], picture.min_line);
   EXPECT_NEAR(picture.noise, 4 / std::sqrt(3.0), 0.5);
 }
 
@@ -75,8 +75,7 @@ TEST(LinePicture, KnowsTheDistanceToTheNearestStripe) {
     double nearest = 1e9;
     for (int v = 0; v < picture.height(); ++v) {
       for (int u = 0; u < picture.width(); ++u) {
-        if (picture.line.row(v)[u] > picture.least_line)
-          nearest = std::min(nearest, std::hypot(u - x, v - y));
+        if (picture.line.row(v)[u] > picture.min_line) nearest = std::min(nearest, std::hypot(u - x, v - y));
       }
     }
     EXPECT_NEAR(picture.distance_px.row(y)[x], nearest, 1e-3) << x << " " << y;

@@ -318,9 +318,9 @@ TEST_F(Gige, AnAutomaticExposureIsFollowed) {
   };
   // Until its clock is known, from the arrival: about none of which, and half the exposure before it.
   server_->set_exposure(300000);
-  double least_s = shift_s();
-  for (int i = 0; i < 300 && least_s > -0.1; ++i) least_s = shift_s();
-  EXPECT_LT(least_s, -0.1);
+  double min_s = shift_s();
+  for (int i = 0; i < 300 && min_s > -0.1; ++i) min_s = shift_s();
+  EXPECT_LT(min_s, -0.1);
 }
 
 /// Holds back what the camera answers when it is asked for its exposure, until the test lets it go.

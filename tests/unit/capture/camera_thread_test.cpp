@@ -611,9 +611,9 @@ TEST_F(CameraThreadTest, APredecessorThatDoesNotCloseIsLeftBehind) {
 
 TEST_F(CameraThreadTest, OneOfManySuccessorsAtATimeHandsPicturesOver) {
   std::latch entered(1), go_on(1);
-  std::atomic<int> inside{0}, most_inside{0};
+  std::atomic<int> inside{0}, max_inside{0};
   hook_ = [&](const CapturedImage&) {
-    most_inside = std::max(most_inside.load(), ++inside);
+    max_inside = std::max(max_inside.load(), ++inside);
     if (taken_ == 1) {
       entered.count_down();
       go_on.wait();
@@ -631,7 +631,7 @@ TEST_F(CameraThreadTest, OneOfManySuccessorsAtATimeHandsPicturesOver) {
   EXPECT_EQ(camera_->attempts(), 1) << "the first one is still in its on_image";
   go_on.count_down();
   wait_for(*thread, [](const CameraHealth& health) { return health.frames >= 10; });
-  EXPECT_EQ(most_inside, 1);
+  EXPECT_EQ(max_inside, 1);
 }
 
 TEST_F(CameraThreadTest, StopWaitsForAPictureThatAPredecessorProcesses) {

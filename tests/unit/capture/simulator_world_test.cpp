@@ -85,27 +85,27 @@ TEST(SimulatedWorld, NothingEverTouchesOrLeavesTheField) {
 TEST(SimulatedWorld, MovesSmoothlyAndTurns) {
   const SimulatedWorld world(SimulatorOptions{}, FieldSize{}, kHeightsMm);
   constexpr double kStepS = 0.02;
-  double most_moved_mm = 0, most_turned_rad = 0, travelled_mm = 0;
-  double least_heading = 10, most_heading = -10;
+  double max_moved_mm = 0, max_turned_rad = 0, travelled_mm = 0;
+  double min_heading = 10, max_heading = -10;
   for (int i = 0; i < 5000; ++i) {
     const SimulatedScene a = world.at(100 + i * kStepS), b = world.at(100 + (i + 1) * kStepS);
     for (std::size_t r = 0; r < a.robots.size(); ++r) {
       const auto &from = a.robots[r], &to = b.robots[r];
-      most_moved_mm = std::max(most_moved_mm, distance_mm(from.x_mm, from.y_mm, to.x_mm, to.y_mm));
+      max_moved_mm = std::max(max_moved_mm, distance_mm(from.x_mm, from.y_mm, to.x_mm, to.y_mm));
       const double turned = std::remainder(to.orientation_rad - from.orientation_rad, 2 * std::numbers::pi);
-      most_turned_rad = std::max(most_turned_rad, std::abs(turned));
+      max_turned_rad = std::max(max_turned_rad, std::abs(turned));
     }
     travelled_mm += distance_mm(a.robots[0].x_mm, a.robots[0].y_mm, b.robots[0].x_mm, b.robots[0].y_mm);
-    least_heading = std::min(least_heading, a.robots[0].orientation_rad);
-    most_heading = std::max(most_heading, a.robots[0].orientation_rad);
+    min_heading = std::min(min_heading, a.robots[0].orientation_rad);
+    max_heading = std::max(max_heading, a.robots[0].orientation_rad);
   }
-  EXPECT_LT(most_moved_mm, 3000 * kStepS);
-  EXPECT_LT(most_turned_rad, 8 * kStepS);
+  EXPECT_LT(max_moved_mm, 3000 * kStepS);
+  EXPECT_LT(max_turned_rad, 8 * kStepS);
   EXPECT_GT(travelled_mm, 100 * 200);
-  EXPECT_GT(least_heading, -std::numbers::pi);
-  EXPECT_LE(most_heading, std::numbers::pi);
-  EXPECT_LT(least_heading, -2.5);
-  EXPECT_GT(most_heading, 2.5);
+  EXPECT_GT(min_heading, -std::numbers::pi);
+  EXPECT_LE(max_heading, std::numbers::pi);
+  EXPECT_LT(min_heading, -2.5);
+  EXPECT_GT(max_heading, 2.5);
 }
 
 TEST(SimulatedWorld, IsAFunctionOfOptionsAndTime) {
@@ -214,7 +214,7 @@ TEST(SimulatedScatter, KeepsThingsApartButForThoseThatTouch) {
     options.touching_gap_mm = gap_mm;
     options.distractors = 40;
     const SimulatedWorld world(options, FieldSize{}, kHeightsMm);
-    double least_heading = 10, most_heading = -10, least_x = 1e9, most_x = -1e9;
+    double min_heading = 10, max_heading = -10, min_x = 1e9, max_x = -1e9;
     for (int slot = 0; slot < 40; ++slot) {
       const SimulatedScene scene = world.at(slot * kSlotS);
       ASSERT_EQ(scene.robots.size(), 22U);
@@ -227,10 +227,10 @@ TEST(SimulatedScatter, KeepsThingsApartButForThoseThatTouch) {
         roster.insert({robot.team, robot.id});
         ASSERT_LE(std::abs(robot.x_mm), 4500 - 90);
         ASSERT_LE(std::abs(robot.y_mm), 3000 - 90);
-        least_x = std::min(least_x, robot.x_mm);
-        most_x = std::max(most_x, robot.x_mm);
-        least_heading = std::min(least_heading, robot.orientation_rad);
-        most_heading = std::max(most_heading, robot.orientation_rad);
+        min_x = std::min(min_x, robot.x_mm);
+        max_x = std::max(max_x, robot.x_mm);
+        min_heading = std::min(min_heading, robot.orientation_rad);
+        max_heading = std::max(max_heading, robot.orientation_rad);
         for (std::size_t b = 0; b < a; ++b) {
           const double gap =
               distance_mm(robot.x_mm, robot.y_mm, scene.robots[b].x_mm, scene.robots[b].y_mm) - 180;
@@ -258,12 +258,12 @@ TEST(SimulatedScatter, KeepsThingsApartButForThoseThatTouch) {
         }
       }
     }
-    EXPECT_GT(least_heading, -std::numbers::pi);
-    EXPECT_LT(least_heading, -3);
-    EXPECT_LE(most_heading, std::numbers::pi);
-    EXPECT_GT(most_heading, 3);
-    EXPECT_LT(least_x, -4300);
-    EXPECT_GT(most_x, 4300);
+    EXPECT_GT(min_heading, -std::numbers::pi);
+    EXPECT_LT(min_heading, -3);
+    EXPECT_LE(max_heading, std::numbers::pi);
+    EXPECT_GT(max_heading, 3);
+    EXPECT_LT(min_x, -4300);
+    EXPECT_GT(max_x, 4300);
   }
 }
 

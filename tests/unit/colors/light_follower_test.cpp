@@ -225,15 +225,15 @@ TEST(LightFollower, LightThatWasUnevenAlreadyIsNoChange) {
 
 TEST(LightFollower, GoesNoFurtherThanItsBounds) {
   Hall hall;
-  hall.params_.most_brightness = 1.5;
+  hall.params_.max_brightness = 1.5;
   hall.look(1, 4);
   hall.look(0.6, 10);
   expect_gain(hall.state(), 1 / 1.5, 1 / 1.5, 1 / 1.5, 0.01);
   EXPECT_EQ(hall.state().following, LightFollowing::kAtBound);
   EXPECT_EQ(hall.state().why, "the brightness is more than a factor 1.5 from the accepted table's");
 
-  hall.params_.most_brightness = 4;
-  hall.params_.most_brightness_per_min = 1.6;
+  hall.params_.max_brightness = 4;
+  hall.params_.max_brightness_per_min = 1.6;
   hall.look(0.6, 10);
   expect_gain(hall.state(), 1 / 1.6, 1 / 1.6, 1 / 1.6, 0.03);
   EXPECT_THAT(hall.state().why, HasSubstr("factor 1.6 in a minute"));
@@ -241,7 +241,7 @@ TEST(LightFollower, GoesNoFurtherThanItsBounds) {
   hall.look(0.6, 10);
   expect_gain(hall.state(), 0.6, 0.6, 0.6, 0.05);
 
-  hall.params_.most_balance_per_min = 1.05;
+  hall.params_.max_balance_per_min = 1.05;
   hall.cast_ = 1.15;
   hall.look(0.6, 20);
   EXPECT_LT(hall.state().gain[0] / 0.6, 1.1);

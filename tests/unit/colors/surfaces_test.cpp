@@ -85,9 +85,8 @@ ColorTable table_of(const std::function<Label(Yuv)>& label_of) {
   return table;
 }
 /// Green, from and to some luma.
-Lut green_within(int least_y, int most_y) {
-  return Lut(
-      table_of([=](Yuv c) { return c.y >= least_y && c.y <= most_y ? label::kGreen : label::kClear; }));
+Lut green_within(int min_y, int max_y) {
+  return Lut(table_of([=](Yuv c) { return c.y >= min_y && c.y <= max_y ? label::kGreen : label::kClear; }));
 }
 
 /// Which share of a surface has a label in some light: what a margin is about, by looking.
@@ -258,12 +257,12 @@ TEST(Surfaces, TheCarpetIsWhatIsCommonestOnTheField) {
 }
 
 TEST(Surfaces, TheLeastMarginIsTheNearestEitherWay) {
-  EXPECT_FALSE(least_of({}));
+  EXPECT_FALSE(min_of({}));
   std::vector<LabelMargin> margins{{label::kPink, SurfaceKind::kCarpet, {}, {}}};
-  EXPECT_FALSE(least_of(margins));
+  EXPECT_FALSE(min_of(margins));
   margins.push_back({label::kGreen, SurfaceKind::kFloor, 1.4, 0.7});
   margins.push_back({label::kBlue, SurfaceKind::kCarpet, 1.31, {}});
-  const auto least = least_of(margins);
+  const auto least = min_of(margins);
   ASSERT_TRUE(least);
   EXPECT_EQ(least->label, label::kGreen);
   EXPECT_EQ(least->surface, SurfaceKind::kFloor);

@@ -95,12 +95,12 @@ TEST(TableHistory, ANewStepEndsWhatCanBeRedone) {
 TEST(TableHistory, ForgetsTheOldestBeyondItsBounds) {
   TableHistory history;
   for (int i = 0; i < 700; ++i) history.add({std::to_string(i), "me", i, {{0, 1, 0, 1}}});
-  EXPECT_EQ(history.done().size(), TableHistory::kMostSteps);
+  EXPECT_EQ(history.done().size(), TableHistory::kMaxSteps);
   EXPECT_EQ(history.done().front().what, "200");
 
   const std::vector<CellRun> large(1'000'000, {0, 1, 0, 1});
   for (int i = 0; i < 4; ++i) history.add({std::to_string(i), "me", i, large});
-  EXPECT_EQ(history.done().size(), TableHistory::kMostBytes / (large.size() * sizeof(CellRun)));
+  EXPECT_EQ(history.done().size(), TableHistory::kMaxBytes / (large.size() * sizeof(CellRun)));
   history.clear();
   EXPECT_FALSE(history.can_undo());
 }

@@ -98,11 +98,11 @@ TEST_F(ProfilesTest, NamesAreShortPrintableText) {
 
 TEST_F(ProfilesTest, NoMoreThanSoMany) {
   Profiles profiles(state_);
-  for (std::size_t i = 0; i < Profiles::kMost; ++i)
+  for (std::size_t i = 0; i < Profiles::kMax; ++i)
     profiles.save({std::to_string(i), 1, "Mia", Json::object()});
   EXPECT_THAT(refusal(profiles, "one more"), HasSubstr("there are 32 profiles already"));
   EXPECT_EQ(refusal(profiles, "7"), "not refused");  // replaced
-  EXPECT_EQ(Profiles(state_).all().size(), Profiles::kMost);
+  EXPECT_EQ(Profiles(state_).all().size(), Profiles::kMax);
 }
 
 TEST_F(ProfilesTest, WhatCannotBeSavedChangesNothing) {

@@ -287,11 +287,11 @@ TEST(SettingsHistory, ForgetsTheOldest) {
                 {"what", ""},
                 {"changes", {{{"op", "add"}, {"path", "/x"}, {"after", std::string(bytes, 'x')}}}}};
   };
-  for (std::uint64_t i = 1; i <= SettingsHistory::kMostSteps + 5; ++i) history.add(step(i, 10));
-  EXPECT_EQ(history.newer_than(0).size(), SettingsHistory::kMostSteps);
+  for (std::uint64_t i = 1; i <= SettingsHistory::kMaxSteps + 5; ++i) history.add(step(i, 10));
+  EXPECT_EQ(history.newer_than(0).size(), SettingsHistory::kMaxSteps);
   EXPECT_EQ(history.find(5), nullptr);
   EXPECT_NE(history.find(6), nullptr);
-  history.add(step(1000, SettingsHistory::kMostBytes));
+  history.add(step(1000, SettingsHistory::kMaxBytes));
   EXPECT_EQ(history.newer_than(0).size(), 1u);
   EXPECT_EQ(SettingsHistory(history.to_json()).newer_than(0), history.newer_than(0));
   EXPECT_EQ(SettingsHistory(Json::parse(R"([7, {"revision": "x"}, {}])")).newer_than(0).size(), 0u);

@@ -50,9 +50,9 @@ void expect_monotone(const Evidence& good, double Evidence::*field, const std::v
 
 TEST(Confidence, OfARobotFollowsWhatSpeaksForIt) {
   EXPECT_GT(confidence_of(kGoodRobot), 0.95);
-  expect_monotone(kGoodRobot, &RobotEvidence::least_sure, {0, 0.01, 0.1, 1, 10, 1000}, true, "least_sure");
+  expect_monotone(kGoodRobot, &RobotEvidence::min_sure, {0, 0.01, 0.1, 1, 10, 1000}, true, "min_sure");
   expect_monotone(kGoodRobot, &RobotEvidence::rms_mm, {0, 0.1, 0.5, 1, 3, 10, 100}, false, "rms_mm");
-  expect_monotone(kGoodRobot, &RobotEvidence::least_r2, {0, 0.2, 0.5, 0.8, 1}, true, "least_r2");
+  expect_monotone(kGoodRobot, &RobotEvidence::min_r2, {0, 0.2, 0.5, 0.8, 1}, true, "min_r2");
   double last = 2;
   for (int unproven = 0; unproven <= 4; ++unproven) {
     RobotEvidence e = kGoodRobot;
@@ -76,7 +76,7 @@ TEST(Confidence, OfABallFollowsWhatSpeaksForIt) {
   expect_monotone(good_ball(), &BallEvidence::radius_sigma, {0, 0.01, 0.05, 0.3, 2}, false, "radius_sigma");
   expect_monotone(good_ball(), &BallEvidence::area_ratio, {0, 0.1, 0.5, 1}, true, "area_ratio up to one");
   expect_monotone(good_ball(), &BallEvidence::area_ratio, {1, 1.2, 2, 5, 100}, false, "area_ratio from one");
-  expect_monotone(good_ball(), &BallEvidence::most_alike, {-1, 0, 0.3, 0.7, 1, 2}, false, "most_alike");
+  expect_monotone(good_ball(), &BallEvidence::max_alike, {-1, 0, 0.3, 0.7, 1, 2}, false, "max_alike");
   expect_monotone(good_ball(), &BallEvidence::outside_mm, {-1000, 0, 50, 150, 1000}, false, "outside_mm");
   expect_monotone(good_ball(), &BallEvidence::color_off, {0, 0.05, 0.1, 0.3, 1, 2, 5, 100}, false,
                   "color_off");
@@ -89,7 +89,7 @@ TEST(Confidence, IsANumberWhateverTheEvidence) {
   const std::vector<double> odd{kNan,   kInf, -kInf, 1e300,
                                 -1e300, 0,    -1,    std::numeric_limits<double>::denorm_min()};
   for (const double value : odd) {
-    for (const auto field : {&RobotEvidence::least_sure, &RobotEvidence::rms_mm, &RobotEvidence::least_r2,
+    for (const auto field : {&RobotEvidence::min_sure, &RobotEvidence::rms_mm, &RobotEvidence::min_r2,
                              &RobotEvidence::mean_r2}) {
       RobotEvidence e = kGoodRobot;
       e.*field = value;
@@ -100,7 +100,7 @@ TEST(Confidence, IsANumberWhateverTheEvidence) {
          {&BallEvidence::r2, &BallEvidence::moved_share, &BallEvidence::clear_share, &BallEvidence::misfit,
           &BallEvidence::out_of_round, &BallEvidence::radius_off, &BallEvidence::radius_sigma,
           &BallEvidence::area_ratio, &BallEvidence::visible_share, &BallEvidence::color_off,
-          &BallEvidence::contrast, &BallEvidence::most_alike, &BallEvidence::outside_mm}) {
+          &BallEvidence::contrast, &BallEvidence::max_alike, &BallEvidence::outside_mm}) {
       BallEvidence e = good_ball();
       e.*field = value;
       const double confidence = confidence_of(e);

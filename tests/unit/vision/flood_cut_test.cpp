@@ -71,9 +71,9 @@ TEST(FloodCut, FindsAllElseWhereALabelFloods) {
 
 TEST(FloodCut, LeavesAloneWhatIsDenseButNoFlood) {
   LabelImage picture = clear_picture(2 * kBlock, kBlock);
-  flood(picture, 0, 0, FloodCut::kMostOfLabel / (kBlock / 2), label::kGreen);
+  flood(picture, 0, 0, FloodCut::kMaxOfLabel / (kBlock / 2), label::kGreen);
   RunList runs = runs_of(picture);
-  EXPECT_EQ(runs.runs.size(), static_cast<std::size_t>(FloodCut::kMostOfLabel));
+  EXPECT_EQ(runs.runs.size(), static_cast<std::size_t>(FloodCut::kMaxOfLabel));
   EXPECT_EQ(runs.flood.blocks, 0);
   picture.row(kBlock - 1)[0] = label::kGreen;
   runs = runs_of(picture);
@@ -145,8 +145,8 @@ std::vector<std::tuple<int, int, int, int>> plainly(LabelImage picture, std::siz
   }
   std::map<int, int> sums, noise;
   for (const auto& [key, count] : counts) {
-    sums[key.first] += std::min(count, FloodCut::kMostOfLabel + 1);
-    noise[key.first] += std::min(count, FloodCut::kMostCounted);
+    sums[key.first] += std::min(count, FloodCut::kMaxOfLabel + 1);
+    noise[key.first] += std::min(count, FloodCut::kMaxCounted);
   }
   const auto all_runs = [&] {
     std::vector<std::tuple<int, int, int, int>> runs;
@@ -169,13 +169,13 @@ std::vector<std::tuple<int, int, int, int>> plainly(LabelImage picture, std::siz
     }
   };
   const auto floods = [&](int block, Label label) {
-    return counts[{block, label}] > FloodCut::kMostOfLabel || sums[block] > FloodCut::kMostOfAll ||
-           noise[block] > FloodCut::kMostNoise;
+    return counts[{block, label}] > FloodCut::kMaxOfLabel || sums[block] > FloodCut::kMaxOfAll ||
+           noise[block] > FloodCut::kMaxNoise;
   };
   cut(floods);
   auto runs = all_runs();
   if (runs.size() <= max_runs) return runs;
-  int most = FloodCut::kMostOfLabel;
+  int most = FloodCut::kMaxOfLabel;
   for (; most > 0; --most) {
     std::size_t sum = 0;
     for (const auto& [key, count] : counts) {

@@ -172,7 +172,7 @@ class Random {
   explicit Random(unsigned seed) : engine_(seed) {}
   unsigned below(unsigned end) { return static_cast<unsigned>(engine_() % end); }
   std::uint8_t byte() { return static_cast<std::uint8_t>(below(256)); }
-  Label label() { return static_cast<Label>(below(label::kMost)); }
+  Label label() { return static_cast<Label>(below(label::kMaxCount)); }
 
  private:
   std::mt19937 engine_;
@@ -207,7 +207,7 @@ void expect_same(const Lut& found, const Lut& expected) {
     EXPECT_TRUE(a->blocks == b->blocks);
     EXPECT_TRUE(a->chroma == b->chroma);
   }
-  for (std::size_t label = 0; label < label::kMost; ++label) {
+  for (std::size_t label = 0; label < label::kMaxCount; ++label) {
     const auto value = static_cast<Label>(label);
     EXPECT_EQ(found.chromaticity_mean(value), expected.chromaticity_mean(value)) << label;
     EXPECT_EQ(found.chromaticity_spread(value), expected.chromaticity_spread(value)) << label;

@@ -50,8 +50,8 @@ TEST_P(PatternFitIn, FindsThePoseFromAStartFiveMillimetresOff) {
     EXPECT_LT(std::hypot(fit.pose.x_mm - robot.x_mm, fit.pose.y_mm - robot.y_mm), 0.5);
     EXPECT_LT(turn_between(fit.pose.angle_rad, robot.orientation_rad), 0.5 * kDegree);
     EXPECT_LT(fit.rms_mm, 1);
-    EXPECT_GT(fit.least_r2, 0.8);
-    EXPECT_GE(fit.mean_r2, fit.least_r2);
+    EXPECT_GT(fit.min_r2, 0.8);
+    EXPECT_GE(fit.mean_r2, fit.min_r2);
     const auto pixel = drawn_.scene().camera->project({robot.x_mm, robot.y_mm, kHeightMm});
     EXPECT_NEAR(fit.pixel_x, pixel->x(), 0.1);
     EXPECT_NEAR(fit.pixel_y, pixel->y(), 0.1);
@@ -115,7 +115,7 @@ TEST_P(PatternFitIn, FindsTheCentreDotAndTheHeadingWithoutRegions) {
     const auto center = fitter_.fit_center(frame, robot.x_mm + 4, robot.y_mm + 4, kHeightMm);
     ASSERT_TRUE(center.seen);
     EXPECT_LT(std::hypot(center.x_mm - robot.x_mm, center.y_mm - robot.y_mm), 1.5);
-    std::array<double, PatternFitter::kMostHeadings> headings{};
+    std::array<double, PatternFitter::kMaxHeadings> headings{};
     const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, kHeightMm, headings);
     ASSERT_GT(count, 0U);
     EXPECT_LT(turn_between(headings[0], robot.orientation_rad), 6 * kDegree) << robot.id;
@@ -137,7 +137,7 @@ TEST_P(PatternFitIn, OutOfSightThereIsNothing) {
   for (const double x_mm : {-5000.0, 20000.0, 1e6}) {
     EXPECT_EQ(fitter_.fit(frame, {x_mm, 0, 0}, kHeightMm, kPasses).seen, 0);
     EXPECT_FALSE(fitter_.fit_center(frame, x_mm, 0, kHeightMm).seen);
-    std::array<double, PatternFitter::kMostHeadings> headings{};
+    std::array<double, PatternFitter::kMaxHeadings> headings{};
     EXPECT_EQ(fitter_.find_headings(frame, x_mm, 0, kHeightMm, headings), 0U);
   }
   // A plane above the camera.
@@ -165,7 +165,7 @@ TEST(PatternFit, NothingInAPictureWithoutColours) {
   PatternFitter fitter;
   EXPECT_EQ(fitter.fit(frame, {1250, 300, 0.4}, kHeightMm, kPasses).seen, 0);
   EXPECT_FALSE(fitter.fit_center(frame, 1250, 300, kHeightMm).seen);
-  std::array<double, PatternFitter::kMostHeadings> headings{};
+  std::array<double, PatternFitter::kMaxHeadings> headings{};
   EXPECT_EQ(fitter.find_headings(frame, 1250, 300, kHeightMm, headings), 0U);
 }
 

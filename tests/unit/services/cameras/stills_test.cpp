@@ -32,7 +32,7 @@ TEST(Stills, OnlyTheNewestOfACameraStay) {
   Stills stills;
   const int other = stills.keep(1, picture_of(1, 1));
   std::vector<int> numbers;
-  for (std::uint32_t i = 0; i <= Stills::kMostOfACamera; ++i)
+  for (std::uint32_t i = 0; i <= Stills::kMaxOfACamera; ++i)
     numbers.push_back(stills.keep(0, picture_of(2, i)));
   EXPECT_EQ(stills.find(0, numbers.front()), nullptr);
   EXPECT_TRUE(stills.find(0, numbers[1]));

@@ -30,7 +30,7 @@ std::shared_ptr<const Lut> green_from(DrawnScene& drawn, int luma) {
 double brighter(const std::optional<std::vector<LabelMargin>>& margins, Label label) {
   for (const LabelMargin& margin : margins.value()) {
     if (margin.label == label && margin.surface == SurfaceKind::kCarpet)
-      return margin.brighter.value_or(LabelMargin::kMostFactor);
+      return margin.brighter.value_or(LabelMargin::kMaxFactor);
   }
   throw std::logic_error("no such label");
 }

@@ -102,7 +102,7 @@ TEST(SavedTables, TheOldestThatNobodyUsesGo) {
   const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
   for (const std::string& name : {used, unused})
     std::filesystem::last_write_time(folder.path() / "tables" / (name + ".lut"), long_ago);
-  for (std::size_t i = 0; i < SavedTables::kMost; ++i)
+  for (std::size_t i = 0; i < SavedTables::kMax; ++i)
     std::ofstream(folder.path() / "tables" / (std::to_string(i) + ".lut")) << "newer";
   tables.tidy({used});
   EXPECT_EQ(refusal(tables, used), "");

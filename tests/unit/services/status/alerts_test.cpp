@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 struct AnyCamera : CameraFacts {
   std::optional<CameraCalibration> calibration;
   bool field_changed_since_calibrated = false;
-  std::optional<ColorFacts::Margin> least_margin;
+  std::optional<ColorFacts::Margin> min_margin;
 };
 
 struct Input {
@@ -49,7 +49,7 @@ HealthReport report_of(const Input& input) {
     cameras.push_back(camera);
     calibrations.push_back({camera.id, camera.health.width, camera.health.height, camera.calibration,
                             camera.field_changed_since_calibrated});
-    colors.push_back({camera.id, camera.least_margin});
+    colors.push_back({camera.id, camera.min_margin});
     config->cameras.emplace_back().id = camera.id;
   }
   HealthReport report;
@@ -146,7 +146,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.last_seconds = {10, 300, 0, 0, 0};
   camera.exposure = Exposure{0.5, 0.5, 10};
   camera.field_changed_since_calibrated = true;
-  camera.least_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
+  camera.min_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
   input_.cameras[1].calibration.reset();
   input_.listening_error = "no card";
   input_.referee.other = GameController{"other", "192.168.1.8"};
@@ -215,16 +215,16 @@ TEST_F(Alerts, OfExposureBeginAboveWhatPaintedLinesAre) {
 }
 
 TEST_F(Alerts, OfThinMarginsNameTheirSurfaceAndLabel) {
-  input_.cameras[0].least_margin = ColorFacts::Margin{0.30, "carpet becomes green at +30 %"};
-  input_.cameras[1].least_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
+  input_.cameras[0].min_margin = ColorFacts::Margin{0.30, "carpet becomes green at +30 %"};
+  input_.cameras[1].min_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
   EXPECT_THAT(kinds(), IsEmpty());
-  input_.cameras[1].least_margin = ColorFacts::Margin{0.29, "floor becomes orange at \u221229 %"};
+  input_.cameras[1].min_margin = ColorFacts::Margin{0.29, "floor becomes orange at \u221229 %"};
   const Alert thin = only_alert();
   EXPECT_EQ(thin.id, "margin_thin");
   EXPECT_EQ(thin.title, "Camera 1: floor becomes orange at \u221229 %");
   EXPECT_EQ(thin.page, "#/colors/1");
   EXPECT_EQ(thin.severity, Severity::kWarn);
-  input_.cameras[1].least_margin->share = 0.099;
+  input_.cameras[1].min_margin->share = 0.099;
   EXPECT_EQ(only_alert().severity, Severity::kBad);
 }
 
@@ -328,16 +328,16 @@ TEST_F(Checks, AWarningIsAGo) {
 TEST_F(Checks, OfColoursAreTheLeastMarginOfAllCameras) {
   EXPECT_EQ(check("colors").state, CheckState::kPass);
   EXPECT_THAT(check("colors").text, HasSubstr("not known"));
-  input_.cameras[0].least_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
+  input_.cameras[0].min_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
   EXPECT_EQ(check("colors").value, "> 150");
   EXPECT_EQ(check("colors").text, "carpet and floor stay clear");
-  input_.cameras[1].least_margin = ColorFacts::Margin{0.45, "carpet becomes green at +45 %"};
+  input_.cameras[1].min_margin = ColorFacts::Margin{0.45, "carpet becomes green at +45 %"};
   EXPECT_EQ(check("colors").value, "45");
   EXPECT_EQ(check("colors").text, "carpet becomes green at +45 %");
-  input_.cameras[1].least_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
+  input_.cameras[1].min_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
   EXPECT_EQ(check("colors").state, CheckState::kWarn);
   EXPECT_TRUE(is_go());
-  input_.cameras[0].least_margin = ColorFacts::Margin{0.09, "carpet becomes blue at +9 %"};
+  input_.cameras[0].min_margin = ColorFacts::Margin{0.09, "carpet becomes blue at +9 %"};
   EXPECT_EQ(check("colors").state, CheckState::kFail);
   EXPECT_EQ(check("colors").value, "9");
   EXPECT_EQ(check("colors").text, "Camera 0: carpet becomes blue at +9 % (and 1 more)");
