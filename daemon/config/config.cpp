@@ -7,12 +7,14 @@
 #include "pipeline/pipeline.h"
 #include "vision/field_view.h"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -38,6 +40,29 @@ void check_simulated(const std::vector<CameraSettings>& cameras) {
     throw SettingsError(
         fmt::format("{}/source: simulated cameras of {} pixels together are not allowed; expected at most {}",
                     camera_path(i), pixels, SimulatorOptions::kMaxPixelsOfAll));
+  }
+}
+
+/// From version 1 to 2: the limits of follow_light are called max_ and min_.
+void rename_light_limits(Json& tree) {
+  constexpr std::array<std::pair<const char*, const char*>, 5> kNames{
+      {{"most_brightness", "max_brightness"},
+       {"most_balance", "max_balance"},
+       {"most_brightness_per_min", "max_brightness_per_min"},
+       {"most_balance_per_min", "max_balance_per_min"},
+       {"least_robots", "min_robots"}}};
+  if (!tree.is_object() || !tree.contains("cameras") || !tree["cameras"].is_array()) return;
+  for (Json& camera : tree["cameras"]) {
+    if (!camera.is_object() || !camera.contains("follow_light")) continue;
+    Json& light = camera["follow_light"];
+    if (!light.is_object()) continue;
+    for (const auto& [old_name, new_name] : kNames) {
+      // A tree with both keys is refused when it is checked.
+      if (!light.contains(old_name) || light.contains(new_name)) continue;
+      Json value = std::move(light[old_name]);
+      light.erase(old_name);
+      light[new_name] = std::move(value);
+    }
   }
 }
 
@@ -71,7 +96,7 @@ Config read_config(const Json& settings) {
 }
 
 const Migrations& settings_migrations() {
-  static const Migrations kMigrations{};  // version 1 is the first
+  static const Migrations kMigrations{rename_light_limits};
   return kMigrations;
 }
 

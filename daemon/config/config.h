@@ -147,7 +147,7 @@ struct Config {
 /// camera.
 Config read_config(const Json& settings);
 
-/// How settings of earlier versions become those of today. To change what settings mean: one more function at
+/// How settings of earlier versions become current ones. To change what settings mean: one more function at
 /// the end, and a test.
 const Migrations& settings_migrations();
 

@@ -440,7 +440,7 @@ describe('colour tables', () => {
     };
     await becomes(async () => (await detections()).robots === pictureRobots, 'robots are not found');
     await service.patch(
-      { op: 'replace', path: '/cameras/0/follow_light/most_brightness', value: 1.1 },
+      { op: 'replace', path: '/cameras/0/follow_light/max_brightness', value: 1.1 },
       { op: 'replace', path: '/cameras/0/follow_light/enabled', value: true });
     await becomes(async () => (await light()).state === 'following', 'the light is not followed');
     // Beyond the bound, but so little that robots are found all the same: without them it is frozen.
@@ -453,7 +453,7 @@ describe('colour tables', () => {
     for (const gain of bound.gain) assert.ok(gain > 0.8, `${bound.gain}`);
     await service.patch(
       { op: 'replace', path: '/cameras/0/follow_light/enabled', value: false },
-      { op: 'replace', path: '/cameras/0/follow_light/most_brightness', value: 4 },
+      { op: 'replace', path: '/cameras/0/follow_light/max_brightness', value: 4 },
       { op: 'replace', path: '/cameras/0/source/light', value: 1 });
     await becomes(async () => (await light()).state === 'off', 'the light is still followed');
     for (const state of seen) assert.ok(allowed.includes(state), `${state} is none of ${allowed}`);

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/error.h"
+#include "config/config.h"
+#include "settings/migrations.h"
+
+#include <string>
+#include <utility>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+Json current(Json file) {
+  return up_to_date(std::move(file), settings_migrations());
+}
+
+TEST(SettingsMigrations, OfTheLightsLimitsKeepTheirValues) {
+  const Json old = Json::parse(R"({
+    "site": "Hall",
+    "cameras": [
+      {"id": 0, "follow_light": {"enabled": true, "most_brightness": 3, "most_balance": 1.2,
+                                 "most_brightness_per_min": 5, "most_balance_per_min": 1.1,
+                                 "min_confidence": 0.8, "least_robots": 4}},
+      {"id": 1, "follow_light": {"least_robots": 3}},
+      {"id": 2}
+    ]})");
+  const Json expected = Json::parse(R"({
+    "max_brightness": 3, "max_balance": 1.2, "max_brightness_per_min": 5, "max_balance_per_min": 1.1,
+    "min_confidence": 0.8, "min_robots": 4})");
+  for (const bool says_version : {false, true}) {
+    Json file = old;
+    if (says_version) file["version"] = 1;
+    const Json migrated = current(file);
+    EXPECT_EQ(migrated["site"], "Hall");
+    const Json& light = migrated["cameras"][0]["follow_light"];
+    EXPECT_EQ(light["enabled"], true);
+    EXPECT_EQ(light.size(), expected.size() + 1);
+    for (const auto& [key, value] : expected.items()) EXPECT_EQ(light.at(key), value) << key;
+    EXPECT_EQ(migrated["cameras"][1]["follow_light"], (Json{{"min_robots", 3}}));
+    EXPECT_EQ(migrated["cameras"][2], (Json{{"id", 2}}));
+  }
+}
+
+TEST(SettingsMigrations, OldKeysGiveTheSameSettingsAsNewOnes) {
+  const auto complete = [](const char* light) {
+    const std::string file = R"({"cameras": [{"id": 0, "follow_light": )" + std::string(light) + "}]}";
+    return complete_settings(current(Json::parse(file)));
+  };
+  EXPECT_EQ(complete(R"({"most_brightness": 2, "least_robots": 5})"),
+            complete(R"({"max_brightness": 2, "min_robots": 5})"));
+  EXPECT_THAT([&] { complete(R"({"most_brightness": 2, "max_brightness": 3})"); },
+              ThrowsMessage<SettingsError>(HasSubstr("most_brightness")));
+}
+
+TEST(SettingsMigrations, OfVersion2LeaveOldKeysToTheCheck) {
+  const Json file = Json::parse(R"({"version": 2, "cameras": [{"follow_light": {"least_robots": 3}}]})");
+  EXPECT_EQ(current(file)["cameras"][0]["follow_light"], (Json{{"least_robots", 3}}));
+}
+
+TEST(SettingsMigrations, LeaveWhatIsOfAnotherTypeToTheCheck) {
+  for (const char* text :
+       {"[]", "7", R"({"cameras": {}})", R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",
+        R"({"cameras": [{"follow_light": []}]})"}) {
+    EXPECT_EQ(current(Json::parse(text)), Json::parse(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace sslv
