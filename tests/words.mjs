@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain words: finds words and phrases that readers whose first language is not English stumble over.
 //
-//   node tests/words.mjs [PATH ...]    files and folders; without: docs, README.md, webui
+//   node tests/words.mjs [PATH ...]    files and folders; without: docs, README.md, webui, daemon, systemd
 //
 // Markdown: prose outside code. Vue, TypeScript, C++: comments, texts between tags, and string literals that hold prose.
 // Exit code 1 when something was found.
@@ -109,7 +109,7 @@ function* files(path) {
 }
 
 let count = 0;
-for (const path of process.argv.length > 2 ? process.argv.slice(2) : ['docs', 'README.md', 'webui']) {
+for (const path of process.argv.length > 2 ? process.argv.slice(2) : ['docs', 'README.md', 'webui', 'daemon', 'systemd']) {
   for (const file of files(path)) {
     const prose = PROSE[extname(file)]?.(readFileSync(file, 'utf8'));
     prose?.split('\n').forEach((whole, i) => {
