@@ -259,7 +259,7 @@ Label rgb_chroma_label(const LutTable& table, int a, int b) {
 
 // ---- shares
 
-/// What ShareSums::squares counts in a brightness of one.
+/// What ChromaticitySums::squares counts in a brightness of one.
 constexpr std::int64_t kSquareUnit = 256;
 
 /// Every fourth level each way is enough for a mean.
