@@ -164,4 +164,24 @@ describe('bad input from the network', () => {
     await becomes(() => !isOpenInService(slowPort), 'the stream of a client that takes nothing does not end');
     slow.destroy();
   });
+
+  it('does not keep the service from its end', async () => {
+    for (let round = 0; round < 5; ++round) {
+      // Some come before the end, some in the middle of it: none may meet what is no longer there.
+      const underWay = Array.from({ length: 24 }, async (_, i) => {
+        const [path, options] = [
+          ['api/status', {}], ['api/cameras/0/stream.mjpg', {}], ['api/cameras/0/snapshot.jpg', {}],
+          ['api/settings', { method: 'PATCH', body: JSON.stringify([{ op: 'replace', path: '/panel/names', value: [`name${round}-${i}.local`] }]) }],
+        ][i % 4];
+        await pause(i * (round + 1));
+        const answer = await fetch(service.address(path), options);
+        await answer.arrayBuffer();
+      });
+      for (let i = 0; i < 4; ++i) (await viewer()).write(frame(TEXT, '{"subscribe": ["status", "detections"]}'));
+      await Promise.race(underWay);
+      await service.stop();
+      await Promise.allSettled(underWay);
+      await service.start();
+    }
+  });
 });

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stop_token>
 #include <thread>
 
@@ -120,6 +121,25 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
   manager_.wait_for("WATCHDOG=1");
   again.send_signal(SIGTERM);
   EXPECT_EQ(again.wait_for_exit(), 0);
+}
+
+TEST_F(Notifies, AHungDiskDoesNotEndTheService) {
+  const std::string hung = folder_.file("hung");
+  std::vector<std::string> environment = this->environment();
+  environment.insert(environment.end(), {"LD_PRELOAD=" SSLV_HUNG_DISK, "SSLV_HUNG_FOLDER=" + state_.string(),
+                                         "SSLV_HUNG_WHILE=" + hung, "ASAN_OPTIONS=verify_asan_link_order=0"});
+  ChildProcess daemon(words(), environment);
+  manager_.wait_for("READY=1");
+  std::ofstream(hung) << "now";
+  while (manager_.next(std::chrono::milliseconds(0))) {  // what was said before
+  }
+  // The folder is looked at once a second: one look may have ended just before the disk hung.
+  for (int i = 0; i < 4; ++i) manager_.wait_for("WATCHDOG=1");
+  std::set<unsigned> sending;
+  while (sending.size() < 2) sending.insert(receive(listener_).detection().camera_id());
+  std::filesystem::remove(hung);
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
 
 TEST_F(Notifies, AStoppedProcessIsNotFed) {

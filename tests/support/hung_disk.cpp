@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loaded before other libraries (LD_PRELOAD), it makes one folder's disk hang for one program: while the file
+// named by SSLV_HUNG_WHILE exists, nobody comes back who asks for something below the folder
+// SSLV_HUNG_FOLDER.
+#include <cstdarg>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace {
+
+void wait_while_hung(const char* path) {
+  const char* const folder = std::getenv("SSLV_HUNG_FOLDER");
+  const char* const flag = std::getenv("SSLV_HUNG_WHILE");
+  if (folder == nullptr || flag == nullptr || std::strncmp(path, folder, std::strlen(folder)) != 0) return;
+  while (::syscall(SYS_faccessat, AT_FDCWD, flag, F_OK) == 0) {
+    const timespec pause{0, 10'000'000};
+    ::nanosleep(&pause, nullptr);
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+int access(const char* path, int how) noexcept {
+  wait_while_hung(path);
+  return static_cast<int>(::syscall(SYS_faccessat, AT_FDCWD, path, how));
+}
+
+int stat(const char* __restrict path, struct stat* __restrict out) noexcept {
+  wait_while_hung(path);
+  return static_cast<int>(::syscall(SYS_newfstatat, AT_FDCWD, path, out, 0));
+}
+
+int stat64(const char* __restrict path, struct stat64* __restrict out) noexcept {
+  wait_while_hung(path);
+  return static_cast<int>(::syscall(SYS_newfstatat, AT_FDCWD, path, out, 0));
+}
+
+int open(const char* path, int flags, ...) {
+  std::va_list rest;
+  va_start(rest, flags);
+  const mode_t permissions = (flags & O_CREAT) != 0 ? va_arg(rest, mode_t) : 0;
+  va_end(rest);
+  wait_while_hung(path);
+  return static_cast<int>(::syscall(SYS_openat, AT_FDCWD, path, flags, permissions));
+}
+
+}  // extern "C"

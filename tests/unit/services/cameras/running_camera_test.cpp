@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/cameras/running_camera.h"
+
+#include <memory>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+Config config_with(Json changes) {
+  Json settings{{"cameras", {{{"id", 3}}}}};
+  settings.update(changes);
+  return read_config(settings);
+}
+
+/// A camera that is never started: what a change of settings makes of its setup.
+class RunningCameraTest : public testing::Test {
+ protected:
+  RunningCamera::Change prepare(const Config& next) {
+    const CameraSetup& setup = *camera_.pipeline().setup();
+    return camera_.prepare(next.cameras[0],
+                           make_setup(next, 0, CameraInUse{now_, now_.cameras[0], setup}, {}), "/cameras/0");
+  }
+  CameraContext context() const { return camera_.pipeline().setup()->context; }
+
+  const Config now_ = config_with(Json::object());
+  MulticastSender multicast_{MulticastSettings{}};
+  RunningCamera camera_{now_.cameras[0], make_setup(now_, 0, std::nullopt, {})->setup, multicast_,
+                        std::make_shared<CameraTotals>()};
+};
+
+TEST_F(RunningCameraTest, ALightTableOfTheTimeBetweenPrepareAndCommitIsKept) {
+  const auto accepted = context().accepted_lut;
+  auto change = prepare(config_with({{"field", {{"field_length", 4321}}}}));
+  ASSERT_TRUE(change.setup);
+  const auto adapted = std::make_shared<const Lut>(*accepted);
+  ASSERT_TRUE(camera_.change_light(accepted, adapted));
+  camera_.commit(change, {140, 150});
+  EXPECT_EQ(context().scene->field.field_length, 4321);
+  EXPECT_EQ(context().adapted_lut, adapted);
+  EXPECT_EQ(context().accepted_lut, accepted);
+}
+
+TEST_F(RunningCameraTest, OtherColoursEndTheLightTableOfTheEarlierOnes) {
+  const auto accepted = context().accepted_lut;
+  auto change = prepare(config_with({{"cameras", {{{"id", 3}, {"colors", {{"bits", 6}}}}}}}));
+  ASSERT_TRUE(change.setup);
+  const auto adapted = std::make_shared<const Lut>(*accepted);
+  ASSERT_TRUE(camera_.change_light(accepted, adapted));
+  camera_.commit(change, {140, 150});
+  EXPECT_NE(context().accepted_lut, accepted);
+  EXPECT_EQ(context().adapted_lut, context().accepted_lut);
+  EXPECT_FALSE(camera_.change_light(accepted, adapted)) << "it was made for the earlier colours";
+}
+
+TEST_F(RunningCameraTest, RobotHeightsAreThoseOfTheCommit) {
+  auto change = prepare(config_with({{"field", {{"field_length", 4321}}}}));
+  camera_.change_robot_heights({141, 142});
+  camera_.commit(change, {143, 144});
+  EXPECT_THAT(context().scene->robot_height_mm, testing::ElementsAre(143, 144));
+}
+
+}  // namespace
+}  // namespace sslv
