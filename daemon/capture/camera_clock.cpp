@@ -37,50 +37,51 @@ CameraClock::Estimate CameraClock::add(double t_camera_s, double t_arrival_s) {
   }
   last_s_ = t_s;
   const double offset_s = t_arrival_s - base_arrival_s_ - t_s;
-  if (strays_ == 0) {
-    const double age_s = t_s - bin_start_s_;
-    const bool full = in_bin_count_ == kMaxInBin || (age_s >= kBinS && in_bin_count_ >= kMinInBin);
-    if (in_bin_count_ > 0 && (full || age_s >= kLongestBinS)) close_bin();
-    if (in_bin_count_ == 0) bin_start_s_ = t_s;
-    const auto end = in_bin_.begin() + static_cast<std::ptrdiff_t>(in_bin_count_);
-    const auto place = std::upper_bound(in_bin_.begin(), end, offset_s);
+  if (strays_.count == 0) {
+    const double age_s = t_s - bin_.start_s;
+    const bool full = bin_.count == kMaxInBin || (age_s >= kBinS && bin_.count >= kMinInBin);
+    if (bin_.count > 0 && (full || age_s >= kLongestBinS)) close_bin();
+    if (bin_.count == 0) bin_.start_s = t_s;
+    const auto end = bin_.offsets_s.begin() + static_cast<std::ptrdiff_t>(bin_.count);
+    const auto place = std::upper_bound(bin_.offsets_s.begin(), end, offset_s);
     std::copy_backward(place, end, end + 1);
     *place = offset_s;
-    ++in_bin_count_;
-    bin_sum_s_ += t_s;
-    if (bin_count_ == 0) {
-      offset_s_ = quantile(in_bin_.data(), in_bin_count_);
-      residual_s_ = in_bin_[in_bin_count_ - 1] - in_bin_[0];
-      rise_s_ = offset_s_ - in_bin_[0];
+    ++bin_.count;
+    bin_.t_sum_s += t_s;
+    if (bins_.count == 0) {
+      line_.offset_s = quantile(bin_.offsets_s.data(), bin_.count);
+      residual_s_ = bin_.offsets_s[bin_.count - 1] - bin_.offsets_s[0];
+      rise_s_ = line_.offset_s - bin_.offsets_s[0];
     }
   }
   Estimate out;
-  out.t_host_s = base_arrival_s_ + t_s + predicted_offset_s(t_s);
-  out.settled = bin_count_ >= kBinsForDrift;
+  out.t_host_s = base_arrival_s_ + t_s + line_.at(t_s);
+  out.settled = bins_.count >= kBinsForDrift;
   // At the end of its points a fitted line is twice as uncertain as in their middle; how far the quantile
   // lies above an image without any delay is not known better than how far it lies above the earliest.
   out.sigma_s = std::hypot(
-      2 * residual_s_ / std::sqrt(static_cast<double>(std::max<std::size_t>(1, bin_count_))), rise_s_);
+      2 * residual_s_ / std::sqrt(static_cast<double>(std::max<std::size_t>(1, bins_.count))), rise_s_);
   return out;
 }
 
 bool CameraClock::has_jumped(double t_s, double offset_s) {
-  if (bin_count_ == 0) return false;
-  const double off_s = offset_s - predicted_offset_s(t_s);
+  if (bins_.count == 0) return false;
+  const double off_s = offset_s - line_.at(t_s);
   const double spread_s = std::max(kJumpS, 6 * residual_s_);
   const bool early = off_s<-spread_s, late = off_s> std::max(kJumpSpreadS, spread_s);
-  const bool goes_on = strays_ > 0 && std::abs(off_s - stray_offset_s_) < kJumpSpreadS;
+  const bool goes_on = strays_.count > 0 && std::abs(off_s - strays_.offset_s) < kJumpSpreadS;
   if (!early && !late) {
-    strays_ = 0;
+    strays_.count = 0;
     return false;
   }
   if (!goes_on) {
-    strays_ = 0;
-    stray_offset_s_ = off_s;
-    first_stray_s_ = t_s;
+    strays_.count = 0;
+    strays_.offset_s = off_s;
+    strays_.first_s = t_s;
   }
-  ++strays_;
-  return early ? strays_ >= kEarlyPictures : strays_ >= kLatePictures && t_s - first_stray_s_ >= kLateForS;
+  ++strays_.count;
+  return early ? strays_.count >= kEarlyPictures
+               : strays_.count >= kLatePictures && t_s - strays_.first_s >= kLateForS;
 }
 
 void CameraClock::restart() {
@@ -88,13 +89,13 @@ void CameraClock::restart() {
 }
 
 void CameraClock::close_bin() {
-  const auto count = static_cast<double>(in_bin_count_);
-  const double low_s = quantile(in_bin_.data(), in_bin_count_);
-  bins_[next_bin_] = {bin_sum_s_ / count, low_s, low_s - in_bin_[0]};
-  next_bin_ = (next_bin_ + 1) % kBins;
-  bin_count_ = std::min(bin_count_ + 1, kBins);
-  in_bin_count_ = 0;
-  bin_sum_s_ = 0;
+  const auto count = static_cast<double>(bin_.count);
+  const double low_s = quantile(bin_.offsets_s.data(), bin_.count);
+  bins_.points[bins_.next] = {bin_.t_sum_s / count, low_s, low_s - bin_.offsets_s[0]};
+  bins_.next = (bins_.next + 1) % kBins;
+  bins_.count = std::min(bins_.count + 1, kBins);
+  bin_.count = 0;
+  bin_.t_sum_s = 0;
   fit();
 }
 
@@ -106,35 +107,36 @@ void CameraClock::fit() {
   for (int round = 0; round < kRounds; ++round) {
     double weights = 0, t_sum = 0, offset_sum = 0;
     const auto weight_of = [&](const Point& point) {
-      const double off_s = std::abs(point.offset_s - predicted_offset_s(point.t_s));
+      const double off_s = std::abs(point.offset_s - line_.at(point.t_s));
       return spread_s > 0 && off_s > 1.5 * spread_s ? 1.5 * spread_s / off_s : 1;
     };
     std::array<double, kBins> weight{};
-    for (std::size_t i = 0; i < bin_count_; ++i) {
-      weight[i] = weight_of(bins_[i]);
+    for (std::size_t i = 0; i < bins_.count; ++i) {
+      weight[i] = weight_of(bins_.points[i]);
       weights += weight[i];
-      t_sum += weight[i] * bins_[i].t_s;
-      offset_sum += weight[i] * bins_[i].offset_s;
+      t_sum += weight[i] * bins_.points[i].t_s;
+      offset_sum += weight[i] * bins_.points[i].offset_s;
     }
-    middle_s_ = t_sum / weights;
-    offset_s_ = offset_sum / weights;
+    line_.middle_s = t_sum / weights;
+    line_.offset_s = offset_sum / weights;
     double tt = 0, to = 0;
-    for (std::size_t i = 0; i < bin_count_; ++i) {
-      const double t_s = bins_[i].t_s - middle_s_;
+    for (std::size_t i = 0; i < bins_.count; ++i) {
+      const double t_s = bins_.points[i].t_s - line_.middle_s;
       tt += weight[i] * t_s * t_s;
-      to += weight[i] * t_s * (bins_[i].offset_s - offset_s_);
+      to += weight[i] * t_s * (bins_.points[i].offset_s - line_.offset_s);
     }
-    slope_ = bin_count_ >= kBinsForDrift && tt > 0 ? to / tt : 0;
+    line_.slope = bins_.count >= kBinsForDrift && tt > 0 ? to / tt : 0;
     std::array<double, kBins> off_s{};
-    for (std::size_t i = 0; i < bin_count_; ++i)
-      off_s[i] = std::abs(bins_[i].offset_s - predicted_offset_s(bins_[i].t_s));
-    const auto middle = off_s.begin() + static_cast<std::ptrdiff_t>(bin_count_ / 2);
-    std::nth_element(off_s.begin(), middle, off_s.begin() + static_cast<std::ptrdiff_t>(bin_count_));
+    for (std::size_t i = 0; i < bins_.count; ++i)
+      off_s[i] = std::abs(bins_.points[i].offset_s - line_.at(bins_.points[i].t_s));
+    const auto middle = off_s.begin() + static_cast<std::ptrdiff_t>(bins_.count / 2);
+    std::nth_element(off_s.begin(), middle, off_s.begin() + static_cast<std::ptrdiff_t>(bins_.count));
     spread_s = std::max(kMinSpreadS, *middle / 0.6745);
   }
   residual_s_ = spread_s;
   rise_s_ = 0;
-  for (std::size_t i = 0; i < bin_count_; ++i) rise_s_ += bins_[i].rise_s / static_cast<double>(bin_count_);
+  for (std::size_t i = 0; i < bins_.count; ++i)
+    rise_s_ += bins_.points[i].rise_s / static_cast<double>(bins_.count);
 }
 
 }  // namespace sslv

@@ -24,7 +24,7 @@ class CameraClock {
   Estimate add(double t_camera_s, double t_arrival_s);
 
   /// Seconds that the camera's clock gains in a second; 0 until it is settled.
-  double drift() const { return -slope_; }
+  double drift() const { return -line_.slope; }
 
  private:
   static constexpr std::size_t kBins = 40, kMaxInBin = 64;
@@ -32,27 +32,41 @@ class CameraClock {
     double t_s = 0, offset_s = 0;  // host less camera: the low quantile
     double rise_s = 0;             // of that above the least
   };
+  /// Of the images since the last bin was closed.
+  struct OpenBin {
+    std::array<double, kMaxInBin> offsets_s{};  // sorted
+    std::size_t count = 0;
+    double start_s = 0, t_sum_s = 0;
+  };
+  /// One point of each, of the newest ones.
+  struct ClosedBins {
+    std::array<Point, kBins> points{};  // a ring
+    std::size_t count = 0, next = 0;
+  };
+  /// The offset and its drift.
+  struct Line {
+    double offset_s = 0, slope = 0, middle_s = 0;
+    double at(double t_s) const { return offset_s + slope * (t_s - middle_s); }
+  };
+  /// Images in a row that a jump would explain.
+  struct Strays {
+    int count = 0;
+    double offset_s = 0, first_s = 0;
+  };
 
-  bool has_jumped(double t_camera_s, double offset_s);
+  bool has_jumped(double t_s, double offset_s);
   void restart();
   void close_bin();
   void fit();
-  double predicted_offset_s(double t_s) const { return offset_s_ + slope_ * (t_s - middle_s_); }
 
   double base_camera_s_ = 0, base_arrival_s_ = 0;  // so that numbers stay small
   bool started_ = false;
   double last_s_ = 0;
-
-  std::array<double, kMaxInBin> in_bin_{};  // offsets, sorted
-  std::size_t in_bin_count_ = 0;
-  double bin_start_s_ = 0, bin_sum_s_ = 0;
-  std::array<Point, kBins> bins_{};  // a ring
-  std::size_t bin_count_ = 0, next_bin_ = 0;
-
-  double offset_s_ = 0, slope_ = 0, middle_s_ = 0;  // the line
-  double residual_s_ = 0, rise_s_ = 0;              // of the points off the line; their mean rise
-  int strays_ = 0;                                  // images in a row that a jump would explain
-  double stray_offset_s_ = 0, first_stray_s_ = 0;
+  OpenBin bin_;
+  ClosedBins bins_;
+  Line line_;
+  double residual_s_ = 0, rise_s_ = 0;  // of the points off the line; their mean rise
+  Strays strays_;
 };
 
 }  // namespace sslv
