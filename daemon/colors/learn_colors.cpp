@@ -43,6 +43,50 @@ bool is_background(Label label) {
   return label == label::kClear || label == label::kField || label == label::kWhite || label == label::kBlack;
 }
 
+/// Contrast of a label's print to black, in the light that the gains are of.
+Color3 print_contrast(Label label, const Color3& gains) {
+  return (print_color(label) - print_color(label::kBlack)).cwiseProduct(gains);
+}
+
+/// How bright each robot is lit, and how its dots look in that light.
+class RobotLights {
+ public:
+  struct LitDot {
+    double light;
+    Color3 contrast;
+  };
+
+  void add(const SeenRobot& robot, const std::vector<Label>& labels, const NamedDots& dots) {
+    std::vector<double> ratios;
+    const auto contrast_of = [&](std::size_t i) {
+      return unclipped_contrast(robot.dots[i], dots.chromaticities.at(labels[i]));
+    };
+    for (std::size_t i = 0; i < robot.dots.size(); ++i)
+      ratios.push_back(contrast_of(i).sum() / std::max(1.0, print_contrast(labels[i], dots.gains).sum()));
+    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+                     ratios.end());
+    const double light = std::max(0.01, ratios[ratios.size() / 2]);
+    for (std::size_t i = 0; i < robot.dots.size(); ++i) dots_[labels[i]].push_back({light, contrast_of(i)});
+    lights_.push_back(light);
+  }
+
+  /// Of each robot: its dots' contrast, over that of prints in white light.
+  const std::vector<double>& lights() const { return lights_; }
+  const std::map<Label, std::vector<LitDot>>& dots() const { return dots_; }
+  /// Of a label's dots; nothing when it has none.
+  std::optional<Color3> summed_contrast(Label label) const {
+    const auto lit = dots_.find(label);
+    if (lit == dots_.end()) return {};
+    Color3 sum = Color3::Zero();
+    for (const auto& [light, contrast] : lit->second) sum += contrast / light;
+    return sum;
+  }
+
+ private:
+  std::vector<double> lights_;
+  std::map<Label, std::vector<LitDot>> dots_;
+};
+
 class Learner {
  public:
   explicit Learner(const LearnTask& task)
@@ -61,13 +105,19 @@ class Learner {
   }
 
  private:
+  /// Each of the task's frames at smaller scales, and its noise.
+  struct SmallFrames {
+    std::vector<SmallPictures> pictures;
+    std::vector<double> noise_grey;
+  };
+
   void look_at_pictures() {
     if (task_.frames.empty()) {
       out_.problem = "no image was given";
       return;
     }
     const ImageView& first = task_.frames.front();
-    pictures_.reserve(task_.frames.size());
+    small_frames_.pictures.reserve(task_.frames.size());
     double bright = 0, clipped = 0, colorfulness = 0;
     for (const ImageView& image : task_.frames) {
       if (image.empty() || image.format != first.format || image.width != first.width ||
@@ -85,18 +135,17 @@ class Learner {
             fmt::format("images of {} x {} pixels are too small to learn from", image.width, image.height);
         return;
       }
-      const PictureExposure exposure = exposure_of(pictures_.emplace_back(image, task_.mask).of(2));
+      const PictureExposure exposure =
+          exposure_of(small_frames_.pictures.emplace_back(image, task_.mask).of(2));
       const double per = 1 / static_cast<double>(task_.frames.size());
       bright = std::max(bright, exposure.bright);
       clipped += exposure.clipped_share * per;
       colorfulness += exposure.colorfulness * per;
-      noise_.push_back(noise_of(image));
-      out_.noise_grey += noise_.back() * per;
+      small_frames_.noise_grey.push_back(noise_of(image));
+      out_.noise_grey += small_frames_.noise_grey.back() * per;
     }
-    search_.noise_grey = noise_;
-    search_.pictures = pictures_;
-    clipped_share_ = clipped;
-    bright_ = bright;
+    search_.noise_grey = small_frames_.noise_grey;
+    search_.pictures = small_frames_.pictures;
     if (bright < kMinBright) {
       out_.problem = fmt::format(
           "the image is too dark: its brightest parts reach {:.0f} of 255; open the lens, "
@@ -115,20 +164,20 @@ class Learner {
   void see_robots() {
     const ImageView& first = task_.frames.front();
     double mm_per_px = 0;
+    std::vector<double> heights_mm{0};
     if (task_.scene.camera) {
       camera_ = task_.scene.camera;
-      heights_mm_ = {task_.scene.robot_height_mm[0]};
-      if (task_.scene.robot_height_mm[1] != heights_mm_.front())
-        heights_mm_.push_back(task_.scene.robot_height_mm[1]);
+      heights_mm = {task_.scene.robot_height_mm[0]};
+      if (task_.scene.robot_height_mm[1] != heights_mm.front())
+        heights_mm.push_back(task_.scene.robot_height_mm[1]);
     } else {
       mm_per_px = find_scale(search_);
-      heights_mm_ = {0};
       if (mm_per_px > 0) camera_ = flat_camera(first.width, first.height, mm_per_px);
     }
     if (camera_) {
-      robots_ = task_.scene.camera ? find_patterns(search_, *camera_, heights_mm_)
+      robots_ = task_.scene.camera ? find_patterns(search_, *camera_, heights_mm)
                                    : find_patterns_flat(search_, mm_per_px);
-      const double area = camera_->mm2_per_px({first.width / 2.0, first.height / 2.0}, heights_mm_.front());
+      const double area = camera_->mm2_per_px({first.width / 2.0, first.height / 2.0}, heights_mm.front());
       if (area > 0) out_.mm_per_px = std::sqrt(area);
     }
     if (!task_.scene.camera && !robots_.empty()) {
@@ -142,7 +191,7 @@ class Learner {
       out_.problem = fmt::format(
           "no robot was found{}: {}",
           camera_ && task_.scene.camera
-              ? fmt::format(" (with patterns {} mm above the floor)", fmt::join(heights_mm_, " and "))
+              ? fmt::format(" (with patterns {} mm above the floor)", fmt::join(heights_mm, " and "))
               : "",
           kNeeded);
       return;
@@ -169,7 +218,7 @@ class Learner {
     if (!out_.problem.empty()) return;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       const SeenRobot& robot = robots_[i];
-      lights_.push_back(light_of(robot, dots_.labels[i]));
+      lights_.add(robot, dots_.labels[i], dots_);
       for (std::size_t j = 0; j < robot.dots.size(); ++j) add(dots_.labels[i][j], robot.dots[j].color);
       add(label::kBlack, robot.black);
     }
@@ -190,7 +239,7 @@ class Learner {
       if (sample.label == label::kOrange) guided += color_of(sample.color);
     }
     balls_ = find_balls({search_, *camera_, task_.scene.field, task_.scene.camera.has_value(), robots_,
-                         ground.white_chromaticity, *carpet, mean_contrast(label::kYellow),
+                         ground.white_chromaticity, *carpet, lights_.summed_contrast(label::kYellow),
                          guided.sum() > 0 ? std::optional(chromaticity_of(guided)) : std::nullopt});
     for (const SeenBall& ball : balls_) {
       for (const Color3& shade : ball.shades) add(label::kOrange, shade);
@@ -215,7 +264,7 @@ class Learner {
     std::erase_if(unseen_, [&](Label label) {
       Color3 predicted = Color3::Zero();
       for (std::size_t i = 0; i < robots_.size(); ++i)
-        predicted += robots_[i].black + lights_[i] * print_contrast(label);
+        predicted += robots_[i].black + lights_.lights()[i] * print_contrast(label, dots_.gains);
       predicted = chromaticity_of(predicted);
       for (const ColorSample& sample : out_.samples) {
         if (is_background(sample.label) ||
@@ -228,8 +277,9 @@ class Learner {
       return false;
     });
     for (const Label label : unseen_) {
-      const Color3 contrast = print_contrast(label);
-      for (std::size_t i = 0; i < robots_.size(); ++i) add(label, robots_[i].black + lights_[i] * contrast);
+      const Color3 contrast = print_contrast(label, dots_.gains);
+      for (std::size_t i = 0; i < robots_.size(); ++i)
+        add(label, robots_[i].black + lights_.lights()[i] * contrast);
     }
     if (std::find(unseen_.begin(), unseen_.end(), label::kOrange) != unseen_.end())
       out_.notes.push_back("no ball was found: orange is predicted from the other colours");
@@ -242,12 +292,13 @@ class Learner {
           fmt::format("not seen, and predicted from the other colours: {}", fmt::join(names, ", ")));
 
     // Each colour in the least and in the most light that any robot was seen in.
-    if (lights_.empty()) return;
-    const auto [least, most] = std::minmax_element(lights_.begin(), lights_.end());
-    const Color3 dim_black = robots_[static_cast<std::size_t>(least - lights_.begin())].black,
-                 bright_black = robots_[static_cast<std::size_t>(most - lights_.begin())].black;
+    const std::vector<double>& lights = lights_.lights();
+    if (lights.empty()) return;
+    const auto [least, most] = std::minmax_element(lights.begin(), lights.end());
+    const Color3 dim_black = robots_[static_cast<std::size_t>(least - lights.begin())].black,
+                 bright_black = robots_[static_cast<std::size_t>(most - lights.begin())].black;
     std::vector<std::pair<Label, Color3>> more;
-    for (const auto& [label, lit] : lit_) {
+    for (const auto& [label, lit] : lights_.dots()) {
       double low = 1e9, high = 0;
       Color3 per_light = Color3::Zero();
       for (const auto& [light, contrast] : lit) {
@@ -297,13 +348,13 @@ class Learner {
   /// Of dots in their contrast to black, of balls as they are: so detectors compare them.
   Prints prints_of_samples() const {
     std::map<Label, std::vector<Color3>> chromaticities;
-    for (const auto& [label, lit] : lit_) {
+    for (const auto& [label, lit] : lights_.dots()) {
       for (const auto& [light, contrast] : lit) chromaticities[label].push_back(chromaticity_of(contrast));
     }
     for (const SeenBall& ball : balls_) chromaticities[label::kOrange].push_back(chromaticity_of(ball.body));
     for (const Label label : unseen_) {
       const Color3 seen = label == label::kOrange ? Color3(print_color(label).cwiseProduct(dots_.gains))
-                                                  : print_contrast(label);
+                                                  : print_contrast(label, dots_.gains);
       chromaticities[label].push_back(chromaticity_of(seen));
     }
     Prints out;
@@ -334,7 +385,7 @@ class Learner {
     const double largest_mm =
         std::max(task_.patterns.center_diameter_mm, 2.0 * task_.scene.field.ball_radius);
     return find_surfaces({task_.frames,
-                          pictures_,
+                          small_frames_.pictures,
                           task_.mask,
                           left_out,
                           largest_mm * largest_px_per_mm(),
@@ -432,30 +483,6 @@ class Learner {
     return std::any_of(out_.samples.begin(), out_.samples.end(),
                        [&](const ColorSample& sample) { return sample.label == label; });
   }
-  Color3 print_contrast(Label label) const {
-    return (print_color(label) - print_color(label::kBlack)).cwiseProduct(dots_.gains);
-  }
-  /// How bright a robot is lit: its dots' contrast, over that of prints in white light.
-  double light_of(const SeenRobot& robot, const std::vector<Label>& labels) {
-    std::vector<double> ratios;
-    const auto contrast_of = [&](std::size_t i) {
-      return unclipped_contrast(robot.dots[i], dots_.chromaticities.at(labels[i]));
-    };
-    for (std::size_t i = 0; i < robot.dots.size(); ++i)
-      ratios.push_back(contrast_of(i).sum() / std::max(1.0, print_contrast(labels[i]).sum()));
-    std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
-                     ratios.end());
-    const double light = std::max(0.01, ratios[ratios.size() / 2]);
-    for (std::size_t i = 0; i < robot.dots.size(); ++i) lit_[labels[i]].emplace_back(light, contrast_of(i));
-    return light;
-  }
-  std::optional<Color3> mean_contrast(Label label) const {
-    const auto lit = lit_.find(label);
-    if (lit == lit_.end()) return {};
-    Color3 sum = Color3::Zero();
-    for (const auto& [light, contrast] : lit->second) sum += contrast / light;
-    return sum;
-  }
   double largest_px_per_mm() const {
     double out = 0;
     for (const SeenRobot& robot : robots_) out = std::max(out, robot.px_per_mm);
@@ -463,16 +490,12 @@ class Learner {
   }
 
   const LearnTask& task_;
-  std::vector<SmallPictures> pictures_;
-  double clipped_share_ = 0, bright_ = 0;
-  std::vector<double> noise_;
+  SmallFrames small_frames_;
   RobotSearch search_;
   std::optional<CameraModel> camera_;
-  std::vector<double> heights_mm_;
   std::vector<SeenRobot> robots_;
   NamedDots dots_;
-  std::vector<double> lights_;                                   // of each robot
-  std::map<Label, std::vector<std::pair<double, Color3>>> lit_;  // light and contrast of each label's dots
+  RobotLights lights_;
   std::map<Label, std::size_t> seen_;
   std::vector<SeenBall> balls_;
   Color3 carpet_shares_ = Color3::Zero();
