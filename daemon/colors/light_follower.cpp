@@ -23,10 +23,7 @@ constexpr std::size_t kMinDots = 3;
 constexpr std::size_t kMinOfChannel = 4;
 /// Shares of a difference that are followed at each look: brightness at once but for noise, balance slowly.
 constexpr double kFollowBrightness = 0.7, kFollowBalance = 0.2;
-/// The first looks at an area say how it was, later ones move it by this share. Fewer robots than these do
-/// not tell an area from the whole.
-constexpr int kAreaLooks = 8;
-constexpr double kFollowArea = 0.1, kMaxAreaLog = 0.7;
+/// Fewer robots than these do not tell an area from the whole.
 constexpr std::size_t kMinRobotsForAreas = 3;
 /// A new table is made when a gain or an area has moved so far.
 constexpr double kTableStepLog = 0.05, kAreaStepLog = 0.07;
@@ -113,13 +110,13 @@ const char* name_of(LightFollowing following) {
 }
 
 LightFollower::LightFollower(std::shared_ptr<const Lut> accepted)
-    : accepted_(std::move(accepted)), table_(accepted_) {}
+    : tables_{accepted, std::move(accepted), {}} {}
 
 void LightFollower::take_back() {
   set_gain({});
-  areas_.fill({});
+  areas_ = {};
   state_.areas.fill(1);
-  trial_.reset();
+  carpet_.trial.reset();
   state_.from_carpet = false;
   taken_back_ = true;
   freeze("taken back to the accepted table; switch it off and on to follow again");
@@ -128,19 +125,18 @@ void LightFollower::take_back() {
 void LightFollower::switch_off() {
   if (state_.following == LightFollowing::kOff) return;
   set_gain({});
-  areas_.fill({});
+  areas_ = {};
   references_.clear();
   last_minute_.clear();
-  before_.reset();
-  trial_.reset();
+  carpet_ = {};
   taken_back_ = has_followed_ = false;
   state_ = {};
 }
 
 void LightFollower::observe(const FollowLightParams& params, const Look& look) {
   if (look.time_s < time_s_) {  // the clock was set back
-    before_.reset();
-    if (trial_) trial_->began_s = look.time_s;
+    carpet_.before.reset();
+    if (carpet_.trial) carpet_.trial->began_s = look.time_s;
   }
   time_s_ = look.time_s;
   if (!params.enabled) return switch_off();
@@ -154,7 +150,7 @@ void LightFollower::observe(const FollowLightParams& params, const Look& look) {
 
   const std::vector<Dot> dots = confirmed_dots(params, look);
   const std::size_t robots = dots.empty() ? 0 : dots.back().robot + 1;
-  const auto luma = area_lumas<kAreas>(look.image);
+  const auto luma = area_lumas<LightAreas::kCount>(look.image);
   if (robots < static_cast<std::size_t>(params.min_robots)) {
     freeze(robots == 0 ? "no robot is confirmed"
                        : fmt::format("{} of {} robots are confirmed", robots, params.min_robots));
@@ -169,19 +165,19 @@ void LightFollower::observe(const FollowLightParams& params, const Look& look) {
   has_followed_ = has_followed_ || followed;
   learn_references(dots);
   if (robots >= kMinRobotsForAreas) learn_areas(dots);
-  for (std::size_t i = 0; i < kAreas; ++i) state_.areas[i] = std::exp(relative_area_log(i));
+  for (std::size_t i = 0; i < LightAreas::kCount; ++i) state_.areas[i] = std::exp(areas_.change_log_of(i));
   state_.robots = static_cast<int>(robots);
   state_.last_confirmed_s = look.time_s;
   state_.from_carpet = false;
-  trial_.reset();
-  before_ = {look.time_s, luma, look.robots.size()};
+  carpet_.trial.reset();
+  carpet_.before = {look.time_s, luma, look.robots.size()};
 }
 
 std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightParams& params,
                                                               const Look& look) {
   std::vector<Dot> out;
   std::size_t robots = 0;
-  const PatternFitter::Frame frame{look.image, *look.scene.camera, look.patterns, *table_, kBlurPx};
+  const PatternFitter::Frame frame{look.image, *look.scene.camera, look.patterns, *tables_.in_use, kBlurPx};
   for (const Robot& robot : look.robots) {
     if (robot.confidence < params.min_confidence) continue;
     const auto code = std::find_if(look.patterns.codes.begin(), look.patterns.codes.end(),
@@ -226,7 +222,7 @@ std::optional<LightFollower::Difference> LightFollower::difference(const Dot& do
   const auto known = references_.find(dot.key);
   if (known == references_.end() || known->second.count[channel] < min_count || !dot.below_end[channel])
     return std::nullopt;
-  const double expected = known->second.contrast[channel] + gain_[channel] + area_log(dot.area);
+  const double expected = known->second.contrast[channel] + gain_[channel] + areas_.log_of(dot.area);
   const double grey = std::exp(expected);
   if (grey < kMinContrast) return std::nullopt;
   const double sigma = dot.sigma_grey / grey;
@@ -275,7 +271,7 @@ void LightFollower::learn_references(const std::vector<Dot>& dots) {
     for (std::size_t c = 0; c < 3; ++c) {
       if (reference.count[c] >= kReferenceDots || !dot.below_end[c] || dot.contrast[c] < kMinContrast)
         continue;
-      const double log = std::log(dot.contrast[c]) - gain_[c] - area_log(dot.area);
+      const double log = std::log(dot.contrast[c]) - gain_[c] - areas_.log_of(dot.area);
       reference.contrast[c] += (log - reference.contrast[c]) / ++reference.count[c];
     }
   }
@@ -302,67 +298,33 @@ void LightFollower::learn_areas(const std::vector<Dot>& dots) {
   }
   // What all have in common is the whole's.
   const double common = weighted_median(of_robots);
-  for (const Seen& seen : robots) {
-    Area& area = areas_[seen.area];
-    const double here = area_log(seen.area) + seen.log - common;
-    const bool is_new = area.count < kAreaLooks;
-    area.count += is_new ? 1 : 0;
-    area.now += (is_new ? 1.0 / area.count : kFollowArea) * (here - area.now);
-    area.now = std::clamp(area.now, -kMaxAreaLog, kMaxAreaLog);
-    if (is_new) area.first = area.now;
-  }
-}
-
-/// An area's own, and until it is known its neighbours' mean. Far from all robots that is 0: the whole's.
-template <class Value>
-double LightFollower::known_or_near(std::size_t area, const Value& value) const {
-  const double share = static_cast<double>(areas_[area].count) / kAreaLooks;
-  if (share >= 1) return value(areas_[area]);
-  const int row = static_cast<int>(area) / LightState::kColumns,
-            column = static_cast<int>(area) % LightState::kColumns;
-  double sum = 0, weights = 1;
-  for (int y = std::max(0, row - 1); y <= std::min(LightState::kRows - 1, row + 1); ++y) {
-    for (int x = std::max(0, column - 1); x <= std::min(LightState::kColumns - 1, column + 1); ++x) {
-      const Area& other = areas_[static_cast<std::size_t>(y * LightState::kColumns + x)];
-      sum += other.count * value(other);
-      weights += other.count;
-    }
-  }
-  return share * value(areas_[area]) + (1 - share) * sum / weights;
-}
-
-double LightFollower::area_log(std::size_t area) const {
-  return known_or_near(area, [](const Area& one) { return one.now; });
-}
-
-double LightFollower::relative_area_log(std::size_t area) const {
-  return known_or_near(area, [](const Area& one) { return one.now - one.first; });
+  for (const Seen& seen : robots) areas_.learn(seen.area, areas_.log_of(seen.area) + seen.log - common);
 }
 
 /// Robots that were there and are gone at once, while the floor became brighter or darker by one factor
 /// everywhere: a lamp or the camera's exposure. The gain is moved by that factor on trial.
 void LightFollower::try_carpet(const FollowLightParams& params, const Look& look, const AreaLuma& luma) {
-  if (trial_) {
-    if (look.time_s - trial_->began_s <= kTrialS) return;
-    set_gain(trial_->gain);
-    trial_.reset();
-    before_.reset();
+  if (carpet_.trial) {
+    if (look.time_s - carpet_.trial->began_s <= kTrialS) return;
+    set_gain(carpet_.trial->gain);
+    carpet_.trial.reset();
+    carpet_.before.reset();
     state_.from_carpet = false;
     return;
   }
-  if (!before_ || look.time_s - before_->time_s > kVanishedWithinS ||
-      2 * look.robots.size() >= before_->robots)
+  if (!carpet_.before || look.time_s - carpet_.before->time_s > kVanishedWithinS ||
+      2 * look.robots.size() >= carpet_.before->robots)
     return;
-  std::array<double, kAreas> logs;
-  for (std::size_t i = 0; i < kAreas; ++i)
-    logs[i] = std::log(std::max(luma[i], 1.0F) / std::max(before_->luma[i], 1.0F));
+  std::array<double, LightAreas::kCount> logs;
+  for (std::size_t i = 0; i < LightAreas::kCount; ++i)
+    logs[i] = std::log(std::max(luma[i], 1.0F) / std::max(carpet_.before->luma[i], 1.0F));
   auto sorted = logs;
-  std::nth_element(sorted.begin(), sorted.begin() + kAreas / 2, sorted.end());
-  const double jump = sorted[kAreas / 2];
+  std::nth_element(sorted.begin(), sorted.begin() + LightAreas::kCount / 2, sorted.end());
+  const double jump = sorted[LightAreas::kCount / 2];
   const auto alike =
       std::count_if(logs.begin(), logs.end(), [&](double log) { return std::abs(log - jump) < kAlikeLog; });
-  if (std::abs(jump) < kMinJumpLog || static_cast<double>(alike) < kAlikeShare * kAreas) return;
-  trial_ = {look.time_s, gain_};
+  if (std::abs(jump) < kMinJumpLog || static_cast<double>(alike) < kAlikeShare * LightAreas::kCount) return;
+  carpet_.trial = {look.time_s, gain_};
   Log3 gain = gain_;
   for (double& one : gain) one += jump;
   std::string bound;
@@ -428,19 +390,20 @@ std::shared_ptr<const Lut> LightFollower::new_table() {
     most = std::max(most, std::abs(std::log(a.darkest_area / b.darkest_area)) / kAreaStepLog);
     return std::max(most, std::abs(std::log(a.brightest_area / b.brightest_area)) / kAreaStepLog);
   };
-  const bool is_back = apart(wanted, {}) < 1 && apart(wanted, in_table_) >= 1;
+  const bool is_back = apart(wanted, {}) < 1 && apart(wanted, tables_.change) >= 1;
   if (wanted == LightChange{} || is_back) {
     wanted = {};
-    if (in_table_ == wanted) return nullptr;
-  } else if (apart(wanted, in_table_) < 1) {
+    if (tables_.change == wanted) return nullptr;
+  } else if (apart(wanted, tables_.change) < 1) {
     return nullptr;
   }
-  in_table_ = wanted;
-  table_ =
-      wanted == LightChange{} ? accepted_ : std::make_shared<const Lut>(table_in_light(*accepted_, wanted));
+  tables_.change = wanted;
+  tables_.in_use = wanted == LightChange{}
+                       ? tables_.accepted
+                       : std::make_shared<const Lut>(table_in_light(*tables_.accepted, wanted));
   steps_.push_back({time_s_, wanted, state_.robots, state_.from_carpet});
   if (steps_.size() > kMaxSteps) steps_.pop_front();
-  return table_;
+  return tables_.in_use;
 }
 
 }  // namespace sslv

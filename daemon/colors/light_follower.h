@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/params.h"
+#include "colors/light_areas.h"
 #include "colors/table_in_light.h"
 #include "geometry/scene.h"
 #include "image/image.h"
@@ -66,7 +67,7 @@ enum class LightFollowing : std::uint8_t {
 const char* name_of(LightFollowing following);
 
 struct LightState {
-  static constexpr int kColumns = 8, kRows = 6;
+  static constexpr int kColumns = LightAreas::kColumns, kRows = LightAreas::kRows;
 
   LightFollowing following = LightFollowing::kOff;
   std::string why;                      // frozen, or which bound; for people
@@ -119,8 +120,8 @@ class LightFollower {
   /// Makes a new table when the light has changed since the last one; null when it has not. Takes some
   /// tens of milliseconds.
   std::shared_ptr<const Lut> new_table();
-  const std::shared_ptr<const Lut>& table() const { return table_; }
-  const std::shared_ptr<const Lut>& accepted() const { return accepted_; }
+  const std::shared_ptr<const Lut>& table() const { return tables_.in_use; }
+  const std::shared_ptr<const Lut>& accepted() const { return tables_.accepted; }
 
   /// Back to the accepted table; frozen until it was switched off.
   void take_back();
@@ -130,12 +131,10 @@ class LightFollower {
   const std::deque<LightStep>& steps() const { return steps_; }
 
  private:
-  static constexpr std::size_t kAreas = std::tuple_size_v<decltype(LightState::areas)>;
   using Log3 = std::array<double, 3>;  // logarithms, of red, green and blue
-  /// Those of a part of the image.
-  struct Area {
-    int count = 0;
-    double now = 0, first = 0;  // logarithm of the brightness beside the whole
+  struct Tables {
+    std::shared_ptr<const Lut> accepted, in_use;
+    LightChange change;  // from the one to the other
   };
   /// How a dot's colour looks in the light of the accepted table, in a part of middling light.
   struct Reference {
@@ -154,14 +153,25 @@ class LightFollower {
   struct Difference {
     double log, weight;
   };
-  using AreaLuma = std::array<float, kAreas>;
+  using AreaLuma = std::array<float, LightAreas::kCount>;
+  /// Whether the carpet's light jumped when the robots were gone.
+  struct CarpetJump {
+    /// The image when robots were last confirmed.
+    struct Before {
+      double time_s;
+      AreaLuma luma;
+      std::size_t robots;
+    };
+    struct Trial {
+      double began_s;
+      Log3 gain;  // to go back to
+    };
+    std::optional<Before> before;
+    std::optional<Trial> trial;
+  };
 
   std::vector<Dot> confirmed_dots(const FollowLightParams& params, const Look& look);
   std::optional<Difference> difference(const Dot& dot, std::size_t channel, int min_count) const;
-  template <class Value>
-  double known_or_near(std::size_t area, const Value& value) const;
-  double area_log(std::size_t area) const;
-  double relative_area_log(std::size_t area) const;
   bool follow_robots(const FollowLightParams& params, const Look& look, const std::vector<Dot>& dots);
   void learn_areas(const std::vector<Dot>& dots);
   void learn_references(const std::vector<Dot>& dots);
@@ -171,8 +181,7 @@ class LightFollower {
   void freeze(std::string why);
   LightChange change() const;
 
-  std::shared_ptr<const Lut> accepted_, table_;
-  LightChange in_table_;
+  Tables tables_;
   LightState state_;
   std::deque<LightStep> steps_;
   bool taken_back_ = false, has_followed_ = false;
@@ -182,20 +191,8 @@ class LightFollower {
   Log3 gain_{};
   std::deque<std::pair<double, Log3>> last_minute_;
   std::map<Key, Reference> references_;
-  std::array<Area, kAreas> areas_{};
-
-  /// The image when robots were last confirmed.
-  struct Before {
-    double time_s;
-    AreaLuma luma;
-    std::size_t robots;
-  };
-  std::optional<Before> before_;
-  struct Trial {
-    double began_s;
-    Log3 gain;  // to go back to
-  };
-  std::optional<Trial> trial_;
+  LightAreas areas_;
+  CarpetJump carpet_;
 };
 
 }  // namespace sslv
