@@ -81,11 +81,14 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
               static_cast<std::ptrdiff_t>(options.width) * bytes_per_pixel(options.pixel_format),
               options.pixel_format,
               static_cast<std::ptrdiff_t>(sensor_.picture_bytes() - sensor_.plane_bytes())},
-      background_(renderer_.background(options.placement == SimulatorPlacement::kPaths ? world_.at(0)
-                                                                                       : SimulatedScene())),
-      light_(background_),
-      clean_background_(sensor_.picture_bytes()),
-      moments_(options.exposure_ms > 0 ? SimulatorRenderer::kMaxMoments : 1) {
+      background_{renderer_.background(options.placement == SimulatorPlacement::kPaths ? world_.at(0)
+                                                                                       : SimulatedScene()),
+                  std::vector<std::uint8_t>(sensor_.picture_bytes()),
+                  {},
+                  {1, 1, 1}},
+      canvas_{background_.light, {}, {}},
+      exposure_{std::vector<SimulatedScene>(options.exposure_ms > 0 ? SimulatorRenderer::kMaxMoments : 1),
+                {}} {
   for (const SimulatedRobot& robot : world_.at(0).robots) {
     const bool known = std::any_of(patterns.codes.begin(), patterns.codes.end(),
                                    [&](const PatternTable::Code& code) { return code.id == robot.id; });
@@ -96,7 +99,7 @@ SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceCo
                       context.camera_id, name_of(robot.team), robot.id, patterns.name));
     }
   }
-  if (light_changes()) blurred_background_ = sensor_.blurred(background_);
+  if (light_changes()) background_.blurred = sensor_.blurred(background_.light);
   develop_background();
 }
 
@@ -106,14 +109,14 @@ bool SimulatedCamera::light_changes() const {
 
 void SimulatedCamera::develop_background() {
   if (light_changes()) {
-    sensor_.develop_blurred(blurred_background_, clean_background_.data());
+    sensor_.develop_blurred(background_.blurred, background_.clean.data());
   } else {
     for (int top = 0; top < options_.height; top += kBandRows) {
       const DrawnBox band{0, top, options_.width, std::min(options_.height, top + kBandRows)};
-      sensor_.develop(background_, band, clean_background_.data());
+      sensor_.develop(background_.light, band, background_.clean.data());
     }
   }
-  clean_ = clean_background_;
+  canvas_.clean = background_.clean;
 }
 
 /// A new light is all over the image.
@@ -124,8 +127,8 @@ void SimulatedCamera::follow_light(double t_s) {
   if (lamps_.flickers()) light *= lamps_.flicker(options_.seed, picture_number(options_, t_s));
   const std::array gains{static_cast<float>(light * cast), static_cast<float>(light),
                          static_cast<float>(light / cast)};
-  if (gains == gains_ && banding_ == 0) return;
-  gains_ = gains;
+  if (gains == background_.gains && banding_ == 0) return;
+  background_.gains = gains;
   sensor_.set_gains(gains);
   for (int y = 0; y < options_.height && banding_ > 0; ++y) {
     // A shutter that opens all rows at once shows no bands; that the option asks for them is enough.
@@ -139,27 +142,29 @@ void SimulatedCamera::follow_light(double t_s) {
 
 void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
   follow_light(t_s);
-  world_.expose(t_s, options_.exposure_ms * 1e-3, moments_);
+  world_.expose(t_s, options_.exposure_ms * 1e-3, exposure_.moments);
   const bool rolls = options_.rolling_shutter_ms > 0;
-  if (rolls) motions_ = world_.motions_at(t_s, options_.rolling_shutter_ms * 0.5e-3);
-  renderer_.draw(moments_, light_, boxes_, rolls ? &motions_ : nullptr);
-  for (const DrawnBox& box : boxes_) sensor_.develop(light_, sensor_.reached_from(box), clean_.data());
-  sensor_.add_noise(clean_.data(), picture);
+  if (rolls) exposure_.motions = world_.motions_at(t_s, options_.rolling_shutter_ms * 0.5e-3);
+  renderer_.draw(exposure_.moments, canvas_.light, canvas_.boxes, rolls ? &exposure_.motions : nullptr);
+  for (const DrawnBox& box : canvas_.boxes)
+    sensor_.develop(canvas_.light, sensor_.reached_from(box), canvas_.clean.data());
+  sensor_.add_noise(canvas_.clean.data(), picture);
 
   // Wipe what was drawn, for the next frame.
   const auto stride = static_cast<std::size_t>(layout_.stride_bytes);
   const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(layout_.format));
-  for (const DrawnBox& box : boxes_) {
+  for (const DrawnBox& box : canvas_.boxes) {
     for (int y = box.top; y < box.bottom; ++y) {
-      std::copy(background_.at(box.left, y), background_.at(box.right, y), light_.at(box.left, y));
+      std::copy(background_.light.at(box.left, y), background_.light.at(box.right, y),
+                canvas_.light.at(box.left, y));
     }
     const DrawnBox reached = sensor_.reached_from(box);
     const std::size_t bytes = static_cast<std::size_t>(reached.right - reached.left) * pixel_bytes;
     for (int y = reached.top; y < reached.bottom; ++y) {
       const std::size_t at =
           static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(reached.left) * pixel_bytes;
-      for (std::size_t of = at; of < clean_.size(); of += sensor_.plane_bytes())
-        std::memcpy(clean_.data() + of, clean_background_.data() + of, bytes);
+      for (std::size_t of = at; of < canvas_.clean.size(); of += sensor_.plane_bytes())
+        std::memcpy(canvas_.clean.data() + of, background_.clean.data() + of, bytes);
     }
   }
 }

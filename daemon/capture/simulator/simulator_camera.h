@@ -48,6 +48,25 @@ class SimulatedCamera {
   Json truth(const std::string& frame, double t_s) const;
 
  private:
+  /// The hall and the field: drawn once, and developed again when the light changes.
+  struct Background {
+    LightPicture light;
+    std::vector<std::uint8_t> clean;  // as bytes without noise
+    std::vector<float> blurred;       // after the lens; empty when the light never changes
+    std::array<float, 3> gains;       // that `clean` was developed with
+  };
+  /// The same as the background but while a frame is drawn.
+  struct Canvas {
+    LightPicture light;
+    std::vector<std::uint8_t> clean;
+    SimulatorRenderer::Boxes boxes;  // where it is drawn over
+  };
+  /// What a frame sees of the world.
+  struct Exposure {
+    std::vector<SimulatedScene> moments;
+    SimulatorMotions motions;  // with a rolling shutter
+  };
+
   bool light_changes() const;
   void develop_background();
   void follow_light(double t_s);
@@ -63,13 +82,9 @@ class SimulatedCamera {
   SimulatorRenderer renderer_;
   SimulatorSensor sensor_;
   ImageView layout_;
-  LightPicture background_, light_;                     // light_ is background_ but while a frame is drawn
-  std::vector<std::uint8_t> clean_background_, clean_;  // the same, as bytes without noise
-  std::vector<float> blurred_background_;               // after the lens; empty when the light never changes
-  std::array<float, 3> gains_{1, 1, 1};                 // that clean_background_ was developed with
-  std::vector<SimulatedScene> moments_;
-  SimulatorMotions motions_;  // with a rolling shutter
-  SimulatorRenderer::Boxes boxes_;
+  Background background_;
+  Canvas canvas_;
+  Exposure exposure_;
 };
 
 }  // namespace sslv
