@@ -22,20 +22,18 @@ float channel(const std::optional<int>& value) {
 
 SimulatedCarpet::SimulatedCarpet(const HallOptions& hall, const FieldSize& field, const SimulatedLamps& lamps)
     : base_{channel(hall.carpet.red), channel(hall.carpet.green), channel(hall.carpet.blue)},
-      blotches_(share(hall.carpet.blotches)),
+      blotches_{share(hall.carpet.blotches), hall.carpet.blotch_mm.value()},
+      strips_{hall.carpet.strip_mm.value(), share(hall.carpet.strip_step), share(hall.carpet.seams), false},
       tint_(share(hall.carpet.tint)),
       weave_(share(hall.carpet.weave)),
-      strip_step_(share(hall.carpet.strip_step)),
-      seams_(share(hall.carpet.seams)),
       wear_(share(hall.carpet.wear)),
       shine_(share(hall.carpet.shine)),
-      blotch_mm_(hall.carpet.blotch_mm.value()),
-      strip_mm_(hall.carpet.strip_mm.value()),
       goal_mm_(field.field_length / 2.0 - 0.8 * field.penalty_area_depth, 0),
       lamp_mm_(lamps.places_mm().front()) {
-  is_even_ = blotches_ == 0 && tint_ == 0 && weave_ == 0 && strip_mm_ == 0 && wear_ == 0 && shine_ == 0;
+  is_even_ = blotches_.contrast == 0 && tint_ == 0 && weave_ == 0 && strips_.width_mm == 0 && wear_ == 0 &&
+             shine_ == 0;
   SimulatorRandom random(scatter(static_cast<std::uint64_t>(hall.seed)) + 2);
-  strips_along_x_ = random.bits() % 2 == 0;
+  strips_.along_x = random.bits() % 2 == 0;
   offset_mm_.x() = random.uniform(0, 1e6);
   offset_mm_.y() = random.uniform(0, 1e6);
 }
@@ -60,12 +58,13 @@ float SimulatedCarpet::wear_at(const Eigen::Vector2d& field_mm, const Eigen::Vec
 void SimulatedCarpet::lay_strips(double across_mm, double along_mm, float& bright) const {
   constexpr double kSeamMm = 5;
   const double wave_mm = 4 * lattice_noise(along_mm, 0, 400, kWave, true);
-  const double strip = std::floor(across_mm / strip_mm_), seam = std::round(across_mm / strip_mm_);
-  bright += 2 * strip_step_ * lattice_value(strip, 0, kStrip);
-  const double off = (across_mm - seam * strip_mm_ + wave_mm) / kSeamMm;
+  const double strip = std::floor(across_mm / strips_.width_mm),
+               seam = std::round(across_mm / strips_.width_mm);
+  bright += 2 * strips_.step * lattice_value(strip, 0, kStrip);
+  const double off = (across_mm - seam * strips_.width_mm + wave_mm) / kSeamMm;
   // Mostly a gap, now and then a ridge.
   const float sign = lattice_value(seam, 0, kSeam) > 0.2F ? 1.0F : -1.0F;
-  bright += sign * seams_ * static_cast<float>(std::exp(-off * off));
+  bright += sign * strips_.seams * static_cast<float>(std::exp(-off * off));
 }
 
 Paint SimulatedCarpet::at(const Eigen::Vector2d& p, const Eigen::Vector3d& eye_mm) const {
@@ -73,19 +72,20 @@ Paint SimulatedCarpet::at(const Eigen::Vector2d& p, const Eigen::Vector3d& eye_m
   if (is_even_) return color;
   const Eigen::Vector2d q = p + offset_mm_;
   float bright = 1;
-  if (blotches_ > 0) bright += blotches_ * patches(q.x(), q.y(), blotch_mm_, kBlotches);
-  const double across_mm = strips_along_x_ ? p.y() : p.x(), along_mm = strips_along_x_ ? p.x() : p.y();
+  if (blotches_.contrast > 0)
+    bright += blotches_.contrast * patches(q.x(), q.y(), blotches_.size_mm, kBlotches);
+  const double across_mm = strips_.along_x ? p.y() : p.x(), along_mm = strips_.along_x ? p.x() : p.y();
   if (weave_ > 0) {
     constexpr double kAcrossMm = 23, kAlongMm = 31;
     const double across = std::sin(2 * std::numbers::pi * across_mm / kAcrossMm);
     const double along = std::sin(2 * std::numbers::pi * along_mm / kAlongMm);
     bright += weave_ * static_cast<float>(0.7 * across + 0.3 * along);
   }
-  if (strip_mm_ > 0) lay_strips(across_mm, along_mm, bright);
+  if (strips_.width_mm > 0) lay_strips(across_mm, along_mm, bright);
   color = color.scaled(std::max(bright, 0.2F));
   if (tint_ > 0) {
-    color.r *= 1 + tint_ * patches(q.x(), q.y(), 0.8 * blotch_mm_, kRed);
-    color.b *= 1 + 0.5F * tint_ * patches(q.x(), q.y(), 0.8 * blotch_mm_, kBlue);
+    color.r *= 1 + tint_ * patches(q.x(), q.y(), 0.8 * blotches_.size_mm, kRed);
+    color.b *= 1 + 0.5F * tint_ * patches(q.x(), q.y(), 0.8 * blotches_.size_mm, kBlue);
   }
   if (wear_ > 0) {
     const float pale = 1.4F * color.luma();

@@ -23,14 +23,27 @@ class SimulatedCarpet {
   Paint at(const Eigen::Vector2d& field_mm, const Eigen::Vector3d& eye_mm) const;
 
  private:
+  /// Light and dark patches.
+  struct Blotches {
+    float contrast;
+    double size_mm;
+  };
+  /// The widths that a carpet is laid in, side by side.
+  struct Strips {
+    double width_mm;  // 0: it is in one piece
+    float step;       // between the brightness of neighbours
+    float seams;      // the contrast of the lines where they meet
+    bool along_x;
+  };
+
   float wear_at(const Eigen::Vector2d& field_mm, const Eigen::Vector2d& place_mm) const;
   void lay_strips(double across_mm, double along_mm, float& bright) const;
 
   Paint base_;
   bool is_even_;  // but for its tone
-  float blotches_, tint_, weave_, strip_step_, seams_, wear_, shine_;
-  double blotch_mm_, strip_mm_;
-  bool strips_along_x_;
+  Blotches blotches_;
+  Strips strips_;
+  float tint_, weave_, wear_, shine_;
   Eigen::Vector2d offset_mm_;  // into the noise
   Eigen::Vector2d goal_mm_;    // the place before a goal where most is driven; the other one mirrors it
   Eigen::Vector3d lamp_mm_;    // that is mirrored
