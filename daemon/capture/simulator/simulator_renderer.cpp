@@ -18,7 +18,7 @@ constexpr Paint kLine{205, 205, 200}, kNowhere{92, 88, 84}, kRobotTop{24, 24, 27
 /// Towards the lamp of `ball_gloss`, of length 1.
 const Eigen::Vector3f kLampDirection = Eigen::Vector3f(0.5F, 0.35F, 1).normalized();
 
-constexpr int kGridPx = 16;         // lamps' light changes slowly
+constexpr int kGridPx = 16;         // from one point of LampGrid to the next
 constexpr float kMarginPx = 0.75F;  // a pixel's corners are a little less far from its centre
 constexpr auto kEverywhere = [](int /*x*/, int /*y*/) { return true; };
 
@@ -158,35 +158,33 @@ SimulatorRenderer::SimulatorRenderer(const SimulatorOptions& options, const Fiel
                                      const CameraModel& camera, const PatternTable& patterns)
     : options_(options),
       field_(field),
-      lines_(field_lines(field)),
-      arcs_(field_arcs(field)),
+      markings_{field_lines(field), field_arcs(field)},
       camera_(camera),
       patterns_(patterns),
       lamps_(resolved(options.hall), field),
       carpet_(resolved(options.hall), field, lamps_),
       surroundings_(resolved(options.hall), field),
       prints_(resolved(options.hall)),
-      shadows_(static_cast<float>(resolved(options.hall).lamps.shadows.value())) {
-  if (!lamps_.even()) light_field();
-}
+      shadows_(static_cast<float>(resolved(options.hall).lamps.shadows.value())),
+      lamp_grid_(lamps_, camera_, options.width, options.height) {}
 
-void SimulatorRenderer::light_field() {
-  grid_width_ = (options_.width - 1) / kGridPx + 2;
-  const int rows = (options_.height - 1) / kGridPx + 2;
+SimulatorRenderer::LampGrid::LampGrid(const SimulatedLamps& lamps, const CameraModel& camera, int width,
+                                      int height) {
+  if (lamps.even()) return;
+  columns_ = (width - 1) / kGridPx + 2;
+  const int rows = (height - 1) / kGridPx + 2;
   for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < grid_width_; ++x) {
-      const auto place = camera_.unproject(Eigen::Vector2d(x * kGridPx, y * kGridPx), 0);
-      lamp_grid_.push_back(place ? lamps_.at(*place) : Paint{1, 1, 1});
+    for (int x = 0; x < columns_; ++x) {
+      const auto place = camera.unproject(Eigen::Vector2d(x * kGridPx, y * kGridPx), 0);
+      lights_.push_back(place ? lamps.at(*place) : Paint{1, 1, 1});
     }
   }
 }
 
-/// Factors on red, green and blue.
-Paint SimulatorRenderer::lamps_at(int x, int y) const {
-  if (lamp_grid_.empty()) return {1, 1, 1};
-  const Paint* upper =
-      lamp_grid_.data() + static_cast<std::ptrdiff_t>(y / kGridPx) * grid_width_ + x / kGridPx;
-  const Paint* lower = upper + grid_width_;
+Paint SimulatorRenderer::LampGrid::at(int x, int y) const {
+  if (lights_.empty()) return {1, 1, 1};
+  const Paint* upper = lights_.data() + static_cast<std::ptrdiff_t>(y / kGridPx) * columns_ + x / kGridPx;
+  const Paint* lower = upper + columns_;
   const float fx = static_cast<float>(x % kGridPx) / kGridPx, fy = static_cast<float>(y % kGridPx) / kGridPx;
   return upper[0].mixed(upper[1], fx).mixed(lower[0].mixed(lower[1], fx), fy);
 }
@@ -208,7 +206,7 @@ SimulatorRenderer::Footprint SimulatorRenderer::footprint_at(const Eigen::Vector
 
 float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const {
   float share = 0;
-  for (const FieldLine& line : lines_) {
+  for (const FieldLine& line : markings_.lines) {
     const float half = static_cast<float>(line.thickness) / 2;
     const Eigen::Vector2d from(line.x1, line.y1), to(line.x2, line.y2);
     const double length = (to - from).norm();
@@ -223,7 +221,7 @@ float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footpri
                                                static_cast<float>(rel.dot(along)), along.cast<float>());
     share = std::max(share, on_width * on_length);
   }
-  for (const FieldArc& arc : arcs_) {
+  for (const FieldArc& arc : markings_.arcs) {
     const Eigen::Vector2d rel = field_mm - Eigen::Vector2d(arc.x, arc.y);
     const double r = rel.norm();
     if (r <= 0) continue;
@@ -276,7 +274,7 @@ LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
           color = boards_at(x, y, color).value_or(color);
       }
       const float light = light_at(x, y) * LightPicture::kPerGrey;
-      const Paint lamps = lamps_at(x, y);
+      const Paint lamps = lamp_grid_.at(x, y);
       std::uint16_t* out = picture.at(x, y);
       out[0] = channel_value(color.r * light * static_cast<float>(options_.red_gain) * lamps.r);
       out[1] = channel_value(color.g * light * lamps.g);
@@ -367,7 +365,7 @@ void SimulatorRenderer::paint(const DrawnBox& box, double height_mm, std::span<c
       }
       if (coat.opacity <= 0) continue;
       const float light = light_at(x, y) * weight * LightPicture::kPerGrey;
-      const Paint lamps = lamps_at(x, y);
+      const Paint lamps = lamp_grid_.at(x, y);
       const float rest = 1 - coat.opacity * weight;
       std::uint16_t* out = picture.at(x, y);
       const auto mix = [&](std::uint16_t& channel, float ink) {

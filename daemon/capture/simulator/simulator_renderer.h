@@ -56,9 +56,23 @@ class SimulatorRenderer {
   struct Coat;       // what of a pixel a thing covers, and with which light
   struct Spot;       // the pixels that may show a flat disc
 
-  void light_field();
+  /// The lamps' light on the floor, kept for a grid of pixels because it changes slowly.
+  class LampGrid {
+   public:
+    LampGrid(const SimulatedLamps& lamps, const CameraModel& camera, int width, int height);
+    /// Factors on red, green and blue.
+    Paint at(int x, int y) const;
+
+   private:
+    std::vector<Paint> lights_;  // row by row; empty: 1 everywhere
+    int columns_ = 0;
+  };
+  struct Markings {
+    std::vector<FieldLine> lines;
+    std::vector<FieldArc> arcs;
+  };
+
   float light_at(int x, int y) const;
-  Paint lamps_at(int x, int y) const;
   Paint floor_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const;
   std::optional<Paint> boards_at(int x, int y, const Paint& floor) const;
   float lines_at(const Eigen::Vector2d& field_mm, const Footprint& footprint) const;
@@ -84,8 +98,7 @@ class SimulatorRenderer {
 
   SimulatorOptions options_;
   FieldSize field_;
-  std::vector<FieldLine> lines_;
-  std::vector<FieldArc> arcs_;
+  Markings markings_;
   CameraModel camera_;
   PatternTable patterns_;
   SimulatedLamps lamps_;
@@ -93,8 +106,7 @@ class SimulatorRenderer {
   SimulatedSurroundings surroundings_;
   SimulatedPrints prints_;
   float shadows_;
-  std::vector<Paint> lamp_grid_;  // lamps' light at every kGridPx-th pixel; empty: 1 everywhere
-  int grid_width_ = 0;
+  LampGrid lamp_grid_;
 };
 
 }  // namespace sslv
