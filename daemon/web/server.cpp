@@ -15,6 +15,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <optional>
 #include <string>
@@ -92,40 +93,24 @@ void run_background(asio::io_context& context, const char* name) {
   }
 }
 
-/// All that runs. Its destructor finishes the requests that are being handled and closes all connections.
-class RunningServer {
+/// Takes connections at an address, which may change.
+class Listener {
  public:
-  RunningServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
-      : gate_(parts.gate),
-        router_(parts.gate, parts.routes, options.panel_directory),
-        counters_(counters),
-        connections_(options.max_connections, steady_s),
-        feeds_(parts.views, counters.jpegs_encoded),
-        websockets_(io_, quick_, parts.views, parts.topics, feeds_, counters),
-        acceptor_(listen(io_, options.address, options.port)),
-        port_(acceptor_.local_endpoint().port()),
-        pause_(io_),
-        audit_timer_(io_) {
-    accept();
-    write_audit();
-    io_thread_ = std::thread([this] { run_background(io_, "web"); });
-    for (std::thread& thread : worker_threads_) {
-      thread = std::thread([this] { run_background(workers_, "web-worker"); });
-    }
-    quick_thread_ = std::thread([this] { run_background(quick_, "web-quick"); });
-  }
+  using Serve = std::function<void(tcp::socket)>;
 
-  ~RunningServer() {
-    workers_.stop();
-    quick_.stop();
-    for (std::thread& thread : worker_threads_) thread.join();
-    quick_thread_.join();
-    io_.stop();
-    io_thread_.join();
+  /// `serve` is called by the thread that runs `io`.
+  Listener(asio::io_context& io, const std::string& address, int port, Serve serve)
+      : io_(io),
+        serve_(std::move(serve)),
+        acceptor_(listen(io_, address, port)),
+        port_(acceptor_.local_endpoint().port()),
+        pause_(io_) {
+    accept();
   }
 
   std::uint16_t port() const { return port_; }
 
+  /// As WebServer::move_to().
   std::function<void()> move_to(const std::string& address, int port) {
     // The same port on all addresses can be had beside the one on 127.0.0.1 only while both allow it.
     share_port(true);
@@ -165,7 +150,7 @@ class RunningServer {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;  // it listens elsewhere
       if (!error) {
-        serve(std::move(socket));
+        serve_(std::move(socket));
         return accept();
       }
       // Out of file descriptors, most likely: some will be free again.
@@ -177,6 +162,64 @@ class RunningServer {
     });
   }
 
+  asio::io_context& io_;
+  const Serve serve_;
+  tcp::acceptor acceptor_;  // of the thread that runs `io`
+  std::atomic<std::uint16_t> port_;
+  asio::steady_timer pause_;
+};
+
+/// Where handlers run: those of sockets, of requests, and of requests that wait for nothing.
+struct Executors {
+  asio::io_context io{1};
+  asio::io_context workers, quick{1};
+  asio::executor_work_guard<asio::io_context::executor_type> keep_workers{workers.get_executor()};
+  asio::executor_work_guard<asio::io_context::executor_type> keep_quick{quick.get_executor()};
+};
+
+struct ServerThreads {
+  std::thread io;
+  std::array<std::thread, 4> workers;
+  std::thread quick;
+};
+
+/// All that runs. Its destructor finishes the requests that are being handled and closes all connections.
+class RunningServer {
+ public:
+  RunningServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
+      : gate_(parts.gate),
+        router_(parts.gate, parts.routes, options.panel_directory),
+        counters_(counters),
+        connections_(options.max_connections, steady_s),
+        feeds_(parts.views, counters.jpegs_encoded),
+        websockets_(executors_.io, executors_.quick, parts.views, parts.topics, feeds_, counters),
+        listener_(executors_.io, options.address, options.port,
+                  [this](tcp::socket socket) { serve(std::move(socket)); }),
+        audit_timer_(executors_.io) {
+    write_audit();
+    threads_.io = std::thread([this] { run_background(executors_.io, "web"); });
+    for (std::thread& thread : threads_.workers) {
+      thread = std::thread([this] { run_background(executors_.workers, "web-worker"); });
+    }
+    threads_.quick = std::thread([this] { run_background(executors_.quick, "web-quick"); });
+  }
+
+  ~RunningServer() {
+    executors_.workers.stop();
+    executors_.quick.stop();
+    for (std::thread& thread : threads_.workers) thread.join();
+    threads_.quick.join();
+    executors_.io.stop();
+    threads_.io.join();
+  }
+
+  std::uint16_t port() const { return listener_.port(); }
+
+  std::function<void()> move_to(const std::string& address, int port) {
+    return listener_.move_to(address, port);
+  }
+
+ private:
   void serve(tcp::socket socket) {
     error_code ignored;
     const std::string address = remote_address(socket);
@@ -207,22 +250,15 @@ class RunningServer {
   WebCounters& counters_;
 
   Connections connections_;
-  // Connections live in the handlers that wait in these two, so they end with them: after the hub and before
+  // Connections live in the handlers that wait in these, so they end with them: after the hub and before
   // what stands above.
-  asio::io_context io_{1};
-  asio::io_context workers_, quick_{1};
-  asio::executor_work_guard<asio::io_context::executor_type> keep_workers_{workers_.get_executor()};
-  asio::executor_work_guard<asio::io_context::executor_type> keep_quick_{quick_.get_executor()};
+  Executors executors_;
   CameraFeeds feeds_;
   WebSocketHub websockets_;
-  const HttpContext http_{gate_, router_, websockets_, feeds_, workers_, quick_};
-  tcp::acceptor acceptor_;  // of the socket's thread
-  std::atomic<std::uint16_t> port_;
-  asio::steady_timer pause_;
+  const HttpContext http_{gate_, router_, websockets_, feeds_, executors_.workers, executors_.quick};
+  Listener listener_;
   asio::steady_timer audit_timer_;
-  std::thread io_thread_;
-  std::array<std::thread, 4> worker_threads_;
-  std::thread quick_thread_;
+  ServerThreads threads_;
 };
 
 }  // namespace
