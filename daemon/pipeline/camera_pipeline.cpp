@@ -36,22 +36,13 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   forget_results(frame);
   setup->pipeline->run(frame, setup->context, sink_, setup->parameters);
 
-  const std::uint64_t frames = frames_.fetch_add(1, std::memory_order_relaxed) + 1;
-  const bool is_flooded = frame.runs.flood.blocks > 0;
-  if (is_flooded) {
-    flood_.store(frame.runs.flood, std::memory_order_relaxed);
-    flood_frame_.store(frames, std::memory_order_release);
-  }
-  if (is_flooded || frame.regions.capped || frame.robots.capped || frame.balls.capped)
-    capped_.fetch_add(1, std::memory_order_relaxed);
-  robots_.store(static_cast<std::uint32_t>(frame.robots.robots.size()), std::memory_order_relaxed);
-  balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
+  counters_.add(frame);
   if (current_) {
     finished_.put(current_);
     ring_.give_back();  // at least the frame that it replaced, when nobody looks at it
   } else {
     frame.image = Image();
-    unseen_.fetch_add(1, std::memory_order_relaxed);
+    counters_.add_unseen();
   }
   return frame;
 }
@@ -67,7 +58,20 @@ void CameraPipeline::close() {
   ring_.give_back();
 }
 
-CameraPipeline::Counters CameraPipeline::counters() const {
+void CameraPipeline::FrameCounters::add(const Frame& frame) noexcept {
+  const std::uint64_t frames = frames_.fetch_add(1, std::memory_order_relaxed) + 1;
+  const bool is_flooded = frame.runs.flood.blocks > 0;
+  if (is_flooded) {
+    flood_.store(frame.runs.flood, std::memory_order_relaxed);
+    flood_frame_.store(frames, std::memory_order_release);
+  }
+  if (is_flooded || frame.regions.capped || frame.robots.capped || frame.balls.capped)
+    capped_.fetch_add(1, std::memory_order_relaxed);
+  robots_.store(static_cast<std::uint32_t>(frame.robots.robots.size()), std::memory_order_relaxed);
+  balls_.store(static_cast<std::uint32_t>(frame.balls.balls.size()), std::memory_order_relaxed);
+}
+
+CameraPipeline::Counters CameraPipeline::FrameCounters::load() const {
   // The flood's frame first: no later one than `frames` then.
   const std::uint64_t flood_frame = flood_frame_.load(std::memory_order_acquire);
   const std::uint64_t frames = frames_.load(std::memory_order_relaxed);

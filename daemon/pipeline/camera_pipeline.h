@@ -51,11 +51,27 @@ class CameraPipeline {
   /// Lets go of the newest frame and wakes all who wait for one. Not while the camera's thread runs.
   void close();
 
-  Counters counters() const;
+  Counters counters() const { return counters_.load(); }
 
  private:
   // The newest frame, the one being processed, and one each for a few viewers' tasks.
   static constexpr std::size_t kRingSlots = 8;
+
+  /// What counters() tells: added to by the camera's thread, read by any, without a lock.
+  class FrameCounters {
+   public:
+    void add(const Frame& frame) noexcept;
+    /// The last one was not offered to viewers.
+    void add_unseen() noexcept { unseen_.fetch_add(1, std::memory_order_relaxed); }
+    Counters load() const;
+
+   private:
+    std::atomic<std::uint64_t> frames_{0}, capped_{0}, unseen_{0};
+    std::atomic<std::uint32_t> robots_{0}, balls_{0};
+    std::atomic<Flood> flood_{Flood{}};
+    static_assert(std::atomic<Flood>::is_always_lock_free);
+    std::atomic<std::uint64_t> flood_frame_{0};
+  };
 
   const std::uint32_t camera_id_;
   DetectionSink& sink_;
@@ -65,11 +81,7 @@ class CameraPipeline {
   FrameRef current_;
   LatestFrame finished_{ring_};
   std::uint32_t next_number_ = 0;
-  std::atomic<std::uint64_t> frames_{0}, capped_{0}, unseen_{0};
-  std::atomic<std::uint32_t> robots_{0}, balls_{0};
-  std::atomic<Flood> flood_{Flood{}};
-  static_assert(std::atomic<Flood>::is_always_lock_free);
-  std::atomic<std::uint64_t> flood_frame_{0};
+  FrameCounters counters_;
 };
 
 }  // namespace sslv
