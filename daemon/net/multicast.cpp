@@ -140,7 +140,7 @@ void MulticastSender::publish(int socket) {
 bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
   const std::uint64_t word = way_.load(std::memory_order_acquire);
   if (word == 0) {
-    send_errors_.fetch_add(1, std::memory_order_relaxed);
+    counts_.send_errors.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
   const Way way(word);
@@ -154,7 +154,7 @@ bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
                     reinterpret_cast<const sockaddr*>(&to), sizeof to);
   } while (sent < 0 && errno == EINTR);
   send_error_.store(sent < 0 ? errno : 0, std::memory_order_relaxed);
-  (sent < 0 ? send_errors_ : packets_sent_).fetch_add(1, std::memory_order_relaxed);
+  (sent < 0 ? counts_.send_errors : counts_.packets_sent).fetch_add(1, std::memory_order_relaxed);
   return sent >= 0;
 }
 
@@ -176,7 +176,8 @@ bool MulticastSender::is_own(const udp::endpoint& sender) const {
 }
 
 MulticastStatus MulticastSender::status() const {
-  return {packets_sent_, send_errors_, packets_per_s_, error_text(*words_.load(), send_error_)};
+  return {counts_.packets_sent, counts_.send_errors, counts_.packets_per_s,
+          error_text(*words_.load(), send_error_)};
 }
 
 void MulticastSender::watch(const std::stop_token& stop) {
@@ -189,8 +190,8 @@ void MulticastSender::watch(const std::stop_token& stop) {
   std::string logged;
   while (!alarm.wait_for(idle_lock, stop, kWatchInterval, [&] { return stop.stop_requested(); })) {
     const Clock::time_point now = Clock::now();
-    const std::uint64_t sent = packets_sent_;
-    packets_per_s_ =
+    const std::uint64_t sent = counts_.packets_sent;
+    counts_.packets_per_s =
         static_cast<double>(sent - sent_before) / std::chrono::duration<double>(now - before).count();
     sent_before = sent;
     before = now;

@@ -92,6 +92,12 @@ class MulticastSender {
     std::string advice;      // what to do about the wrong card or none
   };
 
+  /// As MulticastStatus.
+  struct Counts {
+    std::atomic<std::uint64_t> packets_sent{0}, send_errors{0};
+    std::atomic<double> packets_per_s{0};
+  };
+
   void open();  // with control_mutex_ held
   void publish(int socket);
   void watch(const std::stop_token& stop);
@@ -109,8 +115,7 @@ class MulticastSender {
   std::atomic<std::uint64_t> way_{0};
 
   std::atomic<int> send_error_{0};  // errno of the last packet; 0: it left
-  std::atomic<std::uint64_t> packets_sent_{0}, send_errors_{0};
-  std::atomic<double> packets_per_s_{0};
+  Counts counts_;
   Snapshot<Words> words_{Words{}};
 
   // Local ports of the socket and, in the upper half, of the one before it, whose packets may be on their
