@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/aravis/aravis_images.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+std::string_view text_of(ArvBufferStatus status) {
+  switch (status) {
+    case ARV_BUFFER_STATUS_TIMEOUT: return "its last packets did not come";
+    case ARV_BUFFER_STATUS_MISSING_PACKETS: return "packets are missing";
+    case ARV_BUFFER_STATUS_WRONG_PACKET_ID: return "a packet has a wrong number";
+    case ARV_BUFFER_STATUS_SIZE_MISMATCH: return "more bytes came than announced";
+    case ARV_BUFFER_STATUS_FILLING: return "it was still being filled";
+    case ARV_BUFFER_STATUS_ABORTED: return "it was aborted";
+    default: return "it was not filled";
+  }
+}
+
+/// Rows without padding follow each other bit by bit.
+std::size_t bytes_of(const AravisFormat& format, const SentPicture& sent) {
+  const auto width = static_cast<std::size_t>(sent.width), height = static_cast<std::size_t>(sent.height);
+  if (sent.padding_bytes == 0) return sent_bytes(format, width * height);
+  return (sent_bytes(format, width) + sent.padding_bytes) * height - sent.padding_bytes;
+}
+
+void unpack_pixels(const SentPicture& sent, const ImageView& layout, std::uint8_t* to) {
+  const auto width = static_cast<std::size_t>(sent.width), height = static_cast<std::size_t>(sent.height);
+  const auto unpack = [&](const std::uint8_t* from, std::size_t pixels, std::uint8_t* row) {
+    if (sent.format->unpack != nullptr) return sent.format->unpack(from, pixels, row);
+    sent.format->split(from, pixels, row, row + layout.to_low_bits);
+  };
+  if (sent.padding_bytes == 0) return unpack(sent.data, width * height, to);
+  const std::size_t from_bytes = sent_bytes(*sent.format, width) + sent.padding_bytes;
+  const auto to_bytes = static_cast<std::size_t>(layout.stride_bytes);
+  for (std::size_t y = 0; y < height; ++y) unpack(sent.data + y * from_bytes, width, to + y * to_bytes);
+}
+
+}  // namespace
+
+ImageView view_of(const SentPicture& sent) {
+  const auto row_bytes = sent_bytes(*sent.format, static_cast<std::size_t>(sent.width));
+  return {sent.data, sent.width, sent.height, static_cast<std::ptrdiff_t>(row_bytes + sent.padding_bytes),
+          sent.format->format};
+}
+
+void AravisBufferReader::read_region(ArvCamera* camera) {
+  Failure failure;
+  gint sensor_width = 0, sensor_height = 0, x = 0, y = 0, width = 0, height = 0, bin_x = 1, bin_y = 1;
+  arv_camera_get_sensor_size(camera, &sensor_width, &sensor_height, failure);
+  if (failure.failed()) return;
+  arv_camera_get_region(camera, &x, &y, &width, &height, failure);
+  if (failure.failed()) return;
+  arv_camera_get_binning(camera, &bin_x, &bin_y, nullptr);
+  const WholePicture sensor{sensor_width / std::max(1, bin_x), sensor_height / std::max(1, bin_y), x, y};
+  const bool is_part = width < sensor.width || height < sensor.height;
+  const bool is_within = x + width <= sensor.width && y + height <= sensor.height;
+  if (is_part && is_within) whole_ = sensor;
+}
+
+/// The library does not say how a damaged image lies in its buffer: as the last whole one did.
+SentPicture AravisBufferReader::damaged_picture_in(ArvBuffer* buffer) const {
+  SentPicture sent = last_whole_;
+  std::size_t size = 0;
+  sent.data = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size)) + last_whole_offset_;
+  return sent;
+}
+
+SentPicture AravisBufferReader::picture_in(ArvBuffer* buffer, std::string& problem) {
+  const ArvBufferStatus status = arv_buffer_get_status(buffer);
+  const bool lacks_packets =
+      status == ARV_BUFFER_STATUS_TIMEOUT || status == ARV_BUFFER_STATUS_MISSING_PACKETS;
+  if (status != ARV_BUFFER_STATUS_SUCCESS) {
+    problem = text_of(status);
+    return lacks_packets && use_incomplete_ ? damaged_picture_in(buffer) : SentPicture{};
+  }
+  const ArvBufferPayloadType payload = arv_buffer_get_payload_type(buffer);
+  if (payload != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && payload != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA &&
+      payload != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART) {
+    problem = fmt::format("it holds no image but payload type {}", static_cast<int>(payload));
+    return {};
+  }
+  SentPicture sent;
+  sent.width = arv_buffer_get_image_width(buffer);
+  sent.height = arv_buffer_get_image_height(buffer);
+  const AravisFormat* format = find_aravis_format(arv_buffer_get_image_pixel_format(buffer));
+  if (format == nullptr || !is_valid_size(format->format, sent.width, sent.height)) {
+    problem = fmt::format("{}x{} pixels of format 0x{:08x} are not supported", sent.width, sent.height,
+                          arv_buffer_get_image_pixel_format(buffer));
+    return {};
+  }
+  gint x_padding = 0, y_padding = 0;
+  arv_buffer_get_image_padding(buffer, &x_padding, &y_padding);
+  sent.padding_bytes = static_cast<std::size_t>(x_padding);
+  std::size_t size = 0;
+  sent.data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(buffer, &size));
+  const std::size_t needed = bytes_of(*format, sent);
+  if (size < needed) {
+    problem = fmt::format("{} bytes came; {}x{} of format 0x{:08x} needs {}", size, sent.width, sent.height,
+                          format->arv, needed);
+    return {};
+  }
+  sent.format = format;
+  last_whole_ = sent;
+  last_whole_offset_ = sent.data - static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
+  return sent;
+}
+
+bool AravisUnpacker::unpack(const SentPicture& sent, Image& image) {
+  ImageView layout{nullptr, sent.width, sent.height, 0, sent.format->format};
+  layout.stride_bytes = std::ptrdiff_t{sent.width} * bytes_per_pixel(layout.format);
+  const std::ptrdiff_t plane_bytes = layout.stride_bytes * sent.height;
+  if (sent.format->split != nullptr) layout.to_low_bits = plane_bytes;
+  const auto picture_bytes = static_cast<std::size_t>(plane_bytes + layout.to_low_bits);
+  if (picture_bytes > pool_bytes_) {
+    pool_.emplace(static_cast<std::size_t>(buffers_), picture_bytes);
+    pool_bytes_ = picture_bytes;
+  }
+  std::uint8_t* to = nullptr;
+  image = pool_->take(layout, to);
+  if (to == nullptr) {
+    ++dropped_;
+    return false;
+  }
+  unpack_pixels(sent, layout, to);
+  return true;
+}
+
+}  // namespace sslv
