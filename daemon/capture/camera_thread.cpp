@@ -137,19 +137,78 @@ struct Figures {
   CaptureTimes times{};
 };
 
+/// Calls that can be stopped for good. Both sides first say what they do and then look at the other's word:
+/// either the caller sees that it is silenced, or silence() sees that it calls and waits.
+class CallGate {
+ public:
+  /// False: it has been silenced and nothing was called.
+  template <class Call>
+  bool pass(const Call& call) {
+    calling_.store(1);
+    const bool may_call = !silenced_.load();
+    if (may_call) call();
+    calling_.store(0);
+    if (silenced_.load()) calling_.notify_all();
+    return may_call;
+  }
+
+  /// No call begins from now on; waits for one that is running.
+  void silence() {
+    silenced_.store(true);
+    while (calling_.load() != 0) calling_.wait(1);
+  }
+
+  /// silence() waits for a predecessor's calls, too, until these are over.
+  void begin_predecessor() { calling_.store(1); }
+  void end_predecessor() {
+    calling_.store(0);
+    calling_.notify_all();
+  }
+
+ private:
+  std::atomic<int> calling_{0};  // 1: a call may be running, here or in a predecessor
+  std::atomic<bool> silenced_{false};
+};
+
+/// What a camera's thread tells people.
+struct CaptureLogs {
+  explicit CaptureLogs(const std::string& name)
+      : damages(name, "damaged"), strange_times(name, "with a time that cannot be"), losses(name) {}
+
+  DamageLog damages, strange_times;
+  LossLog losses;
+};
+
+/// What the last attempt to open the camera has led to.
+struct OpeningResult {
+  std::string why_lost;  // empty: it is not
+  std::vector<std::string> warnings;
+  std::shared_ptr<Controls> controls;
+};
+
 }  // namespace
 
 /// What the threads work on; a thread that stop() left behind keeps it alive.
 struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
-  Shared(std::string thread_name, const ThreadSettings& thread_settings, Open open_source, OnImage take_image,
-         RetryDelays retry_delays, std::shared_ptr<CaptureTotals> capture_totals, OnIdle when_idle)
-      : name(std::move(thread_name)),
-        settings(thread_settings),
-        open(std::move(open_source)),
-        on_image(std::move(take_image)),
-        on_idle(std::move(when_idle)),
-        delays(retry_delays),
-        totals(std::move(capture_totals)) {}
+  /// What CameraThread was given.
+  struct Parts {
+    std::string name;
+    ThreadSettings settings;
+    Open open;
+    OnImage on_image;
+    OnIdle on_idle;
+    RetryDelays delays;
+    std::shared_ptr<CaptureTotals> totals;
+  };
+  /// How far the thread is between start() and its end.
+  struct Lifecycle {
+    std::unique_ptr<CameraThread> predecessor;
+    std::chrono::steady_clock::time_point stop_asked_at{};
+    bool started = false, finished = false;
+    int closing = 0;  // sources being closed aside
+  };
+
+  explicit Shared(Parts given) : parts(std::move(given)) {}
 
   void run();
   bool wait_for_start();
@@ -158,48 +217,32 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   CaptureStatus serve(Source& source);
   CaptureStatus poll_once(Source& source, CapturedImage& image, std::string& problem, milliseconds patience);
   void check_times(CaptureTimes& times);
-  template <class Call>
-  bool call_out(const Call& call);
   bool buffers_are_out();
   void forget_controls();
   void mark_lost(const std::string& reason);
   void close_aside(std::unique_ptr<Source> source);
   void ask_to_stop();
-  void silence();
   CameraHealth health_now() const;
   bool stopping() const { return stop_asked.load(std::memory_order_relaxed); }
 
-  const std::string name;
-  const ThreadSettings settings;
-  const Open open;
-  const OnImage on_image;
-  const OnIdle on_idle;
-  const RetryDelays delays;
-  const std::shared_ptr<CaptureTotals> totals;
+  const Parts parts;
 
   // Used by the camera's thread alone.
-  DamageLog damages{name, "damaged"}, strange_times{name, "with a time that cannot be"};
-  LossLog losses{name};
-  milliseconds delay = delays.first;
+  CaptureLogs logs{parts.name};
+  milliseconds delay = parts.delays.first;
   bool was_open = false;
   Figures now;
 
   // Without a lock, for each image.
   Seqlock<Figures> figures;             // what `now` was at the end of the last poll
-  std::atomic<int> calling_out{0};      // 1: on_image or on_idle may be running, here or in a predecessor
-  std::atomic<bool> silenced{false};    // no more of these
+  CallGate calls;                       // of on_image and on_idle
   std::atomic<bool> stop_asked{false};  // written with the mutex held, so that no wait on `changed` misses it
 
   // Taken when the camera is opened or lost, and by those who ask for its health.
   mutable std::mutex mutex;  // guards what follows, and changes of the state
   std::condition_variable changed;
-  std::string why_lost;  // empty: it is not
-  std::vector<std::string> warnings;
-  std::shared_ptr<Controls> controls;
-  std::unique_ptr<CameraThread> predecessor;
-  std::chrono::steady_clock::time_point stop_asked_at{};
-  bool started = false, finished = false;
-  int closing = 0;  // sources being closed aside
+  OpeningResult opening;
+  Lifecycle lifecycle;
 };
 
 CameraHealth CameraThread::Shared::health_now() const {
@@ -207,7 +250,7 @@ CameraHealth CameraThread::Shared::health_now() const {
   const std::lock_guard lock(mutex);
   const Figures newest = figures.load();
   out.state = newest.state;
-  out.error = why_lost;
+  out.error = opening.why_lost;
   out.frames = newest.frames;
   out.incomplete = newest.incomplete;
   out.dropped = newest.dropped;
@@ -219,18 +262,18 @@ CameraHealth CameraThread::Shared::health_now() const {
   out.format = newest.format;
   out.progress_ns = newest.progress_ns;
   out.times = newest.times;
-  out.warnings = warnings;
+  out.warnings = opening.warnings;
   return out;
 }
 
 void CameraThread::Shared::run() {
   if (wait_for_start()) {
-    apply(settings, name);
+    apply(parts.settings, parts.name);
     keep_open();
-    damages.write();
-    strange_times.write();
+    logs.damages.write();
+    logs.strange_times.write();
     const std::lock_guard lock(mutex);
-    finished = true;
+    lifecycle.finished = true;
   }
   changed.notify_all();
 }
@@ -240,16 +283,15 @@ bool CameraThread::Shared::wait_for_start() {
   std::unique_ptr<CameraThread> before;
   {
     std::unique_lock lock(mutex);
-    changed.wait(lock, [&] { return started || stopping(); });
-    finished = !started;
-    if (finished) return false;
-    before = std::move(predecessor);
+    changed.wait(lock, [&] { return lifecycle.started || stopping(); });
+    lifecycle.finished = !lifecycle.started;
+    if (lifecycle.finished) return false;
+    before = std::move(lifecycle.predecessor);
   }
   if (before) {
     before->ask_to_stop();
-    before->shared_->silence();
-    calling_out.store(0);
-    calling_out.notify_all();
+    before->shared_->calls.silence();
+    calls.end_predecessor();
     before.reset();
   }
   return true;
@@ -270,8 +312,8 @@ void CameraThread::Shared::keep_open() {
       tried_for = milliseconds((steady_ns() - began_ns) / 1'000'000);
     }
     std::unique_lock lock(mutex);
-    changed.wait_for(lock, std::max(delays.first, delay - tried_for), [&] { return stopping(); });
-    delay = std::min(2 * delay, delays.longest);
+    changed.wait_for(lock, std::max(parts.delays.first, delay - tried_for), [&] { return stopping(); });
+    delay = std::min(2 * delay, parts.delays.longest);
   }
 }
 
@@ -279,20 +321,20 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
   now.progress_ns = steady_ns();
   figures.store(now);
   try {
-    std::unique_ptr<Source> source = open();
+    std::unique_ptr<Source> source = parts.open();
     if (!source) throw CaptureError("the driver has opened nothing");
     std::vector<std::string> new_warnings = source->warnings();
     if (!stopping()) {
-      losses.opened();
-      for (const std::string& warning : new_warnings) log::warning("{}: {}", name, warning);
+      logs.losses.opened();
+      for (const std::string& warning : new_warnings) log::warning("{}: {}", parts.name, warning);
     }
     const std::lock_guard lock(mutex);
-    controls = source->controls();
-    warnings = std::move(new_warnings);
-    why_lost.clear();
+    opening.controls = source->controls();
+    opening.warnings = std::move(new_warnings);
+    opening.why_lost.clear();
     if (std::exchange(was_open, true)) {
       ++now.reconnects;
-      totals->reconnects.fetch_add(1, std::memory_order_relaxed);
+      parts.totals->reconnects.fetch_add(1, std::memory_order_relaxed);
     }
     now.progress_ns = steady_ns();  // opening may have taken long
     now.state = CameraState::kRunning;
@@ -325,16 +367,16 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
     patience = kPollTimeout;
     if (status == CaptureStatus::kImage) {
       image.times.arrived_ns = steady_ns();
-      delivered = call_out([&] { on_image(std::move(image)); });
+      delivered = calls.pass([&] { parts.on_image(std::move(image)); });
       window_frames += delivered;
-      delay = delays.first;
+      delay = parts.delays.first;
     } else {
       if (status == CaptureStatus::kLost) mark_lost(problem);
-      if (status == CaptureStatus::kIncomplete) damages.add(problem);
+      if (status == CaptureStatus::kIncomplete) logs.damages.add(problem);
       if (buffers_are_out()) patience = kShortTurn;
     }
-    damages.write_if_due();
-    strange_times.write_if_due();
+    logs.damages.write_if_due();
+    logs.strange_times.write_if_due();
     damaged_in_a_row = status == CaptureStatus::kIncomplete ? damaged_in_a_row + 1 : 0;
     if (damaged_in_a_row > kStorm) std::this_thread::sleep_for(kStormPause);
 
@@ -349,9 +391,9 @@ CaptureStatus CameraThread::Shared::serve(Source& source) {
     }
     const bool is_incomplete = status == CaptureStatus::kIncomplete || is_damaged;
     now.incomplete += is_incomplete;
-    totals->incomplete.fetch_add(is_incomplete, std::memory_order_relaxed);
+    parts.totals->incomplete.fetch_add(is_incomplete, std::memory_order_relaxed);
     const std::uint64_t dropped = dropped_before + source.dropped();
-    totals->dropped.fetch_add(dropped - now.dropped, std::memory_order_relaxed);
+    parts.totals->dropped.fetch_add(dropped - now.dropped, std::memory_order_relaxed);
     now.dropped = dropped;
     if (const auto packets = source.packets())
       now.packets = {packets_before.missing + packets->missing, packets_before.resent + packets->resent};
@@ -387,42 +429,25 @@ void CameraThread::Shared::check_times(CaptureTimes& times) {
   const double given_s = times.t_capture_s, now_s = unix_time_s();
   if (!sanitize_times(times, now_s)) return;
   std::string problem = fmt::format("{:.3f} s, where the clock says {:.3f} s", given_s, now_s);
-  strange_times.add(problem);
-}
-
-/// Unless it has been silenced. Both sides first say what they do and then look at the other's word: either
-/// this one sees that it is silenced, or silence() sees that it calls and waits.
-template <class Call>
-bool CameraThread::Shared::call_out(const Call& call) {
-  calling_out.store(1);
-  const bool may_call = !silenced.load();
-  if (may_call) call();
-  calling_out.store(0);
-  if (silenced.load()) calling_out.notify_all();
-  return may_call;
-}
-
-void CameraThread::Shared::silence() {
-  silenced.store(true);
-  while (calling_out.load() != 0) calling_out.wait(1);
+  logs.strange_times.add(problem);
 }
 
 /// Gives back what can be.
 bool CameraThread::Shared::buffers_are_out() {
   bool some_are_out = false;
-  if (on_idle) call_out([&] { some_are_out = on_idle(); });
+  if (parts.on_idle) calls.pass([&] { some_are_out = parts.on_idle(); });
   return some_are_out;
 }
 
 void CameraThread::Shared::forget_controls() {
   const std::lock_guard lock(mutex);
-  controls.reset();
+  opening.controls.reset();
 }
 
 void CameraThread::Shared::mark_lost(const std::string& reason) {
-  if (!stopping()) losses.lost(reason);
+  if (!stopping()) logs.losses.lost(reason);
   const std::lock_guard lock(mutex);
-  why_lost = reason;
+  opening.why_lost = reason;
   now.state = CameraState::kLost;
   figures.store(now);
 }
@@ -431,7 +456,7 @@ void CameraThread::Shared::ask_to_stop() {
   {
     const std::lock_guard lock(mutex);
     if (stop_asked.exchange(true)) return;
-    stop_asked_at = std::chrono::steady_clock::now();
+    lifecycle.stop_asked_at = std::chrono::steady_clock::now();
   }
   changed.notify_all();
 }
@@ -439,12 +464,12 @@ void CameraThread::Shared::ask_to_stop() {
 void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
   {
     const std::lock_guard lock(mutex);
-    ++closing;
+    ++lifecycle.closing;
   }
   const auto closed = [](Shared& shared) {
     {
       const std::lock_guard lock(shared.mutex);
-      --shared.closing;
+      --shared.lifecycle.closing;
     }
     shared.changed.notify_all();
   };
@@ -460,8 +485,9 @@ void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
 
 CameraThread::CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
                            RetryDelays delays, std::shared_ptr<CaptureTotals> totals, OnIdle on_idle)
-    : shared_(std::make_shared<Shared>(std::move(name), settings, std::move(open), std::move(on_image),
-                                       delays, std::move(totals), std::move(on_idle))),
+    : shared_(std::make_shared<Shared>(Shared::Parts{std::move(name), settings, std::move(open),
+                                                     std::move(on_image), std::move(on_idle), delays,
+                                                     std::move(totals)})),
       thread_([shared = shared_] { shared->run(); }) {}
 
 CameraThread::~CameraThread() {
@@ -471,10 +497,11 @@ CameraThread::~CameraThread() {
 void CameraThread::start(std::unique_ptr<CameraThread> predecessor) noexcept {
   {
     const std::lock_guard lock(shared_->mutex);
-    if (shared_->started || shared_->finished) return;  // the predecessor is stopped here then
-    shared_->started = true;
-    shared_->predecessor = std::move(predecessor);
-    if (shared_->predecessor) shared_->calling_out = 1;
+    if (shared_->lifecycle.started || shared_->lifecycle.finished)
+      return;  // the predecessor is stopped here then
+    shared_->lifecycle.started = true;
+    shared_->lifecycle.predecessor = std::move(predecessor);
+    if (shared_->lifecycle.predecessor) shared_->calls.begin_predecessor();
   }
   shared_->changed.notify_all();
 }
@@ -486,13 +513,13 @@ void CameraThread::ask_to_stop() {
 void CameraThread::stop() {
   if (!thread_.joinable()) return;
   ask_to_stop();
-  shared_->silence();
+  shared_->calls.silence();
   std::unique_lock lock(shared_->mutex);
-  const auto idle = [&] { return shared_->finished && shared_->closing == 0; };
-  if (!shared_->changed.wait_until(lock, shared_->stop_asked_at + kStopPatience, idle)) {
-    log::warning("{}: does not answer; it closes in the background", shared_->name);
+  const auto idle = [&] { return shared_->lifecycle.finished && shared_->lifecycle.closing == 0; };
+  if (!shared_->changed.wait_until(lock, shared_->lifecycle.stop_asked_at + kStopPatience, idle)) {
+    log::warning("{}: does not answer; it closes in the background", shared_->parts.name);
   }
-  const bool finished = shared_->finished;
+  const bool finished = shared_->lifecycle.finished;
   lock.unlock();
   finished ? thread_.join() : thread_.detach();
 }
@@ -503,7 +530,7 @@ CameraHealth CameraThread::health() const {
 
 std::shared_ptr<Controls> CameraThread::controls() const {
   const std::lock_guard lock(shared_->mutex);
-  return shared_->controls;
+  return shared_->opening.controls;
 }
 
 }  // namespace sslv
