@@ -110,6 +110,11 @@ class Learner {
     std::vector<SmallPictures> pictures;
     std::vector<double> noise_grey;
   };
+  /// Which labels the images show.
+  struct Sightings {
+    std::map<Label, std::size_t> counts;
+    std::vector<Label> unseen;  // are predicted
+  };
 
   void look_at_pictures() {
     if (task_.frames.empty()) {
@@ -249,19 +254,20 @@ class Learner {
   /// What was not seen at all, and what was not seen in all the light there is.
   void predict() {
     if (balls_.empty()) {
-      unseen_.push_back(label::kOrange);
+      sightings_.unseen.push_back(label::kOrange);
     }
     for (const Label label : dots_.unseen) {
-      if (std::find(unseen_.begin(), unseen_.end(), label) == unseen_.end() && !has_samples(label))
-        unseen_.push_back(label);
+      if (std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label) == sightings_.unseen.end() &&
+          !has_samples(label))
+        sightings_.unseen.push_back(label);
     }
     for (const ColorSample& sample : task_.guide) {
       out_.samples.push_back(sample);
-      std::erase(unseen_, sample.label);
+      std::erase(sightings_.unseen, sample.label);
     }
     // Before what was seen, a prediction gives way.
     constexpr double kTooAlike = 0.1;  // in shares
-    std::erase_if(unseen_, [&](Label label) {
+    std::erase_if(sightings_.unseen, [&](Label label) {
       Color3 predicted = Color3::Zero();
       for (std::size_t i = 0; i < robots_.size(); ++i)
         predicted += robots_[i].black + lights_.lights()[i] * print_contrast(label, dots_.gains);
@@ -276,15 +282,16 @@ class Learner {
       }
       return false;
     });
-    for (const Label label : unseen_) {
+    for (const Label label : sightings_.unseen) {
       const Color3 contrast = print_contrast(label, dots_.gains);
       for (std::size_t i = 0; i < robots_.size(); ++i)
         add(label, robots_[i].black + lights_.lights()[i] * contrast);
     }
-    if (std::find(unseen_.begin(), unseen_.end(), label::kOrange) != unseen_.end())
+    if (std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label::kOrange) !=
+        sightings_.unseen.end())
       out_.notes.push_back("no ball was found: orange is predicted from the other colours");
     std::vector<std::string_view> names;
-    for (const Label label : unseen_) {
+    for (const Label label : sightings_.unseen) {
       if (label != label::kOrange) names.push_back(label::kNames[label]);
     }
     if (!names.empty())
@@ -352,7 +359,7 @@ class Learner {
       for (const auto& [light, contrast] : lit) chromaticities[label].push_back(chromaticity_of(contrast));
     }
     for (const SeenBall& ball : balls_) chromaticities[label::kOrange].push_back(chromaticity_of(ball.body));
-    for (const Label label : unseen_) {
+    for (const Label label : sightings_.unseen) {
       const Color3 seen = label == label::kOrange ? Color3(print_color(label).cwiseProduct(dots_.gains))
                                                   : print_contrast(label, dots_.gains);
       chromaticities[label].push_back(chromaticity_of(seen));
@@ -465,10 +472,12 @@ class Learner {
       one.guided = static_cast<std::size_t>(
           std::count_if(task_.guide.begin(), task_.guide.end(),
                         [&](const ColorSample& sample) { return sample.label == label; }));
-      const bool predicted = std::find(unseen_.begin(), unseen_.end(), label) != unseen_.end();
+      const bool predicted =
+          std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label) != sightings_.unseen.end();
       if (is_background(label)) {
         one.seen = static_cast<std::size_t>(count) - one.guided;
-      } else if (const auto seen = seen_.find(label); seen != seen_.end() && !predicted) {
+      } else if (const auto seen = sightings_.counts.find(label);
+                 seen != sightings_.counts.end() && !predicted) {
         one.seen = seen->second;
       }
       out_.labels.push_back(one);
@@ -477,7 +486,7 @@ class Learner {
 
   void add(Label label, const Color3& color) {
     out_.samples.push_back({label, rgb_of(color)});
-    ++seen_[label];
+    ++sightings_.counts[label];
   }
   bool has_samples(Label label) const {
     return std::any_of(out_.samples.begin(), out_.samples.end(),
@@ -496,10 +505,9 @@ class Learner {
   std::vector<SeenRobot> robots_;
   NamedDots dots_;
   RobotLights lights_;
-  std::map<Label, std::size_t> seen_;
+  Sightings sightings_;
   std::vector<SeenBall> balls_;
   Color3 carpet_shares_ = Color3::Zero();
-  std::vector<Label> unseen_;
   LearntColors out_;
 };
 
