@@ -406,7 +406,7 @@ class Search {
   /// Cells [begin, end) of a row whose candidates are listed, but not looked up.
   struct Stretch {
     int y, begin, end;
-    std::size_t listed_end;  // of places_
+    std::size_t listed_end;  // of Pending::places
     bool goes_on;            // in the next stretch
   };
   // Candidates of several rows are looked up together: the table's memory is waited for only once.
@@ -414,6 +414,13 @@ class Search {
   // So many of a block's cells are candidates that it is faster to look up all of them.
   static constexpr int kDense = 20;
   static_assert(2 * (kManyListed + kGroup * kBlock) + kMaxStretches <= kMaxPendingRuns);
+  /// Stretches, and where their candidates are, from left to right. Not cleared: the counts say what counts.
+  struct Pending {
+    Stretch stretches[kMaxStretches];
+    std::size_t stretch_count = 0, listed = 0;
+    std::uint16_t places[kManyListed + kGroup * kBlock + 4];
+    Label labels[kManyListed + kGroup * kBlock];
+  };
 
   void search_blocks(int y, int begin, int end) {
     const std::uint8_t* in = row(y);
@@ -435,22 +442,22 @@ class Search {
         list_candidates(group, left & before, candidates);
         left &= ~before & ~(std::uint64_t{1} << i);
         const int from = std::max((group + i) * kBlock, begin), to = std::min((group + i + 1) * kBlock, end);
-        add_stretch({y, begin, from, listed_, true});
+        add_stretch({y, begin, from, pending_.listed, true});
         finish_stretches();
         write_block(y, from, to);
         begin = to;
       }
       list_candidates(group, left, candidates);
-      if (listed_ < kManyListed && group + kGroup < last) continue;
+      if (pending_.listed < kManyListed && group + kGroup < last) continue;
       const int done = std::min((group + kGroup) * kBlock, end);
-      add_stretch({y, begin, done, listed_, done < end});
+      add_stretch({y, begin, done, pending_.listed, done < end});
       begin = done;
-      if (listed_ >= kManyListed || stretch_count_ == kMaxStretches) finish_stretches();
+      if (pending_.listed >= kManyListed || pending_.stretch_count == kMaxStretches) finish_stretches();
     }
   }
 
   HWY_INLINE void add_stretch(const Stretch& stretch) {
-    stretches_[stretch_count_++] = stretch;
+    pending_.stretches[pending_.stretch_count++] = stretch;
   }
 
   /// Looks up all of cells [begin, end) of a row, of one block, and writes their runs. All before them have
@@ -559,7 +566,7 @@ class Search {
   /// Adds the places of the candidates of `mixed` blocks to the list.
   HWY_INLINE void list_candidates(int first, std::uint64_t mixed, const std::uint64_t* candidates) {
     constexpr int kAtOnce = 4;
-    std::uint16_t* next = places_ + listed_;
+    std::uint16_t* next = pending_.places + pending_.listed;
     for (; mixed != 0; mixed &= mixed - 1) {
       const int i = std::countr_zero(mixed), at = place_of(first + i);
       std::uint64_t left = candidates[i];
@@ -572,7 +579,7 @@ class Search {
       }
       next += count;
     }
-    listed_ = static_cast<std::size_t>(next - places_);
+    pending_.listed = static_cast<std::size_t>(next - pending_.places);
   }
 
   /// Looks up the candidates of all stretches and writes their runs.
@@ -580,28 +587,28 @@ class Search {
     drop_background();
     look_up();
     std::size_t begin = 0;
-    for (std::size_t i = 0; i < stretch_count_; ++i) {
-      write_runs(stretches_[i], begin);
-      begin = stretches_[i].listed_end;
+    for (std::size_t i = 0; i < pending_.stretch_count; ++i) {
+      write_runs(pending_.stretches[i], begin);
+      begin = pending_.stretches[i].listed_end;
     }
-    stretch_count_ = listed_ = 0;
+    pending_.stretch_count = pending_.listed = 0;
   }
 
   /// Drops the candidates that a bitmap can tell: it stays in the cache, which the table mostly does not.
   HWY_INLINE void drop_background() {
     const Cells cells = cells_;
     std::size_t i = 0, kept = 0;
-    for (std::size_t k = 0; k < stretch_count_; ++k) {
-      Stretch& stretch = stretches_[k];
+    for (std::size_t k = 0; k < pending_.stretch_count; ++k) {
+      Stretch& stretch = pending_.stretches[k];
       const std::uint8_t* in = row(stretch.y);
       for (; i < stretch.listed_end; ++i) {
-        const std::uint16_t x = places_[i];
-        places_[kept] = x;
+        const std::uint16_t x = pending_.places[i];
+        pending_.places[kept] = x;
         kept += cells.in_background(Format::color(in, stride_, x)) ? 0 : 1;
       }
       stretch.listed_end = kept;
     }
-    listed_ = kept;
+    pending_.listed = kept;
   }
 
   /// Finds the candidates' labels, and drops those that have the background's.
@@ -611,39 +618,39 @@ class Search {
     const std::ptrdiff_t stride = stride_;
     // All that is wanted of the table is asked for before any is waited for.
     std::size_t i = 0;
-    for (std::size_t k = 0; k < stretch_count_; ++k) {
-      const std::uint8_t* in = row(stretches_[k].y);
-      for (; i < stretches_[k].listed_end; ++i)
-        hwy::Prefetch(cells.place(Format::color(in, stride, places_[i])));
+    for (std::size_t k = 0; k < pending_.stretch_count; ++k) {
+      const std::uint8_t* in = row(pending_.stretches[k].y);
+      for (; i < pending_.stretches[k].listed_end; ++i)
+        hwy::Prefetch(cells.place(Format::color(in, stride, pending_.places[i])));
     }
     std::size_t kept = 0;
     i = 0;
-    for (std::size_t k = 0; k < stretch_count_; ++k) {
-      const std::uint8_t* in = row(stretches_[k].y);
-      for (const std::size_t end = stretches_[k].listed_end; i < end; ++i) {
-        const std::uint16_t x = places_[i];
+    for (std::size_t k = 0; k < pending_.stretch_count; ++k) {
+      const std::uint8_t* in = row(pending_.stretches[k].y);
+      for (const std::size_t end = pending_.stretches[k].listed_end; i < end; ++i) {
+        const std::uint16_t x = pending_.places[i];
         const Label found = *cells.place(Format::color(in, stride, x));
-        places_[kept] = x;
-        labels_[kept] = found;
+        pending_.places[kept] = x;
+        pending_.labels[kept] = found;
         kept += found != background ? 1 : 0;
       }
-      stretches_[k].listed_end = kept;
+      pending_.stretches[k].listed_end = kept;
     }
-    listed_ = kept;
+    pending_.listed = kept;
   }
 
   HWY_INLINE void write_runs(const Stretch& stretch, std::size_t begin) {
     out_.y = static_cast<std::uint16_t>(stretch.y);
     if (background_ == label::kClear) {
-      out_.add_cells(places_ + begin, labels_ + begin, stretch.listed_end - begin);
+      out_.add_cells(pending_.places + begin, pending_.labels + begin, stretch.listed_end - begin);
       if (!stretch.goes_on) out_.end_cells();
       return;
     }
     int done = stretch.begin;
     for (std::size_t i = begin; i < stretch.listed_end; ++i) {
-      const int x = places_[i];
+      const int x = pending_.places[i];
       if (done < x) out_.set(done, background_);
-      out_.set(x, labels_[i]);
+      out_.set(x, pending_.labels[i]);
       done = x + 1;
     }
     if (done < stretch.end) out_.set(done, background_);
@@ -657,10 +664,7 @@ class Search {
   const int width_;
 #if HWY_TARGET != HWY_SCALAR
   const Boxes boxes_;
-  Stretch stretches_[kMaxStretches];
-  std::size_t stretch_count_ = 0, listed_ = 0;
-  std::uint16_t places_[kManyListed + kGroup * kBlock + 4];
-  Label labels_[kManyListed + kGroup * kBlock];
+  Pending pending_;
 #endif
   const Label background_;
   RunWriter out_;
