@@ -130,7 +130,8 @@ void MulticastSender::publish(int socket) {
   const int number =
       sockets_[place] < 0 ? ::fcntl(socket, F_DUPFD_CLOEXEC, 0) : ::dup3(socket, sockets_[place], O_CLOEXEC);
   if (number < 0) throw std::system_error(errno, std::generic_category(), "no socket");
-  sockets_[place] = number;
+  // Written before a sender is told of the place, and not again: one may be reading it.
+  if (sockets_[place] < 0) sockets_[place] = number;
   newest_place_ = place;
   way_ = Way{asio::ip::make_address_v4(settings_.group).to_uint(), static_cast<std::uint16_t>(settings_.port),
              place}
