@@ -2,6 +2,8 @@
 #include "base/json.h"
 
 #include <algorithm>
+#include <array>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +30,21 @@ JsonExtent extent_of(const Json& value, std::size_t max_size) {
     }
   }
   return out;
+}
+
+Json parse_bounded_json(std::string_view text) {
+  constexpr int kMaxDepth = 64, kMaxKeys = 1000;
+  std::array<int, kMaxDepth + 2> keys{};
+  const auto check = [&keys](int depth, Json::parse_event_t event, const Json&) {
+    if (depth > kMaxDepth)
+      throw std::length_error("JSON nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    const auto place = static_cast<std::size_t>(depth);
+    if (event == Json::parse_event_t::object_start) keys[place + 1] = 0;
+    if (event == Json::parse_event_t::key && ++keys[place] > kMaxKeys)
+      throw std::length_error("JSON with more than " + std::to_string(kMaxKeys) + " keys in an object");
+    return true;
+  };
+  return Json::parse(text, check);
 }
 
 }  // namespace sslv

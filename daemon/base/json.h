@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -18,5 +19,10 @@ struct JsonExtent {
 
 /// Stops soon after `max_size`. Needs no stack: values may be nested deeply.
 JsonExtent extent_of(const Json& value, std::size_t max_size);
+
+/// A text from elsewhere: at most 64 levels, and 1000 keys in an object, for an object that keeps the order
+/// of its keys looks all of them through for each new one. Throws std::length_error where it has more, saying
+/// so, and Json::exception where it is not JSON.
+Json parse_bounded_json(std::string_view text);
 
 }  // namespace sslv

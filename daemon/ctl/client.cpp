@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <exception>
 
 #include <fmt/format.h>
 
@@ -15,20 +16,13 @@ namespace sslv {
 
 namespace {
 
-/// JSON that is no deeper than what walks through it can stand. Throws ClientError.
+/// Throws ClientError.
 Json parse_answer(const std::string& text, const std::string& path) {
-  constexpr int kMaxDepth = 64;
-  bool is_too_deep = false;
-  const Json answer = Json::parse(
-      text,
-      [&](int depth, Json::parse_event_t, const Json&) {
-        is_too_deep = is_too_deep || depth > kMaxDepth;
-        return !is_too_deep;
-      },
-      false);
-  if (is_too_deep || answer.is_discarded())
+  try {
+    return parse_bounded_json(text);
+  } catch (const std::exception&) {
     throw ClientError(fmt::format("{}: the answer is not JSON of a daemon", path));
-  return answer;
+  }
 }
 
 /// Who changed what, the newest first: SettingsStep[] of docs/openapi.json.

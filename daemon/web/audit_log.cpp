@@ -26,8 +26,8 @@ std::string summary(std::string_view who, const std::map<int, std::uint64_t>& by
     all += times;
     figures += fmt::format("{}{} x {}", figures.empty() ? "" : ", ", status, times);
   }
-  return fmt::format("audit: {}: {} more requests changed nothing in {:.0f} s: {}; the last: {}", who, all,
-                     seconds, figures, last);
+  return fmt::format("audit: {}: {} more {} refused in {:.0f} s: {}; the last: {}", who, all,
+                     all == 1 ? "request was" : "requests were", seconds, figures, last);
 }
 
 void write_lines(const std::vector<std::string>& lines) {

@@ -13,6 +13,8 @@ namespace {
 // Of all connections. One address may have half of what there is, one address' viewers a quarter, all
 // strangers' viewers half, and strangers all but an eighth.
 constexpr std::size_t kPartOfAddress = 2, kPartOfViewers = 2, kPartOfAddressViewers = 4, kPartKept = 8;
+// An address with so many connections is not one person's browser.
+constexpr std::size_t kPartThatIsMany = 16;
 
 std::size_t part(std::size_t max, std::size_t of) {
   return std::max<std::size_t>(1, max / of);
@@ -45,7 +47,9 @@ std::shared_ptr<Connections::Seat> Connections::admit(const std::string& address
       problem = "too many connections; try again later";
     }
     if (among) {
-      Seat* const leaves = most_dispensable(among);
+      Seat* leaves = most_dispensable(among, kSendPatience_s, 1);
+      if (leaves == nullptr)
+        leaves = most_dispensable(among, kSendPatienceWithMany_s, part(max_, kPartThatIsMany));
       if (leaves == nullptr) return nullptr;
       seats_.erase(leaves->place_);
       leaves->is_counted_ = false;
@@ -63,17 +67,18 @@ std::size_t Connections::count(const std::function<bool(const Seat&)>& which) co
       std::count_if(seats_.begin(), seats_.end(), [&](const Seat* seat) { return which(*seat); }));
 }
 
-Connections::Seat* Connections::most_dispensable(const std::function<bool(const Seat&)>& which) const {
+Connections::Seat* Connections::most_dispensable(const std::function<bool(const Seat&)>& which,
+                                                 double patience_s, std::size_t min_of_network) const {
   std::map<std::string, std::size_t> of_network;
   for (const Seat* seat : seats_) ++of_network[seat->network_];
-  const double patient_since_s = now_s_() - kSendPatience_s;
+  const double patient_since_s = now_s_() - patience_s;
   Seat* best = nullptr;
   std::size_t best_count = 0;
   for (Seat* seat : seats_) {
     const bool can_go = seat->close_ && (seat->state_ == State::kWaits ||
                                          (seat->state_ == State::kSends && seat->since_s_ < patient_since_s));
     const std::size_t neighbours = of_network[seat->network_];
-    if (!can_go || neighbours <= best_count || !which(*seat)) continue;
+    if (!can_go || neighbours < min_of_network || neighbours <= best_count || !which(*seat)) continue;
     best = seat;
     best_count = neighbours;
   }

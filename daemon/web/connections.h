@@ -15,6 +15,7 @@ namespace sslv {
 /// A newcomer is let in as long as something can go for it: a connection whose request is not there yet (it
 /// is idle, or half of a request came), or one that takes its answer for longer than kSendPatience_s. Of
 /// these goes the one whose address has most connections, and of equals the one that has been so for longest.
+/// Where none can go, an address with many connections gives the one that has taken its answer for longest.
 /// So a client that sends a request at once is served, however many others never do. Viewers (WebSockets and
 /// streams of images) stay until they go, and are few enough to leave room.
 ///
@@ -25,6 +26,7 @@ class Connections {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kSendPatience_s = 5;
+  static constexpr double kSendPatienceWithMany_s = 0.5;
 
   class Seat;
 
@@ -42,7 +44,9 @@ class Connections {
 
   // With mutex_ held:
   std::size_t count(const std::function<bool(const Seat&)>& which) const;
-  Seat* most_dispensable(const std::function<bool(const Seat&)>& which) const;
+  /// Null: none can go whose network has so many. `patience_s`: how long an answer may be on its way.
+  Seat* most_dispensable(const std::function<bool(const Seat&)>& which, double patience_s,
+                         std::size_t min_of_network) const;
 
   const std::size_t max_;
   const Clock now_s_;

@@ -4,8 +4,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <array>
 #include <charconv>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -73,21 +73,10 @@ bool query_flag(const Request& request, const std::string& name) {
 Json parse_json(std::string_view text) {
   constexpr std::size_t kLarge = 64 * 1024;
   if (text.size() > kLarge) memory_was_used();
-  constexpr int kMaxDepth = 64;
-  // An object that keeps the order of its keys looks all of them through for each new one.
-  constexpr int kMaxKeys = 1000;
-  std::array<int, kMaxDepth + 2> keys{};
-  const auto check = [&keys](int depth, Json::parse_event_t event, const Json&) {
-    if (depth > kMaxDepth)
-      throw HttpError(400, "JSON nested deeper than " + std::to_string(kMaxDepth) + " levels");
-    const auto place = static_cast<std::size_t>(depth);
-    if (event == Json::parse_event_t::object_start) keys[place + 1] = 0;
-    if (event == Json::parse_event_t::key && ++keys[place] > kMaxKeys)
-      throw HttpError(400, "JSON with more than " + std::to_string(kMaxKeys) + " keys in an object");
-    return true;
-  };
   try {
-    return Json::parse(text, check);
+    return parse_bounded_json(text);
+  } catch (const std::length_error& error) {
+    throw HttpError(400, error.what());
   } catch (const Json::exception& error) {
     throw HttpError(400, "not JSON: " + shortened(error.what(), 300));
   }

@@ -324,7 +324,9 @@ std::string WebSocketHub::look_at_sessions() {
   for (const auto& session : uninvited) session->leave();
   std::string problem;
   for (const auto& [id, session] : sessions_) {
-    if (session->wants_detections()) problem = follow_detections(*session);  // a camera may have been added
+    if (!session->wants_detections()) continue;
+    const std::string own = follow_detections(*session);  // a camera may have been added
+    if (problem.empty()) problem = own;
   }
   return problem;
 }

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
+#include "base/plain_text.h"
 #include "health/metrics_text.h"
 #include "services/settings/settings_report.h"
 #include "services/settings/settings_routes.h"
@@ -24,7 +25,7 @@ CheckedSettings check(const Json& settings) {
 /// A change for the log; all of a long one is in the settings' history.
 std::string in_short(const Json& patch) {
   constexpr std::size_t kMaxBytes = 300;
-  std::string text = patch.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = escaped_text(patch.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (text.size() <= kMaxBytes) return text;
   std::size_t end = kMaxBytes;
   while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // whole characters of UTF-8
@@ -32,7 +33,9 @@ std::string in_short(const Json& patch) {
 }
 
 Json answer_of(const SettingsStore::Version& version) {
-  return {{"revision", version.revision}, {"settings", version.settings}};
+  return {{"revision", version.revision},
+          {"version", newest_version(settings_migrations())},
+          {"settings", version.settings}};
 }
 
 std::string pretty(const Json& json) {

@@ -53,10 +53,9 @@ TEST_F(AuditLogTest, RefusalsAreWrittenOnceAndThenCounted) {
   EXPECT_THAT(lines(), IsEmpty());
   now_s_ += 1;
   audit_->write_due();
-  EXPECT_THAT(
-      lines(),
-      ElementsAre("audit: 192.0.2.7: 149999 more requests changed nothing in 60 s: 401 x 99999, 404 x "
-                  "50000; the last: PATCH \"/api/settings\" 404"));
+  EXPECT_THAT(lines(),
+              ElementsAre("audit: 192.0.2.7: 149999 more requests were refused in 60 s: 401 x 99999, 404 x "
+                          "50000; the last: PATCH \"/api/settings\" 404"));
   refuse("192.0.2.7");
   EXPECT_THAT(lines(), IsEmpty()) << "it goes on";
   now_s_ += 60;
@@ -78,10 +77,9 @@ TEST_F(AuditLogTest, ManyAddressesAreCountedTogether) {
   for (int i = 0; i < 5000; ++i) refuse("2001:db8::" + std::to_string(i));
   now_s_ += 60;
   audit_->write_due();
-  EXPECT_THAT(
-      lines(),
-      ElementsAre("audit: other addresses: 9936 more requests changed nothing in 60 s: 401 x 9936; the "
-                  "last: PATCH \"/api/settings\" 401"));
+  EXPECT_THAT(lines(),
+              ElementsAre("audit: other addresses: 9936 more requests were refused in 60 s: 401 x 9936; the "
+                          "last: PATCH \"/api/settings\" 401"));
   for (int i = 0; i < 5000; ++i) refuse("2001:db8::" + std::to_string(i));
   EXPECT_THAT(lines(), ElementsAre("audit: 2001:db8::0 PATCH \"/api/settings\" 401")) << "a network is one";
 }
@@ -91,7 +89,7 @@ TEST_F(AuditLogTest, NothingThatWasCountedIsLost) {
   lines();
   audit_.reset();
   EXPECT_THAT(lines(),
-              ElementsAre("audit: 192.0.2.7: 2 more requests changed nothing in 0 s: 401 x 2; the last: "
+              ElementsAre("audit: 192.0.2.7: 2 more requests were refused in 0 s: 401 x 2; the last: "
                           "PATCH \"/api/settings\" 401"));
 }
 

@@ -102,6 +102,24 @@ TEST_F(ConnectionsTest, AnAnswerThatIsTakenForTooLongMakesRoom) {
   EXPECT_EQ(closed(slow), 1);
 }
 
+TEST_F(ConnectionsTest, WhoTakesALittleNowAndThenKeepsNobodyOut) {
+  std::vector<std::shared_ptr<Connection>> attackers, newcomers;
+  for (int i = 0; i < kMax - kMax / 8; ++i)
+    attackers.push_back(connect("198.51.100." + std::to_string(i % 2)));
+  for (int round = 0; round < 5; ++round) {
+    for (const auto& one : attackers) {
+      one->seat->works();
+      one->seat->sends();
+    }
+    now_s_ += Connections::kSendPatience_s - 1;
+    newcomers.push_back(connect("192.0.2." + std::to_string(round)));
+    ASSERT_TRUE(newcomers.back()) << round;
+    newcomers.back()->seat->works();
+  }
+  EXPECT_EQ(closed(attackers), 5);
+  EXPECT_EQ(closed(newcomers), 0);
+}
+
 TEST_F(ConnectionsTest, ViewersStayButLeaveRoom) {
   std::vector<std::shared_ptr<Connection>> viewers;
   int staying = 0;
