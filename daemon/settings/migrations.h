@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/error.h"
 #include "base/json.h"
 
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sslv {
@@ -32,5 +34,21 @@ Json migrated(Json tree, int version, const Migrations& migrations);
 
 /// A settings file's tree as one of the newest version, without the key that says so. Throws as version_of().
 Json up_to_date(Json file, const Migrations& migrations);
+
+/// What `check` makes of a tree from elsewhere: an import, a profile, a step of the history. One without its
+/// version is current, or of version 1 where that is refused. Throws SettingsError.
+template <class Check>
+auto check_any_version(Json tree, const Migrations& migrations, const Check& check) {
+  if (tree.is_object() && tree.contains(kVersionKey)) return check(up_to_date(std::move(tree), migrations));
+  try {
+    return check(tree);
+  } catch (const SettingsError&) {
+    try {
+      return check(migrated(std::move(tree), 1, migrations));
+    } catch (const SettingsError&) {  // what was wrong with it as a current one is what counts
+    }
+    throw;
+  }
+}
 
 }  // namespace sslv

@@ -59,8 +59,7 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, StateFolder& fold
 }
 
 CheckedSettings SettingsStore::checked(Json tree) const {
-  const bool says_version = tree.is_object() && tree.contains(kVersionKey);
-  return check_(says_version ? up_to_date(std::move(tree), migrations_) : tree);
+  return check_any_version(std::move(tree), migrations_, check_);
 }
 
 CheckedSettings SettingsStore::read_admin_file(Json* as_written) const {
@@ -155,9 +154,10 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
   bool is_as_left = false;
   try {
     const Json there_and_back =
-        version_.settings.patch(backward_patch(changes)).patch(forward_patch(changes));
+        checked(version_.settings.patch(backward_patch(changes)).patch(forward_patch(changes))).tree;
     is_as_left = Json::diff(there_and_back, version_.settings).empty();  // whatever the order of keys
   } catch (const Json::exception&) {                                     // a place is no longer there
+  } catch (const SettingsError&) {                                       // or is none of this version
   }
   if (!is_as_left) {
     throw StaleRevision(fmt::format("what revision {} changed was changed again since", revision),

@@ -100,9 +100,11 @@ void add_settings_export(CommandLine& line, CLI::App* parent) {
   CLI::App* command = parent->add_subcommand("export", "write all settings as a settings file");
   command->add_option("file", *file, "file to write; -: standard output")->capture_default_str();
   line.on(command, [&line, file] {
-    const Json settings = line.client().get_json("/api/settings").at("settings");
+    const Json answer = line.client().get_json("/api/settings");
+    Json tree{{kVersionKey, answer.value("version", 1)}};
+    tree.update(answer.at("settings"));
     Output output(*file);
-    output.stream() << json_text(settings) << "\n";
+    output.stream() << json_text(tree) << "\n";
     output.finish();
     return EXIT_SUCCESS;
   });

@@ -110,7 +110,8 @@ Response ProfileService::save(const Request& request) {
   const auto settings =
       only_member(request, "settings", R"(expected {"settings": {...}}, or nothing for the current ones)");
   const Profile profile{request.matches[1], unix_time_s(), request.address,
-                        settings ? complete_settings(*settings) : settings_.current().settings,
+                        settings ? check_any_version(*settings, settings_migrations(), complete_settings)
+                                 : settings_.current().settings,
                         newest_version(settings_migrations())};
   profiles_.save(profile);
   log::info("profile {} saved by {}", to_text(profile.name), request.address);

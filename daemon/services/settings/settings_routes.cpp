@@ -26,7 +26,10 @@ std::optional<std::uint64_t> if_match_of(const Request& request) {
 }
 
 Json saved_json(const SettingsStore::Version& version) {
-  return {{"revision", version.revision}, {"settings", version.settings}, {"saved", true}};
+  return {{"revision", version.revision},
+          {"version", newest_version(settings_migrations())},
+          {"settings", version.settings},
+          {"saved", true}};
 }
 
 Json field_presets_json() {

@@ -603,7 +603,8 @@ TEST_F(Store, AWholeFileMayBeImported) {
     return store.patch(Json::array({{{"op", "replace"}, {"path", ""}, {"value", Json::parse(text)}}}), {},
                        kNothingToPrepare);
   };
-  EXPECT_EQ(import(R"({"a": 5})").settings["a"], 5) << "of today";
+  EXPECT_EQ(import(R"({"a": 5})").settings["a"], 5) << "a current one";
+  EXPECT_EQ(import(R"({"old_a": 5})").settings["a"], 4) << "an export from before exports said their version";
   EXPECT_EQ(import(R"({"version": 2, "a": 5})").settings["a"], 4);
   EXPECT_THAT(error_of<SettingsError>([&] { import(R"({"version": 9, "a": 5})"); }), HasSubstr("newer"));
 }

@@ -11,6 +11,8 @@ import { knownStatus } from './live';
 /** null until loaded. */
 export const settings = shallowRef<Json | null>(null);
 export const revision = ref(0);
+/** Version of the settings' format, which an export says. */
+export const version = ref(1);
 export const schema = shallowRef<SchemaNode | null>(null);
 /** Why they could not be loaded. */
 export const loadError = ref('');
@@ -34,6 +36,7 @@ export type Outcome =
 function take(answer: SettingsRevision): void {
   if (answer.revision < revision.value) return;
   settings.value = answer.settings as Json;
+  version.value = answer.version;
   revision.value = answer.revision;
 }
 
