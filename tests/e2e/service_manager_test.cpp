@@ -137,6 +137,7 @@ TEST_F(Notifies, AHungDiskDoesNotEndTheService) {
   for (int i = 0; i < 4; ++i) manager_.wait_for("WATCHDOG=1");
   std::set<unsigned> sending;
   while (sending.size() < 2) sending.insert(receive(listener_).detection().camera_id());
+  EXPECT_TRUE(std::filesystem::exists(hung + ".reached")) << "nobody asked for the folder";
   std::filesystem::remove(hung);
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(daemon.wait_for_exit(), 0);
