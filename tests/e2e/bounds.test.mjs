@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { after, before, describe, it } from 'node:test';
 import { becomes, createService, freeUdpPort } from './service.mjs';
 
@@ -70,13 +70,17 @@ describe('settings', () => {
     assert.deepEqual(missing, []);
   });
 
-  const rss_MB = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${service.pid()}/status`, 'utf8'))[1]) / 1024;
+  const skip = process.env.SSLV_SANITIZE ? 'the sanitizer has its own allocator' : false;
+  const memory_MB = (name) => Number(new RegExp(`${name}:\\s+(\\d+)`).exec(readFileSync(`/proc/${service.pid()}/status`, 'utf8'))[1]) / 1024;
+  const rss_MB = () => memory_MB('VmRSS');
+  /** From now on the peak is of what comes. */
+  const forgetPeak = () => writeFileSync(`/proc/${service.pid()}/clear_refs`, '5');
   const undo = async (revision) => {
     const { status, json } = await ask('POST', 'api/settings/undo', { revision });
     assert.equal(status, 200, JSON.stringify(json).slice(0, 300));
   };
 
-  it('give the memory of large pictures and masks back when they are taken back', async () => {
+  it('give the memory of large pictures and masks back when they are taken back', { skip }, async () => {
     const width = 2000;
     const [{ calibration }] = service.settings.cameras;
     const scale = width / calibration.pixel_image_width;
@@ -100,19 +104,21 @@ describe('settings', () => {
     assert.equal(status, 200, JSON.stringify(json).slice(0, 300));
     await runs(width);
     const large_MB = rss_MB();
-    assert.ok(large_MB > before_MB + 25, `${before_MB} MB, then ${large_MB}: was it large at all?`);
+    assert.ok(large_MB > before_MB + 50, `${before_MB} MB, then ${large_MB}: was it large at all?`);
     await undo(json.revision);
     await runs(780);
-    await becomes(rss_MB, (now_MB) => now_MB < before_MB + 48, (now_MB) => `${before_MB} MB, ${large_MB} MB, now ${now_MB} MB`);
+    await becomes(rss_MB, (now_MB) => now_MB < before_MB + 25, (now_MB) => `${before_MB} MB, ${large_MB} MB, now ${now_MB} MB`);
   });
 
-  it('give the memory of much that was refused back', async () => {
+  it('give the memory of much that was refused back', { skip }, async () => {
+    forgetPeak();
     const before_MB = rss_MB();
-    for (const [path, value] of [['/site', 'S'.repeat(900_000)], ['/cameras/0/mask/exclude', [{ points: points(60_000) }]], ['/cameras/0/mask/exclude', polygons(20_000)]]) {
-      const { status, json } = await ask('PATCH', 'api/settings', replace(path, value));
-      if (status === 200) await undo(json.revision);
-    }
-    await becomes(rss_MB, (now_MB) => now_MB < before_MB + 40, (now_MB) => `${before_MB} MB, now ${now_MB} MB`);
+    const patches = [replace('/site', 'S'.repeat(900_000)), replace('/cameras/0/mask/exclude', [{ points: points(60_000) }]), replace('/cameras/0/mask/exclude', polygons(20_000))];
+    const answers = await Promise.all(Array.from({ length: 24 }, (_, i) => ask('PATCH', 'api/settings', patches[i % patches.length])));
+    for (const { status } of answers) assert.equal(status, 422);
+    const peak_MB = memory_MB('VmHWM');
+    assert.ok(peak_MB > before_MB + 50, `${before_MB} MB, at most ${peak_MB}: was it much at all?`);
+    await becomes(rss_MB, (now_MB) => now_MB < before_MB + 25, (now_MB) => `${before_MB} MB, ${peak_MB} MB, now ${now_MB} MB`);
   });
 });
 
