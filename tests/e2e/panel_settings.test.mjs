@@ -328,7 +328,8 @@ describe('settings page', { timeout: 540_000 }, () => {
       const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('export'))]);
       assert.match(download.suggestedFilename(), /^ssl-visiond-Demo-field-\d{8}-\d{4}\.json$/);
       const file = readFileSync(await download.path());
-      assert.deepEqual(JSON.parse(file), first);
+      const { version } = await (await fetch(service.address('api/settings'))).json();
+      assert.deepEqual(JSON.parse(file), { version, ...first });
 
       await patch({ op: 'replace', path: '/site', value: 'Elsewhere' }, { op: 'replace', path: '/cameras/0/stack', value: ['segment'] });
       const give = (text) => page.setInputFiles(byId('import'), { name: 'all.json', mimeType: 'application/json', buffer: Buffer.from(text) });
