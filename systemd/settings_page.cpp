@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // settings_page VERSION: the manual page ssl-visiond-settings(5), made from the settings' own schema.
-#include "config.h"
+#include "config/config.h"
 
 #include <cstdio>
 #include <cstdlib>
