@@ -306,7 +306,7 @@ describe('a service with passwords', () => {
     assert.doesNotMatch(log, /^audit: 6\.6\.6\.6/m);
   });
 
-  it('keeps a share of the tries for its own computer and for admins, whoever else guesses', { skip: noOutside }, async () => {
+  it('keeps a share of the tries for its own computer and for admins while others guess', { skip: noOutside }, async () => {
     await service.stop(); // which gives back the tries that other tests used up
     await service.start();
     const viewer = await ask('PUT', 'api/passwords/viewer', { body: { password: VIEWER, admin_password: ADMIN }, cookie: await signIn(ADMIN) });

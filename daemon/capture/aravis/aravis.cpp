@@ -124,7 +124,7 @@ class BufferTimes {
   double ticks_per_s_ = 1e9;       // of ChunkTimestamp
 };
 
-/// An automatic exposure changes by itself. The camera answers when it likes, so a thread of its own asks,
+/// An automatic exposure changes at any time. The camera answers when it likes, so a thread of its own asks,
 /// and only while images come: a dead camera would keep it, and the closing, waiting.
 class ExposureFollower {
  public:

@@ -90,7 +90,7 @@ TEST(SavedTables, RefuseWhatIsNoneOfThem) {
   EXPECT_EQ(again.save(table_with(label::kPink), LabelSet::built_in()), name);
   EXPECT_EQ(SavedTables(state).load(name, "", LabelSet::built_in())->color_table(),
             table_with(label::kPink)->color_table())
-      << "mended";
+      << "repaired";
 }
 
 TEST(SavedTables, TheOldestThatNobodyUsesGo) {
