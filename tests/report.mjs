@@ -5,13 +5,14 @@
 //   node tests/report.mjs FOLDER
 //
 // FOLDER has a folder for each suite: `suite.json` {name, exit, seconds, work_s} and what its tests left: *.xml of
-// gtest and ctest, *.jsonl of tests/node_reporter.mjs, vitest.json. Exit code: 1 when something failed or when the work
-// of all suites together has doubled (tests/budget.json).
+// gtest and ctest, *.jsonl of tests/node_reporter.mjs, vitest.json, *.work of tests/entry.sh. Exit code: 1 when
+// something failed or when the work of all suites together has doubled (tests/budget.json).
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const SLOWEST = 10;
+const SANITIZERS = { asan: 'under AddressSanitizer and UBSan', tsan: 'under ThreadSanitizer' };
 const ENTITIES = { lt: '<', gt: '>', quot: '"', apos: "'", amp: '&', '#x0A': '\n', '#x0a': '\n' };
 const plain = (text) => text.replace(/&([a-z]+|#x0A);/gi, (all, name) => ENTITIES[name] ?? all);
 const attributes = (text) => Object.fromEntries([...text.matchAll(/([\w-]+)="([^"]*)"/g)].map(([, key, value]) => [key, plain(value)]));
@@ -65,7 +66,7 @@ const suites = readdirSync(folder).filter((name) => existsSync(join(folder, name
   const result = suite.exit === 0 ? 'passed' : suite.exit === 77 ? 'skipped' : 'failed';
   const broke = result === 'failed' && !tests.some((test) => test.result === 'failed');
   if (tests.length === 0 || broke) tests.push({ name: suite.name, suite: suite.name, result, seconds: suite.seconds });
-  return { ...suite, tests };
+  return { ...suite, folder: name, tests };
 });
 const tests = suites.flatMap((suite) => suite.tests);
 const withResult = (wanted) => tests.filter(({ result }) => result === wanted);
@@ -85,13 +86,23 @@ for (const test of tests.filter(({ group }) => !group).sort((a, b) => b.seconds 
 const budget = JSON.parse(readFileSync(fileURLToPath(new URL('budget.json', import.meta.url)), 'utf8'));
 say('suites: time that passed, work of the processors, budget (s)');
 let work = 0, allowed = 0;
-for (const suite of suites) {
-  const own = budget.work_s[suite.name];
+function row(name, seconds_passed, work_s) {
+  const own = budget.work_s[name];
   if (own !== undefined) {
-    work += suite.work_s;
+    work += work_s;
     allowed += own;
   }
-  console.log(`${seconds(suite.seconds)} ${seconds(suite.work_s)} ${own === undefined ? '       -' : seconds(own)}  ${suite.name}${suite.work_s > budget.factor * own ? '  MORE WORK THAN ITS BUDGET' : ''}`);
+  console.log(`${seconds_passed === undefined ? '       -' : seconds(seconds_passed)} ${seconds(work_s)} ${own === undefined ? '       -' : seconds(own)}  ${name}${work_s > budget.factor * own ? '  MORE WORK THAN ITS BUDGET' : ''}`);
+}
+for (const suite of suites) {
+  row(suite.name, suite.seconds, suite.work_s);
+  // The parts of a suite that go side by side: those with a sanitizer say so in front of their names.
+  const parts = new Map();
+  for (const file of readdirSync(join(folder, suite.folder)).filter((name) => name.endsWith('.work'))) {
+    const part = SANITIZERS[file.split('.')[0]] ?? 'as shipped';
+    parts.set(part, (parts.get(part) ?? 0) + Number(readFileSync(join(folder, suite.folder, file), 'utf8')));
+  }
+  for (const [part, work_s] of [...parts].sort()) row(`${suite.name}, ${part}`, undefined, work_s);
 }
 const overspent = work > budget.factor * allowed;
 if (overspent) console.log(`\nthe suites' work is ${work.toFixed(0)} s, more than ${budget.factor} times the ${allowed} s of tests/budget.json`);

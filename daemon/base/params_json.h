@@ -59,7 +59,7 @@ inline std::string read_text(const Json& json, const std::string& path, std::siz
   return text;
 }
 
-inline std::string with_unit(std::string text, std::string_view unit) {
+inline std::string with_unit(const std::string& text, std::string_view unit) {
   return unit.empty() ? text : text + " " + std::string(unit);
 }
 

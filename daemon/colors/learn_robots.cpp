@@ -23,8 +23,8 @@ constexpr double kMaxUnevenBlack = 0.45;
 constexpr double kApartMm = 120;
 
 const Lut& no_colors() {
-  static const Lut lut;
-  return lut;
+  static const Lut kEmpty;
+  return kEmpty;
 }
 
 double quality(const SeenRobot& robot) {

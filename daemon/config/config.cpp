@@ -73,7 +73,7 @@ Config read_config(const Json& settings) {
   check_field(config.field, "/field");
   check_multicast(config.network.vision, "/network/vision");
   check_group(config.network.referee.group, "/network/referee/group");
-  LabelSet(config.own_labels, "/own_labels");
+  static_cast<void>(LabelSet(config.own_labels, "/own_labels"));  // refuses bad names
   std::map<int, std::size_t> camera_with_id;
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     CameraSettings& camera = config.cameras[i];

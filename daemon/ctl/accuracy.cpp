@@ -200,8 +200,9 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
       std::istringstream detected(stretch.detections), expected_there(stretch.truth);
       const Score part = score(detected, expected_there, scoring);
       const auto& steps = follower.steps();
-      result.film.push_back({step_s * (i / stretch_frames * stretch_frames), part.robots, part.balls,
-                             steps.empty() ? LightChange{} : steps.back().change});
+      const int first = i / stretch_frames * stretch_frames;
+      result.film.push_back(
+          {step_s * first, part.robots, part.balls, steps.empty() ? LightChange{} : steps.back().change});
     }
     result.detections += std::exchange(stretch.detections, {});
     result.truth += std::exchange(stretch.truth, {});

@@ -56,7 +56,7 @@ std::string path_part(const std::string& name) {
 }
 
 std::string refusal_text(const std::string& path, int http_status, const std::string& body) {
-  const std::string bare = fmt::format("{}: HTTP status {}", path, http_status);
+  std::string bare = fmt::format("{}: HTTP status {}", path, http_status);
   Json answer;
   try {
     answer = plain_answer(parse_answer(body, path));
@@ -64,7 +64,7 @@ std::string refusal_text(const std::string& path, int http_status, const std::st
     return bare;
   }
   if (!answer.is_object() || !answer.contains("error") || !answer["error"].is_string()) return bare;
-  const std::string error = answer["error"].get<std::string>();
+  std::string error = answer["error"].get<std::string>();
   return answer.contains("changed_since") ? error + steps_text(answer["changed_since"]) : error;
 }
 
@@ -76,7 +76,7 @@ struct Client::Request {
   std::optional<std::uint64_t> if_revision{};
 };
 
-std::string Client::answer(Request request) const {
+std::string Client::answer(const Request& request) const {
   const auto send = [&](const Request& one) {
     HttpCall call{one.method, one.path, {}, one.body};
     if (!one.body.empty()) call.headers.emplace_back("Content-Type", one.type);

@@ -44,7 +44,7 @@ class Client {
 
  private:
   struct Request;
-  std::string answer(Request request) const;
+  std::string answer(const Request& request) const;
 
   std::string address_;
   std::shared_ptr<SignIn> sign_in_;

@@ -15,6 +15,8 @@
 // After foreach_target.h:
 #include <hwy/highway.h>
 
+// Highway's own style of names.
+// NOLINTBEGIN(readability-identifier-naming)
 HWY_BEFORE_NAMESPACE();
 namespace sslv {
 namespace HWY_NAMESPACE {
@@ -390,6 +392,7 @@ std::string_view KernelTarget() {
 }  // namespace HWY_NAMESPACE
 }  // namespace sslv
 HWY_AFTER_NAMESPACE();
+// NOLINTEND(readability-identifier-naming)
 
 #if HWY_ONCE
 namespace sslv {

@@ -21,6 +21,8 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+// Highway's own style of names.
+// NOLINTBEGIN(readability-identifier-naming)
 HWY_BEFORE_NAMESPACE();
 namespace sslv {
 namespace HWY_NAMESPACE {
@@ -709,6 +711,7 @@ const char* Target() {
 }  // namespace HWY_NAMESPACE
 }  // namespace sslv
 HWY_AFTER_NAMESPACE();
+// NOLINTEND(readability-identifier-naming)
 
 #if HWY_ONCE
 namespace sslv {

@@ -270,8 +270,8 @@ struct WebServer::Impl {
   std::optional<RunningServer> running;
 };
 
-WebServer::WebServer(WebParts parts, const WebOptions& options, WebCounters& counters)
-    : impl_(std::make_unique<Impl>(std::move(parts), options, counters)) {}
+WebServer::WebServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
+    : impl_(std::make_unique<Impl>(parts, options, counters)) {}
 
 WebServer::~WebServer() = default;
 

@@ -35,7 +35,7 @@ class WebServer {
  public:
   /// Listens when it returns. `parts` and `counters`, which it counts in, must outlive it. Throws
   /// SettingsError naming /panel/address or /panel/port when it cannot listen there.
-  WebServer(WebParts parts, const WebOptions& options, WebCounters& counters);
+  WebServer(const WebParts& parts, const WebOptions& options, WebCounters& counters);
   ~WebServer();  // stop()
 
   /// Finishes the requests that are being handled, then closes all connections. Not for a handler.

@@ -5,6 +5,7 @@
 #include "config/backends.h"
 #include "config/config.h"
 #include "image/color.h"
+#include "support/paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,7 @@ constexpr Color kCarpet{34, 98, 48}, kFloor{60, 60, 62};
 constexpr int kMinWidth = 780;  // width at which lengths are given
 
 Config demo() {
-  std::ifstream in(SSLV_SOURCE_DIR "/config/demo.json");
+  std::ifstream in(source_path("/config/demo.json"));
   return read_config(Json::parse(in));
 }
 

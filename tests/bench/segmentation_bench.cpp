@@ -6,6 +6,7 @@
 #include "colors/learn_colors.h"
 #include "config/config.h"
 #include "ctl/bench.h"
+#include "support/paths.h"
 #include "support/simd_target.h"
 #include "three_passes.h"
 #include "vision/segment.h"
@@ -44,7 +45,7 @@ std::string name_of(Size size) {
 
 const Config& demo() {
   static const Config config = [] {
-    std::ifstream in(SSLV_SOURCE_DIR "/config/demo.json");
+    std::ifstream in(source_path("/config/demo.json"));
     return read_config(Json::parse(in));
   }();
   return config;

@@ -3,6 +3,7 @@
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
+#include "support/paths.h"
 
 #include <fstream>
 
@@ -20,23 +21,22 @@ class CalibrateFiles : public ::testing::Test {
   Json json_in(const char* name) const { return Json::parse(std::ifstream(folder_.file(name))); }
   /// Pictures of camera 0 of the demo, with its robots.
   void simulate(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{SSLV_CTL,   "simulate", "--settings", SSLV_SOURCE_DIR "/config/demo.json",
-                                   "--frames", "5",        "--output",   folder_.file("frames")};
+    std::vector<std::string> words{ctl_program(), "simulate", "--settings", source_path("/config/demo.json"),
+                                   "--frames",    "5",        "--output",   folder_.file("frames")};
     words.insert(words.end(), more.begin(), more.end());
     const auto run = run_to_end(words);
     ASSERT_EQ(run.exit_code, 0) << run.output;
   }
   Finished calibrate(const std::vector<std::string>& more) const {
-    std::vector<std::string> words{SSLV_CTL,   "calibrate",
-                                   "--input",  folder_.file("frames"),
-                                   "--output", folder_.file("calibration.json")};
+    std::vector<std::string> words{ctl_program(),          "calibrate", "--input",
+                                   folder_.file("frames"), "--output",  folder_.file("calibration.json")};
     words.insert(words.end(), more.begin(), more.end());
     return run_to_end(words);
   }
 
   TemporaryFolder folder_;
   const Json truth_json_ =
-      Json::parse(std::ifstream(SSLV_SOURCE_DIR "/config/demo.json"))["cameras"][0]["calibration"];
+      Json::parse(std::ifstream(source_path("/config/demo.json")))["cameras"][0]["calibration"];
   const CameraModel truth_{params_from_json<CameraCalibration>(truth_json_, "")};
 };
 
@@ -64,7 +64,7 @@ TEST_F(CalibrateFiles, RawFramesAndTheFieldOfSettings) {
   simulate({"--raw"});
   const std::string points = folder_.write("points.json", Json{{"points", clicked_points(truth_)}}.dump());
   const auto run =
-      calibrate({"--field", SSLV_SOURCE_DIR "/config/demo.json", "--points", points, "--pixel-format", "uyvy",
+      calibrate({"--field", source_path("/config/demo.json"), "--points", points, "--pixel-format", "uyvy",
                  "--size", "780x580", "--lines", "middle", "--plus-x", "up", "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_EQ(Json::parse(run.output)["accepted"], true);
@@ -74,7 +74,7 @@ TEST_F(CalibrateFiles, WhatIsNoFieldEndsWithOneAndAReport) {
   folder_.write("grey.ppm", "P6\n4 3\n255\n" + std::string(36, 'x'));
   const std::string points =
       folder_.write("points.json", R"([{"x":0,"y":0},{"x":3,"y":0},{"x":3,"y":2},{"x":0,"y":2}])");
-  const auto run = run_to_end({SSLV_CTL, "calibrate", "--input", folder_.file("grey.ppm"), "--field",
+  const auto run = run_to_end({ctl_program(), "calibrate", "--input", folder_.file("grey.ppm"), "--field",
                                "division-a", "--points", points, "--output", folder_.file("calibration.json"),
                                "--report", folder_.file("report.json")});
   EXPECT_EQ(run.exit_code, 1) << run.output;

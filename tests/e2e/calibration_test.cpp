@@ -5,6 +5,7 @@
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
 #include "ssl_gc_referee_message.pb.h"
+#include "support/paths.h"
 
 #include <csignal>
 #include <fstream>
@@ -149,18 +150,19 @@ TEST_F(Calibration, FromTheCommandLine) {
   const Json wrong = spoil(daemon);
   const std::string points = folder_.write("points.json", clicked_points(truth_).dump());
   const std::string output = folder_.file("calibration.json");
-  const auto run = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "0",
+  const auto run = run_to_end({ctl_program(), "--daemon", daemon.address(), "calibrate", "--camera", "0",
                                "--points", points, "--height", "4000", "--output", output, "--accept"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("in effect")));
   EXPECT_EQ(in_settings(daemon), Json::parse(std::ifstream(output)));
   EXPECT_LT(worst_error_mm(truth_, model_of(in_settings(daemon)), 0), 1.5);
 
-  const auto unknown = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--camera", "7"});
+  const auto unknown =
+      run_to_end({ctl_program(), "--daemon", daemon.address(), "calibrate", "--camera", "7"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.output, HasSubstr("no camera 7"));
-  EXPECT_EQ(run_to_end({SSLV_CTL, "calibrate", "--camera", "0", "--input", "x"}).exit_code, 64);
-  EXPECT_EQ(run_to_end({SSLV_CTL, "calibrate"}).exit_code, 64);
+  EXPECT_EQ(run_to_end({ctl_program(), "calibrate", "--camera", "0", "--input", "x"}).exit_code, 64);
+  EXPECT_EQ(run_to_end({ctl_program(), "calibrate"}).exit_code, 64);
 }
 
 TEST_F(Calibration, RunsOnceAndCanBeCancelledAndRejected) {

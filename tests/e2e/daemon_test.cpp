@@ -5,6 +5,7 @@
 #include "capture/simulator/simulator_world.h"
 #include "e2e/running_daemon.h"
 #include "geometry/camera_model.h"
+#include "support/paths.h"
 
 #include <cmath>
 #include <csignal>
@@ -239,12 +240,12 @@ TEST_F(Daemon, TellsHowItIs) {
   EXPECT_EQ(camera["pixel_format"], "uyvy");
   EXPECT_EQ(camera["stages"].size(), 4u);
   EXPECT_NEAR(camera["calibration"]["derived_camera_world_tx"].get<double>(), -2350, 5);
-  const auto told = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "status"});
+  const auto told = run_to_end({ctl_program(), "--daemon", daemon.address(), "status"});
   EXPECT_EQ(told.exit_code, 0);
   EXPECT_THAT(told.output, AllOf(HasSubstr("Demo field"), HasSubstr("running"), HasSubstr("780x580")));
   const auto file = folder_.file("picture.jpg");
   EXPECT_EQ(
-      run_to_end({SSLV_CTL, "--daemon", daemon.address(), "snapshot", "--camera", "1", "--output", file})
+      run_to_end({ctl_program(), "--daemon", daemon.address(), "snapshot", "--camera", "1", "--output", file})
           .exit_code,
       0);
   EXPECT_GT(std::filesystem::file_size(file), 10'000u);
@@ -276,7 +277,7 @@ TEST_F(Daemon, AChangeIsTakenBackFromTheCommandLine) {
   daemon.set("/site", "Field B");
   daemon.set("/cameras/1/name", "left");
   const auto ctl = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {SSLV_CTL, "--daemon", daemon.address()});
+    words.insert(words.begin(), {ctl_program(), "--daemon", daemon.address()});
     return run_to_end(words);
   };
   EXPECT_THAT(ctl({"history"}).output,
@@ -327,7 +328,7 @@ TEST_F(Daemon, ACameraMayComeGoAndChangeItsStackWhileRunning) {
 TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
   Json& camera = settings_["cameras"][1];
   camera["source"] = {
-      {"backend", "files"}, {"path", SSLV_SOURCE_DIR "/tests/golden/division_b.jpg"}, {"loop", true}};
+      {"backend", "files"}, {"path", source_path("/tests/golden/division_b.jpg")}, {"loop", true}};
   camera["calibration"].update(Json{{"pixel_image_width", 1280}, {"pixel_image_height", 952}});
   RunningDaemon daemon(settings_file(), state_);
   const Json status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
@@ -340,8 +341,9 @@ TEST_F(Daemon, RefusesToStartOnAPortThatIsTaken) {
   RunningDaemon daemon(settings_file(), state_);
   const std::string port = daemon.address().substr(daemon.address().rfind(':') + 1);
   settings_["panel"]["port"] = std::stoi(port);
-  const auto second = run_to_end({SSLV_DAEMON, "--config", folder_.write("second.json", settings_.dump())},
-                                 {"STATE_DIRECTORY=" + folder_.file("second")});
+  const auto second =
+      run_to_end({daemon_program(), "--config", folder_.write("second.json", settings_.dump())},
+                 {"STATE_DIRECTORY=" + folder_.file("second")});
   EXPECT_EQ(second.exit_code, 75);
   EXPECT_THAT(second.output, AllOf(HasSubstr("/panel/port"), HasSubstr(port), HasSubstr("taken")));
 }
@@ -375,7 +377,8 @@ TEST_P(BadSettingsTest, AreNamedAtStart) {
   const Json settings = demo_settings(12345).patch(Json::parse(GetParam().patch));
   const std::string file = folder.write("field.json", settings.dump(2));
   for (const char* option : {"--check-config", "--config"}) {
-    const auto run = run_to_end({SSLV_DAEMON, option, file}, {"STATE_DIRECTORY=" + folder.path().string()});
+    const auto run =
+        run_to_end({daemon_program(), option, file}, {"STATE_DIRECTORY=" + folder.path().string()});
     EXPECT_EQ(run.exit_code, 78) << run.output;
     EXPECT_THAT(run.output, HasSubstr(file));
     for (const std::string& word : GetParam().words) EXPECT_THAT(run.output, HasSubstr(word));
@@ -438,21 +441,21 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return one.param.name; });
 
 TEST(Arguments, WrongOnesEndWithSixtyFour) {
-  EXPECT_EQ(run_to_end({SSLV_DAEMON, "--no-such-option"}).exit_code, 64);
-  EXPECT_EQ(run_to_end({SSLV_DAEMON}).exit_code, 64);
-  EXPECT_EQ(run_to_end({SSLV_CTL, "no-such-command"}).exit_code, 64);
-  EXPECT_THAT(run_to_end({SSLV_DAEMON, "--config", "/no/such.json"}).output,
+  EXPECT_EQ(run_to_end({daemon_program(), "--no-such-option"}).exit_code, 64);
+  EXPECT_EQ(run_to_end({daemon_program()}).exit_code, 64);
+  EXPECT_EQ(run_to_end({ctl_program(), "no-such-command"}).exit_code, 64);
+  EXPECT_THAT(run_to_end({daemon_program(), "--config", "/no/such.json"}).output,
               AllOf(HasSubstr("/no/such.json"), HasSubstr("No such file")));
-  EXPECT_THAT(run_to_end({SSLV_DAEMON, "--version"}).output, HasSubstr("ssl-visiond 0."));
-  EXPECT_THAT(run_to_end({SSLV_CTL, "--daemon", "http://127.0.0.1:1", "status"}).output,
+  EXPECT_THAT(run_to_end({daemon_program(), "--version"}).output, HasSubstr("ssl-visiond 0."));
+  EXPECT_THAT(run_to_end({ctl_program(), "--daemon", "http://127.0.0.1:1", "status"}).output,
               HasSubstr("no daemon answers"));
 }
 
 TEST(Arguments, EverySampleOfSettingsCanBeUsed) {
   int samples = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(SSLV_SOURCE_DIR "/config")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("/config"))) {
     if (entry.path().extension() != ".json") continue;
-    const auto run = run_to_end({SSLV_DAEMON, "--check-config", entry.path().string()});
+    const auto run = run_to_end({daemon_program(), "--check-config", entry.path().string()});
     EXPECT_EQ(run.exit_code, 0) << run.output;
     ++samples;
   }
@@ -461,11 +464,11 @@ TEST(Arguments, EverySampleOfSettingsCanBeUsed) {
 
 TEST(Arguments, PrintConfigIsAWholeTreeThatCanBeUsed) {
   const auto printed =
-      run_to_end({SSLV_DAEMON, "--print-config", "--config", SSLV_SOURCE_DIR "/config/demo.json"});
+      run_to_end({daemon_program(), "--print-config", "--config", source_path("/config/demo.json")});
   EXPECT_EQ(printed.exit_code, 0);
   const TemporaryFolder folder;
   const std::string file = folder.write("whole.json", printed.output);
-  EXPECT_EQ(run_to_end({SSLV_DAEMON, "--check-config", file}).exit_code, 0);
+  EXPECT_EQ(run_to_end({daemon_program(), "--check-config", file}).exit_code, 0);
   EXPECT_EQ(Json::parse(printed.output)["cameras"][0]["stages"]["detect_balls"]["max_balls"], 20);
 }
 

@@ -4,6 +4,7 @@
 #include "base/params_json.h"
 #include "capture/simulator/simulator.h"
 #include "capture/simulator/simulator_world.h"
+#include "support/paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,7 @@ FrameCheck GigeScene::check(const SSL_DetectionFrame& frame) const {
 
 std::unique_ptr<ChildProcess> start_gige_camera(const std::string& served_file, const std::string& address) {
   auto camera = std::make_unique<ChildProcess>(
-      std::vector<std::string>{SSLV_FAKE_CAMERA, address, "TEST01", served_file});
+      std::vector<std::string>{fake_camera_program(), address, "TEST01", served_file});
   camera->wait_for_line("ready");
   return camera;
 }

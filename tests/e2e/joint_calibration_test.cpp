@@ -5,6 +5,7 @@
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
 #include "ssl_gc_referee_message.pb.h"
+#include "support/paths.h"
 
 #include <algorithm>
 #include <array>
@@ -158,15 +159,16 @@ TEST_F(JointCalibration, FromTheCommandLine) {
   RunningDaemon daemon(settings_file(), state_);
   const Json wrong = spoil(daemon);
   const std::string figures = folder_.file("report.json");
-  const auto run = run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--together", "--cameras",
-                               "1,0", "--seconds", "2", "--frames", "3", "--accept", "--report", figures});
+  const auto run =
+      run_to_end({ctl_program(), "--daemon", daemon.address(), "calibrate", "--together", "--cameras", "1,0",
+                  "--seconds", "2", "--frames", "3", "--accept", "--report", figures});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("mm apart, before"), HasSubstr("camera 1"),
                                 HasSubstr("in effect")));
   EXPECT_LT(worst_disagreement_mm(in_settings(daemon), 0), 1);
 
-  const auto unknown =
-      run_to_end({SSLV_CTL, "--daemon", daemon.address(), "calibrate", "--together", "--cameras", "0,7"});
+  const auto unknown = run_to_end(
+      {ctl_program(), "--daemon", daemon.address(), "calibrate", "--together", "--cameras", "0,7"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.output, HasSubstr("/cameras/1: no camera 7; known: 0, 1"));
   for (const auto& wrong_words : {std::vector<std::string>{"--together", "--camera", "0"},
@@ -174,7 +176,7 @@ TEST_F(JointCalibration, FromTheCommandLine) {
                                   {"--together", "--cameras", "0,x"},
                                   {"--camera", "0", "--cameras", "0,1"},
                                   {"--input", "x", "--accept"}}) {
-    std::vector<std::string> words{SSLV_CTL, "calibrate"};
+    std::vector<std::string> words{ctl_program(), "calibrate"};
     words.insert(words.end(), wrong_words.begin(), wrong_words.end());
     const auto refused = run_to_end(words);
     EXPECT_EQ(refused.exit_code, 64) << refused.output;

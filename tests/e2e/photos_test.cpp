@@ -5,6 +5,7 @@
 #include "base/json.h"
 #include "geometry/camera_model.h"
 #include "support/child_process.h"
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/test_data.h"
 
@@ -38,14 +39,15 @@ void everything_is_found(const fs::path& hall, int balls_missed = 0) {
   ASSERT_TRUE(fs::exists(truth)) << truth << ": make it with ssl-visionctl annotate";
   const Json settings = Json::parse(std::ifstream(settings_file));
   const std::string camera = std::to_string(settings["cameras"][0].value("id", 0));
-  run_or_fail({SSLV_CTL, "learn-colours", "--settings", settings_file, "--camera", camera, "--input", hall,
-               "--output", folder.file("table.lut")});
+  run_or_fail({ctl_program(), "learn-colours", "--settings", settings_file, "--camera", camera, "--input",
+               hall, "--output", folder.file("table.lut")});
   if (testing::Test::HasFatalFailure()) return;
-  run_or_fail({SSLV_CTL, "process", "--settings", settings_file, "--camera", camera, "--lut",
+  run_or_fail({ctl_program(), "process", "--settings", settings_file, "--camera", camera, "--lut",
                folder.file("table.lut"), "--input", hall, "--output", folder.file("found")});
   if (testing::Test::HasFatalFailure()) return;
   std::string text;
-  run_or_fail({SSLV_CTL, "score", "--json", "--detections", folder.file("found"), "--truth", truth}, &text);
+  run_or_fail({ctl_program(), "score", "--json", "--detections", folder.file("found"), "--truth", truth},
+              &text);
   if (testing::Test::HasFatalFailure()) return;
 
   const Json score = Json::parse(text);
@@ -87,10 +89,10 @@ TEST(RealHalls, EverythingIsFoundWithLearntColours) {
 TEST(RealHalls, ADrawnOneIsAnnotatedAndFoundToo) {
   const TemporaryFolder folder;
   const fs::path hall = folder.path() / "drawn";
-  const std::string demo = SSLV_SOURCE_DIR "/config/demo.json";
+  const std::string demo = source_path("/config/demo.json");
   run_or_fail(
-      {SSLV_CTL, "simulate", "--settings", demo, "--frames", "4", "--start", "1000", "--output", hall});
-  run_or_fail({SSLV_CTL, "annotate", "--settings", demo, "--input", hall, "--truth",
+      {ctl_program(), "simulate", "--settings", demo, "--frames", "4", "--start", "1000", "--output", hall});
+  run_or_fail({ctl_program(), "annotate", "--settings", demo, "--input", hall, "--truth",
                folder.file("truth.jsonl"), "--checked"});
   if (testing::Test::HasFatalFailure()) return;
   fs::copy_file(demo, hall / "settings.json");
@@ -142,7 +144,7 @@ Json truth_of(const Json& annotated, const Json& settings) {
 TEST(RealHalls, SixPrintsOnACarpet) {
   const fs::path data = test_data_folder() / "real", photo = data / "ssl_blue6_win.jpg";
   if (!fs::exists(photo)) GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
-  Json settings = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/tests/golden/ssl_blue6.json"));
+  Json settings = Json::parse(std::ifstream(source_path("/tests/golden/ssl_blue6.json")));
   // Nothing that was made for this photo: no colours, detectors as they come.
   settings["cameras"][0].erase("colors");
   settings["cameras"][0].erase("stages");
@@ -161,14 +163,14 @@ TEST(RealHalls, SixPrintsOnACarpet) {
 /// Photos of before 2010 and of another league: a table of what was guessed there would be worse than none.
 TEST(RealHalls, OtherPatternsAreNotLearntFrom) {
   const TemporaryFolder folder;
-  Json settings = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/config/demo.json"));
+  Json settings = Json::parse(std::ifstream(source_path("/config/demo.json")));
   settings["cameras"][0].erase("calibration");
   const std::string settings_file = folder.write("settings.json", settings.dump());
   for (const char* name : {"cmu2008_raw_780x580.jpg", "vsss_rodetas_scene1_640x480.png"}) {
     const fs::path photo = test_data_folder() / "real" / name;
     if (!fs::exists(photo)) GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
     const Finished run =
-        run_to_end({SSLV_CTL, "learn-colours", "--settings", settings_file, "--input", photo});
+        run_to_end({ctl_program(), "learn-colours", "--settings", settings_file, "--input", photo});
     EXPECT_EQ(run.exit_code, 1) << name;
     EXPECT_NE(run.output.find("no robot was found"), std::string::npos) << name << ": " << run.output;
   }

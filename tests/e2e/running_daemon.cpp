@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "e2e/running_daemon.h"
 
+#include "support/paths.h"
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -23,7 +25,7 @@ Json checked(const httplib::Result& answer, const std::string& asked, int expect
 }  // namespace
 
 Json demo_settings(int multicast_port) {
-  Json settings = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/config/demo.json"));
+  Json settings = Json::parse(std::ifstream(source_path("/config/demo.json")));
   settings["panel"] = {{"port", 0}};
   settings["network"]["vision"]["group"] = GroupListener::kGroup;
   settings["network"]["vision"]["port"] = multicast_port;
@@ -32,7 +34,7 @@ Json demo_settings(int multicast_port) {
 }
 
 RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesystem::path& state)
-    : process_({SSLV_DAEMON, "--config", settings_file, "--files", SSLV_SOURCE_DIR "/tests"},
+    : process_({daemon_program(), "--config", settings_file, "--files", source_path("/tests")},
                {"STATE_DIRECTORY=" + state.string()}) {
   const std::string line = process_.wait_for_line("panel on port ");
   port_ = line.substr(line.rfind(' ') + 1);

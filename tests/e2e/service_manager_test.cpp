@@ -3,6 +3,7 @@
 #include "support/service_manager.h"
 
 #include "e2e/running_daemon.h"
+#include "support/paths.h"
 
 #include <csignal>
 #include <fstream>
@@ -25,7 +26,7 @@ using ::testing::StartsWith;
 
 class Notifies : public DaemonTest {
  protected:
-  std::vector<std::string> words() const { return {SSLV_DAEMON, "--config", settings_file()}; }
+  std::vector<std::string> words() const { return {daemon_program(), "--config", settings_file()}; }
   std::vector<std::string> environment() const {
     return {"STATE_DIRECTORY=" + state_.string(), manager_.variable()};
   }
@@ -64,7 +65,7 @@ class StuckFilm {
  public:
   explicit StuckFilm(const std::string& path) {
     if (::mkfifo(path.c_str(), 0600) != 0) throw std::runtime_error("no pipe " + path);
-    std::ifstream in(SSLV_SOURCE_DIR "/tests/golden/division_b.jpg", std::ios::binary);
+    std::ifstream in(source_path("/tests/golden/division_b.jpg"), std::ios::binary);
     picture_ = {std::istreambuf_iterator<char>(in), {}};
     pipe_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);  // not waiting for a reader
     writer_ = std::jthread([this](const std::stop_token& stop) {
@@ -126,8 +127,9 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
 TEST_F(Notifies, AHungDiskDoesNotEndTheService) {
   const std::string hung = folder_.file("hung");
   std::vector<std::string> environment = this->environment();
-  environment.insert(environment.end(), {"LD_PRELOAD=" SSLV_HUNG_DISK, "SSLV_HUNG_FOLDER=" + state_.string(),
-                                         "SSLV_HUNG_WHILE=" + hung, "ASAN_OPTIONS=verify_asan_link_order=0"});
+  environment.insert(environment.end(),
+                     {"LD_PRELOAD=" + hung_disk_library(), "SSLV_HUNG_FOLDER=" + state_.string(),
+                      "SSLV_HUNG_WHILE=" + hung, "ASAN_OPTIONS=verify_asan_link_order=0"});
   ChildProcess daemon(words(), environment);
   manager_.wait_for("READY=1");
   std::ofstream(hung) << "now";

@@ -3,6 +3,7 @@
 #include "base/params_json.h"
 #include "e2e/running_daemon.h"
 #include "geometry/camera_model.h"
+#include "support/paths.h"
 #include "support/test_data.h"
 
 #include <cmath>
@@ -35,12 +36,12 @@ class Tools : public ::testing::Test {
   /// simulate -> process -> score over `frames` frames.
   Json score(const std::string& settings, int frames, const std::vector<std::string>& raw_format = {}) const {
     std::vector<std::string> simulate{
-        SSLV_CTL, "simulate", "--settings",          settings, "--frames", std::to_string(frames), "--start",
-        "1000",   "--output", folder_.file("frames")};
-    std::vector<std::string> process{SSLV_CTL,     "process",
-                                     "--settings", settings,
-                                     "--input",    folder_.file("frames"),
-                                     "--output",   folder_.file("detections.jsonl")};
+        ctl_program(),          "simulate", "--settings", settings,   "--frames",
+        std::to_string(frames), "--start",  "1000",       "--output", folder_.file("frames")};
+    std::vector<std::string> process{ctl_program(), "process",
+                                     "--settings",  settings,
+                                     "--input",     folder_.file("frames"),
+                                     "--output",    folder_.file("detections.jsonl")};
     if (!raw_format.empty()) {
       simulate.push_back("--raw");
       process.insert(process.end(), raw_format.begin(), raw_format.end());
@@ -48,8 +49,8 @@ class Tools : public ::testing::Test {
     must_run(simulate);
     must_run(process);
     const auto scored =
-        run_to_end({SSLV_CTL, "score", "--json", "--detections", folder_.file("detections.jsonl"), "--truth",
-                    folder_.file("frames/truth.jsonl")});
+        run_to_end({ctl_program(), "score", "--json", "--detections", folder_.file("detections.jsonl"),
+                    "--truth", folder_.file("frames/truth.jsonl")});
     EXPECT_EQ(scored.exit_code, 0) << scored.output;
     return Json::parse(scored.output);
   }
@@ -101,10 +102,10 @@ TEST_F(Tools, BayerOfALargerSensor) {
 
 TEST_F(Tools, ProcessingIsDeterministic) {
   const std::string settings = settings_with("{}");
-  must_run(
-      {SSLV_CTL, "simulate", "--settings", settings, "--frames", "3", "--output", folder_.file("frames")});
+  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "3", "--output",
+            folder_.file("frames")});
   const auto detections = [&](const char* name) {
-    must_run({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("frames"), "--output",
+    must_run({ctl_program(), "process", "--settings", settings, "--input", folder_.file("frames"), "--output",
               folder_.file(name)});
     std::vector<Json> lines;
     std::istringstream text(text_of(folder_.file(name)));
@@ -123,30 +124,30 @@ TEST_F(Tools, ProcessingIsDeterministic) {
 
 TEST_F(Tools, WhatCannotBeReadIsNamedAndSkipped) {
   const std::string settings = settings_with("{}");
-  must_run(
-      {SSLV_CTL, "simulate", "--settings", settings, "--frames", "2", "--output", folder_.file("frames")});
+  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "2", "--output",
+            folder_.file("frames")});
   folder_.write("frames/frame_000000a.png", "this is no picture");
   const auto run =
-      run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("frames")});
+      run_to_end({ctl_program(), "process", "--settings", settings, "--input", folder_.file("frames")});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("frame_000000a.png"), HasSubstr("\"frame\":\"frame_000000\""),
                     HasSubstr("\"frame\":\"frame_000001\""), HasSubstr("1 frames could not be read")));
-  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "1", "--raw", "--output",
+  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "1", "--raw", "--output",
             folder_.file("raw")});
-  const auto wrong = run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("raw"),
-                                 "--pixel-format", "uyvy", "--size", "640x480"});
+  const auto wrong = run_to_end({ctl_program(), "process", "--settings", settings, "--input",
+                                 folder_.file("raw"), "--pixel-format", "uyvy", "--size", "640x480"});
   EXPECT_THAT(wrong.output, AllOf(HasSubstr("frame_000000.raw"), HasSubstr("904800"), HasSubstr("614400")));
-  EXPECT_THAT(run_to_end({SSLV_CTL, "process", "--settings", settings, "--input", "/no/such"}).output,
+  EXPECT_THAT(run_to_end({ctl_program(), "process", "--settings", settings, "--input", "/no/such"}).output,
               HasSubstr("/no/such"));
   EXPECT_THAT(
-      run_to_end({SSLV_CTL, "process", "--settings", settings, "--camera", "7", "--input", "x"}).output,
+      run_to_end({ctl_program(), "process", "--settings", settings, "--camera", "7", "--input", "x"}).output,
       HasSubstr("has no camera 7; known: 0, 1"));
 }
 
 TEST_F(Tools, BenchTimesEveryStage) {
-  const auto run = run_to_end(
-      {SSLV_CTL, "bench", "--json", "--frames", "1", "--rounds", "1", "--settings", settings_with("{}")});
+  const auto run = run_to_end({ctl_program(), "bench", "--json", "--frames", "1", "--rounds", "1",
+                               "--settings", settings_with("{}")});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const Json results = Json::parse(run.output);
   EXPECT_EQ(results.size(), 9u);
@@ -158,10 +159,10 @@ TEST_F(Tools, BenchTimesEveryStage) {
 }
 
 TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
-  const std::string golden = SSLV_SOURCE_DIR "/tests/golden/division_b";
-  must_run({SSLV_CTL, "process", "--settings", golden + ".json", "--input", golden + ".jpg", "--output",
+  const std::string golden = source_path("/tests/golden/division_b");
+  must_run({ctl_program(), "process", "--settings", golden + ".json", "--input", golden + ".jpg", "--output",
             folder_.file("detections.jsonl")});
-  const auto scored = run_to_end({SSLV_CTL, "score", "--json", "--detections",
+  const auto scored = run_to_end({ctl_program(), "score", "--json", "--detections",
                                   folder_.file("detections.jsonl"), "--truth", golden + ".truth.jsonl"});
   ASSERT_EQ(scored.exit_code, 0) << scored.output;
   const Json score = Json::parse(scored.output);
@@ -179,11 +180,11 @@ TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
 /// Someone who has two pictures of a hall and knows what is in them makes their truth and scores with it.
 TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   const std::string settings = settings_with("{}"), truth = folder_.file("truth.jsonl");
-  must_run({SSLV_CTL, "simulate", "--settings", settings, "--frames", "2", "--start", "1000", "--output",
+  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "2", "--start", "1000", "--output",
             folder_.file("hall")});
   const auto annotate = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> all{SSLV_CTL,  "annotate",           "--settings", settings,
-                                 "--input", folder_.file("hall"), "--truth",    truth};
+    std::vector<std::string> all{ctl_program(), "annotate",           "--settings", settings,
+                                 "--input",     folder_.file("hall"), "--truth",    truth};
     all.insert(all.end(), words.begin(), words.end());
     return run_to_end(all);
   };
@@ -194,7 +195,8 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
     return lines;
   };
   const auto scored = [&](const std::string& against) {
-    const auto run = run_to_end({SSLV_CTL, "score", "--json", "--detections", against, "--truth", truth});
+    const auto run =
+        run_to_end({ctl_program(), "score", "--json", "--detections", against, "--truth", truth});
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return Json::parse(run.output);
   };
@@ -216,7 +218,8 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
                                    renamed["number"].dump(), "15", "--ball", "30", "30"});
   ASSERT_EQ(corrected.exit_code, 0) << corrected.output;
   const std::string hall = folder_.file("detections.jsonl");
-  must_run({SSLV_CTL, "process", "--settings", settings, "--input", folder_.file("hall"), "--output", hall});
+  must_run(
+      {ctl_program(), "process", "--settings", settings, "--input", folder_.file("hall"), "--output", hall});
   Json score = scored(hall);
   EXPECT_EQ(score["robots"]["invented"], 1);
   EXPECT_EQ(score["robots"]["wrong_id"], 1);
@@ -252,7 +255,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   EXPECT_THAT(annotate({"--frame", "no"}).output, HasSubstr("has no image \"no\""));
   EXPECT_EQ(text_of(truth), before);
   // A truth that another program wrote has no marks, and is not written over.
-  const auto simulated = run_to_end({SSLV_CTL, "annotate", "--settings", settings, "--input",
+  const auto simulated = run_to_end({ctl_program(), "annotate", "--settings", settings, "--input",
                                      folder_.file("hall"), "--truth", folder_.file("hall/truth.jsonl")});
   EXPECT_EQ(simulated.exit_code, 78);
   EXPECT_THAT(simulated.output, HasSubstr("is not of a file that `annotate` wrote"));
@@ -261,7 +264,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
 TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
   // A part of `./run accuracy`, with the limits that stand in the suite.
   const auto run =
-      run_to_end({SSLV_CTL, "score", "--suite", SSLV_SOURCE_DIR "/tests/golden/accuracy.json", "--frames",
+      run_to_end({ctl_program(), "score", "--suite", source_path("/tests/golden/accuracy.json"), "--frames",
                   "12", "--only", "field A", "field A, Bayer", "field B, RGB", "noise 15", "light 0.3",
                   "gradient to 10 %", "touching at 1 mm", "one dot covered"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
@@ -270,7 +273,7 @@ TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
 class AskingADaemon : public DaemonTest {
  protected:
   Finished ask(std::vector<std::string> words) const {
-    words.insert(words.begin(), {SSLV_CTL, "--daemon", daemon_.address()});
+    words.insert(words.begin(), {ctl_program(), "--daemon", daemon_.address()});
     return run_to_end(words);
   }
   /// What it prints when all goes well.
@@ -357,7 +360,7 @@ TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
                              HasSubstr("\n 1  +x half  running ")));
   EXPECT_EQ(Json::parse(answer({"cameras", "--json"})).size(), 2u);
 
-  daemon_.set("/cameras/1/source", {{"backend", "files"}, {"path", SSLV_SOURCE_DIR "/tests/no/such"}});
+  daemon_.set("/cameras/1/source", {{"backend", "files"}, {"path", source_path("/tests/no/such")}});
   daemon_.wait_for_status([](const Json& status) { return status["cameras"][1]["state"] == "lost"; });
   const Finished alerts = ask({"alerts"});
   EXPECT_EQ(alerts.exit_code, 1);
@@ -372,7 +375,7 @@ std::string completed(const std::vector<std::string>& words) {
       "/bin/bash", "-c",
       "source <(\"$0\" completion bash) && COMP_WORDS=(ssl-visionctl \"$@\") && COMP_CWORD=$# && "
       "_ssl_visionctl && complete -p ssl-visionctl >/dev/null && echo \"${COMPREPLY[*]}\"",
-      SSLV_CTL};
+      ctl_program()};
   all.insert(all.end(), words.begin(), words.end());
   return run_to_end(all).output;
 }
@@ -392,8 +395,8 @@ TEST(RealPhoto, SixRobotsWithTheirIdsAndTwoBalls) {
   const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
   if (!std::filesystem::exists(photo))
     GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
-  const auto run = run_to_end({SSLV_CTL, "process", "--settings",
-                               SSLV_SOURCE_DIR "/tests/golden/ssl_blue6.json", "--input", photo.string()});
+  const auto run = run_to_end({ctl_program(), "process", "--settings",
+                               source_path("/tests/golden/ssl_blue6.json"), "--input", photo.string()});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const Json found = Json::parse(run.output);
   const Json annotations = Json::parse(std::ifstream(test_data_folder() / "real/annotations.json"));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/paths.h"
+
 #include <cstdlib>
 #include <filesystem>
 
@@ -10,8 +12,7 @@ namespace sslv {
 /// so, where it is not there. SSLV_TEST_DATA names its folder.
 inline std::filesystem::path test_data_folder() {
   const char* set = std::getenv("SSLV_TEST_DATA");
-  return set != nullptr ? std::filesystem::path(set)
-                        : std::filesystem::path(SSLV_SOURCE_DIR) / ".." / "shared" / "data";
+  return set != nullptr ? std::filesystem::path(set) : std::filesystem::path(source_path("/../shared/data"));
 }
 
 }  // namespace sslv

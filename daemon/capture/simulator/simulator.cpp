@@ -114,7 +114,7 @@ std::vector<FoundCamera> list() {
 }  // namespace
 
 SimulatorOptions simulator_options(const Json& json, const std::string& path) {
-  const auto options = params_from_json<SimulatorOptions>(json, path);
+  auto options = params_from_json<SimulatorOptions>(json, path);
   if (!is_valid_size(options.pixel_format, options.width, options.height)) {
     throw SettingsError(fmt::format("{}: width {} and height {} are not allowed; expected even ones for {}",
                                     path, options.width, options.height, name_of(options.pixel_format)));

@@ -288,7 +288,7 @@ LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
 
 SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const {
   // An octagon round the disc.
-  static const auto corners = [] {
+  static const auto kCorners = [] {
     std::array<Eigen::Vector3d, 8> out;
     for (std::size_t i = 0; i < out.size(); ++i) {
       const double angle = static_cast<double>(i) * std::numbers::pi / 4;
@@ -301,7 +301,7 @@ SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center
   Spot spot{{}, Vec2::Zero(), 0};
   const auto middle = camera_.project(center_mm);
   if (middle) spot.middle = middle->cast<float>();
-  for (const Eigen::Vector3d& corner : corners) {
+  for (const Eigen::Vector3d& corner : kCorners) {
     const auto pixel = camera_.project(center_mm + radius_mm * corner);
     if (!middle || !pixel) spot.reach_px = std::numeric_limits<float>::infinity();
     if (!pixel) continue;

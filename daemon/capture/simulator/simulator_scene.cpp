@@ -48,7 +48,7 @@ bool hides(const SimulatedRobot& robot, double robot_radius_mm, const Eigen::Vec
 }
 
 const std::array<Eigen::Vector2d, 256>& points_of_disc() {
-  static const auto points = [] {
+  static const auto kPoints = [] {
     constexpr double kGoldenAngle = 2.399963229728653;
     std::array<Eigen::Vector2d, 256> out;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -58,7 +58,7 @@ const std::array<Eigen::Vector2d, 256>& points_of_disc() {
     }
     return out;
   }();
-  return points;
+  return kPoints;
 }
 
 SimulatedRoster roster_of(const SimulatorOptions& options) {

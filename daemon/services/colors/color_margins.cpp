@@ -33,8 +33,8 @@ double largest_dot_px(const ImageView& image, const Scene& scene, const PatternT
   double largest_px = 0;
   constexpr int kPlaces = 3;  // each way: a tilted camera's scale differs
   for (int i = 0; i < kPlaces * kPlaces; ++i) {
-    const Eigen::Vector2d pixel((i % kPlaces + 0.5) * image.width / kPlaces,
-                                (i / kPlaces + 0.5) * image.height / kPlaces);
+    const int column = i % kPlaces, row = i / kPlaces;
+    const Eigen::Vector2d pixel((column + 0.5) * image.width / kPlaces, (row + 0.5) * image.height / kPlaces);
     for (const double height_mm : scene.robot_height_mm)
       largest_px = std::max(largest_px, largest_mm * px_per_mm(*scene.camera, pixel, height_mm));
   }

@@ -68,9 +68,9 @@ SavedTables::SavedTables(StateFolder& folder) : state_(folder), folder_(folder.p
   for (const auto& file : leftovers) remove_leftover(file);
 }
 
-std::string SavedTables::save(std::shared_ptr<const Lut> lut, const LabelSet& labels) {
+std::string SavedTables::save(const std::shared_ptr<const Lut>& lut, const LabelSet& labels) {
   const std::vector<std::uint8_t> bytes = encode_lut(lut->color_table(), labels);
-  const std::string name = hash_of(bytes).substr(0, kNameLength);
+  std::string name = hash_of(bytes).substr(0, kNameLength);
   const std::lock_guard lock(mutex_);
   if (std::error_code error; bytes_of(file_of(name)) == bytes) {
     // As if it were new: it is not to be tidied away soon.

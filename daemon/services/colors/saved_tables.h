@@ -27,7 +27,7 @@ class SavedTables {
   explicit SavedTables(StateFolder& folder);
 
   /// Its name; on disk when it returns, and whole where a damaged file was. Throws StorageError.
-  std::string save(std::shared_ptr<const Lut> lut, const LabelSet& labels);
+  std::string save(const std::shared_ptr<const Lut>& lut, const LabelSet& labels);
 
   /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up
   /// to end_start() it returns null instead: a service that starts reports what it has lost, see lost().

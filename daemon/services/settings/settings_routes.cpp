@@ -2,6 +2,7 @@
 #include "services/settings/settings_routes.h"
 
 #include "base/params_json.h"
+#include "config/config.h"
 #include "geometry/field.h"
 
 #include <charconv>

@@ -103,7 +103,7 @@ Response StatusService::get_support() const {
 
 std::vector<Route> StatusService::routes() {
   const auto part_of_status = [this](std::vector<std::string> keys) -> Handler {
-    return [this, keys](const Request&) {
+    return [this, keys = std::move(keys)](const Request&) {
       const Json status = status_json();
       Json out = Json::object();
       for (const std::string& key : keys) out[key] = status.at(key);

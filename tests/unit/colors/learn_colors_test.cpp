@@ -7,6 +7,7 @@
 #include "pipeline/camera_pipeline.h"
 #include "settings/store.h"
 #include "support/drawn_scene.h"
+#include "support/paths.h"
 #include "support/test_data.h"
 
 #include <cmath>
@@ -287,7 +288,7 @@ TEST(LearnColors, StopsWhenAsked) {
 class RealPhoto {
  public:
   RealPhoto() {
-    const Config config = read_config(read_json_file(SSLV_SOURCE_DIR "/tests/golden/ssl_blue6.json"));
+    const Config config = read_config(read_json_file(source_path("/tests/golden/ssl_blue6.json")));
     config_ = config;
     const Backend& files = find_backend("files", "");
     context_ = make_context(config_, 0, std::make_shared<const Lut>());

@@ -2,6 +2,7 @@
 #include "ctl/accuracy.h"
 
 #include "base/error.h"
+#include "support/paths.h"
 
 #include <filesystem>
 #include <fstream>
@@ -188,8 +189,8 @@ TEST_F(Accuracy, NamesTheConditionsThereAre) {
 }
 
 TEST(AccuracyGolden, TheSuiteOfTheProjectCanBeRead) {
-  EXPECT_GT(read_accuracy_suite(SSLV_SOURCE_DIR "/tests/golden/accuracy.json").conditions.size(), 20U);
-  EXPECT_GT(read_accuracy_suite(SSLV_SOURCE_DIR "/tests/golden/halls.json").conditions.size(), 20U);
+  EXPECT_GT(read_accuracy_suite(source_path("/tests/golden/accuracy.json")).conditions.size(), 20U);
+  EXPECT_GT(read_accuracy_suite(source_path("/tests/golden/halls.json")).conditions.size(), 20U);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // The fused stage against the plain ones on pictures as cameras send them: drawn ones, and a real photograph.
 #include "config/backends.h"
 #include "ctl/bench.h"
+#include "support/paths.h"
 #include "support/segment_check.h"
 #include "support/simd_target.h"
 #include "support/test_data.h"
@@ -14,7 +15,7 @@ namespace sslv {
 namespace {
 
 Config sample(const char* file) {
-  std::ifstream in(std::string(SSLV_SOURCE_DIR) + file);
+  std::ifstream in(source_path(file));
   return read_config(Json::parse(in));
 }
 
@@ -63,7 +64,7 @@ void expect_equal_on_picture(const std::filesystem::path& picture, const char* s
 
 // Blocks and smeared colours, as JPEG has them.
 TEST(SegmentScenes, EqualThePlainStagesOnAJpeg) {
-  expect_equal_on_picture(SSLV_SOURCE_DIR "/tests/golden/division_b.jpg", "/tests/golden/division_b.json");
+  expect_equal_on_picture(source_path("/tests/golden/division_b.jpg"), "/tests/golden/division_b.json");
 }
 
 TEST(SegmentScenes, EqualThePlainStagesOnARealPhotograph) {

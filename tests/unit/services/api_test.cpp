@@ -2,6 +2,7 @@
 // The routes of all services, asked over HTTP from a whole daemon with one simulated camera.
 #include "base/json.h"
 #include "daemon.h"
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 
 #include <cctype>
@@ -124,7 +125,7 @@ std::string upper(std::string text) {
 }
 
 TEST_F(Api, OpenApiNamesEveryRouteAndNoOther) {
-  const Json file = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/docs/openapi.json"));
+  const Json file = Json::parse(std::ifstream(source_path("/docs/openapi.json")));
   std::set<const Route*> documented;
   for (const auto& [path, methods] : file.at("paths").items()) {
     if (path == "/api/openapi.json") continue;  // a file of the panel

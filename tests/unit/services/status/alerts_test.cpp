@@ -7,6 +7,7 @@
 #include "services/settings/settings_report.h"
 #include "services/status/alert_times.h"
 #include "services/status/computer_report.h"
+#include "support/paths.h"
 
 #include <fstream>
 #include <set>
@@ -171,7 +172,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.network.error = "no card";
   for (const std::string& kind : kinds()) found.insert(kind);
 
-  const Json file = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/docs/openapi.json"));
+  const Json file = Json::parse(std::ifstream(source_path("/docs/openapi.json")));
   EXPECT_EQ(found, file["components"]["schemas"]["AlertId"]["enum"].get<std::set<std::string>>());
 }
 
@@ -300,7 +301,7 @@ TEST_F(Checks, AllPassWithFacts) {
 TEST_F(Checks, AreThoseThatTheInterfaceNames) {
   std::vector<std::string> names;
   for (const Check& one : report_of(input_).checks) names.push_back(to_json(one)["id"]);
-  const Json file = Json::parse(std::ifstream(SSLV_SOURCE_DIR "/docs/openapi.json"));
+  const Json file = Json::parse(std::ifstream(source_path("/docs/openapi.json")));
   EXPECT_EQ(Json(names), file["components"]["schemas"]["Check"]["properties"]["id"]["enum"]);
 }
 
