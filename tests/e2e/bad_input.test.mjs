@@ -10,8 +10,6 @@ import { setTimeout as pause } from 'node:timers/promises';
 import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.81');
-// Whoever sends nonsense is not helped by more images; under sanitizers they keep two processors busy.
-for (const camera of service.settings.cameras) camera.source.frame_rate_hz = 15;
 
 /** A connection with all that came over it so far. */
 async function open() {

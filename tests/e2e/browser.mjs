@@ -53,11 +53,19 @@ export async function picturesGoOn(page, camera, frames = 5) {
   if (await way.jsonValue() === 'anew') await picturesGoOn(page, camera, frames);
 }
 
-export async function accessible(page, what) {
+export async function accessible(page, what, rules = {}) {
   await page.evaluate(axeSource);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+  const { violations } = await page.evaluate((options) => window.axe.run(document, { resultTypes: ['violations'], ...options }), rules);
   const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => `${node.target.join(' ')} ${node.failureSummary}`).join(', ')}`);
   assert.deepEqual(list, [], `accessibility of ${what}`);
+}
+
+/** In both themes. They differ in colours only, so the second look is at these. */
+export async function accessibleInThemes(page, what) {
+  await chooseTheme(page, 'dark');
+  await accessible(page, `${what}, dark`);
+  await chooseTheme(page, 'light');
+  await accessible(page, `${what}, light`, { runOnly: ['color-contrast', 'link-in-text-block'] });
 }
 
 export async function chooseTheme(page, theme) {
@@ -142,7 +150,7 @@ export function createBrowser(service, { webgl = false } = {}) {
       browser = await chromium.launch({
         executablePath: CHROMIUM,
         chromiumSandbox: process.getuid() !== 0,
-        args: [...(webgl ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+        args: [...(webgl ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
       });
       await service.start();
       await prepare();

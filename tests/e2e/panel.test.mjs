@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, frameNumber, freezePicture, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, chooseTheme, createBrowser, DESKTOP, frameNumber, freezePicture, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
 import { createService, root } from './service.mjs';
 
 const service = await createService('239.255.77.78');
@@ -364,10 +364,7 @@ describe('panel', () => {
     for (const { name, path, ready } of pages) {
       it(`is accessible: ${name} on a ${view}`, withPage(viewport, path, options, async (page) => {
         await page.waitForSelector(ready, { state: 'attached' });
-        for (const theme of ['dark', 'light']) {
-          await chooseTheme(page, theme);
-          await accessible(page, `${name} on a ${view}, ${theme}`);
-        }
+        await accessibleInThemes(page, `${name} on a ${view}`);
       }));
     }
   }

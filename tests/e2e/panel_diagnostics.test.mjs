@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, PHONE, phone, text, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, PHONE, phone, text, textBecomes, views } from './browser.mjs';
 import { becomes, createService, eventually } from './service.mjs';
 
 const service = await createService('239.255.77.85');
@@ -310,10 +310,7 @@ describe('panel: Diagnostics', () => {
     it(`is accessible on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await drawn(page);
       await page.waitForSelector(byId('stage-histogram'));
-      for (const theme of ['dark', 'light']) {
-        await chooseTheme(page, theme);
-        await accessible(page, `Diagnostics on a ${name}, ${theme}`);
-      }
+      await accessibleInThemes(page, `Diagnostics on a ${name}`);
     }));
   }
 

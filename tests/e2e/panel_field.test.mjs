@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, saved, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, saved, views } from './browser.mjs';
 import { createService, eventually, freeUdpPort, PATIENCE_MS } from './service.mjs';
 
 const GROUP = '239.255.77.84';
@@ -250,10 +250,7 @@ describe('panel: field and network', () => {
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
         assert.ok(wide <= 0, `${what} is ${wide} px too wide on a ${name}`);
         if (viewport === DESKTOP) assert.ok(await page.evaluate(() => document.documentElement.scrollHeight <= innerHeight), `${what} scrolls`);
-        for (const theme of ['dark', 'light']) {
-          await chooseTheme(page, theme);
-          await accessible(page, `${what} on a ${name} in ${theme}`);
-        }
+        await accessibleInThemes(page, `${what} on a ${name}`);
       };
       await dimension(page, 'field_length', 9000);
       for (const part of ['Sizes', 'Lines', 'Ball', 'Cameras']) {

@@ -18,8 +18,6 @@ import { becomes, createService, DAEMON, freeUdpPort, root } from './service.mjs
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
 const ADMIN = 'correct horse', VIEWER = 'battery staple';
 const service = await createService('239.255.77.101');
-// Who guesses and floods is not helped by more images; under sanitizers they keep two processors busy.
-for (const camera of service.settings.cameras) camera.source.frame_rate_hz = 15;
 const passwordsFile = join(service.stateFolder, 'passwords.json');
 
 /** An address of this computer that is not its loopback: what another computer would use. */
