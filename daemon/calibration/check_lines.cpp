@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/check_lines.h"
 
+#include "calibration/statistics.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,12 +44,6 @@ double light_at(const ImageView& image, double x, double y) {
   // Whichever quad it is, two of its samples are green.
   const std::uint8_t* below = image.row(row + 1);
   return (at[column] + at[column + 1] + below[column] + below[column + 1]) / 4.0;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// By how much a stripe `width` samples wide around each place of the profile is brighter than both of its

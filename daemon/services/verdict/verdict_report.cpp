@@ -19,6 +19,8 @@ constexpr double kWarnMm = 25, kBadMm = 60;
 constexpr double kMissingShare = 0.4;
 /// Of the field's places.
 constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
+/// Nobody takes so many robots off the field at once.
+constexpr std::size_t kManyLost = 3;
 /// From the service's start; by then every robot in view was seen.
 constexpr double kWatched_s = 5;
 
@@ -47,7 +49,9 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
       {.id = "robots_lost",
        .check = "robots",
        // One may have been taken off. Many at once were not.
-       .severity = field.lost.size() >= 2 && field.lost.size() >= seen ? Severity::kBad : Severity::kWarn,
+       .severity = field.lost.size() >= kManyLost || (field.lost.size() >= 2 && field.lost.size() >= seen)
+                       ? Severity::kBad
+                       : Severity::kWarn,
        .title = fmt::format("{} {} no longer seen, the last for {:.0f} s at {}", fmt::join(names, ", "),
                             is_one ? "is" : "are", newest.gone_s, place_text(newest.place_mm)),
        .fix =

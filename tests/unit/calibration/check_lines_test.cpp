@@ -11,11 +11,8 @@ namespace {
 
 constexpr double kWindowMm = 250;
 
-/// What is said of lines that were drawn as `floor` has them, seen by `truth`, and looked for with another camera and
-/// other sizes.
-LinesVerdict looked_for(const PaintedFloor& floor, const LensCamera& truth, const LensCamera& calibrated,
-                        const FieldSize& sizes) {
-  const FloorPicture picture = draw_floor(floor, truth);
+/// What is said of lines in a picture that are looked for with a camera and sizes.
+LinesVerdict looked_for(const FloorPicture& picture, const LensCamera& calibrated, const FieldSize& sizes) {
   const auto curves = painted_curves(sizes, LinesMeasured::kToOuterEdge);
   return judge_lines(
       check_lines(picture.view, CameraModel(publish(calibrated).calibration), curves, kWindowMm));
@@ -28,7 +25,7 @@ struct Case {
 
 std::vector<Case> cases() {
   std::vector<Case> out;
-  for (const int size : {0, 1, 2}) {
+  for (const int size : {0, 1}) {
     for (const FloorView view : {FloorView::kWhole, FloorView::kHalf, FloorView::kQuarter}) {
       for (const double dim_to : {1.0, 0.5}) {
         Case one{{.size = size, .view = view}, {}};
@@ -47,7 +44,7 @@ std::vector<Case> cases() {
 TEST(CheckLines, FindsThemWhereAGoodCalibrationPutsThem) {
   for (const Case& one : cases()) {
     const LensCamera camera = floor_camera(one.setting);
-    const LinesVerdict verdict = looked_for(one.floor, camera, camera, one.floor.field);
+    const LinesVerdict verdict = looked_for(draw_floor(one.floor, camera), camera, one.floor.field);
     EXPECT_GE(verdict.lines, 3);
     EXPECT_LT(verdict.worst_mm, 15) << "size " << one.setting.size << " dim to " << one.floor.dim_to;
     EXPECT_LT(verdict.missing_share, 0.25) << "size " << one.setting.size << " dim to " << one.floor.dim_to;
@@ -57,10 +54,11 @@ TEST(CheckLines, FindsThemWhereAGoodCalibrationPutsThem) {
 TEST(CheckLines, SaysByHowMuchACameraWasMoved) {
   for (const Case& one : cases()) {
     const LensCamera truth = floor_camera(one.setting);
+    const FloorPicture picture = draw_floor(one.floor, truth);
     for (const double moved_mm : {40.0, 80.0, 150.0}) {
       LensCamera calibrated = truth;
       calibrated.position_mm += Eigen::Vector3d(moved_mm, 0, 0);
-      const LinesVerdict verdict = looked_for(one.floor, truth, calibrated, one.floor.field);
+      const LinesVerdict verdict = looked_for(picture, calibrated, one.floor.field);
       EXPECT_NEAR(verdict.worst_mm, moved_mm, 15) << "size " << one.setting.size;
     }
   }
@@ -71,8 +69,10 @@ TEST(CheckLines, MissThoseOfAFieldOfOtherSizes) {
     PaintedFloor floor;
     floor.field = floor_field(1);
     const LensCamera camera = floor_camera({.size = 1, .view = view});
-    const LinesVerdict verdict = looked_for(floor, camera, camera, field_preset("division-a", ""));
-    EXPECT_GT(verdict.missing_share, 0.4);
+    FieldSize other = floor.field;
+    other.field_length -= 1200;
+    other.field_width -= 800;
+    EXPECT_GT(looked_for(draw_floor(floor, camera), camera, other).missing_share, 0.4);
   }
 }
 
@@ -81,7 +81,7 @@ TEST(CheckLines, JudgeNothingWhereNoLineIsInTheImage) {
   floor.field = floor_field(0);
   LensCamera camera = floor_camera({});
   camera.position_mm += Eigen::Vector3d(20'000, 0, 0);
-  EXPECT_EQ(looked_for(floor, camera, camera, floor.field).lines, 0);
+  EXPECT_EQ(looked_for(draw_floor(floor, camera), camera, floor.field).lines, 0);
 }
 
 }  // namespace
