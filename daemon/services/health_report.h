@@ -43,6 +43,7 @@ inline constexpr const char* kNoFigure = "\u2013";
 struct HealthReport {
   std::vector<Alert> alerts;
   std::vector<Check> checks;
+  Json* status = nullptr;           // takes keys of docs/openapi.json's Status; null: nobody asks for them
   bool another_host_sends = false;  // another computer sends detections too, with times of its own clock
 
   /// Sorts alerts, the worst first. Each check becomes as bad as its alerts, and the worst stands in the

@@ -49,9 +49,9 @@ class Service {
   /// fails. One change at a time.
   virtual Commit prepare(const SettingsChange&) { return {}; }
 
+  /// Adds alerts and checks, and its keys of docs/openapi.json's Status where they are asked for: all from
+  /// one reading, so that they agree.
   virtual void report(HealthReport&) const {}
-  /// Adds keys to docs/openapi.json's Status. `health` is finished.
-  virtual void add_status(Json&, const HealthReport&) const {}
   /// Adds keys to docs/openapi.json's Diagnostics.
   virtual void add_diagnostics(Json&) const {}
   virtual void write_metrics(MetricsText&) const {}

@@ -144,9 +144,9 @@ TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
   };
   write_detection({.camera_id = 7, .number = 1, .times = {1}}, {}, {}, 2, packet);
   status = wait_for_title("127.0.0.1 sends to the vision group too");
-  EXPECT_EQ(status["alerts"][0]["severity"], "info");
-  EXPECT_EQ(status["network"]["other_visions"][0]["cameras"], Json{7});
-  EXPECT_THAT(status["network"]["other_visions"][0]["field_conflicts"], IsEmpty());
+  EXPECT_EQ(status["alerts"].at(0)["severity"], "info");
+  EXPECT_EQ(status["network"]["other_visions"].at(0)["cameras"], Json{7});
+  EXPECT_THAT(status["network"]["other_visions"].at(0)["field_conflicts"], IsEmpty());
   packet.mutable_detection()->set_camera_id(1);
   wait_for_title("Camera id 1 is also sent by 127.0.0.1");
   FieldSize theirs;
@@ -156,7 +156,7 @@ TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
   status = wait_for_title(
       "127.0.0.1 sends another field: field_length is 9000 here and 12000 there, goal_width is "
       "1000 here and 1800 there");
-  EXPECT_EQ(status["network"]["other_visions"][0]["field_conflicts"],
+  EXPECT_EQ(status["network"]["other_visions"].at(0)["field_conflicts"],
             Json::parse(R"([{"name": "field_length", "ours": 9000.0, "theirs": 12000.0},
                             {"name": "goal_width", "ours": 1000.0, "theirs": 1800.0}])"));
 

@@ -42,8 +42,7 @@ struct Reading {
 
 }  // namespace
 
-Json camera_json(const RunningCamera& camera) {
-  const CameraHealth health = camera.health();
+Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   const auto settings = camera.settings();
   const auto setup = camera.pipeline().setup();
   const auto counters = camera.pipeline().counters();

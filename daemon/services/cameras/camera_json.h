@@ -16,7 +16,7 @@
 namespace sslv {
 
 /// CameraStatus.
-Json camera_json(const RunningCamera& camera);
+Json camera_json(const RunningCamera& camera, const CameraHealth& health);
 /// CameraDiagnostics.
 Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure);
 /// {"hidden": [[left, top, width, height], ...]}; null: nothing is.

@@ -116,7 +116,9 @@ Response get_field_view(const CameraRoutes& of, const Request& request) {
 Response get_cameras(const CameraRoutes& of) {
   Json out = Json::array();
   for (const std::uint32_t id : of.views.camera_ids()) {
-    if (const auto camera = of.find(static_cast<int>(id))) out.push_back(camera_json(*camera));
+    if (const auto camera = of.find(static_cast<int>(id))) {
+      out.push_back(camera_json(*camera, camera->health()));
+    }
   }
   return json_response(out);
 }

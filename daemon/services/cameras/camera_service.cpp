@@ -27,9 +27,9 @@ void CameraService::each_second() {
   watch_.look(cameras_.list());
 }
 
-std::vector<CameraFacts> CameraService::facts() const {
+std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
   std::vector<CameraFacts> out;
-  for (const auto& camera : cameras_.list()) {
+  for (const auto& camera : cameras) {
     const auto settings = camera->settings();
     const int id = settings->id;
     const auto last_minute = watch_.timeline().sum(id, 60);
@@ -51,16 +51,17 @@ std::vector<CameraFacts> CameraService::facts() const {
 }
 
 void CameraService::report(HealthReport& report) const {
-  report_cameras(facts(), report);
+  const List cameras = cameras_.list();
+  const std::vector<CameraFacts> facts = facts_of(cameras);
+  report_cameras(facts, report);
+  if (!report.status) return;
+  Json& figures = (*report.status)["cameras"] = Json::array();
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    figures.push_back(camera_json(*cameras[i], facts[i].health));
 }
 
 std::string CameraService::summary() const {
-  return camera_summary(facts());
-}
-
-void CameraService::add_status(Json& status, const HealthReport&) const {
-  status["cameras"] = Json::array();
-  for (const auto& camera : cameras_.list()) status["cameras"].push_back(camera_json(*camera));
+  return camera_summary(facts_of(cameras_.list()));
 }
 
 void CameraService::add_diagnostics(Json& diagnostics) const {

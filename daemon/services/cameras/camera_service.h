@@ -21,7 +21,6 @@ class CameraService final : public Service {
   std::vector<Route> routes() override;
   Commit prepare(const SettingsChange& change) override { return cameras_.prepare(change); }
   void report(HealthReport& report) const override;
-  void add_status(Json& status, const HealthReport& health) const override;
   void add_diagnostics(Json& diagnostics) const override;
   void write_metrics(MetricsText& out) const override;
   std::vector<SupportFile> support_files() const override;
@@ -31,7 +30,9 @@ class CameraService final : public Service {
   std::string summary() const;
 
  private:
-  std::vector<CameraFacts> facts() const;
+  using List = std::vector<std::shared_ptr<RunningCamera>>;
+  /// One for each.
+  std::vector<CameraFacts> facts_of(const List& cameras) const;
 
   RunningCameras& cameras_;
   CameraWatch watch_;

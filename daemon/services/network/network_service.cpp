@@ -112,11 +112,9 @@ NetworkFacts NetworkService::facts() const {
 }
 
 void NetworkService::report(HealthReport& report) const {
-  report_network(facts(), report);
-}
-
-void NetworkService::add_status(Json& status, const HealthReport&) const {
-  add_network_status(facts(), status);
+  const NetworkFacts facts = this->facts();
+  report_network(facts, report);
+  if (report.status) add_network_status(facts, *report.status);
 }
 
 void NetworkService::write_metrics(MetricsText& out) const {

@@ -32,7 +32,6 @@ class NetworkService final : public Service {
   Commit prepare(const SettingsChange& change) override;
   std::vector<Route> routes() override;
   void report(HealthReport& report) const override;
-  void add_status(Json& status, const HealthReport& health) const override;
   void write_metrics(MetricsText& out) const override;
   void each_second() override;
 

@@ -172,13 +172,11 @@ void SettingsService::report(HealthReport& report) const {
                    .folder_problem = *folder_problem_.load(),
                    .reload_problem = store_.reload_problem()},
                   report);
-}
-
-void SettingsService::add_status(Json& status, const HealthReport&) const {
+  if (!report.status) return;
   const auto config = config_.load();
-  status["site"] = config->site;
-  status["field"] = params_to_json(config->field);
-  status["settings_revision"] = store_.revision();
+  report.status->update(Json{{"site", config->site},
+                             {"field", params_to_json(config->field)},
+                             {"settings_revision", store_.revision()}});
 }
 
 void SettingsService::write_metrics(MetricsText& out) const {

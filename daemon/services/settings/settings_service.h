@@ -44,7 +44,6 @@ class SettingsService final : public Service, public SettingsEditor {
   // Service
   std::vector<Route> routes() override;
   void report(HealthReport& report) const override;
-  void add_status(Json& status, const HealthReport& health) const override;
   void write_metrics(MetricsText& out) const override;
   std::vector<SupportFile> support_files() const override;
   void each_second() override;

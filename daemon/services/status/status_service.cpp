@@ -56,8 +56,9 @@ StatusService::StatusService(const std::filesystem::path& state_folder, const Ca
       computer_(computer_reader_.read()),
       clock_(read_clock()) {}
 
-HealthReport StatusService::make_report() const {
+HealthReport StatusService::make_report(Json* status) const {
   HealthReport report;
+  report.status = status;
   for (const Service* service : services_) service->report(report);
   report.finish();
   alert_times_.stamp(report.alerts, unix_time_s(), steady_s());
@@ -65,17 +66,17 @@ HealthReport StatusService::make_report() const {
 }
 
 Json StatusService::status_json() const {
-  const HealthReport report = make_report();
-  Json out{{"version", kVersion},
-           {"time", unix_time_s()},
-           {"uptime_s", steady_s() - started_s_},
-           {"viewers", web_.viewers.load()},
-           {"go", report.is_go()},
-           {"alerts", Json::array()},
-           {"checks", Json::array()}};
+  Json out = Json::object();
+  const HealthReport report = make_report(&out);
+  out.update(Json{{"version", kVersion},
+                  {"time", unix_time_s()},
+                  {"uptime_s", steady_s() - started_s_},
+                  {"viewers", web_.viewers.load()},
+                  {"go", report.is_go()},
+                  {"alerts", Json::array()},
+                  {"checks", Json::array()}});
   for (const Alert& alert : report.alerts) out["alerts"].push_back(to_json(alert));
   for (const Check& check : report.checks) out["checks"].push_back(to_json(check));
-  for (const Service* service : services_) service->add_status(out, report);
   return out;
 }
 
@@ -175,7 +176,7 @@ void StatusService::each_second() {
     computer_ = std::move(computer);
     clock_ = clock;
   }
-  make_report();  // so that a break of an alert is seen while nobody asks
+  make_report(nullptr);  // so that a break of an alert is seen while nobody asks
 }
 
 }  // namespace sslv

@@ -42,7 +42,8 @@ class StatusService final : public Service, public Topic {
   void each_second() override;
 
  private:
-  HealthReport make_report() const;
+  /// `status`: see HealthReport.
+  HealthReport make_report(Json* status) const;
   Json status_json() const;
   Json diagnostics_json() const;
   std::string metrics_text() const;
