@@ -49,8 +49,8 @@ class Service {
   /// fails. One change at a time.
   virtual Commit prepare(const SettingsChange&) { return {}; }
 
-  /// Adds alerts and checks, and its keys of docs/openapi.json's Status where they are asked for: all from
-  /// one reading, so that they agree.
+  /// Adds alerts and checks, and its keys of docs/openapi.json's Status where they are asked for. What an
+  /// alert is about and a key says too comes from one reading, so that they agree.
   virtual void report(HealthReport&) const {}
   /// Adds keys to docs/openapi.json's Diagnostics.
   virtual void add_diagnostics(Json&) const {}

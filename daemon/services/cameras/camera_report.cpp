@@ -106,7 +106,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                               : "There nothing of that colour is seen. Learn the colours again, widen their "
                                 "margins, or mask that "
                                 "part if it is not field.",
-         fmt::format("#/colors/{}", camera.id));
+         fmt::format("#/colours/{}", camera.id));
   }
   if (!camera.exposure) return;
   if (camera.exposure->clipped_share > kClippedShare) {

@@ -15,7 +15,7 @@ void add_margin_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
        .title = fmt::format("Camera {}: {}", camera.camera_id, camera.min_margin->text),
        .fix =
            "A little more or less light drowns robots in it: widen the margins, or learn the colours again.",
-       .page = fmt::format("#/colors/{}", camera.camera_id),
+       .page = fmt::format("#/colours/{}", camera.camera_id),
        .camera = camera.camera_id});
 }
 
@@ -48,7 +48,7 @@ void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::s
          .fix =
              "The camera has the table of its settings' classes or file. Learn its colours, import a table, "
              "or take an older one from the settings' history.",
-         .page = "#/colors"});
+         .page = "#/colours"});
   }
   report.checks.push_back(check_colors(cameras));
 }
