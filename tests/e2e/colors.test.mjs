@@ -144,7 +144,7 @@ describe('colour tables', () => {
     assert.match((await checked('warn')).text, /^Camera 0: carpet becomes green at \+\d+ %$/);
     const { alerts } = await service.statusBecomes(({ alerts: all }) => all.some(({ id }) => id === 'margin_thin'));
     const alert = alerts.find(({ id }) => id === 'margin_thin');
-    assert.deepEqual([alert.camera, alert.page, alert.severity], [0, '#/colors/0', 'warn']);
+    assert.deepEqual([alert.camera, alert.page, alert.severity], [0, '#/colours/0', 'warn']);
 
     const painted = await bytes('colors/table');
     const tried = await post('colors/edits', { commands: [{ op: 'widen_margins' }], try: true });
@@ -471,7 +471,7 @@ describe('colour tables', () => {
       return alerts.find(({ id }) => id === 'frames_capped');
     }, 'nobody says that a colour floods');
     assert.match(alert.title, /^Camera 0: green floods the image between \(\d+, \d+\) and \(\d+, \d+\) px/);
-    assert.equal(alert.page, '#/colors/0');
+    assert.equal(alert.page, '#/colours/0');
     await becomes(async () => (await detections()).robots >= pictureRobots / 2, 'robots are not found');
     await post('colors/undo');
     await service.patch({ op: 'replace', path: '/cameras/0/source/noise_sigma', value: service.settings.cameras[0].source.noise_sigma ?? 2 });
