@@ -36,6 +36,16 @@ bool says_that_robots_play(const Referee& referee) {
              std::end(kPlayingStages);
 }
 
+std::optional<MatchState> match_of(const Referee& referee) {
+  if (!referee.has_stage()) return std::nullopt;
+  MatchState match{.stage = referee.stage(),
+                   .time_left_s = {},
+                   .score = {referee.yellow().score(), referee.blue().score()}};
+  if (referee.has_stage_time_left())
+    match.time_left_s = static_cast<double>(referee.stage_time_left()) * 1e-6;
+  return match;
+}
+
 }  // namespace
 
 RefereeListener::RefereeListener(std::function<void()> on_new_names)
@@ -54,6 +64,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     heard_s_.reset();
     other_heard_s_.reset();
     game_is_running_ = false;
+    match_.reset();
   }
   receiver_.listen(where);
 }
@@ -81,6 +92,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
     followed_ = std::move(from);
     heard_s_ = now_s;
     game_is_running_ = says_that_robots_play(referee);
+    match_ = match_of(referee);
     const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
                                            plain_part(referee.blue().name())};
     if (names == team_names_) return;
@@ -109,6 +121,7 @@ RefereeStatus RefereeListener::status(double now_s) const {
   if (other_heard_s_ && now_s - *other_heard_s_ <= kForgottenAfter_s) status.other = other_;
   status.refused = refused_;
   status.game_is_running = game_is_running_;
+  status.match = match_;
   return status;
 }
 

@@ -41,6 +41,13 @@ struct GameController {
   std::string address;
 };
 
+/// How the match stands, as the last message says.
+struct MatchState {
+  int stage = 0;                       // the game controller's Stage
+  std::optional<double> time_left_s;   // of the stage; negative when it lasts longer than it should
+  std::array<std::uint32_t, 2> score;  // by Team
+};
+
 /// What the game controller has said.
 struct RefereeStatus {
   std::array<std::string, 2> team_names;  // by Team; empty: not said yet
@@ -50,6 +57,7 @@ struct RefereeStatus {
   std::uint64_t refused = 0;              // datagrams that could not be read
   std::string error;                      // why nothing can be heard; empty when it can
   bool game_is_running = false;           // robots may play
+  std::optional<MatchState> match;        // none before a message with a stage
 };
 
 /// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are
@@ -79,12 +87,13 @@ class RefereeListener {
  private:
   const std::function<void()> on_new_names_;
   std::optional<GroupAddress> where_;
-  mutable std::mutex mutex_;  // guards the seven below
+  mutable std::mutex mutex_;  // guards the eight below
   std::array<std::string, 2> team_names_;
   GameController followed_, other_;
   std::optional<double> heard_s_, other_heard_s_;
   std::uint64_t refused_ = 0;
   bool game_is_running_ = false;
+  std::optional<MatchState> match_;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses
 };
 
