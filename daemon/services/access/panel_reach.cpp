@@ -13,8 +13,8 @@ PanelReach panel_reach(const std::string& listens_on, std::uint16_t port,
   const auto address = boost::asio::ip::make_address(listens_on, error);
   if (error || address.is_loopback()) return reach;
   if (!address.is_unspecified()) {
-    reach.addresses.push_back(
-        fmt::format(address.is_v6() ? "http://[{}]:{}/" : "http://{}:{}/", listens_on, port));
+    const std::string host = address.is_v6() ? "[" + listens_on + "]" : listens_on;
+    reach.addresses.push_back(fmt::format("http://{}:{}/", host, port));
     return reach;
   }
   for (const NetworkCard& card : cards) {
