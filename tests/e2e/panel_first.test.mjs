@@ -71,9 +71,9 @@ describe('the first set-up', { timeout: 540_000 }, () => {
 
   it('shows an image of a camera that is found, before it is added', withPage(DESKTOP, '#/settings/cameras', {}, async (page) => {
     // What is plugged into this computer nobody knows: the list is made up, all else is real.
-    const source = { backend: 'simulator', width: 320, height: 240 };
+    const source = { backend: 'files', path: photo, loop: true };
     await page.route('**/api/sources', (route) => route.fulfill({ json: { sources: [
-      { backend: 'simulator', name: 'Simulator', model: 'Simulator', serial: '17', formats: [], source, camera: null },
+      { backend: 'files', name: 'Photo', model: 'Photo', serial: '17', formats: [], source, camera: null },
       { backend: 'files', name: 'Broken', model: 'Broken', serial: '', formats: [], source: { backend: 'files', path: join(golden, 'none') }, camera: null },
     ] } }));
     await page.click(byId('find-cameras'));
@@ -82,11 +82,11 @@ describe('the first set-up', { timeout: 540_000 }, () => {
       await found.locator(`${byId('source-image')}:is([data-state="image"], [data-state="failed"])`).waitFor();
       return found;
     }));
-    const size = await good.locator('img').evaluate(async (image) => { await image.decode(); return [image.naturalWidth, image.naturalHeight]; });
-    assert.deepEqual(size, [320, 240]);
+    const size = await good.locator('img').evaluate(async (image) => { await image.decode(); return image.naturalWidth; });
+    assert.equal(size, 320);
     assert.match(await bad.locator('.problem').textContent(), /No such file/i);
     await good.locator('button:has-text("Add")').click();
-    await becomes(cameras, (list) => list.length === 1 && list[0].source.backend === 'simulator');
+    await becomes(cameras, (list) => list.length === 1 && list[0].source.path === photo);
     await page.waitForSelector(byId('camera-entry'));
   }));
 

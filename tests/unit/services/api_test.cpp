@@ -322,8 +322,10 @@ TEST_F(Api, ACameraThatIsNotAddedYetShowsOneImage) {
   const auto image_of = [&](const Json& source, const char* query = "") {
     return ask("POST", std::string("/api/sources/image") + query, Json{{"source", source}}.dump());
   };
-  const Json simulator{{"backend", "simulator"}, {"width", 320}, {"height", 240}};
-  const Reply image = image_of(simulator, "?width=160");
+  const auto photo = folder_.path() / "photo.jpg";
+  std::filesystem::copy_file(source_path("/tests/golden/division_b.jpg"), photo);
+  const Json found{{"backend", "files"}, {"path", photo.string()}};
+  const Reply image = image_of(found, "?width=160");
   ASSERT_EQ(image.status, 200) << image.body;
   EXPECT_EQ(image.header("Content-Type"), "image/jpeg");
   EXPECT_THAT(image.body, StartsWith("\xff\xd8\xff"));
@@ -337,7 +339,7 @@ TEST_F(Api, ACameraThatIsNotAddedYetShowsOneImage) {
   EXPECT_THAT(elsewhere.body, HasSubstr("/source/path: \\\"/etc/passwd\\\" is not allowed here"));
   EXPECT_THAT(elsewhere.body, Not(HasSubstr("root:")));
   EXPECT_EQ(image_of({{"backend", "telescope"}}).status, 422);
-  EXPECT_EQ(image_of(simulator, "?width=0").status, 400);
+  EXPECT_EQ(image_of(found, "?width=0").status, 400);
   EXPECT_EQ(ask("POST", "/api/sources/image", "{}").status, 400);
 }
 
@@ -365,7 +367,8 @@ TEST_F(Api, FilesAreListedWhereSettingsMayNameThem) {
   EXPECT_EQ(list["folder"], real.string());
   EXPECT_EQ(list["parent"], real.parent_path().string());
 
-  for (const std::string out : {"/etc", "/", "etc", "..", (in / "out").string(), (in / "../../..").string(),
+  for (const std::string& out :
+       std::vector<std::string>{"/etc", "/", "etc", "..", (in / "out").string(), (in / "../../..").string(),
                                 (in / "none").string()}) {
     const Reply refused = ask("GET", "/api/files?folder=" + query_of(out));
     EXPECT_EQ(refused.status, 422) << out << refused.body;
@@ -389,7 +392,7 @@ TEST_F(Api, ImagesAreUploadedWithinBounds) {
   EXPECT_EQ(folders[0]["images"], 1);
   EXPECT_EQ(folders[0]["bytes"], jpeg.size());
 
-  const auto expect_refused = [&](const Reply& reply, const std::string& why) {
+  const auto expect_refused = [](const Reply& reply, const std::string& why) {
     EXPECT_EQ(reply.status, 422);
     EXPECT_THAT(reply.body, HasSubstr(why));
   };

@@ -2,7 +2,6 @@
 // The way from a fresh install to GO: what is done and what is missing, by the service's own checks and alerts.
 import type { Alert, CameraStatus, Check, Session, Status } from '../api/types';
 import { plural } from '../format';
-import { link } from '../router';
 
 export interface Step {
   id: 'camera' | 'network' | 'field' | 'colours' | 'calibration' | 'robots' | 'password';
@@ -16,6 +15,8 @@ export interface Step {
   lasts: boolean;
 }
 
+/** As the router's, which needs a window. */
+const link = (page: string, argument?: string | number) => (argument === undefined ? `#/${page}` : `#/${page}/${argument}`);
 const isThisComputer = (card: string) => card === 'lo' || card.startsWith('127.');
 const SIMULATED_ONLY = 'Only tried with images that are not of this field';
 
