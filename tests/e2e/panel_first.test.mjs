@@ -69,7 +69,8 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     }));
   }
 
-  it('shows an image of a camera that is found, before it is added', withPage(DESKTOP, '#/settings/cameras', {}, async (page) => {
+  it('shows an image of a camera that is found, before it is added', withPage(DESKTOP, '#/settings/cameras', {}, async (page, panel) => {
+    panel.errorsExpected = true; // the browser calls the camera that is not there one
     // What is plugged into this computer nobody knows: the list is made up, all else is real.
     const source = { backend: 'files', path: photo, loop: true };
     await page.route('**/api/sources', (route) => route.fulfill({ json: { sources: [
@@ -130,6 +131,7 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     symlinkSync('/etc', join(outside, 'etc'));
     mkdirSync(join(outside, 'inside'));
     await page.click(byId('way-files'));
+    await page.waitForSelector(byId('file-entry'));
     const tops = await page.$$eval(`${byId('file-entry')} button`, (all) => all.map((one) => one.textContent.trim()));
     assert.ok(tops.includes(service.stateFolder) && !tops.includes('/'), tops.join());
     await page.click(`${byId('file-entry')} button:text-is("${service.stateFolder}")`);
