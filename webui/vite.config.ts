@@ -2,6 +2,7 @@
 import { readFileSync } from 'node:fs';
 import vue from '@vitejs/plugin-vue';
 import { defineConfig } from 'vitest/config';
+import { panelFiles } from './panelFiles';
 
 // The daemon that `npm run dev` talks to.
 const daemon = process.env.SSL_VISIOND ?? 'http://127.0.0.1:8090';
@@ -16,6 +17,7 @@ export default defineConfig({
         this.emitFile({ type: 'asset', fileName: 'api/openapi.json', source: readFileSync('../docs/openapi.json') });
       },
     },
+    panelFiles(),
   ],
   build: {
     target: 'es2022',

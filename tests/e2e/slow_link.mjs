@@ -4,8 +4,9 @@
 import { once } from 'node:events';
 import { connect, createServer } from 'node:net';
 
-/** A burst of this long passes at full rate, as through a small buffer. */
 const SLICE_MS = 20;
+/** What was not used for this long may pass at once: this process does not always run in time. */
+const BURST_MS = 200;
 
 /**
  * In front of `port()` of this computer. `kbps`: what all connections together carry towards the browser, in kbit/s;
@@ -16,12 +17,15 @@ export async function createLink(port) {
   let isCut = false;
   let bytes = 0;
   let free = 0; // what may pass now, in bytes
+  let pumpedAt = performance.now();
   const pairs = new Set();
 
   /** Round robin, so that no connection starves another. */
   function pump() {
     const rate = kbps * 1000 / 8;
-    free = Math.min(free + rate * SLICE_MS / 1000, Math.max(1500, rate * 2 * SLICE_MS / 1000));
+    const now = performance.now();
+    free = Math.min(free + rate * (now - pumpedAt) / 1000, Math.max(1500, rate * BURST_MS / 1000));
+    pumpedAt = now;
     let moved = true;
     while (moved && free > 0) {
       moved = false;

@@ -15,6 +15,7 @@ describe('adaptation to the link', () => {
     const late = (delayMs: number) => ({ ...fine, delayMs });
     expect(after(LINK_START, fine, late(130)).effort).toBe(1);
     expect(after(LINK_START, fine, late(500), late(300), late(200)).effort).toBe(3);
+    expect(after(LINK_START, fine, late(1500)).effort).toBe(EFFORTS.length - 1);
     expect(after(LINK_START, fine, ...times(300, late(9999))).effort).toBe(EFFORTS.length - 1);
   });
 

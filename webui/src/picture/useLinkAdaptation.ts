@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Watches how images come and says what to ask for.
 import { computed, shallowRef } from 'vue';
-import { adapt, EFFORTS, LINK_START } from './linkAdaptation';
+import { isLinkSlow } from '../state/live';
+import { adapt, EFFORTS, LINK_START, SLOW_START } from './linkAdaptation';
 import type { Shown } from './useLivePicture';
 
 const PERIOD_MS = 1000;
@@ -9,7 +10,7 @@ const PERIOD_MS = 1000;
 const GAP_MS = 700;
 
 export function useLinkAdaptation(wantedFps: () => number) {
-  const state = shallowRef(LINK_START);
+  const state = shallowRef(isLinkSlow.value ? SLOW_START : LINK_START);
   let period: Shown[] = [];
 
   function count(shown: Shown): void {

@@ -46,6 +46,9 @@ export type Connection = 'connecting' | 'live' | 'stale';
 export const connection = computed<Connection>(() =>
   isStale.value ? 'stale' : lastStatus.value && isOpen.value ? 'live' : 'connecting');
 
+/** In the place of what the service has not said yet. */
+export const waitingText = computed(() => (isStale.value ? 'The service is out of reach. The panel tries again by itself.' : 'Connecting to ssl-visiond…'));
+
 export const history = new History();
 /** Grows with every status, so that computed values built on the history follow it. */
 export const historyVersion = ref(0);
