@@ -31,7 +31,7 @@ export async function createLink(port) {
       moved = false;
       for (const { client, server } of pairs) {
         if (free <= 0) break;
-        if (!server.readableLength || client.writableLength > 4096) continue;
+        if (!server.readableLength || client.writableLength > 16_384) continue;
         const chunk = server.read(Math.min(server.readableLength, Math.max(1, Math.min(1500, Math.floor(free)))));
         if (!chunk) continue;
         client.write(chunk);
@@ -46,13 +46,13 @@ export async function createLink(port) {
 
   const listener = createServer((client) => {
     if (isCut) return client.destroy();
-    const server = connect({ port: port(), host: '127.0.0.1', highWaterMark: 4096 });
+    const server = connect({ port: port(), host: '127.0.0.1' });
     const pair = { client, server };
     pairs.add(pair);
     const end = () => { pairs.delete(pair); client.destroy(); server.destroy(); };
     client.on('error', end).on('close', end).on('data', (data) => server.write(data)).on('end', () => server.end());
     server.on('error', end).on('close', () => { if (server.destroyed) end(); });
-    server.on('readable', () => { if (kbps === Infinity) pump(); });
+    server.on('readable', pump);
   }).listen(0, '127.0.0.1');
   await once(listener, 'listening');
 

@@ -61,6 +61,10 @@ const HOLD = 20;
 /** Where the link is known to be slow, the first image is small: a large one would hold up everything else for seconds. */
 export const SLOW_START: LinkState = { ...LINK_START, effort: EFFORTS.length - 1 };
 
+/** Whether even the smallest images come late or seldom. */
+export const isStarved = ({ effort, floorMs }: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): boolean =>
+  effort === EFFORTS.length - 1 && (delayMs - floorMs > LATE_MS || fps < SELDOM * wantedFps);
+
 /** What to do after one more period. */
 export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): LinkState {
   const floorMs = Math.min(delayMs, state.floorMs + FLOOR_RISE_MS);

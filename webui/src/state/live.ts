@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the daemon said last, and whether that is still worth showing.
-import { computed, ref, shallowRef } from 'vue';
+import { computed, ref, shallowReactive, shallowRef } from 'vue';
 import { PanelSocket } from '../api/socket';
 import type { Detections, PreviewRequest, Status } from '../api/types';
 import type { PreviewMessage } from '../api/messages';
@@ -26,7 +26,14 @@ export const isOpen = ref(false);
 export const silentSeconds = computed(() => Math.max(0, (now.value - lastStatusAt.value) / 1000));
 const meter = new LinkMeter();
 /** As the statuses so far tell it. */
-const isKnownSlow = ref(false);
+const areStatusesLate = ref(false);
+/** Views to which even the smallest images come late or seldom. */
+const starved = shallowReactive(new Set<object>());
+const isKnownSlow = computed(() => areStatusesLate.value || starved.size > 0);
+export function setStarved(view: object, is: boolean): void {
+  if (is) starved.add(view);
+  else starved.delete(view);
+}
 /** When the connection said anything last. */
 const heardAt = ref(0);
 export const isStale = computed(() => {
@@ -97,7 +104,7 @@ const growths = new Map<number, { frames: number; uptime_s: number }>();
 function onStatus(status: Status): void {
   const at = performance.now();
   meter.heard(status.uptime_s * 1000, at);
-  isKnownSlow.value = meter.isSlow;
+  areStatusesLate.value = meter.isSlow;
   for (const { id, frames } of status.cameras)
     if (growths.get(id)?.frames !== frames) growths.set(id, { frames, uptime_s: status.uptime_s });
   history.record(status, at);
