@@ -13,9 +13,18 @@ const nextTry = () => new Promise<void>((resolve) => {
   addEventListener('online', () => resolve(), { once: true });
 });
 
+/** Of a sheet that did not come, browsers have none, or one that nobody may read. */
+function hasFailed({ sheet }: HTMLLinkElement): boolean {
+  try {
+    return !sheet?.cssRules;
+  } catch {
+    return true;
+  }
+}
+
 /** A style sheet that failed is not asked for again by the import. */
 async function loadStylesAgain(): Promise<void> {
-  const failed = [...document.querySelectorAll<HTMLLinkElement>('link[rel="stylesheet"]')].filter(({ sheet }) => !sheet);
+  const failed = [...document.querySelectorAll<HTMLLinkElement>('link[rel="stylesheet"]')].filter(hasFailed);
   await Promise.all(failed.map((old) => new Promise<void>((resolve) => {
     const next = old.cloneNode() as HTMLLinkElement;
     next.onload = next.onerror = () => resolve();
