@@ -229,7 +229,7 @@ describe('panel that nobody looks at', () => {
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
 
-  it('offers to reopen on the Camera page, during a match, too', () => onPage('#/camera/1', async (page) => {
+  it('offers to reopen on the Camera page, and says what came of it', () => onPage('#/camera/1', async (page) => {
     await live(page);
     await noFiles();
     await isLost();
