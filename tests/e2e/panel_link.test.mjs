@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { copyFileSync, cpSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { afterEach, beforeEach, describe, it } from 'node:test';
+import { after, afterEach, beforeEach, describe, it } from 'node:test';
 import { accessible, byId, createBrowser, DESKTOP, live, PHONE, phone, picturesGoOn, textBecomes, views } from './browser.mjs';
 import { becomes, createService, root } from './service.mjs';
 import { createLink } from './slow_link.mjs';
@@ -39,6 +39,9 @@ async function onPage(path, test, { viewport = DESKTOP, options = {}, prepare = 
 
 /** Waits until the service worker has taken the page's files. */
 const kept = (page) => page.waitForFunction(() => navigator.serviceWorker?.controller !== null && navigator.serviceWorker !== undefined);
+
+// Else this process would not end.
+after(() => link.end());
 
 describe('panel over a bad link', () => {
   browser.aroundTests(() => {});
