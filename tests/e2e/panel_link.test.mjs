@@ -224,6 +224,8 @@ describe('panel that nobody looks at', () => {
       await page.waitForFunction(() => window.heard.tones === 2 && window.heard.notes.length === 1);
       assert.deepEqual(await page.evaluate(() => window.heard.notes), [`${service.settings.site}: Camera 1 lost`]);
 
+      const [tile, button] = await Promise.all([byId('camera-tile-1'), byId('reopen-1')].map((selector) => page.locator(selector).boundingBox()));
+      assert.ok(button.x >= tile.x && button.x + button.width <= tile.x + tile.width, `in its tile: ${JSON.stringify({ tile, button })}`);
       copyFileSync(join(root, 'tests/golden/division_b.jpg'), picture);
       await click(byId('reopen-1'));
       await service.statusBecomes(({ cameras }) => cameras[1].state === 'running');
@@ -232,14 +234,16 @@ describe('panel that nobody looks at', () => {
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
 
-  it('offers to reopen on the Camera page, and says what came of it', () => onPage('#/camera/1', async (page) => {
+  for (const { name, viewport, options } of views) it(`offers to reopen on the Camera page of a ${name}, and says what came of it`, () => onPage('#/camera/1', async (page) => {
     await live(page);
     await noFiles();
     await isLost();
     await page.click(byId('reopen-1'));
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `the page is ${wide} px too wide`);
     await becomes(events, (entries) => entries.some(({ id }) => id === 'camera_reopen_asked'));
     await page.waitForSelector(`${byId('picture-trouble')}:has-text("Tried: still lost")`);
-  }));
+  }, { viewport, options }));
 
   it('says plainly when the browser allows no notifications', () => onPage('', async (page) => {
     await live(page);
