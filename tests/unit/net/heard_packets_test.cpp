@@ -15,7 +15,7 @@ namespace {
 using testing::IsEmpty;
 using testing::SizeIs;
 
-std::string detection_of(std::uint32_t camera_id, std::uint64_t number) {
+std::string detection_of(std::uint32_t camera_id, std::uint32_t number) {
   SSL_WrapperPacket packet;
   write_detection({.camera_id = camera_id, .number = number, .times = {1}}, {}, {}, 2, packet);
   return packet.SerializeAsString();
@@ -55,7 +55,7 @@ TEST(HeardPackets, KeepsTheNewestOfEachCameraAndTheGeometry) {
 
 TEST(HeardPackets, TellsTheRateOfTheLastSecondAndZeroInABreak) {
   HeardPackets heard;
-  std::uint64_t number = 0;
+  std::uint32_t number = 0;
   const auto hear_one = [&](double now_s) { hear(heard, detection_of(3, number++), now_s); };
   for (int i = 0; i <= 150; ++i) hear_one(100 + i / 50.0);
   EXPECT_NEAR(heard.detections(103).at(3).per_s, 50, 1);
