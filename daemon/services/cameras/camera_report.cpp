@@ -43,6 +43,19 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .camera = camera.id,
                       .about = warning});
   }
+  if (camera.controls_unsaved > 0) {
+    alerts.push_back(
+        {.id = "controls_unsaved",
+         .check = "cameras",
+         .severity = Severity::kInfo,
+         .title = fmt::format("Camera {}: {} set and not saved", camera.id,
+                              camera.controls_unsaved == 1
+                                  ? "1 control is"
+                                  : fmt::format("{} controls are", camera.controls_unsaved)),
+         .fix = "Save or revert on the camera's page; when the camera is reopened, they are lost.",
+         .page = camera_page(camera),
+         .camera = camera.id});
+  }
   if (health.state == CameraState::kLost) {
     alerts.push_back({.id = "camera_lost",
                       .check = "cameras",

@@ -5,6 +5,7 @@
 
 #include "health/timeline.h"
 #include "services/cameras/running_camera.h"
+#include "services/event.h"
 #include "web/route.h"
 
 #include <functional>
@@ -18,6 +19,7 @@ namespace sslv {
 struct CameraRoutes {
   ViewSource& views;
   const Timeline& timeline;
+  EventQueue& events;
   std::function<std::shared_ptr<RunningCamera>(int id)> find;  // null: there is no such camera
 };
 

@@ -72,6 +72,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
                    .last_minute = last_minute,
                    .last_seconds = watch_.timeline().sum(id, CameraFacts::kLastSeconds),
                    .exposure = watch_.exposure(id),
+                   .controls_unsaved = camera->unsaved_controls().size(),
                    .sends = std::ranges::find(settings->stack, "publish") != settings->stack.end(),
                    .flood = is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label))
                                        : std::string()});
@@ -116,9 +117,10 @@ std::vector<SupportFile> CameraService::support_files() const {
 }
 
 std::vector<Route> CameraService::routes() {
-  return camera_routes({.views = cameras_, .timeline = watch_.timeline(), .find = [this](int id) {
-                          return cameras_.find(id);
-                        }});
+  return camera_routes(
+      {.views = cameras_, .timeline = watch_.timeline(), .events = events_, .find = [this](int id) {
+         return cameras_.find(id);
+       }});
 }
 
 }  // namespace sslv
