@@ -137,6 +137,7 @@ bool ControlChange::Set::restore_others() {
       log::warning("not set back: {}", error.what());
     }
   }
+  return has_set;
 }
 
 void ControlChange::Set::set_back() noexcept {
@@ -148,7 +149,6 @@ void ControlChange::Set::set_back() noexcept {
       log::warning("not set back: {}", error.what());
     }
   }
-  return has_set;
 }
 
 }  // namespace sslv
