@@ -22,7 +22,7 @@ export const pages: readonly [Page, ...Page[]] = [
   { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
   { name: 'field', title: 'Field', icon: 'network', component: defineAsyncComponent(() => import('./pages/field/FieldPage.vue')) },
   { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: defineAsyncComponent(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
-  { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
+  { name: 'api', title: 'API', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 
 const hash = ref(location.hash);

@@ -172,16 +172,16 @@ Check check_cameras(std::span<const CameraFacts> cameras) {
   const std::size_t count = running(cameras);
   Check check{
       "cameras", "Cameras", CheckState::kPass, std::to_string(count), fmt::format("of {}", cameras.size()),
-      "all run"};
+      "all are running"};
   if (cameras.empty()) {
     check.state = CheckState::kFail;
     check.text = "there is no camera in the settings";
   } else if (count == 0) {
     check.state = CheckState::kFail;
-    check.text = "none runs";
+    check.text = "none is running";
   } else if (count < cameras.size()) {
     check.state = CheckState::kWarn;
-    check.text = "not all run";
+    check.text = "not all are running";
   }
   return check;
 }
@@ -205,7 +205,7 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
 }
 
 Check check_latency(std::span<const CameraFacts> cameras) {
-  Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera runs"};
+  Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera is running"};
   if (running(cameras) == 0) return check;
   double worst_ms = 0;
   for (const CameraFacts& camera : cameras) {
