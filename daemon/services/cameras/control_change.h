@@ -31,7 +31,7 @@ class ControlChange {
   void keep() noexcept;
   /// Some take effect only when the camera is reopened.
   bool needs_opening() const { return set_ && set_->needs_opening; }
-  /// Of those, the ones that are no longer among the settings: the values to open the camera with.
+  /// The ones among them that are no longer in the settings: the values to open the camera with.
   Json at_opening() const { return set_ ? set_->at_opening : Json::object(); }
 
  private:
