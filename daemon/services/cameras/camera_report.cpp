@@ -170,9 +170,12 @@ std::size_t running(std::span<const CameraFacts> cameras) {
 
 Check check_cameras(std::span<const CameraFacts> cameras) {
   const std::size_t count = running(cameras);
-  Check check{
-      "cameras", "Cameras", CheckState::kPass, std::to_string(count), fmt::format("of {}", cameras.size()),
-      "all are running"};
+  Check check{"cameras",
+              "Cameras",
+              CheckState::kPass,
+              std::to_string(count),
+              fmt::format("of {}", cameras.size()),
+              "all are running"};
   if (cameras.empty()) {
     check.state = CheckState::kFail;
     check.text = "there is no camera in the settings";
