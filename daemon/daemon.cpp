@@ -18,6 +18,7 @@
 #include "services/settings/settings_service.h"
 #include "services/status/heartbeat.h"
 #include "services/status/status_service.h"
+#include "services/verdict/verdict_service.h"
 #include "web/server.h"
 #include "web/websocket.h"
 
@@ -113,13 +114,22 @@ struct Daemon::Parts {
         cameras(settings, network, kept.tables),
         calibration(kept, settings, network, cameras),
         colors(kept, settings, network, cameras),
+        verdict(settings.config(), cameras.running),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
-    std::vector<Service*> services{&cameras.service,   &cameras.stills, &calibration.service,
-                                   &calibration.joint, &colors.service, &colors.learning,
-                                   &network.service,   &status,         &settings,
-                                   &profiles,          &access};
+    std::vector<Service*> services{&verdict,
+                                   &cameras.service,
+                                   &cameras.stills,
+                                   &calibration.service,
+                                   &calibration.joint,
+                                   &colors.service,
+                                   &colors.learning,
+                                   &network.service,
+                                   &status,
+                                   &settings,
+                                   &profiles,
+                                   &access};
     status.set_services(services);
     for (Service* service : services) {
       for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
@@ -155,6 +165,7 @@ struct Daemon::Parts {
   CameraParts cameras;
   CalibrationParts calibration;
   ColorParts colors;
+  VerdictService verdict;
   WebCounters web_counters;
   StatusService status;
   Panel panel;

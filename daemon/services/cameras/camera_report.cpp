@@ -11,6 +11,8 @@ namespace {
 
 // Of a minute's frames. Trackers bridge a few; one in a thousand is a cable or a computer at its limit.
 constexpr double kLostShare = 0.001;
+/// Of the last seconds' frames. With one in twenty gone, trackers lose fast balls.
+constexpr double kLostBadShare = 0.05;
 constexpr std::uint64_t kFewPictures = 3;
 // The painted lines are under 1 % of a field's image, and they may clip: white has no colour to lose. More
 // than twice that is glare or too much light, and clipped colours are taken for each other.
@@ -20,6 +22,8 @@ constexpr double kDarkLuma = 25;
 constexpr double kSlowShare = 0.9;  // of the rate that was asked for
 /// Late by more than this, a packet is late by as much as a ball at 6 m/s takes for 30 mm.
 constexpr double kLateAfter_ms = 5;
+/// Later than a frame at 60 Hz, what teams get is of the frame before.
+constexpr double kTooLateAfter_ms = 17;
 /// A turn of a camera's thread takes 0.1 s and a frame's processing.
 constexpr std::int64_t kHangs_ns = 5'000'000'000;
 
@@ -50,6 +54,16 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .page = camera_page(camera),
                       .camera = camera.id});
   }
+  if (!camera.sends) {
+    alerts.push_back({.id = "not_published",
+                      .check = "network",
+                      .severity = Severity::kBad,
+                      .title = fmt::format(
+                          "Camera {} sends nothing to the teams: its stack has no stage publish", camera.id),
+                      .fix = "Put publish at the end of its stack.",
+                      .page = "#/settings/cameras",
+                      .camera = camera.id});
+  }
   // What the camera itself sends, whatever becomes of it here.
   const Timeline::Sum& sum = camera.last_seconds;
   if (camera.wanted_fps && sum.seconds >= CameraFacts::kLastSeconds &&
@@ -67,14 +81,23 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
 }
 
 void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
-  const auto warn = [&](const char* id, std::string title, std::string fix, std::string page) {
+  const auto say = [&](const char* id, Severity severity, std::string title, std::string fix,
+                       std::string page) {
     alerts.push_back({.id = id,
                       .check = "pictures",
-                      .severity = Severity::kWarn,
+                      .severity = severity,
                       .title = std::move(title),
                       .fix = std::move(fix),
                       .page = std::move(page),
                       .camera = camera.id});
+  };
+  const auto warn = [&](const char* id, std::string title, std::string fix, std::string page) {
+    say(id, Severity::kWarn, std::move(title), std::move(fix), std::move(page));
+  };
+  const auto severity_of_loss = [&](std::uint64_t count) {
+    const auto all = static_cast<double>(camera.last_seconds.all());
+    return count > kFewPictures && static_cast<double>(count) > kLostBadShare * all ? Severity::kBad
+                                                                                    : Severity::kWarn;
   };
   const Timeline::Sum& minute = camera.last_minute;
   const auto is_much = [&](std::uint64_t count) {
@@ -82,19 +105,19 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
            static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
   };
   if (is_much(minute.dropped)) {
-    warn("frames_dropped",
-         fmt::format("Camera {}: {} of {} images of the last minute were not processed", camera.id,
-                     minute.dropped, minute.all()),
-         "This computer is too slow: end other programs, give the camera's thread a priority "
-         "(thread/realtime_priority), or lower the frame rate.",
-         "#/diagnostics");
+    say("frames_dropped", severity_of_loss(camera.last_seconds.dropped),
+        fmt::format("Camera {}: {} of {} images of the last minute were not processed", camera.id,
+                    minute.dropped, minute.all()),
+        "This computer is too slow: end other programs, give the camera's thread a priority "
+        "(thread/realtime_priority), or lower the frame rate.",
+        "#/diagnostics");
   }
   if (is_much(minute.incomplete)) {
-    warn("frames_incomplete",
-         fmt::format("Camera {}: {} of {} images of the last minute came damaged", camera.id,
-                     minute.incomplete, minute.all()),
-         "Check cable and switch, and that the cameras together stay below the link's speed.",
-         camera_page(camera));
+    say("frames_incomplete", severity_of_loss(camera.last_seconds.incomplete),
+        fmt::format("Camera {}: {} of {} images of the last minute came damaged", camera.id,
+                    minute.incomplete, minute.all()),
+        "Check cable and switch, and that the cameras together stay below the link's speed.",
+        camera_page(camera));
   }
   if (minute.capped > 0) {
     const std::string what = camera.flood.empty() ? "too much to look at" : camera.flood;
@@ -178,7 +201,7 @@ Check check_latency(std::span<const CameraFacts> cameras) {
   check.value = fmt::format("{:.2f}", worst_ms);
   check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);
   if (worst_ms > kLateAfter_ms) {
-    check.state = CheckState::kWarn;
+    check.state = worst_ms > kTooLateAfter_ms ? CheckState::kFail : CheckState::kWarn;
     check.text += ": end other programs on this computer";
   }
   return check;

@@ -26,6 +26,7 @@ struct CameraFacts {
   double latency_p99_ms = 0;
   Timeline::Sum last_minute, last_seconds;  // kLastSeconds
   std::optional<Exposure> exposure;         // of the newest frame
+  bool sends = true;                        // its stack ends in the stage that sends
   std::string flood{};  // in the last minute: "green floods the image between ..."; empty: none
 
   static constexpr std::size_t kLastSeconds = 10;

@@ -5,6 +5,7 @@
 #include "services/cameras/camera_routes.h"
 #include "vision/flood_cut.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -44,6 +45,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
                    .last_minute = last_minute,
                    .last_seconds = watch_.timeline().sum(id, CameraFacts::kLastSeconds),
                    .exposure = watch_.exposure(id),
+                   .sends = std::ranges::find(settings->stack, "publish") != settings->stack.end(),
                    .flood = is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label))
                                        : std::string()});
   }

@@ -2,6 +2,7 @@
 #include "services/colors/color_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace sslv {
 namespace {
@@ -15,6 +16,19 @@ void add_margin_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
        .title = fmt::format("Camera {}: {}", camera.camera_id, camera.min_margin->text),
        .fix =
            "A little more or less light drowns robots in it: widen the margins, or learn the colours again.",
+       .page = fmt::format("#/colours/{}", camera.camera_id),
+       .camera = camera.camera_id});
+}
+
+void add_empty_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
+  if (camera.missing_labels.empty()) return;
+  alerts.push_back(
+      {.id = "colors_missing",
+       .check = "colors",
+       .severity = Severity::kBad,
+       .title = fmt::format("Camera {}: no colour is {}", camera.camera_id,
+                            fmt::join(camera.missing_labels, ", none is ")),
+       .fix = "Nothing of that colour is found: learn the colours, import a table, or undo the change.",
        .page = fmt::format("#/colours/{}", camera.camera_id),
        .camera = camera.camera_id});
 }
@@ -38,6 +52,7 @@ Check check_colors(std::span<const ColorFacts> cameras) {
 
 void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::string>& lost_tables,
                    HealthReport& report) {
+  for (const ColorFacts& camera : cameras) add_empty_alert(report.alerts, camera);
   for (const ColorFacts& camera : cameras) add_margin_alert(report.alerts, camera);
   for (const std::string& problem : lost_tables) {
     report.alerts.push_back(

@@ -21,6 +21,7 @@ struct ColorFacts {
     static constexpr double kMax = LabelMargin::kMaxFactor - 1;
   };
   std::optional<Margin> min_margin{};
+  std::vector<std::string> missing_labels{};  // that the league's patterns and ball need: no colour has them
 };
 
 /// Adds their alerts and the check "colors". `lost_tables`: why saved tables could not be used at start.

@@ -11,6 +11,7 @@
 #include "services/colors/colors_json.h"
 #include "vision/lut_codec.h"
 
+#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -52,6 +53,17 @@ ColorMargins::Hooks margin_hooks(Cameras& cameras) {
     return out;
   };
   return hooks;
+}
+
+/// Labels of the ball and of the league's patterns that no colour has.
+std::vector<std::string> missing_labels(const Lut& lut, const LabelSet& labels) {
+  std::array<bool, label::kMaxCount> has{};
+  for (const Label label : lut.color_table().labels) has[label] = true;
+  std::vector<std::string> out;
+  for (const Label label : {label::kOrange, label::kYellow, label::kBlue, label::kPink, label::kGreen}) {
+    if (!has[label]) out.push_back(labels.name(label));
+  }
+  return out;
 }
 
 Response file_response(Response response, int camera_id, const char* ending) {
@@ -296,8 +308,22 @@ Response ColorService::keep_light(const Request& request) {
   return json_response(state_json(at));
 }
 
+void ColorService::each_second() {
+  const auto known = missing_.load();
+  std::map<int, Missing> now;
+  for (const CameraNow& camera : cameras_.all()) {
+    const auto& lut = camera.context().accepted_lut;
+    const auto before = known->find(camera.id);
+    now[camera.id] = before != known->end() && before->second.lut == lut
+                         ? before->second
+                         : Missing{lut, missing_labels(*lut, *camera.context().labels)};
+  }
+  missing_.store(std::move(now));
+}
+
 void ColorService::report(HealthReport& report) const {
   std::vector<ColorFacts> facts;
+  const auto missing = missing_.load();
   std::vector<std::string> lost;
   for (const CameraNow& camera : cameras_.all()) {
     ColorFacts one{camera.id};
@@ -309,6 +335,8 @@ void ColorService::report(HealthReport& report) const {
                                                               labels.name(least->label), least->change)}
                              : ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
     }
+    if (const auto found = missing->find(camera.id); found != missing->end())
+      one.missing_labels = found->second.labels;
     facts.push_back(std::move(one));
     if (auto problem = saved_.lost(camera.settings->colors.table); !problem.empty())
       lost.push_back(std::move(problem));

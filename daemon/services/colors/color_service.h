@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/snapshot.h"
 #include "net/referee_listener.h"
 #include "services/cameras/pictures.h"
 #include "services/colors/color_margins.h"
@@ -8,6 +9,8 @@
 #include "services/colors/follow_light.h"
 #include "services/service.h"
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -30,8 +33,14 @@ class ColorService final : public Service, public CameraObserver {
   std::vector<Route> routes() override;
   Commit prepare(const SettingsChange& change) override;
   void report(HealthReport& report) const override;
+  void each_second() override;
 
  private:
+  /// Of a camera's accepted table.
+  struct Missing {
+    std::shared_ptr<const Lut> lut;
+    std::vector<std::string> labels;  // see ColorFacts
+  };
   Json state_json(const ColorTables::AtDesk& at);
   TableEdit read_command(const ColorTables::AtDesk& at, const Json& json, const std::string& path);
   TableEdit read_pick(const ColorTables::AtDesk& at, const Json& json, const std::string& path);
@@ -48,6 +57,7 @@ class ColorService final : public Service, public CameraObserver {
   Pictures& pictures_;
   ColorTables& tables_;
   SavedTables& saved_;
+  Snapshot<std::map<int, Missing>> missing_{std::map<int, Missing>{}};  // by camera id
   FollowLight follow_light_;  // this and the next: last, they ask the others
   ColorMargins margins_;
 };

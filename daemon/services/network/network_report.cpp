@@ -95,6 +95,16 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                       .page = "#/settings/network/vision"});
     return;  // that says what to do about those below too
   }
+  if (!facts.card_unused.empty()) {
+    alerts.push_back(
+        {.id = "only_this_computer",
+         .check = "network",
+         .severity = Severity::kWarn,
+         .title = "Packets reach only programs on this computer",
+         .fix = fmt::format("Set network/vision/interface to the card of the teams' network, such as {}.",
+                            facts.card_unused),
+         .page = "#/settings/network/vision"});
+  }
   const auto add = [&](const char* check, const std::string& error, const char* group) {
     if (error.empty()) return;
     alerts.push_back({.id = "group_not_heard",

@@ -24,6 +24,7 @@ struct NetworkFacts {
   std::shared_ptr<const Geometry> geometry;  // what is sent
   std::vector<OtherVision> other_visions;
   bool another_host_sends = false;    // one of them is on another computer
+  std::string card_unused;            // a network card that is up while packets go to this computer only
   std::string listening_error;        // why the vision group cannot be heard
   std::uint64_t refused_packets = 0;  // that came to the vision group
   RefereeStatus referee;

@@ -43,14 +43,30 @@ std::optional<GroupAddress> referee_address(const Config& config) {
                       referee.interface.empty() ? config.network.vision.interface : referee.interface};
 }
 
-bool is_of_another_host(const std::vector<OtherVision>& visions) {
+bool is_of_another_host(const std::vector<OtherVision>& visions, const std::vector<NetworkCard>& cards) {
   if (visions.empty()) return false;
   std::set<std::string> ours;
-  for (const NetworkCard& card : network_cards()) {
+  for (const NetworkCard& card : cards) {
     for (const auto& address : card.addresses) ours.insert(address.to_string());
   }
   return std::any_of(visions.begin(), visions.end(),
                      [&](const OtherVision& other) { return !ours.contains(other.address); });
+}
+
+/// A card that other computers may be on, while packets go out where there are none. Empty: none, or they do
+/// not.
+std::string card_unused(const std::string& interface, const std::vector<NetworkCard>& cards) {
+  const auto is_named = [&](const NetworkCard& card) {
+    return card.name == interface || std::ranges::any_of(card.addresses, [&](const auto& address) {
+             return address.to_string() == interface;
+           });
+  };
+  const auto used = std::ranges::find_if(cards, is_named);
+  if (used == cards.end() || !used->is_loopback) return "";
+  const auto other = std::ranges::find_if(cards, [](const NetworkCard& card) {
+    return card.is_up && card.has_multicast && !card.is_loopback && !card.addresses.empty();
+  });
+  return other == cards.end() ? "" : other->name;
 }
 
 Json interfaces_json() {
@@ -106,6 +122,7 @@ NetworkFacts NetworkService::facts() const {
           .geometry = geometry_.load(),
           .other_visions = other_visions_.seen(steady_s()),
           .another_host_sends = another_host_sends_,
+          .card_unused = *card_unused_.load(),
           .listening_error = other_visions_.error(),
           .refused_packets = other_visions_.refused(),
           .referee = referee_.status(steady_s())};
@@ -126,7 +143,9 @@ void NetworkService::write_metrics(MetricsText& out) const {
 }
 
 void NetworkService::each_second() {
-  another_host_sends_ = is_of_another_host(other_visions_.seen(steady_s()));
+  const std::vector<NetworkCard> cards = network_cards();
+  another_host_sends_ = is_of_another_host(other_visions_.seen(steady_s()), cards);
+  card_unused_.store(card_unused(config_.load()->network.vision.interface, cards));
 }
 
 std::string NetworkService::summary() const {

@@ -50,7 +50,9 @@ class NetworkService final : public Service {
   std::function<void()> on_new_names_;
   RefereeListener referee_;
   OtherVisions other_visions_;
-  std::atomic<bool> another_host_sends_ = false;  // as it was seen last: it asks the system for our addresses
+  // As they were seen last: they ask the system for our addresses.
+  std::atomic<bool> another_host_sends_ = false;
+  Snapshot<std::string> card_unused_{std::string()};
 };
 
 }  // namespace sslv

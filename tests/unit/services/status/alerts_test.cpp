@@ -7,6 +7,7 @@
 #include "services/settings/settings_report.h"
 #include "services/status/alert_times.h"
 #include "services/status/computer_report.h"
+#include "services/verdict/verdict_report.h"
 #include "support/paths.h"
 
 #include <fstream>
@@ -27,6 +28,7 @@ struct AnyCamera : CameraFacts {
   std::optional<CameraCalibration> calibration;
   bool field_changed_since_calibrated = false;
   std::optional<ColorFacts::Margin> min_margin;
+  std::vector<std::string> missing_labels;
 };
 
 struct Input {
@@ -39,7 +41,11 @@ struct Input {
   std::vector<std::string> lost_tables;
   ComputerFigures computer;
   std::optional<ClockFigures> clock;
+  std::string card_unused;
   std::vector<AnyCamera> cameras;
+  TeamsSettings teams;
+  FieldWatch::Seen seen;
+  Coverage coverage;
 };
 
 HealthReport report_of(const Input& input) {
@@ -51,10 +57,12 @@ HealthReport report_of(const Input& input) {
     cameras.push_back(camera);
     calibrations.push_back({camera.id, camera.health.width, camera.health.height, camera.calibration,
                             camera.field_changed_since_calibrated});
-    colors.push_back({camera.id, camera.min_margin});
+    colors.push_back({camera.id, camera.min_margin, camera.missing_labels});
     config->cameras.emplace_back().id = camera.id;
   }
+  config->teams = input.teams;
   HealthReport report;
+  report_verdict({*config, input.seen, input.coverage}, report);
   report_cameras(cameras, report);
   report_calibrations(calibrations, report);
   report_colors(colors, input.lost_tables, report);
@@ -63,6 +71,7 @@ HealthReport report_of(const Input& input) {
                   .geometry = std::make_shared<const Geometry>(),
                   .other_visions = input.other_visions,
                   .another_host_sends = input.another_host_sends,
+                  .card_unused = input.card_unused,
                   .listening_error = input.listening_error,
                   .referee = input.referee},
                  report);
@@ -83,6 +92,10 @@ class Alerts : public ::testing::Test {
     input_.computer.memory_available_bytes = 5'000'000'000;
     input_.computer.disk = {"/var/lib/ssl-visiond", 100'000'000'000, 50'000'000'000};
     input_.clock = ClockFigures{true, 0.01, 0.5};
+    input_.seen.field = {{{{0, 1, 2}, {4, 5}}}, {}, {}, {{{0, 1}, 4, 50}}, true};
+    input_.seen.lines = {{0, {{9, 3, 2, 0.1}, "CenterLine"}}, {1, {{8, 6, 0, 0.1}, "TopTouchLine"}}};
+    input_.seen.watched_s = 60;
+    input_.coverage = {true, 1000, {}, {}};
     for (int id = 0; id < 2; ++id) {
       AnyCamera& camera = input_.cameras.emplace_back();
       camera.id = id;
@@ -149,7 +162,17 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.exposure = Exposure{0.5, 0.5, 10};
   camera.field_changed_since_calibrated = true;
   camera.min_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
+  camera.missing_labels = {"orange"};
+  camera.sends = false;
   input_.cameras[1].calibration.reset();
+  input_.teams.blue.ids = {9};
+  input_.card_unused = "eth0";
+  input_.seen.field.lost = {{Team::kYellow, 7, 3, {0, 0}}};
+  input_.seen.field.doubles = {{Team::kYellow, 8, {0, 1}, {Eigen::Vector2d(0, 0), Eigen::Vector2d(900, 0)}}};
+  input_.seen.field.overlaps[0].apart_mm = 40;
+  input_.seen.lines[0].verdict.worst_mm = 40;
+  input_.seen.lines[1].verdict.missing_share = 0.8;
+  input_.coverage = {true, 10, {{0, 0}, {1, 1}}, {1}};
   input_.listening_error = "no card";
   input_.referee.other = GameController{"other", "192.168.1.8"};
   input_.referee.team_names = {"Nobody knows us", ""};
@@ -329,13 +352,13 @@ TEST_F(Checks, NoCameraAtAllIsNoGo) {
   EXPECT_FALSE(is_go());
 }
 
-TEST_F(Checks, AWarningIsAGo) {
+TEST_F(Checks, ACameraThatIsNotCalibratedIsNoGo) {
   input_.cameras[0].calibration.reset();
   input_.cameras[1].calibration.reset();
   const Check calibration = check("calibration");
-  EXPECT_EQ(calibration.state, CheckState::kWarn);
+  EXPECT_EQ(calibration.state, CheckState::kFail);
   EXPECT_EQ(calibration.text, "Camera 0 is not calibrated (and 1 more)");
-  EXPECT_TRUE(is_go());
+  EXPECT_FALSE(is_go());
 }
 
 TEST_F(Checks, OfColoursAreTheLeastMarginOfAllCameras) {

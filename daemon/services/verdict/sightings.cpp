@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/verdict/sightings.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+/// Two cameras' frames this far apart in time are of one moment, once a robot's way in between is taken off.
+constexpr double kOneMoment_s = 0.1;
+/// What was seen this long ago is still so.
+constexpr double kNow_s = 1;
+/// Two robots touch at 180 mm. Farther apart than this, one id is two robots and no error of calibration.
+constexpr double kTwoRobotsMm = 400;
+/// One id in two places is named when it was seen so often within kDoubles_s: a robot that is carried, or a
+/// single wrong id, is not.
+constexpr std::size_t kMinDoubles = 3;
+constexpr double kDoubles_s = 3;
+constexpr double kApart_s = 20;
+constexpr std::size_t kMinApart = 10, kMaxApart = 200;
+/// Faster than this its place at one moment is not known to a few millimetres.
+constexpr double kMaxSpeedMm_s = 1500;
+
+}  // namespace
+
+void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<const Robot> robots,
+                    std::span<const Ball> balls) {
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const Robot& robot = robots[i];
+    const Identity identity{robot.team, robot.id};
+    Robots& known = robots_[identity];
+    Seen seen{t_capture_s, {robot.x_mm, robot.y_mm}, {0, 0}};
+    // Twice in one image.
+    for (std::size_t k = 0; k < i; ++k) {
+      if (robots[k].team != robot.team || robots[k].id != robot.id) continue;
+      const Eigen::Vector2d other(robots[k].x_mm, robots[k].y_mm);
+      known.doubles.push_back({t_s, {robot.team, robot.id, {camera_id, camera_id}, {other, seen.place_mm}}});
+    }
+    if (const auto before = known.by_camera.find(camera_id); before != known.by_camera.end()) {
+      const double passed_s = t_capture_s - before->second.t_capture_s;
+      if (passed_s > 0 && passed_s < kGap_s)
+        seen.velocity_mm_s = (seen.place_mm - before->second.place_mm) / passed_s;
+    }
+    compare(identity, known, camera_id, t_s, seen);
+    known.by_camera[camera_id] = seen;
+    const double gone_s = t_s - known.last_s.value_or(-1e9);
+    if (gone_s > kGap_s) known.since_s = t_s;
+    // One that comes back after it was expected no longer is a new one.
+    if (gone_s > kExpected_s) known.is_steady = false;
+    known.last_s = t_s;
+    known.place_mm = seen.place_mm;
+    if (t_s - known.since_s >= kSteady_s) known.is_steady = true;
+    while (!known.doubles.empty() && t_s - known.doubles.front().first > kDoubles_s)
+      known.doubles.pop_front();
+  }
+  if (!balls.empty()) ball_s_ = t_s;
+}
+
+void Sightings::compare(const Identity& identity, Robots& robots, int camera_id, double t_s,
+                        const Seen& seen) {
+  for (const auto& [other_id, other] : robots.by_camera) {
+    const double passed_s = seen.t_capture_s - other.t_capture_s;
+    if (other_id == camera_id || std::abs(passed_s) > kOneMoment_s) continue;
+    const Eigen::Vector2d there = other.place_mm + other.velocity_mm_s * passed_s;
+    const double apart_mm = (there - seen.place_mm).norm();
+    if (apart_mm > kTwoRobotsMm) {
+      robots.doubles.push_back(
+          {t_s, {identity.first, identity.second, {other_id, camera_id}, {there, seen.place_mm}}});
+      continue;
+    }
+    if (seen.velocity_mm_s.norm() > kMaxSpeedMm_s) continue;
+    auto& samples = apart_[std::minmax(camera_id, other_id)].samples;
+    samples.emplace_back(t_s, apart_mm);
+    while (samples.size() > kMaxApart || t_s - samples.front().first > kApart_s) samples.pop_front();
+  }
+}
+
+void Sightings::forget(int camera_id) {
+  for (auto& [identity, robots] : robots_) {
+    robots.by_camera.erase(camera_id);
+    std::erase_if(robots.doubles, [&](const auto& one) {
+      return one.second.cameras[0] == camera_id || one.second.cameras[1] == camera_id;
+    });
+  }
+  std::erase_if(
+      apart_, [&](const auto& one) { return one.first.first == camera_id || one.first.second == camera_id; });
+}
+
+FieldSeen Sightings::now(double t_s) const {
+  FieldSeen out;
+  for (const auto& [identity, robots] : robots_) {
+    const double gone_s = t_s - *robots.last_s;
+    if (gone_s <= kNow_s) {
+      out.ids[static_cast<std::size_t>(identity.first)].push_back(identity.second);
+    } else if (robots.is_steady && gone_s <= kExpected_s) {
+      out.lost.push_back({identity.first, identity.second, gone_s, robots.place_mm});
+    }
+    const auto recent = std::count_if(robots.doubles.begin(), robots.doubles.end(),
+                                      [&](const auto& one) { return t_s - one.first <= kDoubles_s; });
+    if (static_cast<std::size_t>(recent) >= kMinDoubles) out.doubles.push_back(robots.doubles.back().second);
+  }
+  for (const auto& [cameras, apart] : apart_) {
+    std::vector<double> distances;
+    for (const auto& [at_s, mm] : apart.samples) {
+      if (t_s - at_s <= kApart_s) distances.push_back(mm);
+    }
+    if (distances.size() < kMinApart) continue;
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    out.overlaps.push_back({{cameras.first, cameras.second}, *middle, distances.size()});
+  }
+  out.ball = ball_s_ && t_s - *ball_s_ <= kNow_s;
+  return out;
+}
+
+}  // namespace sslv

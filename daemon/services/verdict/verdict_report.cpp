@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/verdict/verdict_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace sslv {
+namespace {
+
+// Positions are good to a few millimetres. A robot's pattern is 170 mm wide, and half of that decides a duel.
+constexpr double kWarnMm = 25, kBadMm = 60;
+/// Of the places on painted lines that the cameras show.
+constexpr double kMissingShare = 0.4;
+/// Of the field's places.
+constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
+/// Nobody takes so many robots off the field at once.
+constexpr std::size_t kManyLost = 3;
+/// From the service's start; by then every robot in view was seen.
+constexpr double kWatched_s = 5;
+
+const char* name_of(Team team) {
+  return team == Team::kYellow ? "yellow" : "blue";
+}
+
+std::string place_text(const Eigen::Vector2d& place_mm) {
+  return fmt::format("({:.0f}, {:.0f}) mm", place_mm.x(), place_mm.y());
+}
+
+void add(HealthReport& report, Alert alert) {
+  report.alerts.push_back(std::move(alert));
+}
+
+void report_lost(const VerdictFacts& facts, HealthReport& report) {
+  const FieldSeen& field = facts.seen.field;
+  if (field.lost.empty()) return;
+  const std::size_t seen = field.ids[0].size() + field.ids[1].size();
+  std::vector<std::string> names;
+  for (const LostRobot& robot : field.lost)
+    names.push_back(fmt::format("{} {}", name_of(robot.team), robot.id));
+  const LostRobot& newest = *std::ranges::min_element(field.lost, {}, &LostRobot::gone_s);
+  const bool is_one = field.lost.size() == 1;
+  add(report,
+      {.id = "robots_lost",
+       .check = "robots",
+       // One may have been taken off. Many at once were not.
+       .severity = field.lost.size() >= kManyLost || (field.lost.size() >= 2 && field.lost.size() >= seen)
+                       ? Severity::kBad
+                       : Severity::kWarn,
+       .title = fmt::format("{} {} no longer seen, the last for {:.0f} s at {}", fmt::join(names, ", "),
+                            is_one ? "is" : "are", newest.gone_s, place_text(newest.place_mm)),
+       .fix =
+           is_one
+               ? "Look at its pattern and at the light there. If it was taken off the field, this goes away "
+                 "after a minute."
+               : "Look at light, colours and cameras. If they were taken off the field, this goes away after "
+                 "a minute.",
+       .page = "#/"});
+}
+
+void report_roster(const VerdictFacts& facts, HealthReport& report) {
+  if (facts.seen.watched_s < kWatched_s) return;
+  const std::array<const TeamSettings*, 2> teams{&facts.config.teams.yellow, &facts.config.teams.blue};
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    const auto& seen = facts.seen.field.ids[static_cast<std::size_t>(team)];
+    std::vector<int> missing;
+    for (const int id : teams[static_cast<std::size_t>(team)]->ids) {
+      const bool is_lost = std::ranges::any_of(facts.seen.field.lost, [&](const LostRobot& robot) {
+        return robot.team == team && robot.id == id;
+      });
+      if (!is_lost && !std::ranges::binary_search(seen, id)) missing.push_back(id);
+    }
+    if (missing.empty()) continue;
+    add(report, {.id = "robots_missing",
+                 .check = "robots",
+                 .severity = Severity::kWarn,
+                 .title = fmt::format("{} {} of the roster {} not seen", name_of(team),
+                                      fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"),
+                 .fix = "Put them on the field, or take them out of the ids that play (teams).",
+                 .page = "#/settings/teams",
+                 .about = name_of(team)});
+  }
+}
+
+void report_doubles(const VerdictFacts& facts, HealthReport& report) {
+  for (const DoubleRobot& robot : facts.seen.field.doubles) {
+    const std::string name = fmt::format("{} {}", name_of(robot.team), robot.id);
+    add(report,
+        {.id = "robot_twice",
+         .check = "robots",
+         .severity = Severity::kBad,
+         .title = fmt::format("Two robots are {}: at {} and at {}", name, place_text(robot.places_mm[0]),
+                              place_text(robot.places_mm[1])),
+         .fix = "Give one of them another id. If there is only one such robot, calibrate the cameras again.",
+         .page = "#/",
+         .about = name});
+  }
+}
+
+void report_lines(const VerdictFacts& facts, HealthReport& report) {
+  for (const auto& [id, lines] : facts.seen.lines) {
+    const auto say = [&, camera = id](const char* kind, Severity severity, std::string title,
+                                      std::string fix) {
+      add(report, {.id = kind,
+                   .check = "agreement",
+                   .severity = severity,
+                   .title = std::move(title),
+                   .fix = std::move(fix),
+                   .page = fmt::format("#/calibration/{}", camera),
+                   .camera = camera});
+    };
+    if (lines.verdict.missing_share > kMissingShare) {
+      say("lines_missing", Severity::kBad,
+          fmt::format("Camera {}: {:.0f} % of the painted lines are not where they should be", id,
+                      100 * lines.verdict.missing_share),
+          "Compare the field's sizes with the real field, then calibrate again.");
+    } else if (lines.verdict.worst_mm > kWarnMm) {
+      say("lines_off", lines.verdict.worst_mm > kBadMm ? Severity::kBad : Severity::kWarn,
+          fmt::format("Camera {}: {} lies {:.0f} mm from where the calibration puts it", id, lines.worst_line,
+                      lines.verdict.worst_mm),
+          "If the camera was moved, calibrate it again. If not, compare the field's sizes with the real "
+          "field.");
+    }
+  }
+}
+
+void report_overlaps(const VerdictFacts& facts, HealthReport& report) {
+  for (const Overlap& overlap : facts.seen.field.overlaps) {
+    if (overlap.apart_mm <= kWarnMm) continue;
+    add(report, {.id = "cameras_disagree",
+                 .check = "agreement",
+                 .severity = overlap.apart_mm > kBadMm ? Severity::kBad : Severity::kWarn,
+                 .title = fmt::format("Cameras {} and {} see the same robots {:.0f} mm apart",
+                                      overlap.cameras[0], overlap.cameras[1], overlap.apart_mm),
+                 .fix = "Check the teams' robot heights, then calibrate these cameras together.",
+                 .page = "#/calibration",
+                 .about = fmt::format("{} {}", overlap.cameras[0], overlap.cameras[1])});
+  }
+}
+
+void report_coverage(const VerdictFacts& facts, HealthReport& report) {
+  for (const int id : facts.coverage.blind) {
+    add(report, {.id = "mask_hides_all",
+                 .check = "coverage",
+                 .severity = Severity::kBad,
+                 .title = fmt::format("Camera {} looks at nothing: its mask hides the whole image", id),
+                 .fix = "Take polygons away on its page, or set mask/beyond_boundary to null.",
+                 .page = fmt::format("#/camera/{}", id),
+                 .camera = id});
+  }
+  const auto& uncovered = facts.coverage.uncovered_mm;
+  const double share =
+      facts.coverage.places == 0 ? 0 : static_cast<double>(uncovered.size()) / facts.coverage.places;
+  if (share <= kUncoveredShare) return;
+  Eigen::Vector2d sum(0, 0);
+  for (const Eigen::Vector2d& place : uncovered) sum += place;
+  add(report, {.id = "field_uncovered",
+               .check = "coverage",
+               .severity = share > kUncoveredBadShare ? Severity::kBad : Severity::kWarn,
+               .title = fmt::format("No camera looks at {:.0f} % of the field, around {}", 100 * share,
+                                    place_text(sum / static_cast<double>(uncovered.size()))),
+               .fix = "Turn the cameras, open their lenses' view, or take away masks that cover the field.",
+               .page = "#/field"});
+}
+
+Check check_robots(const VerdictFacts& facts) {
+  const auto& ids = facts.seen.field.ids;
+  Check check{"robots",          "Robots",
+              CheckState::kPass, fmt::format("{} / {}", ids[0].size(), ids[1].size()),
+              "yellow / blue",   facts.seen.field.ball ? "and a ball" : "no ball is seen"};
+  if (ids[0].empty() && ids[1].empty()) {
+    check.state = CheckState::kWarn;
+    check.text = facts.seen.field.ball
+                     ? "a ball, but no robot: put some on the field to see that they are found"
+                     : "nothing is seen: put robots on the field to see that they are found";
+  }
+  return check;
+}
+
+Check check_agreement(const VerdictFacts& facts) {
+  std::optional<double> lines_mm, cameras_mm;
+  for (const auto& [id, lines] : facts.seen.lines)
+    lines_mm = std::max(lines_mm.value_or(0), lines.verdict.worst_mm);
+  for (const Overlap& overlap : facts.seen.field.overlaps)
+    cameras_mm = std::max(cameras_mm.value_or(0), overlap.apart_mm);
+  Check check{"agreement", "Agreement", CheckState::kPass,
+              kNoFigure,   "mm",        "no line can be seen well enough"};
+  if (!lines_mm && !cameras_mm) return check;
+  check.value = fmt::format("{:.0f}", std::max(lines_mm.value_or(0), cameras_mm.value_or(0)));
+  std::vector<std::string> parts;
+  if (lines_mm) parts.push_back(fmt::format("lines {:.0f} mm", *lines_mm));
+  if (cameras_mm) parts.push_back(fmt::format("between cameras {:.0f} mm", *cameras_mm));
+  check.text = fmt::format("{}", fmt::join(parts, ", "));
+  return check;
+}
+
+Check check_coverage(const VerdictFacts& facts) {
+  Check check{"coverage", "Coverage", CheckState::kPass,
+              kNoFigure,  "",         "known once all cameras are calibrated"};
+  if (!facts.coverage.is_known) return check;
+  const auto uncovered = static_cast<double>(facts.coverage.uncovered_mm.size());
+  check.value = fmt::format("{:.0f}", 100 * (1 - uncovered / std::max(1, facts.coverage.places)));
+  check.unit = "% of the field";
+  check.text = "by calibrations and masks";
+  return check;
+}
+
+}  // namespace
+
+void report_verdict(const VerdictFacts& facts, HealthReport& report) {
+  for (const auto part :
+       {report_lost, report_roster, report_doubles, report_lines, report_overlaps, report_coverage})
+    part(facts, report);
+  for (const auto check : {check_robots, check_agreement, check_coverage})
+    report.checks.push_back(check(facts));
+}
+
+}  // namespace sslv

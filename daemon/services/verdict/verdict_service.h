@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/snapshot.h"
+#include "services/service.h"
+#include "services/verdict/coverage.h"
+#include "services/verdict/field_watch.h"
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace sslv {
+
+/// Whether this field can play, by what is seen on it: robots, painted lines, how well cameras agree, what
+/// none of them looks at.
+class VerdictService final : public Service, public CameraObserver {
+ public:
+  /// Both must outlive this.
+  VerdictService(const Snapshot<Config>& config, Cameras& cameras);
+
+  void cameras_changed(const std::set<int>& camera_ids) noexcept override;
+
+  void report(HealthReport& report) const override;
+  void each_second() override;
+
+ private:
+  const Snapshot<Config>& config_;
+  Cameras& cameras_;
+  Snapshot<Coverage> coverage_{Coverage{}};
+  std::vector<std::shared_ptr<const void>>
+      covered_by_;    // what it was computed of; of the thread of each_second()
+  FieldWatch watch_;  // last: it asks the cameras
+};
+
+}  // namespace sslv

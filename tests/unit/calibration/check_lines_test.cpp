@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/check_lines.h"
+
+#include "calibration/publish.h"
+#include "support/painted_floor.h"
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+constexpr double kWindowMm = 250;
+
+/// What is said of lines in a picture that are looked for with a camera and sizes.
+LinesVerdict looked_for(const FloorPicture& picture, const LensCamera& calibrated, const FieldSize& sizes) {
+  const auto curves = painted_curves(sizes, LinesMeasured::kToOuterEdge);
+  return judge_lines(
+      check_lines(picture.view, CameraModel(publish(calibrated).calibration), curves, kWindowMm));
+}
+
+struct Case {
+  FloorSetting setting;
+  PaintedFloor floor;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> out;
+  for (const int size : {0, 1}) {
+    for (const FloorView view : {FloorView::kWhole, FloorView::kHalf, FloorView::kQuarter}) {
+      for (const double dim_to : {1.0, 0.5}) {
+        Case one{{.size = size, .view = view}, {}};
+        one.floor.field = floor_field(size);
+        one.floor.dim_to = dim_to;
+        one.floor.robots_on_lines = true;
+        one.floor.wavy_mm = 3;
+        one.floor.seed = static_cast<unsigned>(out.size() + 1);
+        out.push_back(one);
+      }
+    }
+  }
+  return out;
+}
+
+TEST(CheckLines, FindsThemWhereAGoodCalibrationPutsThem) {
+  for (const Case& one : cases()) {
+    const LensCamera camera = floor_camera(one.setting);
+    const LinesVerdict verdict = looked_for(draw_floor(one.floor, camera), camera, one.floor.field);
+    EXPECT_GE(verdict.lines, 3);
+    EXPECT_LT(verdict.worst_mm, 15) << "size " << one.setting.size << " dim to " << one.floor.dim_to;
+    EXPECT_LT(verdict.missing_share, 0.25) << "size " << one.setting.size << " dim to " << one.floor.dim_to;
+  }
+}
+
+TEST(CheckLines, SaysByHowMuchACameraWasMoved) {
+  for (const Case& one : cases()) {
+    const LensCamera truth = floor_camera(one.setting);
+    const FloorPicture picture = draw_floor(one.floor, truth);
+    for (const double moved_mm : {40.0, 80.0, 150.0}) {
+      LensCamera calibrated = truth;
+      calibrated.position_mm += Eigen::Vector3d(moved_mm, 0, 0);
+      const LinesVerdict verdict = looked_for(picture, calibrated, one.floor.field);
+      EXPECT_NEAR(verdict.worst_mm, moved_mm, 15) << "size " << one.setting.size;
+    }
+  }
+}
+
+TEST(CheckLines, MissThoseOfAFieldOfOtherSizes) {
+  for (const FloorView view : {FloorView::kWhole, FloorView::kHalf}) {
+    PaintedFloor floor;
+    floor.field = floor_field(1);
+    const LensCamera camera = floor_camera({.size = 1, .view = view});
+    FieldSize other = floor.field;
+    other.field_length -= 1200;
+    other.field_width -= 800;
+    EXPECT_GT(looked_for(draw_floor(floor, camera), camera, other).missing_share, 0.4);
+  }
+}
+
+TEST(CheckLines, JudgeNothingWhereNoLineIsInTheImage) {
+  PaintedFloor floor;
+  floor.field = floor_field(0);
+  LensCamera camera = floor_camera({});
+  camera.position_mm += Eigen::Vector3d(20'000, 0, 0);
+  EXPECT_EQ(looked_for(draw_floor(floor, camera), camera, floor.field).lines, 0);
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/verdict/sightings.h"
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr double kPeriod_s = 0.2;
+
+Robot robot(Team team, int id, double x_mm, double y_mm) {
+  return {team, id, x_mm, y_mm, 0, 140, 100, 100, 1};
+}
+
+/// Cameras 0 and 1 look at a field that a test describes.
+class SightingsTest : public ::testing::Test {
+ protected:
+  /// What each camera sees in one look after the other, for so long.
+  void look_for(double duration_s, const std::vector<Robot>& in_0, const std::vector<Robot>& in_1) {
+    const double end_s = t_s_ + duration_s;
+    for (; t_s_ < end_s; t_s_ += kPeriod_s) {
+      sightings_.add(0, t_s_, 1e6 + t_s_, in_0, {});
+      sightings_.add(1, t_s_, 1e6 + t_s_ + 0.004, in_1, {});
+    }
+  }
+  FieldSeen now() const { return sightings_.now(t_s_); }
+
+  Sightings sightings_;
+  double t_s_ = 10;
+};
+
+TEST_F(SightingsTest, CountsARobotOnceWhichTwoCamerasSee) {
+  look_for(1, {robot(Team::kYellow, 3, 0, 0), robot(Team::kBlue, 1, 500, 0)}, {robot(Team::kYellow, 3, 4, 0)});
+  EXPECT_THAT(now().ids[0], ElementsAre(3));
+  EXPECT_THAT(now().ids[1], ElementsAre(1));
+  EXPECT_THAT(now().lost, IsEmpty());
+  EXPECT_THAT(now().doubles, IsEmpty());
+}
+
+TEST_F(SightingsTest, MissesForAMinuteWhatWasSteady) {
+  look_for(6, {robot(Team::kYellow, 3, 70, -20)}, {});
+  look_for(2, {}, {});
+  ASSERT_EQ(now().lost.size(), 1U);
+  EXPECT_EQ(now().lost[0].id, 3);
+  EXPECT_NEAR(now().lost[0].gone_s, 2.2, 0.3);
+  EXPECT_EQ(now().lost[0].place_mm, Eigen::Vector2d(70, -20));
+  look_for(60, {}, {});
+  EXPECT_THAT(now().lost, IsEmpty());
+}
+
+TEST_F(SightingsTest, DoesNotMissWhatWasSeenForAMomentOnly) {
+  look_for(2, {robot(Team::kBlue, 7, 0, 0)}, {});
+  look_for(3, {}, {});
+  EXPECT_THAT(now().lost, IsEmpty());
+}
+
+TEST_F(SightingsTest, ShortGapsAreNoLoss) {
+  for (int i = 0; i < 10; ++i) {
+    look_for(0.8, {robot(Team::kBlue, 7, 0, 0)}, {});
+    look_for(0.6, {}, {});
+    EXPECT_THAT(now().lost, IsEmpty());
+  }
+}
+
+TEST_F(SightingsTest, NamesOneIdInTwoPlaces) {
+  look_for(2, {robot(Team::kYellow, 5, -2000, 0)}, {robot(Team::kYellow, 5, 2000, 0)});
+  ASSERT_EQ(now().doubles.size(), 1U);
+  EXPECT_EQ(now().doubles[0].id, 5);
+  look_for(4, {robot(Team::kYellow, 5, -2000, 0)}, {});
+  EXPECT_THAT(now().doubles, IsEmpty());
+}
+
+TEST_F(SightingsTest, NamesOneIdTwiceInOneImage) {
+  look_for(2, {robot(Team::kYellow, 5, -2000, 0), robot(Team::kYellow, 5, 100, 0)}, {});
+  ASSERT_EQ(now().doubles.size(), 1U);
+  EXPECT_EQ(now().doubles[0].cameras, (std::array{0, 0}));
+}
+
+TEST_F(SightingsTest, ASingleWrongIdIsNoSecondRobot) {
+  look_for(2, {robot(Team::kYellow, 5, -2000, 0)}, {});
+  look_for(kPeriod_s, {robot(Team::kYellow, 5, -2000, 0)}, {robot(Team::kYellow, 5, 2000, 0)});
+  look_for(1, {robot(Team::kYellow, 5, -2000, 0)}, {});
+  EXPECT_THAT(now().doubles, IsEmpty());
+}
+
+TEST_F(SightingsTest, SaysHowFarApartCamerasSeeTheSameRobots) {
+  look_for(5, {robot(Team::kYellow, 5, 0, 0), robot(Team::kYellow, 6, 0, 500)},
+           {robot(Team::kYellow, 5, 40, 0), robot(Team::kYellow, 6, 0, 544)});
+  ASSERT_EQ(now().overlaps.size(), 1U);
+  EXPECT_NEAR(now().overlaps[0].apart_mm, 42, 3);
+}
+
+TEST_F(SightingsTest, ARobotThatDrivesIsNotApart) {
+  constexpr double kSpeedMm_s = 1400;
+  for (int i = 0; i < 50; ++i, t_s_ += kPeriod_s) {
+    const double x_mm = kSpeedMm_s * t_s_;
+    const Robot in_0[] = {robot(Team::kBlue, 1, x_mm, 0)};
+    const Robot in_1[] = {robot(Team::kBlue, 1, x_mm + kSpeedMm_s * 0.016, 0)};
+    sightings_.add(0, t_s_, 1e6 + t_s_, in_0, {});
+    sightings_.add(1, t_s_, 1e6 + t_s_ + 0.016, in_1, {});
+  }
+  ASSERT_EQ(now().overlaps.size(), 1U);
+  EXPECT_LT(now().overlaps[0].apart_mm, 3);
+}
+
+TEST_F(SightingsTest, ForgetsWhatAnotherViewWillShow) {
+  look_for(5, {robot(Team::kYellow, 5, 0, 0)}, {robot(Team::kYellow, 5, 100, 0)});
+  sightings_.forget(1);
+  EXPECT_THAT(now().overlaps, IsEmpty());
+  EXPECT_THAT(now().ids[0], ElementsAre(5));
+}
+
+}  // namespace
+}  // namespace sslv
