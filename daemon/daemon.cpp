@@ -114,7 +114,7 @@ struct Daemon::Parts {
         cameras(settings, network, kept.tables),
         calibration(kept, settings, network, cameras),
         colors(kept, settings, network, cameras),
-        verdict(settings.config(), cameras.running),
+        verdict(settings.config(), cameras.running, network.service.referee()),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.

@@ -23,6 +23,8 @@ constexpr double kMinStripe = 4;     // grey levels, and so many times what the 
 constexpr double kMinScatters = 4;
 /// A stripe as good as this share of the best one counts where it is nearer.
 constexpr double kAsGood = 0.6;
+/// So far from where it should be, it is there.
+constexpr double kGoodMm = 30;
 /// Of a line's places. Robots and people stand on the others.
 constexpr double kFoundShare = 0.4;
 
@@ -172,13 +174,33 @@ LinesVerdict judge_lines(std::span<const LineSeen> lines) {
     places += line.points;
     if (line.found < kFoundShare * line.points) {
       missing += line.points;
-    } else if (std::abs(line.offset_mm) > out.worst_mm) {
+      continue;
+    }
+    if (std::abs(line.offset_mm) < kGoodMm) out.good += line.found;
+    if (std::abs(line.offset_mm) > out.worst_mm) {
       out.worst_mm = std::abs(line.offset_mm);
       out.worst = line.curve;
     }
   }
   if (places > 0) out.missing_share = static_cast<double>(missing) / places;
   return out;
+}
+
+const FieldPreset* find_better_size(const ImageView& image, const CameraModel& camera, const FieldSize& size,
+                                    const LinesVerdict& judged, double window_mm) {
+  // All lines of the true sizes are there, so no other sizes that share some of them have more that are good.
+  constexpr double kClearly = 1.3, kMaxMissing = 0.2;
+  constexpr int kMinPlaces = 20;
+  for (const FieldPreset& preset : field_presets()) {
+    if (preset.size.field_length == size.field_length && preset.size.field_width == size.field_width)
+      continue;
+    const LinesVerdict other = judge_lines(
+        check_lines(image, camera, painted_curves(preset.size, LinesMeasured::kToOuterEdge), window_mm));
+    if (other.good >= kMinPlaces && other.good > kClearly * judged.good && other.worst_mm < kGoodMm &&
+        other.missing_share < kMaxMissing)
+      return &preset;
+  }
+  return nullptr;
 }
 
 }  // namespace sslv

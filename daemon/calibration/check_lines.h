@@ -3,6 +3,7 @@
 
 #include "calibration/painted_curves.h"
 #include "geometry/camera_model.h"
+#include "geometry/field.h"
 #include "image/image.h"
 
 #include <cstddef>
@@ -32,7 +33,13 @@ struct LinesVerdict {
   double worst_mm = 0;       // the largest offset of a line that was found
   std::size_t worst = 0;     // which it is
   double missing_share = 0;  // of the places: those on lines that were not found
+  int good = 0;              // places where a line was found, and near where it should be
 };
 LinesVerdict judge_lines(std::span<const LineSeen> lines);
+
+/// Which of the league's field sizes suits the lines in this image clearly better than those that `judged` is
+/// of; null: none does. The camera may show no line that the wrong sizes have, so these alone look fine.
+const FieldPreset* find_better_size(const ImageView& image, const CameraModel& camera, const FieldSize& size,
+                                    const LinesVerdict& judged, double window_mm);
 
 }  // namespace sslv

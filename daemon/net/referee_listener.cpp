@@ -27,13 +27,22 @@ bool makes_sense(const Referee& referee) {
          is_readable(referee.blue().name()) && is_readable(referee.source_identifier());
 }
 
-/// The numbers are the game controller's Stage and Command.
+// The numbers are the game controller's Stage and Command.
+bool says_that_stage_is_played(const Referee& referee) {
+  constexpr int kPlayingStages[] = {1, 4, 7, 10, 12};  // two halves, two extra halves, penalty shoot-out
+  return referee.has_stage() && std::find(std::begin(kPlayingStages), std::end(kPlayingStages),
+                                          referee.stage()) != std::end(kPlayingStages);
+}
+
 bool says_that_robots_play(const Referee& referee) {
   constexpr int kHalt = 0;
-  constexpr int kPlayingStages[] = {1, 4, 7, 10, 12};  // two halves, two extra halves, penalty shoot-out
-  return referee.has_stage() && referee.has_command() && referee.command() != kHalt &&
-         std::find(std::begin(kPlayingStages), std::end(kPlayingStages), referee.stage()) !=
-             std::end(kPlayingStages);
+  return says_that_stage_is_played(referee) && referee.has_command() && referee.command() != kHalt;
+}
+
+std::optional<int> robots_allowed(const Referee::TeamInfo& team) {
+  constexpr std::uint32_t kMax = 16;  // ids that there are
+  if (!team.has_max_allowed_bots() || team.max_allowed_bots() > kMax) return std::nullopt;
+  return static_cast<int>(team.max_allowed_bots());
 }
 
 }  // namespace
@@ -53,7 +62,8 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     team_names_ = {};
     heard_s_.reset();
     other_heard_s_.reset();
-    game_is_running_ = false;
+    game_is_running_ = stage_is_played_ = false;
+    robots_allowed_ = {};
   }
   receiver_.listen(where);
 }
@@ -81,6 +91,8 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
     followed_ = std::move(from);
     heard_s_ = now_s;
     game_is_running_ = says_that_robots_play(referee);
+    stage_is_played_ = says_that_stage_is_played(referee);
+    robots_allowed_ = {robots_allowed(referee.yellow()), robots_allowed(referee.blue())};
     const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
                                            plain_part(referee.blue().name())};
     if (names == team_names_) return;
@@ -109,6 +121,8 @@ RefereeStatus RefereeListener::status(double now_s) const {
   if (other_heard_s_ && now_s - *other_heard_s_ <= kForgottenAfter_s) status.other = other_;
   status.refused = refused_;
   status.game_is_running = game_is_running_;
+  status.stage_is_played = stage_is_played_;
+  status.robots_allowed = robots_allowed_;
   return status;
 }
 

@@ -43,13 +43,15 @@ struct GameController {
 
 /// What the game controller has said.
 struct RefereeStatus {
-  std::array<std::string, 2> team_names;  // by Team; empty: not said yet
-  std::optional<double> silent_s;         // since its last message; none: there was none
-  GameController followed;                // who sent it
-  std::optional<GameController> other;    // heard lately too, and not followed
-  std::uint64_t refused = 0;              // datagrams that could not be read
-  std::string error;                      // why nothing can be heard; empty when it can
-  bool game_is_running = false;           // robots may play
+  std::array<std::string, 2> team_names;             // by Team; empty: not said yet
+  std::optional<double> silent_s;                    // since its last message; none: there was none
+  GameController followed;                           // who sent it
+  std::optional<GameController> other;               // heard lately too, and not followed
+  std::uint64_t refused = 0;                         // datagrams that could not be read
+  std::string error;                                 // why nothing can be heard; empty when it can
+  bool game_is_running = false;                      // robots may play
+  bool stage_is_played = false;                      // the same, or a HALT in between
+  std::array<std::optional<int>, 2> robots_allowed;  // by Team; none: it does not say
 };
 
 /// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are
@@ -79,12 +81,13 @@ class RefereeListener {
  private:
   const std::function<void()> on_new_names_;
   std::optional<GroupAddress> where_;
-  mutable std::mutex mutex_;  // guards the seven below
+  mutable std::mutex mutex_;  // guards those below but for the last
   std::array<std::string, 2> team_names_;
   GameController followed_, other_;
   std::optional<double> heard_s_, other_heard_s_;
   std::uint64_t refused_ = 0;
-  bool game_is_running_ = false;
+  bool game_is_running_ = false, stage_is_played_ = false;
+  std::array<std::optional<int>, 2> robots_allowed_;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses
 };
 

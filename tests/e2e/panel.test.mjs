@@ -186,9 +186,9 @@ describe('panel', () => {
       for (const name of ['latency-p50', 'latency-p99']) await textBecomes(page, `${name}-${id}`, /^\d+(\.\d+)?$/);
       await textBecomes(page, `drops-${id}`, /^[\d\u2009]+$/);
     }
-    for (const check of ['cameras', 'calibration', 'network', 'other_visions', 'teams']) await page.waitForSelector(`${byId(`check-${check}`)}[data-state="pass"]`);
-    // Speed, clock and load are this machine's affair, so those may warn; but they must know.
-    for (const check of ['latency', 'pictures', 'clock', 'computer']) await page.waitForSelector(`${byId(`check-${check}`)}:not([data-state="unknown"])`);
+    for (const check of ['robots', 'agreement', 'coverage', 'cameras', 'calibration', 'other_visions', 'teams']) await page.waitForSelector(`${byId(`check-${check}`)}[data-state="pass"]`);
+    // Speed, clock, load and network cards that are not used are this machine's affair, so those may warn; but they must know.
+    for (const check of ['latency', 'pictures', 'clock', 'computer', 'network']) await page.waitForSelector(`${byId(`check-${check}`)}:not([data-state="unknown"])`);
     await textBecomes(page, 'check-cameras', /2\s*of 2/);
     await page.waitForSelector(`${byId('verdict')}[data-go="true"]`);
     await textBecomes(page, 'seen', /^12 robots, 1 ball$/);

@@ -4,6 +4,7 @@
 #include "vision/mask.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sslv {
 namespace {
@@ -30,8 +31,11 @@ bool is_blind(const CameraNow& camera, int width_px, int height_px) {
 
 }  // namespace
 
-Coverage coverage_of(std::span<const CameraNow> cameras, const FieldSize& field) {
+Coverage coverage_of(std::span<const CameraNow> all, const FieldSize& field) {
   Coverage out;
+  std::vector<CameraNow> cameras;
+  std::ranges::copy_if(all, std::back_inserter(cameras),
+                       [](const CameraNow& camera) { return camera.health.state == CameraState::kRunning; });
   out.is_known = !cameras.empty() && std::ranges::all_of(cameras, [](const CameraNow& camera) {
     return camera.context().scene->camera.has_value();
   });

@@ -97,7 +97,10 @@ void FieldWatch::look_at_lines(const CameraNow& camera, const LentFrame& frame, 
       image.height == scene->camera->calibration().pixel_image_height) {
     const auto lines = check_lines(image, *scene->camera, watched.curves, kWindowMm);
     const LinesVerdict verdict = judge_lines(lines);
-    if (verdict.lines > 0) now = LinesNow{verdict, watched.curves[verdict.worst].name};
+    if (verdict.lines > 0) {
+      now = LinesNow{verdict, watched.curves[verdict.worst].name,
+                     find_better_size(image, *scene->camera, scene->field, verdict, kWindowMm)};
+    }
   }
   const std::optional<LinesNow> before = std::exchange(watched.before, now);
   const std::lock_guard lock(mutex_);

@@ -22,7 +22,8 @@ namespace sslv {
 /// How the painted lines lie in a camera's newest images.
 struct LinesNow {
   LinesVerdict verdict;
-  std::string worst_line;  // its name
+  std::string worst_line;                    // its name
+  const FieldPreset* better_size = nullptr;  // see find_better_size()
 };
 
 /// Looks at each camera's newest finished frame a few times a second, in one thread of low priority: at what

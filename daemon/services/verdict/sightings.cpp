@@ -17,8 +17,9 @@ constexpr double kTwoRobotsMm = 400;
 /// single wrong id, is not.
 constexpr std::size_t kMinDoubles = 3;
 constexpr double kDoubles_s = 3;
-constexpr double kApart_s = 20;
-constexpr std::size_t kMinApart = 10, kMaxApart = 200;
+/// Cameras are compared by what they saw in the last seconds; where few robots pass, by what they saw last.
+constexpr double kApart_s = 4, kApartAtMost_s = 20;
+constexpr std::size_t kMinApart = 6, kMaxApart = 200;
 /// Faster than this its place at one moment is not known to a few millimetres.
 constexpr double kMaxSpeedMm_s = 1500;
 
@@ -54,7 +55,12 @@ void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<con
     while (!known.doubles.empty() && t_s - known.doubles.front().first > kDoubles_s)
       known.doubles.pop_front();
   }
-  if (!balls.empty()) ball_s_ = t_s;
+  if (balls.empty()) return;
+  const double gone_s = t_s - ball_s_.value_or(-1e9);
+  if (gone_s > kGap_s) ball_since_s_ = t_s;
+  if (gone_s > kExpected_s) ball_is_steady_ = false;
+  ball_s_ = t_s;
+  if (t_s - ball_since_s_ >= kSteady_s) ball_is_steady_ = true;
 }
 
 void Sightings::compare(const Identity& identity, Robots& robots, int camera_id, double t_s,
@@ -72,7 +78,7 @@ void Sightings::compare(const Identity& identity, Robots& robots, int camera_id,
     if (seen.velocity_mm_s.norm() > kMaxSpeedMm_s) continue;
     auto& samples = apart_[std::minmax(camera_id, other_id)].samples;
     samples.emplace_back(t_s, apart_mm);
-    while (samples.size() > kMaxApart || t_s - samples.front().first > kApart_s) samples.pop_front();
+    while (samples.size() > kMaxApart || t_s - samples.front().first > kApartAtMost_s) samples.pop_front();
   }
 }
 
@@ -102,15 +108,19 @@ FieldSeen Sightings::now(double t_s) const {
   }
   for (const auto& [cameras, apart] : apart_) {
     std::vector<double> distances;
-    for (const auto& [at_s, mm] : apart.samples) {
-      if (t_s - at_s <= kApart_s) distances.push_back(mm);
+    for (auto one = apart.samples.rbegin(); one != apart.samples.rend(); ++one) {
+      const double age_s = t_s - one->first;
+      if (age_s > kApartAtMost_s || (age_s > kApart_s && distances.size() >= kMinApart)) break;
+      distances.push_back(one->second);
     }
     if (distances.size() < kMinApart) continue;
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     out.overlaps.push_back({{cameras.first, cameras.second}, *middle, distances.size()});
   }
-  out.ball = ball_s_ && t_s - *ball_s_ <= kNow_s;
+  const double ball_gone_s = t_s - ball_s_.value_or(-1e9);
+  out.ball = ball_gone_s <= kNow_s;
+  if (!out.ball && ball_is_steady_ && ball_gone_s <= kExpected_s) out.ball_gone_s = ball_gone_s;
   return out;
 }
 

@@ -46,6 +46,8 @@ struct FieldSeen {
   std::vector<DoubleRobot> doubles;
   std::vector<Overlap> overlaps;
   bool ball = false;  // one is seen now
+  std::optional<double>
+      ball_gone_s{};  // since one was seen last that had been seen steadily; within a minute
 };
 
 /// Remembers what the cameras saw, look by look. A look is one frame of one camera. Not for several threads
@@ -89,6 +91,8 @@ class Sightings {
   std::map<Identity, Robots> robots_;
   std::map<std::pair<int, int>, Apart> apart_;  // by the cameras' ids, the smaller first
   std::optional<double> ball_s_;
+  double ball_since_s_ = 0;      // of the present streak
+  bool ball_is_steady_ = false;  // it once was
 };
 
 }  // namespace sslv

@@ -21,6 +21,8 @@ constexpr double kMissingShare = 0.4;
 constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
 /// Nobody takes so many robots off the field at once.
 constexpr std::size_t kManyLost = 3;
+/// Robots hide a ball for a moment, and in a match for longer; people take it off the field.
+constexpr double kBallGone_s = 3, kBallHidden_s = 15;
 /// From the service's start; by then every robot in view was seen.
 constexpr double kWatched_s = 5;
 
@@ -36,13 +38,24 @@ void add(HealthReport& report, Alert alert) {
   report.alerts.push_back(std::move(alert));
 }
 
+/// "yellow 0, 3 and blue 7"
+std::string names_of(const std::vector<LostRobot>& robots) {
+  std::vector<std::string> parts;
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    std::vector<int> ids;
+    for (const LostRobot& robot : robots) {
+      if (robot.team == team) ids.push_back(robot.id);
+    }
+    if (!ids.empty()) parts.push_back(fmt::format("{} {}", name_of(team), fmt::join(ids, ", ")));
+  }
+  return fmt::format("{}", fmt::join(parts, " and "));
+}
+
+/// No title says for how long: alerts have their own time, and one that changes would be read out again.
 void report_lost(const VerdictFacts& facts, HealthReport& report) {
   const FieldSeen& field = facts.seen.field;
   if (field.lost.empty()) return;
   const std::size_t seen = field.ids[0].size() + field.ids[1].size();
-  std::vector<std::string> names;
-  for (const LostRobot& robot : field.lost)
-    names.push_back(fmt::format("{} {}", name_of(robot.team), robot.id));
   const LostRobot& newest = *std::ranges::min_element(field.lost, {}, &LostRobot::gone_s);
   const bool is_one = field.lost.size() == 1;
   add(report,
@@ -52,8 +65,8 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
        .severity = field.lost.size() >= kManyLost || (field.lost.size() >= 2 && field.lost.size() >= seen)
                        ? Severity::kBad
                        : Severity::kWarn,
-       .title = fmt::format("{} {} no longer seen, the last for {:.0f} s at {}", fmt::join(names, ", "),
-                            is_one ? "is" : "are", newest.gone_s, place_text(newest.place_mm)),
+       .title = fmt::format("{} {} no longer seen, the last at {}", names_of(field.lost),
+                            is_one ? "is" : "are", place_text(newest.place_mm)),
        .fix =
            is_one
                ? "Look at its pattern and at the light there. If it was taken off the field, this goes away "
@@ -63,13 +76,32 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
        .page = "#/"});
 }
 
+void report_ball(const VerdictFacts& facts, HealthReport& report) {
+  const double patience_s = facts.match_runs ? kBallHidden_s : kBallGone_s;
+  const auto& gone_s = facts.seen.field.ball_gone_s;
+  if (!gone_s || *gone_s < patience_s) return;
+  add(report,
+      {.id = "ball_lost",
+       .check = "robots",
+       .severity = Severity::kWarn,
+       .title = "The ball is no longer seen",
+       .fix = "Look at the light and at the colour orange. If the ball was taken off the field, this goes "
+              "away after a minute.",
+       .page = "#/colours"});
+}
+
+/// The ids of a team's roster; empty: any may play.
+const std::vector<int>& roster_of(const VerdictFacts& facts, Team team) {
+  const TeamsSettings& teams = facts.config.teams;
+  return (team == Team::kYellow ? teams.yellow : teams.blue).ids;
+}
+
 void report_roster(const VerdictFacts& facts, HealthReport& report) {
-  if (facts.seen.watched_s < kWatched_s) return;
-  const std::array<const TeamSettings*, 2> teams{&facts.config.teams.yellow, &facts.config.teams.blue};
+  if (facts.match_runs || facts.seen.watched_s < kWatched_s) return;
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const auto& seen = facts.seen.field.ids[static_cast<std::size_t>(team)];
     std::vector<int> missing;
-    for (const int id : teams[static_cast<std::size_t>(team)]->ids) {
+    for (const int id : roster_of(facts, team)) {
       const bool is_lost = std::ranges::any_of(facts.seen.field.lost, [&](const LostRobot& robot) {
         return robot.team == team && robot.id == id;
       });
@@ -87,6 +119,28 @@ void report_roster(const VerdictFacts& facts, HealthReport& report) {
   }
 }
 
+void report_allowed(const VerdictFacts& facts, HealthReport& report) {
+  if (facts.match_runs || facts.seen.watched_s < kWatched_s) return;
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    const auto allowed = facts.robots_allowed[static_cast<std::size_t>(team)];
+    const auto seen = facts.seen.field.ids[static_cast<std::size_t>(team)].size();
+    if (!allowed || static_cast<std::size_t>(*allowed) == seen) continue;
+    const bool is_few = seen < static_cast<std::size_t>(*allowed);
+    if (is_few && !roster_of(facts, team).empty()) continue;  // which says more exactly who is missing
+    add(report,
+        {.id = is_few ? "robots_few" : "robots_many",
+         .check = "robots",
+         .severity = Severity::kWarn,
+         .title = fmt::format("{}: {} seen, the game controller allows {}", name_of(team),
+                              seen == 1 ? "1 robot is" : fmt::format("{} robots are", seen), *allowed),
+         .fix = is_few ? "Put the others on the field. If this team plays with fewer, name their ids "
+                         "(teams): then these are expected."
+                       : "Take the others off the field, or correct the game controller.",
+         .page = "#/settings/teams",
+         .about = name_of(team)});
+  }
+}
+
 void report_doubles(const VerdictFacts& facts, HealthReport& report) {
   for (const DoubleRobot& robot : facts.seen.field.doubles) {
     const std::string name = fmt::format("{} {}", name_of(robot.team), robot.id);
@@ -99,6 +153,24 @@ void report_doubles(const VerdictFacts& facts, HealthReport& report) {
          .fix = "Give one of them another id. If there is only one such robot, calibrate the cameras again.",
          .page = "#/",
          .about = name});
+  }
+}
+
+void report_size(const VerdictFacts& facts, HealthReport& report) {
+  for (const auto& [id, lines] : facts.seen.lines) {
+    if (!lines.better_size) continue;
+    const FieldSize &ours = facts.config.field, &better = lines.better_size->size;
+    add(report,
+        {.id = "field_size",
+         .check = "agreement",
+         .severity = Severity::kBad,
+         .title = fmt::format("Camera {}: the painted lines suit {} ({:g} x {:g} m), not the field's sizes "
+                              "({:g} x {:g} m)",
+                              id, lines.better_size->help, better.field_length * 1e-3,
+                              better.field_width * 1e-3, ours.field_length * 1e-3, ours.field_width * 1e-3),
+         .fix = "Set the sizes of this field.",
+         .page = "#/field",
+         .camera = id});
   }
 }
 
@@ -173,6 +245,9 @@ Check check_robots(const VerdictFacts& facts) {
   Check check{"robots",          "Robots",
               CheckState::kPass, fmt::format("{} / {}", ids[0].size(), ids[1].size()),
               "yellow / blue",   facts.seen.field.ball ? "and a ball" : "no ball is seen"};
+  if (facts.robots_allowed[0] && facts.robots_allowed[1])
+    check.text += fmt::format("; {} / {} may play", *facts.robots_allowed[0], *facts.robots_allowed[1]);
+  if (facts.match_runs) return check;
   if (ids[0].empty() && ids[1].empty()) {
     check.state = CheckState::kWarn;
     check.text = facts.seen.field.ball
@@ -213,8 +288,8 @@ Check check_coverage(const VerdictFacts& facts) {
 }  // namespace
 
 void report_verdict(const VerdictFacts& facts, HealthReport& report) {
-  for (const auto part :
-       {report_lost, report_roster, report_doubles, report_lines, report_overlaps, report_coverage})
+  for (const auto part : {report_lost, report_ball, report_roster, report_allowed, report_doubles,
+                          report_size, report_lines, report_overlaps, report_coverage})
     part(facts, report);
   for (const auto check : {check_robots, check_agreement, check_coverage})
     report.checks.push_back(check(facts));

@@ -8,7 +8,8 @@
 #include "services/verdict/coverage.h"
 #include "services/verdict/field_watch.h"
 
-#include <vector>
+#include <array>
+#include <optional>
 
 namespace sslv {
 
@@ -16,6 +17,10 @@ struct VerdictFacts {
   const Config& config;
   FieldWatch::Seen seen;
   Coverage coverage;
+  std::array<std::optional<int>, 2> robots_allowed;  // by Team: by the game controller; none: it does not say
+  // Before a match the check is strict: all robots that may play are to be there. While one runs, robots
+  // leave and come back, and only what changes is news.
+  bool match_runs = false;
 };
 
 /// Adds the alerts and the checks `robots`, `agreement` and `coverage`.

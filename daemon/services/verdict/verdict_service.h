@@ -2,10 +2,12 @@
 #pragma once
 
 #include "base/snapshot.h"
+#include "net/referee_listener.h"
 #include "services/service.h"
 #include "services/verdict/coverage.h"
 #include "services/verdict/field_watch.h"
 
+#include <atomic>
 #include <memory>
 #include <set>
 #include <vector>
@@ -16,8 +18,8 @@ namespace sslv {
 /// none of them looks at.
 class VerdictService final : public Service, public CameraObserver {
  public:
-  /// Both must outlive this.
-  VerdictService(const Snapshot<Config>& config, Cameras& cameras);
+  /// All must outlive this.
+  VerdictService(const Snapshot<Config>& config, Cameras& cameras, const RefereeListener& referee);
 
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
 
@@ -27,6 +29,8 @@ class VerdictService final : public Service, public CameraObserver {
  private:
   const Snapshot<Config>& config_;
   Cameras& cameras_;
+  const RefereeListener& referee_;
+  std::atomic<double> match_since_s_ = 0;  // Unix time; 0: none runs
   Snapshot<Coverage> coverage_{Coverage{}};
   std::vector<std::shared_ptr<const void>>
       covered_by_;    // what it was computed of; of the thread of each_second()

@@ -76,6 +76,27 @@ TEST(CheckLines, MissThoseOfAFieldOfOtherSizes) {
   }
 }
 
+TEST(CheckLines, KnowTheDivisionThatTheLinesAreOf) {
+  const FieldSize& small = field_preset("division-b", "");
+  const FieldSize& large = field_preset("division-a", "");
+  for (const FloorView view : {FloorView::kWhole, FloorView::kHalf}) {
+    for (const auto* painted : {&small, &large}) {
+      PaintedFloor floor;
+      floor.field = *painted;
+      const LensCamera lens = floor_camera({.size = painted == &small ? 1 : 2, .view = view});
+      const CameraModel camera(publish(lens).calibration);
+      const FloorPicture picture = draw_floor(floor, lens);
+      const auto better_than = [&](const FieldSize& told) {
+        return find_better_size(picture.view, camera, told, looked_for(picture, lens, told), kWindowMm);
+      };
+      EXPECT_EQ(better_than(*painted), nullptr);
+      const FieldPreset* better = better_than(painted == &small ? large : small);
+      ASSERT_NE(better, nullptr) << (painted == &small ? "division B" : "division A");
+      EXPECT_EQ(&better->size, painted);
+    }
+  }
+}
+
 TEST(CheckLines, JudgeNothingWhereNoLineIsInTheImage) {
   PaintedFloor floor;
   floor.field = floor_field(0);

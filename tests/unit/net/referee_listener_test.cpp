@@ -183,6 +183,30 @@ TEST(RefereeListener, KnowsWhetherTheGameRuns) {
   EXPECT_FALSE(listener.referee.game_is_running());
 }
 
+TEST(RefereeListener, AHaltIsPartOfTheStage) {
+  Listener listener;
+  EXPECT_FALSE(listener.referee.status(100).stage_is_played);
+  listener.receive(message("MRL", "KIKS"));  // the first half, HALT
+  EXPECT_TRUE(listener.referee.status(100).stage_is_played);
+}
+
+TEST(RefereeListener, HearsHowManyRobotsMayPlay) {
+  const auto allows = [](int yellow, int blue) {
+    Referee referee;
+    referee.ParseFromString(message("MRL", "KIKS"));
+    referee.mutable_yellow()->set_max_allowed_bots(static_cast<std::uint32_t>(yellow));
+    referee.mutable_blue()->set_max_allowed_bots(static_cast<std::uint32_t>(blue));
+    return referee.SerializeAsString();
+  };
+  Listener listener;
+  listener.receive(message("MRL", "KIKS"));
+  EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(std::nullopt, std::nullopt));
+  listener.receive(allows(11, 10));
+  EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(Optional(11), Optional(10)));
+  listener.receive(allows(0, 4'000'000));
+  EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(Optional(0), std::nullopt));
+}
+
 TEST(RefereeListener, ForgetsTheNamesWhenItListensElsewhere) {
   GroupListener group;
   Listener listener;

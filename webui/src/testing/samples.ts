@@ -32,6 +32,7 @@ export function status(changes: Partial<Status> = {}): Status {
     },
     teams: { yellow: { name: '', robot_height: 140, height_from: 'settings' }, blue: { name: '', robot_height: 140, height_from: 'settings' } },
     settings_revision: 1, viewers: 1, alerts: [], go: true, checks: [{ id: 'cameras', title: 'Cameras', state: 'pass', value: '2', unit: 'of 2', text: '2 of 2 running, 60.0 frames/s' }],
+    match_since: null,
     coverage: { grid_mm: 250, uncovered: [] },
     cameras: [camera(), camera({ id: 1, name: '-x half' })],
     ...changes,

@@ -46,6 +46,8 @@ struct Input {
   TeamsSettings teams;
   FieldWatch::Seen seen;
   Coverage coverage;
+  std::array<std::optional<int>, 2> robots_allowed{};
+  bool match_runs = false;
 };
 
 HealthReport report_of(const Input& input) {
@@ -62,7 +64,7 @@ HealthReport report_of(const Input& input) {
   }
   config->teams = input.teams;
   HealthReport report;
-  report_verdict({*config, input.seen, input.coverage}, report);
+  report_verdict({*config, input.seen, input.coverage, input.robots_allowed, input.match_runs}, report);
   report_cameras(cameras, report);
   report_calibrations(calibrations, report);
   report_colors(colors, input.lost_tables, report);
@@ -165,13 +167,16 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.missing_labels = {"orange"};
   camera.sends = false;
   input_.cameras[1].calibration.reset();
-  input_.teams.blue.ids = {9};
+  input_.teams.yellow.ids = {9};
   input_.card_unused = "eth0";
   input_.seen.field.lost = {{Team::kYellow, 7, 3, {0, 0}}};
   input_.seen.field.doubles = {{Team::kYellow, 8, {0, 1}, {Eigen::Vector2d(0, 0), Eigen::Vector2d(900, 0)}}};
   input_.seen.field.overlaps[0].apart_mm = 40;
   input_.seen.lines[0].verdict.worst_mm = 40;
   input_.seen.lines[1].verdict.missing_share = 0.8;
+  input_.seen.lines[1].better_size = &field_presets().front();
+  input_.seen.field.ball_gone_s = 5;
+  input_.robots_allowed = {2, 9};
   input_.coverage = {true, 10, {{0, 0}, {1, 1}}, {1}};
   input_.listening_error = "no card";
   input_.referee.other = GameController{"other", "192.168.1.8"};
@@ -358,6 +363,38 @@ TEST_F(Checks, ACameraThatIsNotCalibratedIsNoGo) {
   const Check calibration = check("calibration");
   EXPECT_EQ(calibration.state, CheckState::kFail);
   EXPECT_EQ(calibration.text, "Camera 0 is not calibrated (and 1 more)");
+  EXPECT_FALSE(is_go());
+}
+
+TEST_F(Checks, BeforeAMatchAsManyRobotsAsMayPlayAreExpected) {
+  input_.robots_allowed = {3, 3};  // 3 and 2 are seen
+  EXPECT_EQ(only_alert().id, "robots_few");
+  EXPECT_EQ(only_alert().title, "blue: 2 robots are seen, the game controller allows 3");
+  EXPECT_EQ(check("robots").state, CheckState::kWarn);
+  EXPECT_TRUE(is_go());
+  input_.teams.blue.ids = {4, 5};
+  EXPECT_THAT(kinds(), IsEmpty()) << "this team plays with two";
+  input_.robots_allowed = {2, 2};
+  EXPECT_EQ(only_alert().id, "robots_many");
+  input_.match_runs = true;  // robots leave within some seconds after a card
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Checks, ABallThatVanishesWarns) {
+  input_.seen.field.ball = false;
+  input_.seen.field.ball_gone_s = 4;
+  EXPECT_EQ(only_alert().id, "ball_lost");
+  input_.match_runs = true;
+  EXPECT_THAT(kinds(), IsEmpty()) << "robots hide it";
+  input_.seen.field.ball_gone_s = 20;
+  EXPECT_EQ(only_alert().id, "ball_lost");
+}
+
+TEST_F(Checks, LinesThatSuitTheOtherDivisionAreNoGo) {
+  input_.seen.lines[1].better_size = &field_presets().front();
+  EXPECT_EQ(only_alert().id, "field_size");
+  EXPECT_EQ(only_alert().title,
+            "Camera 1: the painted lines suit Division A, 2026 (12 x 9 m), not the field's sizes (9 x 6 m)");
   EXPECT_FALSE(is_go());
 }
 

@@ -33,7 +33,8 @@ class SightingsTest : public ::testing::Test {
 };
 
 TEST_F(SightingsTest, CountsARobotOnceWhichTwoCamerasSee) {
-  look_for(1, {robot(Team::kYellow, 3, 0, 0), robot(Team::kBlue, 1, 500, 0)}, {robot(Team::kYellow, 3, 4, 0)});
+  look_for(1, {robot(Team::kYellow, 3, 0, 0), robot(Team::kBlue, 1, 500, 0)},
+           {robot(Team::kYellow, 3, 4, 0)});
   EXPECT_THAT(now().ids[0], ElementsAre(3));
   EXPECT_THAT(now().ids[1], ElementsAre(1));
   EXPECT_THAT(now().lost, IsEmpty());
@@ -84,6 +85,24 @@ TEST_F(SightingsTest, ASingleWrongIdIsNoSecondRobot) {
   look_for(kPeriod_s, {robot(Team::kYellow, 5, -2000, 0)}, {robot(Team::kYellow, 5, 2000, 0)});
   look_for(1, {robot(Team::kYellow, 5, -2000, 0)}, {});
   EXPECT_THAT(now().doubles, IsEmpty());
+}
+
+TEST_F(SightingsTest, MissesForAMinuteABallThatWasSteady) {
+  const std::vector<Ball> balls(1);
+  const auto look_for_ball = [&](double duration_s, std::span<const Ball> seen) {
+    for (const double end_s = t_s_ + duration_s; t_s_ < end_s; t_s_ += kPeriod_s)
+      sightings_.add(0, t_s_, 1e6 + t_s_, {}, seen);
+  };
+  look_for_ball(3, balls);
+  look_for_ball(3, {});
+  EXPECT_FALSE(now().ball_gone_s) << "seen for a moment only";
+  look_for_ball(6, balls);
+  EXPECT_TRUE(now().ball);
+  look_for_ball(4, {});
+  EXPECT_FALSE(now().ball);
+  EXPECT_NEAR(now().ball_gone_s.value_or(0), 4, 0.5);
+  look_for_ball(60, {});
+  EXPECT_FALSE(now().ball_gone_s);
 }
 
 TEST_F(SightingsTest, SaysHowFarApartCamerasSeeTheSameRobots) {
