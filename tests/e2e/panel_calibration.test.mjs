@@ -194,7 +194,48 @@ describe('calibration page', () => {
       await patch({ op: 'replace', path: '/cameras/0/calibration', value: truth });
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
       await click(byId('mode-masks'));
+      const before = await get('api/settings');
+      const changes = [];
+      page.on('request', (request) => { if (request.method() !== 'GET') changes.push(`${request.method()} ${request.url()}`); });
+      const corner = async (x, y) => {
+        const at = await onScreen(page, { x, y });
+        const count = await page.locator(byId('drawn-corner')).count();
+        if (finger) await page.touchscreen.tap(at.x, at.y);
+        else await page.mouse.click(at.x, at.y);
+        await page.waitForFunction(([selector, n]) => document.querySelectorAll(selector).length === n, [byId('drawn-corner'), count + 1]);
+      };
+      // A drawing that is not finished is nothing to the service: not with three corners, and not when it is cancelled.
       await click(byId('add-exclude'));
+      await page.waitForSelector(byId('drawing'));
+      assert.ok(await page.isDisabled(byId('finish-drawing')));
+      await page.keyboard.press('Enter');
+      for (const [x, y] of [[200, 200], [400, 200], [400, 400]]) await corner(x, y);
+      assert.ok(await page.isEnabled(byId('finish-drawing')));
+      await page.keyboard.press('Escape');
+      await page.waitForSelector(byId('drawing'), { state: 'detached' });
+      assert.equal(await page.locator(byId('polygon-row')).count(), 0);
+      assert.equal(await page.evaluate(() => document.activeElement.dataset.testid), 'add-exclude');
+      assert.deepEqual(changes, []);
+      assert.equal((await get('api/settings')).revision, before.revision);
+
+      // By keys alone.
+      await page.keyboard.press('Enter');
+      await page.waitForFunction((selector) => document.activeElement?.matches(selector), byId('pen'));
+      for (const way of ['ArrowLeft', 'ArrowDown', 'ArrowRight']) {
+        for (let i = 0; i < 4; i++) await page.keyboard.press(`Shift+${way}`);
+        await page.keyboard.press('Space');
+      }
+      assert.deepEqual(changes, []);
+      await page.keyboard.press('Enter');
+      await untilSaved(async () => (await mask()).exclude.length === 1);
+      assert.deepEqual((await mask()).exclude[0].points, [[310, 290], [310, 370], [390, 370]]);
+      await click(byId('delete-polygon'));
+      await untilSaved(async () => (await mask()).exclude.length === 0);
+
+      await click(byId('add-exclude'));
+      for (const [x, y] of [[200, 200], [500, 200], [500, 400], [200, 400]]) await corner(x, y);
+      await click(byId('finish-drawing'));
+      await untilSaved(async () => (await mask()).exclude.length === 1);
       await saved(page);
       const [first] = (await mask()).exclude;
       assert.equal(first.points.length, 4);
@@ -274,8 +315,12 @@ describe('calibration page', () => {
           await accessibleInThemes(page, `${mode}, ${state} on a ${view}`);
         }
         if (mode !== 'masks') return;
+        await page.keyboard.press('Escape');
+        await page[press(view)](byId('add-around'));
+        await page.waitForSelector(byId('corner'));
+        await accessibleInThemes(page, `masks, a polygon on a ${view}`);
         await page[press(view)](byId('delete-polygon'));
-        await untilSaved(async () => (await get('api/settings')).settings.cameras[0].mask.exclude.length === 0);
+        await untilSaved(async () => (await get('api/settings')).settings.cameras[0].mask.include.length === 0);
       }));
     }
   }

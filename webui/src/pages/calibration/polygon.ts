@@ -2,7 +2,6 @@
 // Mask polygons in pixels of the image. They may reach beyond it.
 import type { FieldSize } from '../../api/types';
 import type { CameraModel, Point } from '../../geometry/cameraModel';
-import type { Size } from '../../geometry/turn';
 
 export type Kind = 'include' | 'exclude';
 export type Pair = [number, number];
@@ -44,14 +43,6 @@ export const middles = ({ points }: Polygon): Point[] => points.map(([x, y], i) 
 
 /** As SVG draws it: half a pixel from where pixel centres are whole numbers. */
 export const polygonPath = ({ points }: Polygon): string => `M${points.map(([x, y]) => `${x + 0.5} ${y + 0.5}`).join('L')}Z`;
-
-/** A quarter of the image's sides around its middle; several at once lie beside each other. */
-export function newPolygon({ width, height }: Size, already: number): Polygon {
-  const shift = (already % 5) * 0.03;
-  const [left, top] = [(0.375 + shift) * width, (0.375 + shift) * height];
-  const [right, bottom] = [left + width / 4, top + height / 4];
-  return { points: [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => pairOf({ x: x!, y: y! })) };
-}
 
 /** Around the field with its boundary as a camera sees it; null when part of that lies beyond what it can show. */
 export function aroundField(model: CameraModel, field: FieldSize): Polygon | null {
