@@ -26,6 +26,7 @@ void add_commands(CommandLine& line) {
   add_watch(line);
   add_cameras(line);
   add_alerts(line);
+  add_events(line);
   add_check(line);
   add_diagnostics(line);
   add_log(line);

@@ -17,6 +17,15 @@ int badness(const Json& alert) {
   return severity == "bad" ? 2 : severity == "warn" ? 1 : 0;
 }
 
+/// "2 min 13 s".
+std::string duration_text(double seconds) {
+  const auto all = static_cast<long>(seconds);
+  if (all < 1) return "under 1 s";
+  if (all < 60) return fmt::format("{} s", all);
+  if (all < 3600) return fmt::format("{} min {} s", all / 60, all % 60);
+  return fmt::format("{} h {} min", all / 3600, all % 3600 / 60);
+}
+
 }  // namespace
 
 std::string status_text(const Json& status) {
@@ -99,6 +108,36 @@ std::string checks_text(const Json& checks) {
 std::string log_line_text(const Json& line) {
   return fmt::format("{} {:<7} {}\n", local_time_text(line.at("time").get<double>()),
                      line.at("level").get<std::string>(), line.at("text").get<std::string>());
+}
+
+std::string events_text(const Json& events) {
+  std::string out;
+  const std::string problem = events.at("save_problem").get<std::string>();
+  if (!problem.empty()) out += fmt::format("not saved: {}\n", problem);
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& entry : events.at("entries")) {
+    const bool is_alert = entry.at("kind") == "alert";
+    std::string what = entry.at("title").get<std::string>();
+    const auto add = [&](const std::string& more) { what += more; };
+    if (const int count = entry.at("count").get<int>(); count > 1) add(fmt::format(" ({} times)", count));
+    if (const auto who = entry.at("who").get<std::string>(); !who.empty()) add(" by " + who);
+    if (const auto why = entry.at("ended_by").get<std::string>(); !why.empty()) add(" (until " + why + ")");
+    std::string lasted;
+    if (is_alert) lasted = duration_text(entry.at("seconds").get<double>());
+    if (is_alert && entry.at("end").is_null()) lasted += " so far";
+    rows.push_back({local_time_text(entry.at("begin").get<double>()), std::move(lasted),
+                    is_alert ? entry.at("severity").get<std::string>() : "", std::move(what)});
+  }
+  return out + (rows.empty() ? "nothing in the last 24 hours\n"
+                             : table_text({{"began"}, {"lasted", true}, {"severity"}, {"what"}}, rows));
+}
+
+Json only_bad(const Json& entries) {
+  Json out = Json::array();
+  for (const Json& entry : entries) {
+    if (entry.at("kind") == "alert" && entry.at("severity") == "bad") out.push_back(entry);
+  }
+  return out;
 }
 
 bool any_bad(const Json& alerts) {

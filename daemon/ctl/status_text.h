@@ -22,6 +22,11 @@ std::string checks_text(const Json& checks);
 /// A line of GET /api/log.
 std::string log_line_text(const Json& line);
 
+/// Of GET /api/events: a line for each entry.
+std::string events_text(const Json& events);
+/// Alerts that are or were bad.
+Json only_bad(const Json& entries);
+
 /// An alert says that something is bad.
 bool any_bad(const Json& alerts);
 

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 namespace sslv {
-namespace {
-
 const char* name_of(Severity severity) {
   switch (severity) {
     case Severity::kBad: return "bad";
@@ -16,6 +14,8 @@ const char* name_of(Severity severity) {
   }
   return "info";
 }
+
+namespace {
 
 const char* name_of(CheckState state) {
   switch (state) {

@@ -13,6 +13,8 @@
 namespace sslv {
 
 enum class Severity { kBad, kWarn, kInfo };
+/// "bad", "warn", "info".
+const char* name_of(Severity severity);
 
 struct Alert {
   std::string id;     // its kind: "camera_lost"

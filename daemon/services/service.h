@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/json.h"
+#include "services/event.h"
 #include "services/health_report.h"
 #include "settings/commit.h"
 #include "web/route.h"
@@ -59,6 +60,9 @@ class Service {
 
   /// Called once a second by a thread of low priority, one service after the other: for what may wait.
   virtual void each_second() {}
+
+  /// What was done since the last call, for the history. Called by that thread too, and at the end.
+  virtual std::vector<Event> take_events() { return {}; }
 
  protected:
   Service() = default;

@@ -167,6 +167,15 @@ describe('the interface as docs/openapi.json says', () => {
     }
   });
 
+  it('remembers what was wrong and what was done', async () => {
+    await service.patch({ op: 'replace', path: '/site', value: 'Remembered' });
+    const { kept_s: kept, entries } = await becomes('/api/events', (value) => value.entries.some(({ id, title }) => id === 'settings_changed' && title === 'Settings changed: /site'));
+    assert.equal(kept, 24 * 3600);
+    assert.ok(entries.some(({ id, kind, end }) => id === 'service_started' && kind === 'event' && end !== null));
+    const alerts = openApi.components.schemas.AlertId.enum;
+    assert.ok(entries.every(({ kind, id }) => (kind === 'alert') === alerts.includes(id)));
+  });
+
   it('shows its log', async () => {
     const path = '/api/log';
     const all = await ask('get', path);

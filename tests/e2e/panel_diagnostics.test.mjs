@@ -297,11 +297,52 @@ describe('panel: Diagnostics', () => {
     }));
   }
 
+  for (const { name, viewport, options } of views) {
+    it(`tells what was wrong and what was done, on a ${name}`, withPage(viewport, '#/overview', options, async (page) => {
+      const missing = join(folder, `no-such-film-${name}`);
+      await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: missing } });
+      const lost = `${byId('event')}[data-kind="camera_lost"]:has-text(${JSON.stringify(missing)})`;
+      await page.waitForSelector(`${byId('alert')}[data-kind="camera_lost"]`);
+      await page.click(byId('alert-history'));
+      await page.waitForSelector(`${lost}[data-open="true"]:has-text(" so far")`);
+      await page.waitForFunction((selector) => {
+        const { top, bottom } = document.querySelector(selector).getBoundingClientRect();
+        return top >= 0 && top < innerHeight && bottom > 0;
+      }, byId('events'));
+
+      await patch({ op: 'replace', path: '/cameras/1/source', value: settings.cameras[1].source });
+      await page.waitForSelector(`${lost}[data-open="false"]`);
+      await page.waitForSelector(`${byId('event')}[data-kind="settings_changed"]:has-text("/cameras/1/source"):has-text("by 127.0.0.1")`);
+      await page.waitForSelector(`${byId('event')}[data-kind="camera_reopened"]`);
+      // What it shows is what the interface says, in the browser's zone.
+      await eventually(async () => {
+        const { entries } = await ask('events');
+        const shown = await page.$$eval(byId('event'), (rows) => rows.map((row) => [row.dataset.kind, row.querySelector('time').textContent, row.querySelector('time').dateTime]));
+        assert.deepEqual(shown, entries.map(({ id, begin }) => {
+          const at = new Date(begin * 1000);
+          const two = (value) => String(value).padStart(2, '0');
+          return [id, `${two(at.getHours())}:${two(at.getMinutes())}:${two(Math.floor(begin) % 60)}`, at.toISOString()];
+        }));
+      });
+      await page.click(byId('events-bad'));
+      await page.waitForSelector(`${byId('event')}[data-severity="info"]`, { state: 'detached' });
+      await page.waitForSelector(lost);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(wide <= 0, `the page is ${wide} px too wide`);
+      await accessible(page, 'the history');
+      if (process.env.SSLV_SHOTS) {
+        await page.click(byId('events-all'));
+        await page.locator(byId('events')).scrollIntoViewIfNeeded();
+        await page.screenshot({ path: `${process.env.SSLV_SHOTS}/events-${name}.png` });
+      }
+    }));
+  }
+
   it('saves a support bundle', withPage(DESKTOP, PATH, {}, async (page) => {
     const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('support'))]);
     assert.match(download.suggestedFilename(), /^ssl-visiond-.*\.tar\.gz$/);
     const files = execFileSync('tar', ['tzf', await download.path()], { encoding: 'utf8' }).split('\n');
-    for (const file of ['README.txt', 'status.json', 'settings.json', 'settings_history.json', 'log.txt', 'timeline.json', 'camera_1/picture.jpg'])
+    for (const file of ['README.txt', 'status.json', 'settings.json', 'settings_history.json', 'log.txt', 'events.json', 'timeline.json', 'camera_1/picture.jpg'])
       assert.ok(files.some((path) => path.endsWith(`/${file}`)), `${file} in ${files}`);
     await page.waitForSelector(`${byId('support')}:enabled`);
   }));

@@ -40,6 +40,13 @@ export function duration(seconds: number): string {
   return h < 24 ? `${h} h ${min % 60} min` : `${Math.floor(h / 24)} d ${h % 24} h`;
 }
 
+/** "under 1 s", "8 s", "2 min 13 s", "2 h 5 min", "3 d 4 h" */
+export function exactDuration(seconds: number): string {
+  const s = Math.max(0, Math.floor(seconds));
+  if (s < 1) return 'under 1 s';
+  return s < 60 || s >= 3600 ? duration(s) : `${Math.floor(s / 60)} min ${s % 60} s`;
+}
+
 const twoFigures = (value: number) => String(value).padStart(2, '0');
 
 /** "14:02:31", or "14:02", of a Unix time in seconds, in the reader's zone. */

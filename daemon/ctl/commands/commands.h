@@ -12,6 +12,7 @@ void add_status(CommandLine& line);
 void add_watch(CommandLine& line);
 void add_cameras(CommandLine& line);
 void add_alerts(CommandLine& line);
+void add_events(CommandLine& line);
 void add_check(CommandLine& line);
 void add_diagnostics(CommandLine& line);
 void add_log(CommandLine& line);

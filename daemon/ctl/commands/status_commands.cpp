@@ -74,6 +74,23 @@ void add_alerts(CommandLine& line) {
   });
 }
 
+void add_events(CommandLine& line) {
+  struct Options {
+    bool only_bad = false, as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand(
+      "events", "alerts and what was done in the last 24 hours: when, how long, what; the newest first");
+  command->add_flag("--bad", o->only_bad, "only alerts that are or were bad");
+  add_json_flag(command, o->as_json);
+  line.on(command, [&line, o] {
+    Json events = line.client().get_json("/api/events");
+    if (o->only_bad) events["entries"] = only_bad(events.at("entries"));
+    print_answer(events, o->as_json, events_text);
+    return EXIT_SUCCESS;
+  });
+}
+
 void add_check(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command =

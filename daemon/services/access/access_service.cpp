@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -62,8 +63,12 @@ std::vector<Route> AccessService::routes() {
 }
 
 void AccessService::each_second() {
-  refresh();            // also for those who stay connected
-  match_lock_.state();  // so that it is closed when the match ends
+  refresh();  // also for those who stay connected
+  // Also so that it is closed when the match ends.
+  const bool is_running = match_lock_.state().game_is_running;
+  if (std::exchange(was_running_, is_running) == is_running) return;
+  events_.add(is_running ? Event{"match_locked", "The game runs: the settings are locked"}
+                         : Event{"match_unlocked", "The game does not run any more: the settings are free"});
 }
 
 Response AccessService::state_response(const std::string& cookies) {
@@ -98,7 +103,12 @@ Response AccessService::set_password(const Request& request) {
 
 Response AccessService::set_lock(const Request& request) {
   const auto body = params_from_json<OpenLock>(parse_json(request.body), "");
-  return json_response(lock_json(match_lock_.set_opened(body.opened, request.address)));
+  const MatchLock::State state = match_lock_.set_opened(body.opened, request.address);
+  events_.add({body.opened ? "match_unlocked" : "match_locked",
+               body.opened ? "The settings were unlocked for this match"
+                           : "The settings were locked again for this match",
+               request.address});
+  return json_response(lock_json(state));
 }
 
 }  // namespace sslv

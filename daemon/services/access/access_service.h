@@ -29,6 +29,7 @@ class AccessService final : public Service, public Gate {
   // Service
   std::vector<Route> routes() override;
   void each_second() override;
+  std::vector<Event> take_events() override { return events_.take(); }
 
  private:
   Response state_response(const std::string& cookies);
@@ -42,6 +43,8 @@ class AccessService final : public Service, public Gate {
   Passwords& passwords_;
   MatchLock& match_lock_;
   Access access_;
+  EventQueue events_;
+  bool was_running_ = false;  // the game, at the last each_second()
 };
 
 }  // namespace sslv

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/camera_service.h"
 
+#include "base/clock.h"
+#include "base/log.h"
 #include "services/cameras/camera_json.h"
 #include "services/cameras/camera_routes.h"
 #include "vision/flood_cut.h"
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -25,7 +28,31 @@ std::optional<double> wanted_fps(const Json& source) {
 
 void CameraService::each_second() {
   cameras_.take_gone();  // and waits for those that do not answer
-  watch_.look(cameras_.list());
+  const List cameras = cameras_.list();
+  watch_.look(cameras);
+  tell_what_became(cameras);
+}
+
+void CameraService::tell_what_became(const List& cameras) {
+  std::map<int, Told> told;
+  for (const auto& camera : cameras) {
+    const int id = camera->settings()->id;
+    Told now = told_[id];
+    const auto has_grown = [](std::optional<std::uint64_t>& count, std::uint64_t newest) {
+      const auto before = std::exchange(count, newest);
+      return before && newest > *before;
+    };
+    if (has_grown(now.reconnects, camera->health().reconnects))
+      events_.add({"camera_reopened", fmt::format("Camera {} was opened again after a loss", id), "", id});
+    if (has_grown(now.reopenings, camera->reopenings()))
+      events_.add({"camera_reopened", fmt::format("Camera {} was reopened with other settings", id), "", id});
+    if (const auto line = now.losses.look(watch_.timeline().sum(id, 1), steady_s())) {
+      line->is_end ? log::info("camera {}: {}", id, line->text)
+                   : log::warning("camera {}: {}", id, line->text);
+    }
+    told[id] = std::move(now);
+  }
+  told_ = std::move(told);
 }
 
 std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {

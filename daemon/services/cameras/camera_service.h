@@ -3,9 +3,13 @@
 
 #include "services/cameras/camera_report.h"
 #include "services/cameras/camera_watch.h"
+#include "services/cameras/loss_log.h"
 #include "services/cameras/running_cameras.h"
 #include "services/service.h"
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +29,7 @@ class CameraService final : public Service {
   void write_metrics(MetricsText& out) const override;
   std::vector<SupportFile> support_files() const override;
   void each_second() override;
+  std::vector<Event> take_events() override { return events_.take(); }
 
   /// See camera_summary().
   std::string summary() const;
@@ -34,8 +39,18 @@ class CameraService final : public Service {
   /// One for each.
   std::vector<CameraFacts> facts_of(const List& cameras) const;
 
+  /// Events, and the log of lost images.
+  void tell_what_became(const List& cameras);
+
   RunningCameras& cameras_;
   CameraWatch watch_;
+  EventQueue events_;
+  /// What was told of a camera; of the thread that calls each_second().
+  struct Told {
+    std::optional<std::uint64_t> reconnects, reopenings;
+    LossLog losses;
+  };
+  std::map<int, Told> told_;  // by id
 };
 
 }  // namespace sslv

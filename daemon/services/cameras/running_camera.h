@@ -12,6 +12,8 @@
 #include "services/cameras/control_change.h"
 
 #include <array>
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -66,6 +68,8 @@ class RunningCamera {
   const RecentDurations& latency() const { return sink_.latency; }
   /// From the middle of the exposure to there.
   const RecentDurations& age() const { return sink_.age; }
+  /// Times that commit() reopened it.
+  std::uint64_t reopenings() const { return reopenings_; }
   /// Lives as long as this.
   const CameraTotals& totals() const { return *totals_; }
 
@@ -87,6 +91,7 @@ class RunningCamera {
   const std::shared_ptr<Snapshot<CameraSettings>> settings_;
   const std::shared_ptr<CameraTotals> totals_;
   const DriverCalls driver_calls_;
+  std::atomic<std::uint64_t> reopenings_{0};
   Sink sink_;
   CameraPipeline pipeline_;
   mutable std::mutex thread_mutex_;  // guards the pointer

@@ -6,6 +6,7 @@
 #include "base/params_json.h"
 #include "base/plain_text.h"
 #include "health/metrics_text.h"
+#include "services/settings/settings_events.h"
 #include "services/settings/settings_report.h"
 #include "services/settings/settings_routes.h"
 #include "settings/named_files.h"
@@ -61,6 +62,7 @@ SettingsService::SettingsService(const std::filesystem::path& settings_file, Sta
       file_folders_(std::move(file_folders)),
       store_(settings_file, folder, check, settings_migrations()),
       config_(store_.current().config),
+      told_revision_(store_.revision()),
       folder_problem_(folder.find_problem()) {}
 
 void SettingsService::start(std::vector<Service*> services) {
@@ -194,6 +196,18 @@ std::vector<SupportFile> SettingsService::support_files() const {
 
 void SettingsService::each_second() {
   folder_problem_.store(folder_.find_problem());
+}
+
+std::vector<Event> SettingsService::take_events() {
+  if (store_.revision() == told_revision_) return {};
+  const Json steps = store_.history();
+  std::vector<Event> out;
+  for (const Json& step : steps) {  // the newest first
+    if (step.at("revision") <= told_revision_) break;
+    out.insert(out.begin(), event_of(step));
+  }
+  if (!steps.empty()) told_revision_ = steps.front().at("revision").get<std::uint64_t>();
+  return out;
 }
 
 }  // namespace sslv

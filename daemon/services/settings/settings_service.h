@@ -47,6 +47,7 @@ class SettingsService final : public Service, public SettingsEditor {
   void write_metrics(MetricsText& out) const override;
   std::vector<SupportFile> support_files() const override;
   void each_second() override;
+  std::vector<Event> take_events() override;
 
  private:
   Commit prepare_all(const CheckedSettings& next, SettingsChange::Origin origin);
@@ -59,6 +60,7 @@ class SettingsService final : public Service, public SettingsEditor {
   SettingsStore store_;
   Snapshot<Config> config_;
   Snapshot<std::vector<Service*>> services_{std::vector<Service*>{}};
+  std::uint64_t told_revision_;           // of the newest step that was an event
   std::atomic<double> since_s_{0};        // Unix time when the newest settings took effect
   Snapshot<std::string> folder_problem_;  // as it was seen last: looking may take as long as the disk does
 };

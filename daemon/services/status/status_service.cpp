@@ -9,6 +9,7 @@
 #include "services/status/support_bundle.h"
 
 #include <cstdint>
+#include <exception>
 #include <utility>
 
 namespace sslv {
@@ -52,9 +53,27 @@ StatusService::StatusService(const std::filesystem::path& state_folder, const Ca
       cameras_(cameras),
       web_(web),
       network_missing_(std::move(network_missing)),
+      history_(state_folder),
       computer_reader_(state_folder),
       computer_(computer_reader_.read()),
       clock_(read_clock()) {}
+
+StatusService::~StatusService() {
+  if (!history_.has_started()) return;
+  try {
+    history_.look(make_report(nullptr).alerts, take_all_events());  // the last second's
+  } catch (const std::exception& error) {
+    log::error("the end of the history: {}", error.what());
+  }
+}
+
+std::vector<Event> StatusService::take_all_events() {
+  std::vector<Event> out;
+  for (Service* service : services_) {
+    for (Event& event : service->take_events()) out.push_back(std::move(event));
+  }
+  return out;
+}
 
 HealthReport StatusService::make_report(Json* status) const {
   HealthReport report;
@@ -115,6 +134,7 @@ std::vector<Route> StatusService::routes() {
       {"GET", "/api/status", [this](const Request&) { return json_response(status_json()); }},
       {"GET", "/api/alerts", part_of_status({"alerts"})},
       {"GET", "/api/checks", part_of_status({"go", "checks"})},
+      {"GET", "/api/events", [this](const Request&) { return json_response(history_.to_json()); }},
       {"GET", "/api/diagnostics", [this](const Request&) { return json_response(diagnostics_json()); }},
       {"GET", "/api/log", get_log},
       {"GET", "/api/support", [this](const Request&) { return get_support(); }, Needs::kChange},
@@ -165,6 +185,8 @@ std::vector<SupportFile> StatusService::support_files() const {
            [this] { return pretty(status_json()); }},
           {"diagnostics.json", "this computer, its clock, how long every stage takes",
            [this] { return pretty(diagnostics_json()); }},
+          {"events.json", "alerts and events of the last 24 hours",
+           [this] { return pretty(history_.to_json()); }},
           {"log.txt", "the last lines of the log", log_text}};
 }
 
@@ -176,7 +198,8 @@ void StatusService::each_second() {
     computer_ = std::move(computer);
     clock_ = clock;
   }
-  make_report(nullptr);  // so that a break of an alert is seen while nobody asks
+  // Also so that a break of an alert is seen while nobody asks.
+  history_.look(make_report(nullptr).alerts, take_all_events());
 }
 
 }  // namespace sslv

@@ -5,6 +5,7 @@
 #include "services/cameras/cameras.h"
 #include "services/service.h"
 #include "services/status/alert_times.h"
+#include "services/status/history_keeper.h"
 #include "web/counters.h"
 
 #include <filesystem>
@@ -20,10 +21,12 @@ namespace sslv {
 /// bundle; and this computer itself.
 class StatusService final : public Service, public Topic {
  public:
-  /// All must outlive this. `state_folder`: whose disk is watched. `network_missing`: see
-  /// NetworkService::missing().
+  /// All must outlive this. `state_folder`: whose disk is watched, and where the history is kept.
+  /// `network_missing`: see NetworkService::missing().
   StatusService(const std::filesystem::path& state_folder, const Cameras& cameras, const WebCounters& web,
                 std::function<std::string()> network_missing);
+  /// All other services are still there.
+  ~StatusService() override;
 
   /// Who is asked, in the order in which checks are shown; this service itself among them. Before the first
   /// request.
@@ -42,6 +45,7 @@ class StatusService final : public Service, public Topic {
   void each_second() override;
 
  private:
+  std::vector<Event> take_all_events();
   /// `status`: see HealthReport.
   HealthReport make_report(Json* status) const;
   Json status_json() const;
@@ -55,6 +59,7 @@ class StatusService final : public Service, public Topic {
   const std::function<std::string()> network_missing_;
   std::vector<Service*> services_;
   mutable AlertTimes alert_times_;
+  HistoryKeeper history_;
   Computer computer_reader_;  // of the thread of each_second()
   mutable std::mutex mutex_;  // guards the next two
   ComputerFigures computer_;

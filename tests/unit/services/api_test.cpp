@@ -341,8 +341,9 @@ TEST_F(Api, ASupportBundleSaysWhatIsInIt) {
   EXPECT_THAT(bundle.header("Content-Disposition"),
               AllOf(HasSubstr("attachment; filename=\"ssl-visiond-"), HasSubstr(".tar.gz\"")));
   const auto files = unpacked(bundle.body);
-  for (const char* name : {"/version.txt", "/status.json", "/settings.json", "/settings_history.json",
-                           "/diagnostics.json", "/timeline.json", "/log.txt", "/camera_0/calibration.json"})
+  for (const char* name :
+       {"/version.txt", "/status.json", "/settings.json", "/settings_history.json", "/diagnostics.json",
+        "/timeline.json", "/events.json", "/log.txt", "/camera_0/calibration.json"})
     EXPECT_THAT(files, Contains(Key(EndsWith(name))));
   EXPECT_THAT(files, Contains(Pair(EndsWith("/camera_0/picture.jpg"), StartsWith("\xff\xd8\xff"))));
   EXPECT_THAT(files.front().first, EndsWith("/README.txt"));

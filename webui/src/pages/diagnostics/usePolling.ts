@@ -5,10 +5,10 @@ import { messageOf } from '../../api/client';
 const PERIOD_MS = 1000;
 
 /**
- * Asks the service once a second while the page is open and in sight, never twice at a time.
+ * Asks the service once a second, or as seldom as `period_ms` says, while the page is open and in sight, never twice at a time.
  * What comes back says what went wrong the last time; empty: nothing.
  */
-export function usePolling(ask: () => Promise<void>): Ref<string> {
+export function usePolling(ask: () => Promise<void>, period_ms = PERIOD_MS): Ref<string> {
   const trouble = ref('');
   let timer = 0;
   let isOver = false;
@@ -21,7 +21,7 @@ export function usePolling(ask: () => Promise<void>): Ref<string> {
         trouble.value = messageOf(error);
       }
     }
-    if (!isOver) timer = window.setTimeout(() => void round(), PERIOD_MS);
+    if (!isOver) timer = window.setTimeout(() => void round(), period_ms);
   }
   onMounted(() => void round());
   onUnmounted(() => {

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The history of alerts and of what was done, in words.
+import type { EventEntry } from '../../api/types';
+import { exactDuration, figure } from '../../format';
+
+export type EventFilter = 'all' | 'bad';
+
+export const eventFilters: readonly { filter: EventFilter; title: string }[] = [
+  { filter: 'all', title: 'All' },
+  { filter: 'bad', title: 'Bad only' },
+];
+
+export function filterEvents(entries: readonly EventEntry[], filter: EventFilter): readonly EventEntry[] {
+  return filter === 'all' ? entries : entries.filter(({ kind, severity }) => kind === 'alert' && severity === 'bad');
+}
+
+/** How long an alert was there; nothing of what was done in a moment. */
+export function lastedText({ kind, seconds, end }: EventEntry): string {
+  if (kind !== 'alert') return '';
+  return end === null ? `${exactDuration(seconds)} so far` : exactDuration(seconds);
+}
+
+/** "3 times · by 192.168.1.5 · until the service ended" */
+export function besideText({ count, who, ended_by: endedBy }: EventEntry): string {
+  return [count > 1 && `${figure(count)} times`, who && `by ${who}`, endedBy && `until ${endedBy}`].filter(Boolean).join(' · ');
+}
