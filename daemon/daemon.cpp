@@ -7,6 +7,7 @@
 #include "services/access/access_service.h"
 #include "services/access/match_lock.h"
 #include "services/access/panel_place.h"
+#include "services/backup/backup_service.h"
 #include "services/calibration/calibration_service.h"
 #include "services/calibration/joint_calibration_service.h"
 #include "services/cameras/camera_service.h"
@@ -115,6 +116,7 @@ struct Daemon::Parts {
         calibration(kept, settings, network, cameras),
         colors(kept, settings, network, cameras),
         verdict(settings.config(), cameras.running, network.service.referee()),
+        backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
@@ -129,6 +131,7 @@ struct Daemon::Parts {
                                    &status,
                                    &settings,
                                    &profiles,
+                                   &backup,
                                    &access};
     status.set_services(services);
     for (Service* service : services) {
@@ -166,6 +169,7 @@ struct Daemon::Parts {
   CalibrationParts calibration;
   ColorParts colors;
   VerdictService verdict;
+  BackupService backup;
   WebCounters web_counters;
   StatusService status;
   Panel panel;

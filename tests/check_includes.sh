@@ -26,6 +26,7 @@ rules='
   services/access       engines config web services
   services/network      engines config web services
   services/settings     engines config web services
+  services/backup       engines config web services services/settings/settings_editor.h services/settings/settings_routes.h
   services/cameras      engines config web services services/network/teams.h
   services/calibration  engines config web services services/access/match_lock.h services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/settings/settings_editor.h
   services/colors       engines config web services services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/cameras/pictures.h services/cameras/stills.h services/settings/settings_editor.h

@@ -155,10 +155,13 @@ CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<
   }
   const std::string colors_path = camera_path(i) + "/colors";
   if (!lut && !camera.colors.table.empty() && !load_table) {
-    throw SettingsError(fmt::format(
-        "{}/table: \"{}\" is kept by the service that saved it; export it there and name the file "
-        "in lut_file",
-        colors_path, camera.colors.table));
+    throw SettingsError(
+        fmt::format("{}/table: \"{}\" is kept by the service that saved it, beside its settings; take "
+                    "settings with their "
+                    "tables to another computer with ssl-visionctl backup and restore, or export the table "
+                    "there and name "
+                    "the file in lut_file",
+                    colors_path, camera.colors.table));
   }
   if (!lut && !camera.colors.table.empty())
     lut = load_table(camera.colors.table, colors_path + "/table", *labels);

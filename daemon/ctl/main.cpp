@@ -36,6 +36,8 @@ void add_commands(CommandLine& line) {
   add_sources(line);
   add_colours(line);
   add_settings(line);
+  add_backup(line);
+  add_restore(line);
   add_field(line);
   add_profiles(line);
   add_history(line);

@@ -79,6 +79,27 @@ ProcessTicks read_process(const std::string& stat) {
 
 }  // namespace
 
+std::string host_name() {
+  std::array<char, 65> name{};
+  gethostname(name.data(), name.size() - 1);
+  const std::string out = file_name_part(name.data());
+  return out.empty() ? "unnamed" : out;
+}
+
+std::string file_name_part(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    const bool is_kept =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+    if (is_kept)
+      out += c;
+    else if (c == ' ' && !out.empty() && out.back() != '-')
+      out += '-';
+  }
+  while (!out.empty() && out.back() == '-') out.pop_back();
+  return out;
+}
+
 std::vector<CoreTicks> read_core_ticks(std::string_view proc_stat) {
   std::vector<CoreTicks> cores;
   std::istringstream lines{std::string(proc_stat)};

@@ -32,6 +32,11 @@ struct ComputerFigures {
   } process;
 };
 
+/// This computer's name, as far as it may stand in a file's.
+std::string host_name();
+/// Letters, digits and hyphens of a text, for the name of a file.
+std::string file_name_part(std::string_view text);
+
 /// Ticks that each core was busy, and all of its ticks, since the computer started: /proc/stat's text.
 struct CoreTicks {
   std::uint64_t busy = 0, all = 0;

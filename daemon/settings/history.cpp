@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/history.h"
 
+#include "base/error.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -26,6 +30,30 @@ bool is_step(const Json& json) {
   return json.is_object() && json.contains("revision") && json["revision"].is_number_unsigned() &&
          json.contains("time") && json.contains("who") && json.contains("what") && json.contains("changes") &&
          json["changes"].is_array();
+}
+
+bool is_change(const Json& json) {
+  if (!json.is_object() || !json.contains("op") || !json.contains("path") || !json["path"].is_string())
+    return false;
+  const bool adds = json["op"] == "add", removes = json["op"] == "remove";
+  return (adds || removes || json["op"] == "replace") && json.contains("before") == !adds &&
+         json.contains("after") == !removes;
+}
+
+/// Adds what replaces the smallest parts of a tree that are equal and yet not the same.
+void add_exact(const Json& before, const Json& after, const Json::json_pointer& at, Json& patch) {
+  const auto same_keys = [&] {
+    return std::equal(before.items().begin(), before.items().end(), after.items().begin(),
+                      [](const auto& one, const auto& other) { return one.key() == other.key(); });
+  };
+  if (before.type() != after.type() || before.size() != after.size() ||
+      (before.is_object() && !same_keys()) || (before.is_primitive() && before != after)) {
+    patch.push_back({{"op", "replace"}, {"path", at.to_string()}, {"value", after}});
+  } else if (before.is_object()) {
+    for (const auto& [key, value] : before.items()) add_exact(value, after.at(key), at / key, patch);
+  } else if (before.is_array()) {
+    for (std::size_t i = 0; i < before.size(); ++i) add_exact(before[i], after[i], at / i, patch);
+  }
 }
 
 }  // namespace
@@ -72,6 +100,31 @@ Json backward_patch(const Json& changes) {
     out.push_back(step_patch(back, change->at("path"), op == "add" ? nullptr : &change->at("before")));
   }
   return out;
+}
+
+Json exact_patch(const Json& before, const Json& after) {
+  Json patch = Json::diff(before, after);
+  add_exact(before.patch(patch), after, Json::json_pointer(), patch);
+  return patch;
+}
+
+void check_steps(const Json& steps, std::uint64_t revision) {
+  if (!steps.is_array()) throw SettingsError("/history: is not allowed; expected a list of steps");
+  std::uint64_t most = revision;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Json& step = steps[i];
+    const bool is_good = is_step(step) && step["time"].is_number() && step["who"].is_string() &&
+                         step["what"].is_string() && step["revision"] > 0U && step["revision"] <= most &&
+                         std::all_of(step["changes"].begin(), step["changes"].end(), is_change);
+    if (!is_good) {
+      throw SettingsError(
+          fmt::format("/history/{}: is no step of settings; expected one of revision {} or before, with "
+                      "time, who, what and "
+                      "changes",
+                      i, most));
+    }
+    most = step["revision"].get<std::uint64_t>() - 1;
+  }
 }
 
 SettingsHistory::SettingsHistory(const Json& saved) {

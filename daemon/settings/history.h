@@ -26,6 +26,14 @@ Json changes_below(const Json& changes, const std::vector<std::string>& paths);
 Json forward_patch(const Json& changes);
 Json backward_patch(const Json& changes);
 
+/// A JSON Patch that makes exactly one tree out of another: also where free objects have their keys in
+/// another order, or a number is written as 1.0 for 1, which is the same to Json::diff().
+Json exact_patch(const Json& before, const Json& after);
+
+/// Throws SettingsError unless these are steps as SettingsHistory::newer_than() gives them, the first of them
+/// no newer than `revision`.
+void check_steps(const Json& steps, std::uint64_t revision);
+
 /// The newest steps, as many as fit a quota.
 class SettingsHistory {
  public:

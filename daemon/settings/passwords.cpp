@@ -46,6 +46,14 @@ bool fits(const std::string& password, const std::string& hash) {
   return difference == 0;
 }
 
+std::string text_of(const std::array<std::string, 2>& hashes) {
+  Json saved = Json::object();
+  for (const Role role : kRoles) {
+    if (!hashes[place(role)].empty()) saved[std::string(name_of(role))] = hashes[place(role)];
+  }
+  return saved.empty() ? "" : saved.dump(2) + "\n";
+}
+
 void check(const std::string& password) {
   if (password.size() >= Passwords::kShortest && password.size() <= Passwords::kLongest &&
       password.find('\0') == std::string::npos)
@@ -85,11 +93,14 @@ Passwords::Hashes Passwords::read(const std::filesystem::path& file) {
   } catch (const SettingsError& error) {
     throw SettingsError(error.what() + std::string(kSetAgain));
   }
+  return hashes_in(saved, file.string());
+}
+
+Passwords::Hashes Passwords::hashes_in(const Json& saved, const std::string& file) {
   Hashes hashes;
   const auto refuse = [&] {
-    throw SettingsError(
-        fmt::format("{}: expected the hash of an admin's password, and perhaps of the viewers'{}",
-                    file.string(), kSetAgain));
+    throw SettingsError(fmt::format(
+        "{}: expected the hash of an admin's password, and perhaps of the viewers'{}", file, kSetAgain));
   };
   if (!saved.is_object() || !saved.contains(name_of(Role::kAdmin))) refuse();
   for (const auto& [name, hash] : saved.items()) {
@@ -101,6 +112,16 @@ Passwords::Hashes Passwords::read(const std::filesystem::path& file) {
     hashes[place(*role)] = hash.get<std::string>();
   }
   return hashes;
+}
+
+Passwords::Hashes Passwords::hashes_in(const std::string& text) {
+  Json saved;
+  try {
+    saved = parse_bounded_json(text);
+  } catch (const std::exception& error) {
+    throw SettingsError(fmt::format("{}: {}", kFileName, error.what()));
+  }
+  return hashes_in(saved, kFileName);
 }
 
 std::string Passwords::hash(Role role) const {
@@ -125,17 +146,32 @@ void Passwords::set(Role role, const std::optional<std::string>& password) {
   next[place(role)] = hash;
   if (next[place(Role::kAdmin)].empty() && !next[place(Role::kViewer)].empty())
     throw SettingsError("the admin's password must be set first, and taken away last");
-  Json saved = Json::object();
-  for (const Role one : kRoles) {
-    if (!next[place(one)].empty()) saved[std::string(name_of(one))] = next[place(one)];
-  }
+  put(std::move(next));
+}
+
+std::string Passwords::to_text() const {
+  return text_of(*hashes_.load());
+}
+
+void Passwords::check_text(const std::string& text) {
+  hashes_in(text);
+}
+
+void Passwords::restore(const std::string& text) {
+  Hashes next = text.empty() ? Hashes{} : hashes_in(text);
+  const std::lock_guard lock(mutex_);
+  put(std::move(next));
+}
+
+void Passwords::put(Hashes next) {
+  const std::string saved = text_of(next);
   std::error_code error;
   std::filesystem::create_directories(file_.parent_path(), error);
   if (saved.empty()) {
     if (!std::filesystem::remove(file_, error) && error)
       throw StorageError(fmt::format("cannot remove {}: {}", file_.string(), error.message()));
   } else {
-    write_file_durably(file_, saved.dump(2) + "\n", 0600);
+    write_file_durably(file_, saved, 0600);
   }
   stamp_ = stamp_of(file_);
   hashes_.store(std::move(next));

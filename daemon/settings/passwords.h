@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/json.h"
 #include "base/snapshot.h"
 
 #include <array>
@@ -21,8 +22,9 @@ std::string_view name_of(Role role);
 std::optional<Role> role_named(std::string_view name);
 
 /// The panel's passwords: a JSON file with a hash (yescrypt, crypt(5)) for each role that has one, readable
-/// by the service alone. They are no settings: no export, history, profile, log or support bundle has them.
-/// May be used from any thread; `ssl-visionctl passwd` may change the file meanwhile.
+/// by the service alone. They are no settings: no export, history, profile, log or support bundle has them,
+/// and a backup only where somebody asks for it. May be used from any thread; `ssl-visionctl passwd` may
+/// change the file meanwhile.
 class Passwords {
  public:
   static constexpr std::size_t kShortest = 8, kLongest = 200;  // bytes
@@ -44,6 +46,13 @@ class Passwords {
   /// when it cannot be saved.
   void set(Role role, const std::optional<std::string>& password);
 
+  /// What the file holds, for a backup; empty where there is none.
+  std::string to_text() const;
+  /// Throws SettingsError, beginning with the file's name, for what is no such text.
+  static void check_text(const std::string& text);
+  /// Takes over what to_text() returned. Throws likewise, and StorageError when it cannot be saved.
+  void restore(const std::string& text);
+
   /// Reads the file again if it was changed. One that is gone or cannot be used changes nothing.
   void reload_if_changed();
 
@@ -54,6 +63,10 @@ class Passwords {
     bool operator==(const Stamp&) const = default;
   };
   static Hashes read(const std::filesystem::path& file);
+  /// `file`: its name, for the text of the error.
+  static Hashes hashes_in(const Json& saved, const std::string& file);
+  static Hashes hashes_in(const std::string& text);
+  void put(Hashes hashes);  // on disk first; with the mutex held
   static std::optional<Stamp> stamp_of(const std::filesystem::path& file);
 
   const std::filesystem::path file_;

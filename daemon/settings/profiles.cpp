@@ -7,6 +7,7 @@
 #include "settings/state_folder.h"
 
 #include <algorithm>
+#include <exception>
 #include <system_error>
 #include <utility>
 
@@ -20,6 +21,10 @@ struct File {
   std::vector<Profile> profiles;
   static constexpr auto fields() { return std::tuple{list("profiles", &File::profiles, "by name")}; }
 };
+
+std::string text_of(const File& file) {
+  return params_to_json(file).dump(2) + "\n";
+}
 
 /// A name must also fit between two slashes of an address.
 void check_name(const std::string& name) {
@@ -40,7 +45,7 @@ auto place_of(std::vector<Profile>& profiles, const std::string& name) {
 
 }  // namespace
 
-Profiles::Profiles(StateFolder& folder) : folder_(folder), file_(folder.path() / "profiles.json") {
+Profiles::Profiles(StateFolder& folder) : folder_(folder), file_(folder.path() / kFileName) {
   remove_leftover(file_);
   std::error_code ignored;
   if (!std::filesystem::exists(file_, ignored)) return;
@@ -93,9 +98,37 @@ bool Profiles::remove(const std::string& name) {
   return true;
 }
 
+std::optional<std::string> Profiles::to_text() const {
+  const std::lock_guard lock(mutex_);
+  std::error_code ignored;
+  if (profiles_.empty() && !std::filesystem::exists(file_, ignored)) return std::nullopt;
+  return text_of(File{profiles_});
+}
+
+std::vector<Profile> Profiles::from_text(const std::string& text) {
+  try {
+    std::vector<Profile> profiles = params_from_json<File>(parse_bounded_json(text), "").profiles;
+    if (profiles.size() > kMax) throw SettingsError(fmt::format("it has more than {} profiles", kMax));
+    for (const Profile& profile : profiles) check_name(profile.name);
+    const auto in_order = [](const Profile& one, const Profile& next) { return one.name >= next.name; };
+    if (std::adjacent_find(profiles.begin(), profiles.end(), in_order) != profiles.end())
+      throw SettingsError("its profiles are not in the order of their names, each of which occurs once");
+    return profiles;
+  } catch (const std::exception& error) {
+    throw SettingsError(fmt::format("{}: {}", kFileName, error.what()));
+  }
+}
+
+void Profiles::replace(std::optional<std::vector<Profile>> profiles) {
+  const std::lock_guard lock(mutex_);
+  if (profiles) return put(*std::move(profiles));
+  remove_file(file_);
+  profiles_.clear();
+}
+
 void Profiles::put(std::vector<Profile> profiles) {
   File file{std::move(profiles)};
-  folder_.write(file_, params_to_json(file).dump(2) + "\n");
+  folder_.write(file_, text_of(file));
   profiles_ = std::move(file.profiles);
 }
 

@@ -53,6 +53,16 @@ class Profiles {
   /// Says whether there was one. Throws StorageError.
   bool remove(const std::string& name);
 
+  // All of them as a file of a backup.
+  static constexpr const char* kFileName = "profiles.json";
+  /// Nothing where there is no such file.
+  std::optional<std::string> to_text() const;
+  /// Throws SettingsError, beginning with the file's name.
+  static std::vector<Profile> from_text(const std::string& text);
+  /// Takes these for all; nothing: no file. On disk when it returns. Throws StorageError; nothing has changed
+  /// then.
+  void replace(std::optional<std::vector<Profile>> profiles);
+
  private:
   void put(std::vector<Profile> profiles);  // on disk first
 

@@ -143,6 +143,10 @@ void write_file_durably(const fs::path& file, const std::string& content, unsign
   fail("sync the folder of", file);
 }
 
+void remove_file(const fs::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) fail("remove", file);
+}
+
 void remove_leftover(const fs::path& file) {
   const Temporary temporary(temporary_of(file)), old(file.string() + ".old");
 }

@@ -20,6 +20,9 @@ Json read_json_file(const std::filesystem::path& file);
 void write_file_durably(const std::filesystem::path& file, const std::string& content,
                         unsigned permissions = 0640, const std::filesystem::path& previous = {});
 
+/// Removes a file, if it is there. Throws StorageError.
+void remove_file(const std::filesystem::path& file);
+
 /// Removes what a write_file_durably() that was killed has left of this file.
 void remove_leftover(const std::filesystem::path& file);
 

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "settings/bounded_patch.h"
 
+#include <algorithm>
 #include <functional>
 #include <system_error>
 
@@ -178,11 +179,15 @@ void SettingsStore::check_revision(const SettingsEdit& edit) const {
 }
 
 SettingsStore::Version SettingsStore::apply(Json tree, const SettingsEdit& edit, const Prepare& prepare) {
+  return apply(std::move(tree), history_, version_.revision, edit, prepare);
+}
+
+SettingsStore::Version SettingsStore::apply(Json tree, SettingsHistory history, std::uint64_t revision,
+                                            const SettingsEdit& edit, const Prepare& prepare) {
   const CheckedSettings result = checked(std::move(tree));
-  Version next{version_.revision + 1, result.tree, result.config};
+  Version next{revision + 1, result.tree, result.config};
   Commit commit = prepare(result);
 
-  SettingsHistory history = history_;
   SettingsStep step{{"revision", next.revision},
                     {"time", unix_time_s()},
                     {"who", edit.who},
@@ -194,6 +199,18 @@ SettingsStore::Version SettingsStore::apply(Json tree, const SettingsEdit& edit,
   commit();  // from here on nothing fails
   take(std::move(next), std::move(history));
   return answer;
+}
+
+SettingsStore::Version SettingsStore::restore(const Json& tree, std::uint64_t revision, const Json& history,
+                                              const SettingsEdit& edit, const Prepare& prepare) {
+  check_steps(history, revision);
+  Json steps = Json::array();  // oldest first
+  for (auto step = history.rbegin(); step != history.rend(); ++step) steps.push_back(*step);
+  const Json patch{{{"op", "replace"}, {"path", ""}, {"value", tree}}};
+  const std::lock_guard lock(edits_);
+  check_revision(edit);
+  return apply(apply_patch(version_.settings, patch), SettingsHistory(steps),
+               std::max(revision, version_.revision), edit, prepare);
 }
 
 void SettingsStore::take(Version version, SettingsHistory history) noexcept {
@@ -253,7 +270,7 @@ SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
 void SettingsStore::save(const Version& version, const Json& admin_settings, const SettingsHistory& history) {
   const Json saved{{kVersionKey, newest_version(migrations_)},
                    {"revision", version.revision},
-                   {"changes", Json::diff(admin_settings, version.settings)},
+                   {"changes", exact_patch(admin_settings, version.settings)},
                    {"made_on", admin_settings},
                    {"history", history.to_json()}};
   folder_.write(changes_file(), saved.dump(2) + "\n", previous_file());

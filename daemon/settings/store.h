@@ -85,6 +85,12 @@ class SettingsStore {
   /// patch() throws.
   Version undo(std::uint64_t revision, const SettingsEdit& edit, const Prepare& prepare);
 
+  /// Takes this tree for all settings, with a history (newest first) in the place of this one; `revision`:
+  /// that they were at. Is one step on top of that history. Throws what patch() throws, and SettingsError for
+  /// what is no history.
+  Version restore(const Json& tree, std::uint64_t revision, const Json& history, const SettingsEdit& edit,
+                  const Prepare& prepare);
+
   /// Reads the admin's file again; what the panel changed stays on top. A step of the history, unless the
   /// result is in effect already. Throws SettingsError, beginning with the file's name, when it cannot
   /// be used or those changes do not fit it any more, StorageError when it cannot be saved; in each case
@@ -109,6 +115,9 @@ class SettingsStore {
   /// Throws StaleRevision.
   void check_revision(const SettingsEdit& edit) const;
   Version apply(Json tree, const SettingsEdit& edit, const Prepare& prepare);
+  /// On top of this history, as a revision after `revision`.
+  Version apply(Json tree, SettingsHistory history, std::uint64_t revision, const SettingsEdit& edit,
+                const Prepare& prepare);
   void take(Version version, SettingsHistory history) noexcept;
   /// As changes of this admin's tree.
   void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);

@@ -12,7 +12,10 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/completion_condition.hpp>
@@ -34,8 +37,9 @@ namespace http = beast::http;
 namespace {
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
-constexpr std::uint64_t kMaxBodyBytes = 1024 * 1024;
-constexpr std::chrono::seconds kRequestTimeout{20};  // from a request's first byte to its last
+constexpr std::chrono::seconds kRequestTimeout{20};       // from a request's first byte to its last
+constexpr std::chrono::seconds kLargeRequestTimeout{90};  // likewise, of a file that an admin sends
+constexpr int kMaxLargeRequests = 2;                      // at once
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
 
@@ -90,10 +94,14 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void read_body(std::size_t header_size) {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(kMaxHeaderBytes);
-    parser.body_limit(kMaxBodyBytes);
+    const auto [method, target] = first_line();
+    const std::size_t max_body = context_.router.max_body_of(method, target);
+    parser.body_limit(max_body);
     beast::error_code error;
     parser.put(asio::buffer(received_.data(), header_size), error);
-    if (error == http::error::body_limit) return refuse(413, "the body is larger than 1 MiB");
+    if (error == http::error::body_limit) {
+      return refuse(413, "the body is larger than " + std::to_string(max_body >> 20U) + " MiB");
+    }
     if (error) return refuse(400, "not a valid HTTP request: " + error.message());
     const auto& header = parser.get();
     if (const auto refusal = check_header(header, std::string_view(received_).substr(0, header_size)))
@@ -101,13 +109,32 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (beast::websocket::is_upgrade(header) && view(header.target()) == WebSocketHub::kPath)
       return upgrade(header);
 
-    const std::size_t size = header_size + static_cast<std::size_t>(parser.content_length().value_or(0));
+    const auto body_size = static_cast<std::size_t>(parser.content_length().value_or(0));
+    if (body_size > kMaxBodyBytes) {
+      if (const auto refusal = refuse_large(header)) return refuse(refusal->status, refusal->text);
+      large_.emplace(context_.large_requests);
+      stream_.expires_after(kLargeRequestTimeout);
+    }
+    const std::size_t size = header_size + body_size;
     if (received_.size() >= size) return handle(size);
     asio::async_read(stream_, asio::dynamic_buffer(received_),
                      asio::transfer_exactly(size - received_.size()),
                      [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {
                        if (!read_error) self->handle(size);
                      });
+  }
+
+  /// Why no memory is taken for a large request; the router asks the same again, of all requests.
+  std::optional<HeaderRefusal> refuse_large(const http::request_header<>& header) const {
+    const std::string_view host = view(header[http::field::host]);
+    if (!is_own_name(host, context_.gate.names())) return HeaderRefusal{403, not_own_name(host)};
+    if (!is_same_origin(view(header[http::field::origin]), host))
+      return HeaderRefusal{403, std::string(kOtherSite)};
+    if (context_.gate.may(view(header[http::field::cookie])) != May::kChange)
+      return HeaderRefusal{401, "sign in with the admin's password first"};
+    if (context_.large_requests >= kMaxLargeRequests)
+      return HeaderRefusal{503, "other large files are being sent; try again in a moment"};
+    return std::nullopt;
   }
 
   void upgrade(const WebSocketHub::UpgradeRequest& header) {
@@ -122,6 +149,14 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     context_.websockets.accept(stream_.release_socket(), std::move(connection_), header, std::move(may));
   }
 
+  /// Method and address of the request that stands first in what was received.
+  std::pair<std::string_view, std::string_view> first_line() const {
+    const std::string_view line = std::string_view(received_).substr(0, received_.find('\r'));
+    const std::string_view method = line.substr(0, line.find(' '));
+    const std::string_view rest = line.substr(std::min(line.size(), method.size() + 1));
+    return {method, rest.substr(0, rest.find(' '))};
+  }
+
   bool stays(std::string& problem) { return seat_.stays(context_.gate.is_trusted(remote_address_), problem); }
 
   /// A worker answers the complete request that stands first in what was received.
@@ -129,10 +164,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     std::string following = received_.substr(size);
     received_.resize(size);
     seat_.works();
-    const std::string_view line = std::string_view(received_).substr(0, received_.find('\r'));
-    const std::string_view method = line.substr(0, line.find(' '));
-    const std::string_view rest = line.substr(std::min(line.size(), method.size() + 1));
-    const bool is_quick = context_.router.speed_of(method, rest.substr(0, rest.find(' '))) == Speed::kAtOnce;
+    const auto [method, target] = first_line();
+    const bool is_quick = context_.router.speed_of(method, target) == Speed::kAtOnce;
     asio::post(is_quick ? context_.quick : context_.workers,
                [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
                  HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
@@ -146,6 +179,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void answer(HttpAnswer answer) {
     answer_ = std::move(answer);
+    large_.reset();
     std::string problem;
     if (answer_.stream && !stays(problem)) answer_ = {refusal_text(503, problem), false};
     if (!answer_.stream) seat_.sends();
@@ -185,7 +219,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   Connections::Seat& seat_;
   beast::tcp_stream stream_;
   std::string remote_address_;
-  std::string received_;  // of this request, and what came after it
+  std::string received_;              // of this request, and what came after it
+  std::optional<ScopedCount> large_;  // while this is a large one
   HttpAnswer answer_;
   std::array<char, 4096> rest_;
 };

@@ -8,6 +8,7 @@
 #include "web/router.h"
 #include "web/websocket.h"
 
+#include <atomic>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
 
 #include <boost/asio/io_context.hpp>
@@ -23,6 +24,7 @@ struct HttpContext {
   CameraFeeds& feeds;
   boost::asio::io_context& workers;  // handlers run here
   boost::asio::io_context& quick;    // and those that wait for nothing here
+  std::atomic<int>& large_requests;  // being received and answered now
 };
 
 /// Serves one connection until it ends: requests one after the other, or a WebSocket or

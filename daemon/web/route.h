@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "web/view.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -62,6 +63,8 @@ enum class Needs {
 /// others hang.
 enum class Speed { kMayWait, kAtOnce };
 
+inline constexpr std::size_t kMaxBodyBytes = 1024 * 1024;
+
 struct Route {
   const char* method;   // GET, POST, PUT, PATCH or DELETE
   const char* pattern;  // regular expression of the whole path
@@ -69,6 +72,9 @@ struct Route {
   Needs needs = Needs::kByMethod;
   Speed speed = Speed::kMayWait;
   bool streams = false;  // images may follow its response, which is the last of its connection then
+  /// Bytes of a request. More than kMaxBodyBytes only those may send who may change something, a few at once;
+  /// the pattern is the path itself then.
+  std::size_t max_body = kMaxBodyBytes;
 };
 
 /// A text that viewers may subscribe to by its name. It is made while somebody has, twice a second.

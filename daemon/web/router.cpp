@@ -278,13 +278,23 @@ bool Router::streams(const std::string& path) const {
                      [&](const std::regex& pattern) { return std::regex_match(path, pattern); });
 }
 
-Speed Router::speed_of(std::string_view method, std::string_view target) const {
+const Route* Router::find(std::string_view method, std::string_view target) const {
   if (method == "HEAD") method = "GET";
   const std::string_view path = target.substr(0, target.find('?'));
   const auto found = std::find_if(routes_.begin(), routes_.end(), [&](const Route& route) {
     return method == route.method && path == route.pattern;
   });
-  return found == routes_.end() ? Speed::kMayWait : found->speed;
+  return found == routes_.end() ? nullptr : &*found;
+}
+
+Speed Router::speed_of(std::string_view method, std::string_view target) const {
+  const Route* route = find(method, target);
+  return route == nullptr ? Speed::kMayWait : route->speed;
+}
+
+std::size_t Router::max_body_of(std::string_view method, std::string_view target) const {
+  const Route* route = find(method, target);
+  return route == nullptr ? kMaxBodyBytes : route->max_body;
 }
 
 }  // namespace sslv

@@ -6,6 +6,7 @@
 #include "web/route.h"
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -42,6 +43,7 @@ class Router {
 
   /// Of the route that this method and address ask for.
   Speed speed_of(std::string_view method, std::string_view target) const;
+  std::size_t max_body_of(std::string_view method, std::string_view target) const;
 
   /// Writes to the log what is due of requests that were refused (AuditLog): to be called now and then.
   void write_audit() const { audit_->write_due(); }
@@ -49,6 +51,8 @@ class Router {
  private:
   class HttpServer;
   bool streams(const std::string& path) const;
+  /// Null for one whose pattern is more than a path.
+  const Route* find(std::string_view method, std::string_view target) const;
 
   Gate& gate_;
   const std::vector<Route> routes_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/tar_file.h"
 
+#include <array>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <archive.h>
 #include <archive_entry.h>
@@ -20,6 +22,7 @@ std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified) {
   };
   check(archive_write_add_filter_gzip(out.get()));
   check(archive_write_set_format_ustar(out.get()));
+  check(archive_write_set_bytes_in_last_block(out.get(), 1));  // no zeros behind the gzip's end
   check(archive_write_open(
       out.get(), &bytes, nullptr,
       [](archive*, void* to, const void* from, std::size_t size) {
@@ -39,6 +42,69 @@ std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified) {
   }
   check(archive_write_close(out.get()));
   return bytes;
+}
+
+namespace {
+
+using Reader = std::unique_ptr<archive, decltype(&archive_read_free)>;
+
+Reader reader_of(std::string_view bytes, int (*support_filter)(archive*), int (*support_format)(archive*)) {
+  Reader in(archive_read_new(), archive_read_free);
+  if (!in) throw std::bad_alloc();
+  if (support_filter(in.get()) != ARCHIVE_OK || support_format(in.get()) != ARCHIVE_OK ||
+      archive_read_open_memory(in.get(), bytes.data(), bytes.size()) != ARCHIVE_OK)
+    throw std::runtime_error("it cannot be read");
+  return in;
+}
+
+[[noreturn]] void refuse_archive(const Reader& in) {
+  const char* reason = archive_error_string(in.get());
+  throw std::runtime_error(reason != nullptr ? reason : "its end is missing");
+}
+
+/// False at the end.
+bool has_next(const Reader& in, archive_entry*& header) {
+  const int result = archive_read_next_header(in.get(), &header);
+  if (result != ARCHIVE_OK && result != ARCHIVE_EOF) refuse_archive(in);
+  return result == ARCHIVE_OK;
+}
+
+std::string content_of(const Reader& in, std::size_t max_bytes) {
+  std::string content;
+  for (std::array<char, 65536> block;;) {
+    const la_ssize_t got = archive_read_data(in.get(), block.data(), block.size());
+    if (got < 0) refuse_archive(in);
+    if (got == 0) return content;
+    content.append(block.data(), static_cast<std::size_t>(got));
+    if (content.size() > max_bytes)
+      throw std::runtime_error("unpacked, it is larger than " + std::to_string(max_bytes >> 20U) + " MiB");
+  }
+}
+
+/// To the end of the compressed bytes, which a reader of the archive does not go to.
+std::string unpacked_gz(std::string_view bytes, std::size_t max_bytes) {
+  const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_raw);
+  archive_entry* header = nullptr;
+  if (!has_next(in, header)) throw std::runtime_error("it is empty");
+  if (archive_filter_code(in.get(), 0) != ARCHIVE_FILTER_GZIP) throw std::runtime_error("it is no .tar.gz");
+  return content_of(in, max_bytes);
+}
+
+}  // namespace
+
+std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes) {
+  constexpr std::size_t kMaxEntries = 10'000;  // each takes room besides its bytes
+  const std::string tar = unpacked_gz(bytes, max_bytes);
+  const Reader in = reader_of(tar, archive_read_support_filter_none, archive_read_support_format_tar);
+  std::vector<TarEntry> entries;
+  for (archive_entry* header = nullptr; has_next(in, header);) {
+    const char* name = archive_entry_pathname(header);
+    if (name == nullptr || archive_entry_filetype(header) != AE_IFREG || entries.size() == kMaxEntries)
+      throw std::runtime_error("it holds what is no file");
+    std::string copy = name;
+    entries.push_back({std::move(copy), content_of(in, max_bytes)});
+  }
+  return entries;
 }
 
 }  // namespace sslv

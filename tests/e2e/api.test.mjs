@@ -372,6 +372,16 @@ describe('the interface as docs/openapi.json says', () => {
     end.abort();
   });
 
+  it('backs up and restores', async () => {
+    const backup = await ask('get', '/api/backup');
+    const { revision, changes, site } = await ask('post', '/api/backup/check', { body: backup });
+    assert.deepEqual([changes, site], [[], (await ask('get', '/api/settings')).settings.site]);
+    await ask('post', '/api/backup/restore', { body: backup, headers: { 'If-Match': String(revision + 1) }, expect: 409 });
+    assert.equal((await ask('post', '/api/backup/restore', { body: backup, headers: { 'If-Match': String(revision) } })).passwords, 'none');
+    for (const path of ['/api/backup/check', '/api/backup/restore']) await ask('post', path, { body: '{}', expect: 422 });
+    await ask('get', '/api/backup', { query: '?passwords=x', expect: 400 });
+  });
+
   it('packs a support bundle', async () => {
     const bundle = join(service.folder, 'bundle.tar.gz');
     writeFileSync(bundle, await ask('get', '/api/support'));
@@ -386,6 +396,7 @@ describe('the interface as docs/openapi.json says', () => {
     for (const id of [0, 1]) {
       checkJson('openapi#/components/schemas/CalibrationState', JSON.parse(read(`camera_${id}/calibration.json`)), 'calibration.json');
       assert.equal(read(`camera_${id}/picture.jpg`).readUInt16BE(0), 0xffd8);
+      assert.deepEqual(read(`camera_${id}/colors.lut`), await ask('get', '/api/cameras/{camera}/colors/table', { parameters: { camera: id } }));
     }
     // It names each of its files, and no other.
     const packed = execFileSync('tar', ['-tzf', bundle]).toString().trim().split('\n').map((name) => name.slice(name.indexOf('/') + 1));

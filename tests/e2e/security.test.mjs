@@ -540,7 +540,7 @@ describe('the match lock', () => {
     hears('running');
     await lockBecomes(true);
     for (const [method, path, body] of [['PATCH', 'api/settings', rename('Played')], ['POST', 'api/settings/undo', { revision: 2 }], ['POST', 'api/cameras/0/colors/edits', {}],
-      ['POST', 'api/cameras/0/controls/light', { value: 0.5 }], ['POST', 'api/profiles/x/apply', {}], ['POST', 'api/cameras/0/calibration', {}]]) {
+      ['POST', 'api/cameras/0/controls/light', { value: 0.5 }], ['POST', 'api/profiles/x/apply', {}], ['POST', 'api/backup/restore', {}], ['POST', 'api/cameras/0/calibration', {}]]) {
       const answer = await ask(method, path, { body });
       assert.ok(answer.status === 423 || (path.endsWith('calibration') && answer.status === 422), `${method} ${path}: ${answer.text}`);
     }

@@ -27,6 +27,8 @@ void add_colours(CommandLine& line);
 
 // Its settings.
 void add_settings(CommandLine& line);
+void add_backup(CommandLine& line);
+void add_restore(CommandLine& line);
 void add_field(CommandLine& line);
 void add_profiles(CommandLine& line);
 void add_history(CommandLine& line);

@@ -6,8 +6,12 @@
 #include "settings/state_folder.h"
 
 #include <algorithm>
+#include <exception>
+#include <iterator>
 #include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -23,27 +27,38 @@ struct CameraRecords {
   }
 };
 
-struct File {
+struct HistoryFile {
   std::vector<CameraRecords> cameras;
   static constexpr auto fields() {
-    return std::tuple{list("cameras", &File::cameras, "each with its records")};
+    return std::tuple{list("cameras", &HistoryFile::cameras, "each with its records")};
   }
 };
+
+std::string history_text(const CalibrationHistory::ByCamera& records) {
+  HistoryFile file;
+  for (const auto& [id, of_camera] : records) file.cameras.push_back({id, of_camera});
+  return params_to_json(file).dump(2) + "\n";
+}
+
+CalibrationHistory::ByCamera history_in(const Json& json) {
+  CalibrationHistory::ByCamera records;
+  for (CameraRecords& camera : params_from_json<HistoryFile>(json, "").cameras)
+    records[camera.camera] = std::move(camera.records);
+  return records;
+}
 
 }  // namespace
 
 CalibrationHistory::CalibrationHistory(StateFolder& folder)
-    : folder_(folder), file_(folder.path() / "calibrations.json") {
+    : folder_(folder), file_(folder.path() / kFileName) {
   remove_leftover(file_);
   std::error_code ignored;
   if (!std::filesystem::exists(file_, ignored)) return;
   try {
-    for (CameraRecords& camera : params_from_json<File>(read_json_file(file_), "").cameras)
-      records_[camera.camera] = std::move(camera.records);
+    records_ = history_in(read_json_file(file_));
   } catch (const SettingsError& error) {
     log::error("the history of calibrations cannot be used and was set aside as {}: {}",
                set_aside(file_).string(), error.what());
-    records_.clear();
   }
 }
 
@@ -59,10 +74,34 @@ void CalibrationHistory::set(const ByCamera& records) {
     const auto count = static_cast<std::ptrdiff_t>(of_camera.size());
     next[id].assign(of_camera.end() - std::min(count, kMaxRecords), of_camera.end());
   }
-  File file;
-  for (const auto& [id, of_camera] : next) file.cameras.push_back({id, of_camera});
-  folder_.write(file_, params_to_json(file).dump(2) + "\n");
-  records_ = std::move(next);
+  replace(std::move(next));
+}
+
+void CalibrationHistory::replace(std::optional<ByCamera> records) {
+  records ? folder_.write(file_, history_text(*records)) : remove_file(file_);
+  records_ = std::move(records).value_or(ByCamera{});
+}
+
+std::optional<std::string> CalibrationHistory::to_text() const {
+  std::error_code ignored;
+  if (records_.empty() && !std::filesystem::exists(file_, ignored)) return std::nullopt;
+  return history_text(records_);
+}
+
+CalibrationHistory::ByCamera CalibrationHistory::from_text(const std::string& text) {
+  const auto refuse = [](const char* why) { throw SettingsError(fmt::format("{}: {}", kFileName, why)); };
+  ByCamera records;
+  try {
+    records = history_in(parse_bounded_json(text));
+  } catch (const SettingsError& error) {
+    refuse(error.what());
+  } catch (const std::exception& error) {  // no JSON
+    refuse(error.what());
+  }
+  for (const auto& [id, of_camera] : records) {
+    if (std::ssize(of_camera) > kMaxRecords) refuse("a camera has more than 20 records");
+  }
+  return records;
 }
 
 CalibrationRecord* newest_in_force(CalibrationHistory::Records& records) {

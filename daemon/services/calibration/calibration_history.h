@@ -59,6 +59,15 @@ class CalibrationHistory {
   void set(const ByCamera& records);
   void set(int camera_id, Records records) { set({{camera_id, std::move(records)}}); }
 
+  // All of it as a file of a backup.
+  static constexpr const char* kFileName = "calibrations.json";
+  /// Nothing where there is no such file.
+  std::optional<std::string> to_text() const;
+  /// Throws SettingsError, beginning with the file's name.
+  static ByCamera from_text(const std::string& text);
+  /// Takes these for all, on disk first; nothing: no file. Throws StorageError; nothing has changed then.
+  void replace(std::optional<ByCamera> records);
+
  private:
   StateFolder& folder_;
   const std::filesystem::path file_;

@@ -8,6 +8,8 @@
 #include "web/route.h"
 
 #include <cstddef>
+#include <exception>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,6 +53,46 @@ class CalibrationRecords::SavedHistory final : public SavedWith {
   const CalibrationHistory::ByCamera records_;
   CalibrationHistory::ByCamera old_records_;
 };
+
+/// A history that is to take the place of all of this one.
+class CalibrationRecords::RestoredHistory final : public SavedWith {
+ public:
+  RestoredHistory(std::unique_lock<std::mutex> lock, CalibrationHistory& history,
+                  std::optional<std::string> text)
+      : lock_(std::move(lock)),
+        history_(history),
+        records_(records_in(text)),
+        old_(records_in(history.to_text())) {}
+  void save() override { history_.replace(records_); }
+  void take_back() noexcept override {
+    try {
+      history_.replace(old_);
+    } catch (const std::exception& error) {
+      log::error("calibrations of a backup that was refused stay in the history: {}", error.what());
+    }
+  }
+
+ private:
+  static std::optional<CalibrationHistory::ByCamera> records_in(const std::optional<std::string>& text) {
+    return text ? std::optional(CalibrationHistory::from_text(*text)) : std::nullopt;
+  }
+
+  const std::unique_lock<std::mutex> lock_;
+  CalibrationHistory& history_;
+  const std::optional<CalibrationHistory::ByCamera> records_, old_;
+};
+
+BackupFiles CalibrationRecords::files(const Config& /*config*/) const {
+  const std::lock_guard lock(mutex_);
+  const auto text = history_.to_text();
+  return text ? BackupFiles{{CalibrationHistory::kFileName, *text}} : BackupFiles{};
+}
+
+std::unique_ptr<SavedWith> CalibrationRecords::prepare(const BackupFiles& files) {
+  const auto found = files.find(CalibrationHistory::kFileName);
+  return std::make_unique<RestoredHistory>(
+      std::unique_lock(mutex_), history_, found == files.end() ? std::nullopt : std::optional(found->second));
+}
 
 Json CalibrationRecords::history_json(int camera_id) const {
   Json out = Json::array();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "services/backup_part.h"
 #include "services/calibration/calibration_history.h"
 #include "services/settings/settings_editor.h"
 
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -20,7 +22,7 @@ struct NewCalibration {
 
 /// Puts calibrations into the settings, with a history of them that is saved with the settings or not at all.
 /// May be used from any thread.
-class CalibrationRecords {
+class CalibrationRecords final : public BackupPart {
  public:
   /// Both must outlive this.
   CalibrationRecords(StateFolder& folder, SettingsEditor& settings) : settings_(settings), history_(folder) {}
@@ -40,8 +42,15 @@ class CalibrationRecords {
   /// Ids of the cameras that were calibrated on another field than that of the settings.
   std::set<int> find_stale() const;
 
+  // BackupPart
+  BackupFiles files(const Config& config) const override;
+  bool has(const std::string& name) const override { return name == CalibrationHistory::kFileName; }
+  /// No calibration is accepted or reverted until what is returned goes.
+  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+
  private:
   class SavedHistory;
+  class RestoredHistory;
   struct Change {
     int camera_id;
     Json calibration;

@@ -113,6 +113,24 @@ Json ColorService::state_json(const ColorTables::AtDesk& at) {
                      margins_.margins(camera.id, *camera.context().adapted_lut));
 }
 
+std::vector<SupportFile> ColorService::support_files() const {
+  std::vector<SupportFile> files;
+  for (const CameraNow& camera : cameras_.all()) {
+    const auto add = [&](const char* name, const char* what, std::shared_ptr<const Lut> lut) {
+      files.push_back({fmt::format("camera_{}/{}", camera.id, name), what,
+                       [lut = std::move(lut), labels = camera.context().labels] {
+                         const auto bytes = encode_lut(lut->color_table(), *labels);
+                         return std::string(bytes.begin(), bytes.end());
+                       }});
+    };
+    const CameraContext& context = camera.context();
+    add("colors.lut", "its colour table", context.accepted_lut);
+    if (context.adapted_lut != context.accepted_lut)
+      add("colors_in_light.lut", "the same in the light of now, as it is in use", context.adapted_lut);
+  }
+  return files;
+}
+
 std::vector<Route> ColorService::routes() {
   const auto call = [this](Response (ColorService::*handle)(const Request&)) -> Handler {
     return [this, handle](const Request& request) {

@@ -31,6 +31,7 @@ class ColorService final : public Service, public CameraObserver {
 
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
   std::vector<Route> routes() override;
+  std::vector<SupportFile> support_files() const override;
   Commit prepare(const SettingsChange& change) override;
   void report(HealthReport& report) const override;
   void each_second() override;

@@ -3,6 +3,8 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/sha256.h"
+#include "config/config.h"
 #include "settings/state_folder.h"
 #include "vision/lut_codec.h"
 
@@ -11,30 +13,51 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <glib.h>
 
 namespace sslv {
 namespace {
 
 constexpr std::size_t kNameLength = 16;
 
-/// SHA-256, 64 hexadecimal digits.
-std::string hash_of(std::span<const std::uint8_t> bytes) {
-  const std::unique_ptr<gchar, decltype(&g_free)> hash(
-      g_compute_checksum_for_data(G_CHECKSUM_SHA256, bytes.data(), bytes.size()), &g_free);
-  return hash.get();
+constexpr std::string_view kTableFolder = "tables/", kTableExtension = ".lut";
+
+std::string_view chars_of(std::span<const std::uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::span<const std::uint8_t> bytes_in_text(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// What a table's file is called, by what is in it.
+std::string table_name_of(std::string_view bytes) {
+  return sha256_of(bytes).substr(0, kNameLength);
 }
 
 /// Nothing else may become a part of a path.
 bool is_name(std::string_view name) {
   return name.size() == kNameLength && name.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+std::string file_name_of(const std::string& name) {
+  return fmt::format("{}{}{}", kTableFolder, name, kTableExtension);
+}
+
+/// Of a file in a backup; empty for what is no table's.
+std::string table_name_in(std::string_view file_name) {
+  if (!file_name.starts_with(kTableFolder) || !file_name.ends_with(kTableExtension)) return "";
+  file_name.remove_prefix(kTableFolder.size());
+  file_name.remove_suffix(kTableExtension.size());
+  return is_name(file_name) ? std::string(file_name) : "";
 }
 
 /// A label may have been taken out of the settings since. Throws SettingsError.
@@ -70,7 +93,7 @@ SavedTables::SavedTables(StateFolder& folder) : state_(folder), folder_(folder.p
 
 std::string SavedTables::save(const std::shared_ptr<const Lut>& lut, const LabelSet& labels) {
   const std::vector<std::uint8_t> bytes = encode_lut(lut->color_table(), labels);
-  std::string name = hash_of(bytes).substr(0, kNameLength);
+  std::string name = table_name_of(chars_of(bytes));
   const std::lock_guard lock(mutex_);
   if (std::error_code error; bytes_of(file_of(name)) == bytes) {
     // As if it were new: it is not to be tidied away soon.
@@ -105,6 +128,12 @@ std::string SavedTables::lost(const std::string& name) const {
 /// With the lock held.
 std::shared_ptr<const Lut> SavedTables::load_now(const std::string& name, const std::string& path,
                                                  const LabelSet& labels) const {
+  if (offered_ != nullptr) {
+    const auto found = offered_->find(file_name_of(name));
+    if (found != offered_->end())
+      return std::make_shared<const Lut>(
+          decode_lut(bytes_in_text(found->second), fmt::format("{}: {}", path, found->first), labels));
+  }
   if (const auto found = in_memory_.find(name); found != in_memory_.end()) {
     if (auto lut = found->second.lock()) {
       check_labels(*lut, path, labels);
@@ -115,7 +144,8 @@ std::shared_ptr<const Lut> SavedTables::load_now(const std::string& name, const 
   if (!is_name(name) || !std::filesystem::exists(file_of(name), error)) {
     throw SettingsError(fmt::format(
         "{}: \"{}\" is not allowed; expected a table that this service has saved, or \"\" for the "
-        "one of lut_file or classes. A table of another computer is imported on the Colours page",
+        "one of lut_file or classes. A backup brings another computer's settings with their tables: the "
+        "Settings page, or ssl-visionctl backup and restore",
         path, name));
   }
   auto lut = std::make_shared<const Lut>(
@@ -137,6 +167,107 @@ void SavedTables::tidy(const std::set<std::string>& used) {
   std::sort(unused.begin(), unused.end());
   unused.resize(unused.size() - kMax);
   for (const auto& [time, file] : unused) std::filesystem::remove(file, error);
+}
+
+void SavedTables::put_file(const std::string& name, const std::string& bytes) {
+  const std::lock_guard lock(mutex_);
+  state_.write(file_of(name), bytes);
+  in_memory_.erase(name);
+  lost_.erase(name);
+}
+
+BackupFiles SavedTables::files(const Config& config) const {
+  constexpr std::size_t kMaxBytes = 32 * 1024 * 1024;
+  std::set<std::string> needed;
+  for (const CameraSettings& camera : config.cameras) needed.insert(camera.colors.table);
+  const std::lock_guard lock(mutex_);
+  std::vector<std::tuple<bool, std::filesystem::file_time_type, std::string>> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() == kTableExtension && is_name(name))
+      names.emplace_back(needed.contains(name), entry.last_write_time(error), name);
+  }
+  std::sort(names.rbegin(), names.rend());  // those that are needed first, then the newest
+  BackupFiles out;
+  std::size_t size = 0;
+  for (const auto& [is_needed, time, name] : names) {
+    const auto bytes = bytes_of(file_of(name));
+    size += bytes.size();
+    // What a damaged file holds helps nobody.
+    if (table_name_of(chars_of(bytes)) != name || (size > kMaxBytes && !is_needed)) continue;
+    out.emplace(file_name_of(name), chars_of(bytes));
+  }
+  return out;
+}
+
+bool SavedTables::has(const std::string& name) const {
+  return !table_name_in(name).empty();
+}
+
+/// Tables of a backup. Of those that settings use, the settings' transaction reads every cell.
+class SavedTables::Offered final : public SavedWith {
+ public:
+  Offered(SavedTables& tables, BackupFiles files) : tables_(tables), files_(std::move(files)) {
+    const std::lock_guard lock(tables_.mutex_);
+    tables_.offered_ = &files_;
+  }
+  ~Offered() override {
+    const std::lock_guard lock(tables_.mutex_);
+    tables_.offered_ = nullptr;
+  }
+
+  void save() override {
+    try {
+      for (const auto& [file_name, bytes] : files_) {
+        const std::string name = table_name_in(file_name);
+        const std::filesystem::path file = tables_.file_of(name);
+        std::error_code error;
+        const bool is_there = std::filesystem::exists(file, error);
+        const std::vector<std::uint8_t> old = bytes_of(file);
+        if (is_there && chars_of(old) == bytes) continue;
+        tables_.put_file(name, bytes);
+        replaced_.emplace_back(name, is_there ? std::optional<std::string>(chars_of(old)) : std::nullopt);
+      }
+    } catch (...) {
+      take_back();
+      throw;
+    }
+  }
+
+  void take_back() noexcept override {
+    for (const auto& [name, old] : replaced_) {
+      try {
+        if (old) tables_.put_file(name, *old);
+      } catch (const std::exception& error) {
+        log::error("a table of a backup that was refused stays: {}", error.what());
+      }
+      std::error_code error;
+      if (!old) std::filesystem::remove(tables_.file_of(name), error);
+    }
+    replaced_.clear();
+  }
+
+ private:
+  SavedTables& tables_;
+  const BackupFiles files_;
+  std::vector<std::pair<std::string, std::optional<std::string>>> replaced_;  // by name: what was there
+};
+
+std::unique_ptr<SavedWith> SavedTables::prepare(const BackupFiles& files) {
+  BackupFiles own;
+  for (const auto& [file_name, bytes] : files) {
+    const std::string name = table_name_in(file_name);
+    if (name.empty()) continue;
+    if (table_name_of(bytes) != name || !is_lut(bytes_in_text(bytes))) {
+      throw SettingsError(
+          fmt::format("{}: its bytes are not those of the table of this name; expected a .lut file named "
+                      "after its SHA-256",
+                      file_name));
+    }
+    own.emplace(file_name, bytes);
+  }
+  return std::make_unique<Offered>(*this, std::move(own));
 }
 
 }  // namespace sslv

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "services/backup_part.h"
 #include "vision/label.h"
 #include "vision/lut.h"
 
@@ -19,7 +20,7 @@ class StateFolder;
 /// Colour tables that were edited, learnt or imported: each a file tables/*.lut of the state folder, named
 /// after its content, so that a name always means the same table. The settings, their history and profiles
 /// keep names. May be used from any thread.
-class SavedTables {
+class SavedTables : public BackupPart {
  public:
   /// Beyond that the oldest that nobody uses go.
   static constexpr std::size_t kMax = 200;
@@ -41,7 +42,17 @@ class SavedTables {
   /// Removes old ones, but none of these.
   void tidy(const std::set<std::string>& used);
 
+  // BackupPart: all that lie there, also those that only the history and profiles name. Of very many, the
+  // settings' own and the newest.
+  BackupFiles files(const Config& config) const override;
+  bool has(const std::string& name) const override;
+  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+
  private:
+  class Offered;
+  /// Throws StorageError.
+  void put_file(const std::string& name, const std::string& bytes);
+
   std::shared_ptr<const Lut> load_now(const std::string& name, const std::string& path,
                                       const LabelSet& labels) const;
   std::filesystem::path file_of(const std::string& name) const { return folder_ / (name + ".lut"); }
@@ -51,6 +62,7 @@ class SavedTables {
   mutable std::mutex mutex_;  // guards what follows
   mutable std::map<std::string, std::weak_ptr<const Lut>> in_memory_;
   mutable std::map<std::string, std::string> lost_;  // by name: why
+  const BackupFiles* offered_ = nullptr;             // of a backup that is being restored
   std::atomic<bool> is_start_ = true;
 };
 

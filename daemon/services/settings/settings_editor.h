@@ -2,19 +2,18 @@
 #pragma once
 
 #include "base/json.h"
+#include "services/saved_with.h"
 #include "settings/store.h"
+
+#include <cstdint>
 
 namespace sslv {
 
-/// A file that belongs to a change of settings: both are saved, or none.
-class SavedWith {
- public:
-  virtual ~SavedWith() = default;
-  /// Before the settings are saved: whatever happens in between, what is replaced is on disk. Throws
-  /// StorageError.
-  virtual void save() = 0;
-  /// The settings could not be saved after all.
-  virtual void take_back() noexcept = 0;
+/// All settings of another computer, or of an earlier day.
+struct KeptSettings {
+  Json tree;               // which may say its version
+  std::uint64_t revision;  // that they were at
+  Json history;            // its steps, as SettingsEditor::history() gives them
 };
 
 /// The settings as other services see them. May be used from any thread.
@@ -29,6 +28,13 @@ class SettingsEditor {
   /// when it cannot be saved; in each case nothing has changed.
   virtual SettingsStore::Version patch(const Json& patch, const SettingsEdit& edit,
                                        SavedWith* with = nullptr) = 0;
+
+  /// What a JSON Patch would change. Throws SettingsError where patch() would.
+  virtual Json check(const Json& patch) = 0;
+  /// Takes these for all settings, with their history in the place of this one: one step on top of it, which
+  /// can be taken back. Throws as patch() does.
+  virtual SettingsStore::Version restore(const KeptSettings& kept, const SettingsEdit& edit,
+                                         SavedWith* with) = 0;
 };
 
 }  // namespace sslv

@@ -18,7 +18,7 @@
 namespace sslv {
 namespace {
 
-CheckedSettings check(const Json& settings) {
+CheckedSettings check_tree(const Json& settings) {
   auto config = std::make_shared<const Config>(read_config(settings));
   return {params_to_json(*config), std::move(config)};
 }
@@ -39,7 +39,7 @@ Json answer_of(const SettingsStore::Version& version) {
           {"settings", version.settings}};
 }
 
-std::string pretty(const Json& json) {
+std::string indented(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -60,7 +60,7 @@ SettingsService::SettingsService(const std::filesystem::path& settings_file, Sta
                                  std::vector<std::filesystem::path> file_folders)
     : folder_(folder),
       file_folders_(std::move(file_folders)),
-      store_(settings_file, folder, check, settings_migrations()),
+      store_(settings_file, folder, check_tree, settings_migrations()),
       config_(store_.current().config),
       told_revision_(store_.revision()),
       folder_problem_(folder.find_problem()) {}
@@ -108,11 +108,12 @@ void SettingsService::reload() {
   }
 }
 
-SettingsStore::Version SettingsService::patch(const Json& patch, const SettingsEdit& edit, SavedWith* with) {
+SettingsStore::Version SettingsService::change(
+    SavedWith* with, const std::function<SettingsStore::Version(const SettingsStore::Prepare&)>& act) {
   bool is_saved = false;
   try {
     return answering_stale([&] {
-      return store_.patch(patch, edit, [&](const CheckedSettings& next) {
+      return act([&](const CheckedSettings& next) {
         Commit commit = prepare_all(next, SettingsChange::Origin::kNetwork);
         if (with) with->save();
         is_saved = with != nullptr;
@@ -123,6 +124,23 @@ SettingsStore::Version SettingsService::patch(const Json& patch, const SettingsE
     if (is_saved) with->take_back();
     throw;
   }
+}
+
+SettingsStore::Version SettingsService::patch(const Json& patch, const SettingsEdit& edit, SavedWith* with) {
+  return change(with, [&](const auto& prepare) { return store_.patch(patch, edit, prepare); });
+}
+
+Json SettingsService::check(const Json& patch) {
+  return store_.check(patch, [this](const CheckedSettings& next) {
+    prepare_all(next, SettingsChange::Origin::kNetwork);  // and not committed
+  });
+}
+
+SettingsStore::Version SettingsService::restore(const KeptSettings& kept, const SettingsEdit& edit,
+                                                SavedWith* with) {
+  return change(with, [&](const auto& prepare) {
+    return store_.restore(kept.tree, kept.revision, kept.history, edit, prepare);
+  });
 }
 
 std::vector<Route> SettingsService::routes() {
@@ -147,10 +165,7 @@ Response SettingsService::patch_settings(const Request& request) {
 }
 
 Response SettingsService::check_settings(const Request& request) {
-  const Json changes = store_.check(parse_json(request.body), [this](const CheckedSettings& next) {
-    prepare_all(next, SettingsChange::Origin::kNetwork);  // and not committed
-  });
-  return json_response({{"changes", changes}});
+  return json_response({{"changes", check(parse_json(request.body))}});
 }
 
 Response SettingsService::undo_settings(const Request& request) {
@@ -189,9 +204,9 @@ void SettingsService::write_metrics(MetricsText& out) const {
 
 std::vector<SupportFile> SettingsService::support_files() const {
   return {{"settings.json", "all settings in effect, with defaults",
-           [this] { return pretty(answer_of(store_.current())); }},
+           [this] { return indented(answer_of(store_.current())); }},
           {"settings_history.json", "who changed which setting, with the clients' addresses",
-           [this] { return pretty(store_.history()); }}};
+           [this] { return indented(store_.history()); }}};
 }
 
 void SettingsService::each_second() {

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,9 @@ class SettingsService final : public Service, public SettingsEditor {
   Json history() const override { return store_.history(); }
   SettingsStore::Version patch(const Json& patch, const SettingsEdit& edit,
                                SavedWith* with = nullptr) override;
+  Json check(const Json& patch) override;
+  SettingsStore::Version restore(const KeptSettings& kept, const SettingsEdit& edit,
+                                 SavedWith* with) override;
 
   // Service
   std::vector<Route> routes() override;
@@ -51,6 +55,10 @@ class SettingsService final : public Service, public SettingsEditor {
 
  private:
   Commit prepare_all(const CheckedSettings& next, SettingsChange::Origin origin);
+  /// A change that comes over the network, and files that belong to it: `act` makes it, given what prepares
+  /// it.
+  SettingsStore::Version change(
+      SavedWith* with, const std::function<SettingsStore::Version(const SettingsStore::Prepare&)>& act);
   Response patch_settings(const Request& request);
   Response check_settings(const Request& request);
   Response undo_settings(const Request& request);

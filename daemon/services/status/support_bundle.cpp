@@ -2,34 +2,16 @@
 #include "services/status/support_bundle.h"
 
 #include "base/log.h"
+#include "health/computer.h"
 #include "web/tar_file.h"
 
-#include <array>
-#include <cctype>
 #include <cstdint>
 #include <ctime>
 #include <exception>
-#include <string_view>
 
 #include <fmt/chrono.h>
-#include <unistd.h>
 
 namespace sslv {
-namespace {
-
-/// This computer's name, as far as it may stand in a file's.
-std::string host_name() {
-  std::array<char, 65> name{};
-  gethostname(name.data(), name.size() - 1);
-  std::string out;
-  for (const char c : std::string_view(name.data())) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-') out += c;
-  }
-  return out.empty() ? "unnamed" : out;
-}
-
-}  // namespace
-
 std::string log_text() {
   std::string out;
   const auto recent = log::recent().newer_than(0, log::Level::kDebug);

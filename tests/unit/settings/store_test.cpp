@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "settings/store.h"
 
+#include "settings/history.h"
 #include "settings/state_folder.h"
 #include "support/failing_disk.h"
 #include "support/temporary_folder.h"
@@ -669,6 +670,73 @@ TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
   first.get();
   EXPECT_EQ(second.get().settings, (Json{{"a", 5}, {"b", 8}}));
   EXPECT_EQ(store.current().revision, 3U);
+}
+
+TEST_F(Store, OtherSettingsComeWithTheirHistoryAndCanBeTakenBack) {
+  SettingsStore first = open();
+  set(first, "a", 3);
+  set(first, "a", 4);
+  const auto kept = first.current();
+  const Json history = first.history();
+  write(admin_file_, R"({"a": 7, "b": 8})");
+  folder_of_state_.write(folder_of_state_.path() / "settings.json", R"({"revision": 9, "changes": []})");
+  SettingsStore spare = open();
+  const auto restored =
+      spare.restore(kept.settings, kept.revision, history, {"Mia", {}, "backup"}, kNothingToPrepare);
+  EXPECT_EQ(restored.revision, 10U) << "after all that either has had";
+  EXPECT_EQ(restored.settings.dump(), kept.settings.dump());
+  Json steps = spare.history();
+  EXPECT_EQ(steps[0]["what"], "backup");
+  steps.erase(0);
+  EXPECT_EQ(steps, history);
+  SettingsStore again = open();
+  EXPECT_EQ(again.current().settings.dump(), kept.settings.dump());
+  EXPECT_EQ(undo(again, 10).settings, (Json{{"a", 7}, {"b", 8}}));
+}
+
+TEST_F(Store, OtherSettingsThatAreRefusedChangeNothing) {
+  SettingsStore store = open();
+  set(store, "a", 3);
+  const Json history = store.history();
+  const auto refusal = [&](const Json& tree, const Json& steps,
+                           std::optional<std::uint64_t> if_revision = {}) {
+    return error_of<std::exception>([&] {
+      store.restore(tree, 5, steps, {"Mia", if_revision, "backup"}, kNothingToPrepare);
+    });
+  };
+  const Json good{{"a", 5}};
+  EXPECT_EQ(refusal({{"a", 10}}, history), "/a: 10 is not allowed");
+  EXPECT_THAT(refusal(good, history, 1), HasSubstr("made on 1"));
+  EXPECT_THAT(refusal(good, {{"no", "list"}}), HasSubstr("/history"));
+  for (const char* key : {"revision", "time", "who", "what", "changes"}) {
+    Json steps = history;
+    steps[0].erase(key);
+    EXPECT_THAT(refusal(good, steps), HasSubstr("/history/0")) << key;
+  }
+  Json steps = history;
+  steps[0]["revision"] = 6;
+  EXPECT_THAT(refusal(good, steps), HasSubstr("/history/0")) << "newer than what they were at";
+  steps = history;
+  steps.push_back(history[0]);
+  EXPECT_THAT(refusal(good, steps), HasSubstr("/history/1")) << "the same again";
+  steps = history;
+  steps[0]["changes"][0].erase("after");
+  EXPECT_THAT(refusal(good, steps), HasSubstr("/history/0"));
+  EXPECT_EQ(store.history(), history);
+  EXPECT_EQ(store.current().revision, 2U);
+}
+
+TEST(ExactPatch, MakesTheSameText) {
+  const auto check_text = [](const char* before, const char* after) {
+    const Json from = Json::parse(before), to = Json::parse(after);
+    EXPECT_EQ(from.patch(exact_patch(from, to)).dump(), to.dump()) << before << " " << after;
+  };
+  check_text(R"({"a": 1})", R"({"a": 1.0})");
+  check_text(R"({"a": {"x": 1, "y": 2}, "b": [1]})", R"({"a": {"y": 2, "x": 1}, "b": [1.0]})");
+  check_text(R"({"a": {"x": 1, "y": 2}})", R"({"a": {"y": 2, "z": [], "x": 1}})");
+  check_text(R"([{"a~/b": {"x": 1, "y": 2}}])", R"([{"a~/b": {"y": 2, "x": 1}}])");
+  check_text("null", R"({"a": 1})");
+  EXPECT_TRUE(exact_patch({{"a", 1}}, {{"a", 1}}).empty());
 }
 
 }  // namespace

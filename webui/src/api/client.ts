@@ -10,6 +10,8 @@ export class ApiError extends Error {
 
 /** Long enough for a camera that is slow to answer, short enough to say that nothing comes. */
 const PATIENCE_MS = 15_000;
+/** For a file, which may be large and the network slow. */
+const UPLOAD_PATIENCE_MS = 90_000;
 
 export const errorText = (body: unknown, status: number): string =>
   typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
@@ -60,8 +62,9 @@ export const api = {
   /** What is no JSON: an image, a table. */
   blob: async (path: string) => (await ask(path, {})).blob(),
   /** Sends a file as it is. */
-  upload: async <T>(path: string, file: Blob) =>
-    await (await ask(path, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: file })).json() as T,
+  upload: async <T>(path: string, file: Blob, headers: Record<string, string> = {}) => await (await ask(path, {
+    method: 'POST', headers: { 'Content-Type': 'application/octet-stream', ...headers }, body: file, signal: AbortSignal.timeout(UPLOAD_PATIENCE_MS),
+  })).json() as T,
 };
 
 /** What to tell somebody about whatever was thrown. */

@@ -38,6 +38,9 @@ export type PreviewRequest = Required<Omit<Schemas['PreviewRequest'], 'regions'>
 export type ProfileEntry = Schemas['ProfileEntry'];
 export type Profile = Schemas['Profile'];
 
+export type BackupContents = Schemas['BackupContents'];
+export type RestoredBackup = Schemas['RestoredBackup'];
+
 export type Session = Schemas['Session'];
 export type SettingsRevision = Schemas['SettingsRevision'];
 export type SettingsStep = Schemas['SettingsStep'];

@@ -3,7 +3,7 @@
 // it is on disk; one that was made on an older revision is only sent again when nobody else touched the same.
 import { computed, ref, shallowRef, watch } from 'vue';
 import { api, ApiError, messageOf } from '../api/client';
-import type { SettingsChange, SettingsRevision, SettingsStep, Stale } from '../api/types';
+import type { RestoredBackup, SettingsChange, SettingsRevision, SettingsStep, Stale } from '../api/types';
 import { overlap, setOperations, valueAt, type Json, type Operation } from '../settings/pointer';
 import type { SchemaNode } from '../settings/schema';
 import { knownStatus } from './live';
@@ -172,6 +172,19 @@ export function saveValue(pointer: string, value: Json): Promise<Outcome> {
 export const applyProfile = (name: string, paths: string[]): Promise<Outcome> => inTurn(() => attempt(async () => {
   try {
     return takeOwn(await api.post<SettingsRevision>(`profiles/${encodeURIComponent(name)}/apply`, { paths }, sameRevision()));
+  } catch (error) {
+    if (!(error instanceof ApiError) || error.status !== 409) throw error;
+    await loadSettings();
+    const [newest] = (error.body as Stale).changed_since;
+    return newest ? { kind: 'stale', step: newest } : { kind: 'refused', text: error.message };
+  }
+}));
+
+/** Takes a backup for everything that is kept, if the settings are still at the revision it was compared with. */
+export const restoreBackup = (file: Blob, comparedWith: number): Promise<Outcome> => inTurn(() => attempt(async () => {
+  try {
+    const { passwords: _passwords, ...answer } = await api.upload<RestoredBackup>('backup/restore', file, { 'If-Match': String(comparedWith) });
+    return takeOwn(answer);
   } catch (error) {
     if (!(error instanceof ApiError) || error.status !== 409) throw error;
     await loadSettings();

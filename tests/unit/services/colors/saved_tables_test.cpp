@@ -2,10 +2,12 @@
 #include "services/colors/saved_tables.h"
 
 #include "base/error.h"
+#include "config/config.h"
 #include "settings/state_folder.h"
 #include "support/temporary_folder.h"
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -118,6 +120,57 @@ TEST(SavedTables, WhatIsLostAtStartIsReportedAndMissedByNobody) {
   EXPECT_EQ(tables.lost(""), "");
   tables.end_start();
   EXPECT_THROW(tables.load("0123456789abcdef", "", LabelSet::built_in()), SettingsError);
+}
+
+TEST(SavedTables, OfABackupAreUsedBeforeTheyAreSaved) {
+  const TemporaryFolder first_folder, folder;
+  StateFolder first_state(first_folder.path()), state(folder.path());
+  Running first(first_state), tables(state);
+  Config config;
+  config.cameras.resize(1);
+  const std::string name = config.cameras[0].colors.table =
+      first.save(table_with(label::kPink), LabelSet::built_in());
+  const BackupFiles files = first.files(config);
+  ASSERT_EQ(files.size(), 1U);
+  const auto file = folder.path() / files.begin()->first;
+  {
+    const auto offered = tables.prepare(files);
+    EXPECT_EQ(tables.load(name, "", LabelSet::built_in())->color_table(),
+              table_with(label::kPink)->color_table());
+    EXPECT_FALSE(std::filesystem::exists(file));
+  }
+  EXPECT_THAT(refusal(tables, name), HasSubstr("is not allowed"));
+  {
+    const auto offered = tables.prepare(files);
+    offered->save();
+    EXPECT_TRUE(std::filesystem::exists(file));
+    offered->take_back();
+    EXPECT_FALSE(std::filesystem::exists(file));
+    offered->save();
+  }
+  EXPECT_EQ(tables.files(config), files);
+}
+
+TEST(SavedTables, OfABackupMustBeWhatTheirNamesSay) {
+  const TemporaryFolder folder;
+  StateFolder state(folder.path());
+  Running tables(state);
+  EXPECT_THROW(tables.prepare({{"tables/0123456789abcdef.lut", "SSLVLUT2"}}), SettingsError);
+  for (const char* name : {"tables/../../0123456789abcdef.lut", "tables/0123456789ABCDEF.lut", "tables/x.lut",
+                           "0123456789abcdef.lut", "tables/.lut", "tables/"})
+    EXPECT_FALSE(tables.has(name)) << name;
+  EXPECT_TRUE(tables.has("tables/0123456789abcdef.lut"));
+}
+
+TEST(SavedTables, ADamagedOneIsInNoBackup) {
+  const TemporaryFolder folder;
+  StateFolder state(folder.path());
+  Running tables(state);
+  Config config;
+  config.cameras.resize(1);
+  config.cameras[0].colors.table = tables.save(table_with(label::kPink), LabelSet::built_in());
+  std::ofstream(folder.path() / tables.files(config).begin()->first) << "x";
+  EXPECT_TRUE(tables.files(config).empty());
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A backup is a .tar.gz with a manifest, the files of its parts, and SHA256SUMS, which `sha256sum --check`
+// reads, of all the others. The sums find damage. They do not tell who made a backup: what is in one is
+// checked as what comes over the network is.
+
+#include "base/json.h"
+#include "services/backup_part.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sslv {
+
+/// Where a backup is from.
+struct BackupManifest {
+  double time_s = 0;
+  std::string version;  // of the program
+  std::string computer, site;
+};
+
+struct Backup {
+  BackupManifest manifest;
+  BackupFiles files;
+};
+
+/// Its bytes. Throws StorageError when they would be too many.
+std::string write_backup(const Backup& backup);
+
+/// Throws SettingsError where they are none, or damaged, or one that a newer program made.
+Backup read_backup(std::string_view bytes);
+
+}  // namespace sslv

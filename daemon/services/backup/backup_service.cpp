@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/backup/backup_service.h"
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "config/config.h"
+#include "config/version.h"
+#include "health/computer.h"
+#include "services/backup/kept_settings.h"
+#include "services/settings/settings_routes.h"
+#include "settings/backup_limits.h"
+#include "settings/named_files.h"
+
+#include <algorithm>
+#include <ctime>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/chrono.h>
+
+namespace sslv {
+namespace {
+
+/// What was here before the newest restore, profiles and histories too.
+constexpr const char* kBeforeName = "before_restore.sslvision";
+
+constexpr const char* kBackupType = "application/gzip";
+
+std::string all_bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+/// A backup that was read: what it holds, ready to be saved.
+struct BackupService::Read {
+  BackupManifest manifest;
+  KeptSettings settings;
+  Json summary;  // of what it holds
+  bool has_passwords = false;
+  std::vector<std::unique_ptr<SavedWith>> parts;
+};
+
+/// All parts of a backup, and first a backup of what they take the place of.
+class BackupService::Restored final : public SavedWith {
+ public:
+  Restored(StateFolder& folder, std::string before, std::vector<std::unique_ptr<SavedWith>> parts)
+      : folder_(folder), before_(std::move(before)), parts_(std::move(parts)) {}
+
+  void save() override {
+    try {
+      std::error_code error;
+      if (std::filesystem::exists(file(), error)) earlier_ = all_bytes_of(file());
+      folder_.write(file(), before_);
+      is_written_ = true;
+      for (const auto& part : parts_) {
+        part->save();
+        ++saved_;
+      }
+    } catch (...) {
+      take_back();
+      throw;
+    }
+  }
+
+  void take_back() noexcept override {
+    for (; saved_ > 0; --saved_) parts_[saved_ - 1]->take_back();
+    if (!std::exchange(is_written_, false)) return;
+    try {
+      std::error_code error;
+      earlier_ ? folder_.write(file(), *earlier_) : (void)std::filesystem::remove(file(), error);
+    } catch (const std::exception& error) {
+      log::error("the backup of what was before stays: {}", error.what());
+    }
+  }
+
+ private:
+  std::filesystem::path file() const { return folder_.path() / kBeforeName; }
+
+  StateFolder& folder_;
+  const std::string before_;
+  const std::vector<std::unique_ptr<SavedWith>> parts_;
+  std::optional<std::string> earlier_;
+  bool is_written_ = false;
+  std::size_t saved_ = 0;
+};
+
+BackupService::BackupService(StateFolder& folder, SettingsEditor& settings, Passwords& passwords,
+                             Profiles& profiles, std::vector<BackupPart*> parts)
+    : folder_(folder),
+      settings_(settings),
+      passwords_(passwords),
+      passwords_part_(passwords),
+      profiles_part_(profiles),
+      parts_(std::move(parts)) {
+  parts_.push_back(&profiles_part_);
+  parts_.push_back(&passwords_part_);
+}
+
+std::vector<Route> BackupService::routes() {
+  return {
+      {"GET", "/api/backup", [this](const Request& request) { return get_backup(request); }, Needs::kChange},
+      {"POST", "/api/backup/check", [this](const Request& request) { return check(request); }, Needs::kChange,
+       Speed::kMayWait, false, kMaxBackupBytes},
+      {"POST", "/api/backup/restore", [this](const Request& request) { return restore(request); },
+       Needs::kByMethod, Speed::kMayWait, false, kMaxBackupBytes},
+  };
+}
+
+Backup BackupService::make(bool with_passwords, bool is_whole) const {
+  const auto [settings, config] = kept_settings(settings_);
+  Backup backup{{unix_time_s(), kVersion, host_name(), config->site}, {}};
+  backup.files[kSettingsName] = to_text(settings);
+  for (const BackupPart* part : parts_) {
+    if (part != &passwords_part_ || with_passwords) backup.files.merge(part->files(*config));
+  }
+  if (is_whole) check_has_tables(*config, backup.files);
+  return backup;
+}
+
+Response BackupService::get_backup(const Request& request) {
+  const bool with_passwords = query_flag(request, "passwords");
+  const Backup backup = make(with_passwords, true);
+  Response response{200, kBackupType, write_backup(backup)};
+  const std::string site = file_name_part(backup.manifest.site);
+  response.headers.emplace_back("Content-Disposition",
+                                fmt::format("attachment; filename=\"{}-{:%Y%m%d-%H%M%S}.sslvision\"",
+                                            site.empty() ? backup.manifest.computer : site,
+                                            fmt::gmtime(static_cast<std::time_t>(backup.manifest.time_s))));
+  log::info("backup{} made by {}", with_passwords ? " with hashes of passwords" : "", request.address);
+  memory_was_used();
+  return response;
+}
+
+BackupService::Read BackupService::read(const std::string& bytes) {
+  memory_was_used();
+  Backup backup = read_backup(bytes);
+  Read out;
+  out.manifest = std::move(backup.manifest);
+  const auto settings = backup.files.find(kSettingsName);
+  if (settings == backup.files.end())
+    throw SettingsError(
+        fmt::format("{}: is not in the file; expected a backup of ssl-visiond", kSettingsName));
+  out.settings = read_kept_settings(settings->second);
+  for (const auto& [name, content] : backup.files) {
+    const bool is_known =
+        name == kSettingsName ||
+        std::any_of(parts_.begin(), parts_.end(), [&](const auto* part) { return part->has(name); });
+    if (!is_known) {
+      throw SettingsError(
+          fmt::format("{}: is not allowed in a backup; expected {}, {}, calibrations.json, {} and "
+                      "tables/*.lut",
+                      shortened(name), kSettingsName, Profiles::kFileName, Passwords::kFileName));
+    }
+  }
+  out.has_passwords = backup.files.contains(Passwords::kFileName);
+  out.summary = files_summary(backup.files);
+  for (BackupPart* part : parts_) out.parts.push_back(part->prepare(backup.files));
+  return out;
+}
+
+Json BackupService::contents_json(const Read& read) {
+  Json changes;
+  try {
+    changes = settings_.check(Json{{{"op", "replace"}, {"path", ""}, {"value", read.settings.tree}}});
+  } catch (const SettingsError& error) {
+    throw SettingsError(fmt::format("{}: {}", kSettingsName, error.what()));
+  }
+  Json out{{"time", read.manifest.time_s},
+           {"version", read.manifest.version},
+           {"computer", read.manifest.computer},
+           {"site", read.manifest.site},
+           {"cameras", cameras_of(read.settings.tree)},
+           {"steps", read.settings.history.size()},
+           {"passwords", read.has_passwords},
+           {"keeps_passwords", passwords_.has(Role::kAdmin)},
+           {"files_elsewhere", Json::array()},
+           {"changes", std::move(changes)},
+           {"revision", settings_.current().revision}};
+  out.update(read.summary);
+  static const Json kSchema = settings_schema();
+  for (const NamedFile& one : named_files(kSchema, read.settings.tree))
+    out["files_elsewhere"].push_back({{"path", one.path}, {"file", one.file.string()}});
+  return out;
+}
+
+Response BackupService::check(const Request& request) {
+  const std::lock_guard lock(mutex_);
+  return json_response(contents_json(read(request.body)));
+}
+
+Response BackupService::restore(const Request& request) {
+  const std::lock_guard lock(mutex_);
+  const auto if_revision = if_match_of(request);
+  const std::string before = write_backup(make(false, false));
+  Read from = read(request.body);
+  const bool keeps_passwords = from.has_passwords && passwords_.has(Role::kAdmin);
+  const std::string source = from.manifest.site.empty() ? from.manifest.computer : from.manifest.site;
+  Restored parts(folder_, before, std::move(from.parts));
+  SettingsStore::Version version;
+  try {
+    version = settings_.restore(from.settings, {request.address, if_revision, "backup of " + source}, &parts);
+  } catch (const SettingsError& error) {
+    throw SettingsError(fmt::format("{}: {}", kSettingsName, error.what()));
+  }
+  log::info("settings revision {} saved: a backup of {} made at {:%Y-%m-%d %H:%M:%S} UTC was restored by {}",
+            version.revision, source, fmt::gmtime(static_cast<std::time_t>(from.manifest.time_s)),
+            request.address);
+  Json answer = saved_json(version);
+  answer["passwords"] = keeps_passwords ? "kept" : from.has_passwords ? "restored" : "none";
+  return json_response(answer);
+}
+
+}  // namespace sslv

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/backup/kept_files.h"
+
+#include "base/log.h"
+
+#include <exception>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sslv {
+namespace {
+
+class RestoredProfiles final : public SavedWith {
+ public:
+  RestoredProfiles(Profiles& profiles, std::optional<std::vector<Profile>> next)
+      : profiles_(profiles), next_(std::move(next)) {
+    if (profiles.to_text()) old_ = profiles.all();
+  }
+  void save() override { profiles_.replace(next_); }
+  void take_back() noexcept override {
+    try {
+      profiles_.replace(old_);
+    } catch (const std::exception& error) {
+      log::error("profiles of a backup that was refused stay: {}", error.what());
+    }
+  }
+
+ private:
+  Profiles& profiles_;
+  const std::optional<std::vector<Profile>> next_;
+  std::optional<std::vector<Profile>> old_;  // nothing: there is no file
+};
+
+class RestoredPasswords final : public SavedWith {
+ public:
+  /// `text`: empty leaves all as it is.
+  RestoredPasswords(Passwords& passwords, std::string text) : passwords_(passwords), text_(std::move(text)) {}
+  void save() override {
+    if (!text_.empty()) passwords_.restore(text_);
+  }
+  void take_back() noexcept override {
+    try {
+      if (!text_.empty()) passwords_.restore("");
+    } catch (const std::exception& error) {
+      log::error("passwords of a backup that was refused stay: {}", error.what());
+    }
+  }
+
+ private:
+  Passwords& passwords_;
+  const std::string text_;
+};
+
+std::optional<std::string> part_text_in(const BackupFiles& files, const char* name) {
+  const auto found = files.find(name);
+  return found == files.end() ? std::nullopt : std::optional(found->second);
+}
+
+}  // namespace
+
+BackupFiles ProfilesPart::files(const Config& /*config*/) const {
+  const auto text = profiles_.to_text();
+  return text ? BackupFiles{{Profiles::kFileName, *text}} : BackupFiles{};
+}
+
+std::unique_ptr<SavedWith> ProfilesPart::prepare(const BackupFiles& files) {
+  const auto text = part_text_in(files, Profiles::kFileName);
+  return std::make_unique<RestoredProfiles>(profiles_,
+                                            text ? std::optional(Profiles::from_text(*text)) : std::nullopt);
+}
+
+BackupFiles PasswordsPart::files(const Config& /*config*/) const {
+  const std::string text = passwords_.to_text();
+  return text.empty() ? BackupFiles{} : BackupFiles{{Passwords::kFileName, text}};
+}
+
+std::unique_ptr<SavedWith> PasswordsPart::prepare(const BackupFiles& files) {
+  const auto text = part_text_in(files, Passwords::kFileName);
+  if (text) Passwords::check_text(*text);
+  return std::make_unique<RestoredPasswords>(passwords_,
+                                             passwords_.has(Role::kAdmin) ? "" : text.value_or(""));
+}
+
+}  // namespace sslv

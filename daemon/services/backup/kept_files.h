@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services/backup_part.h"
+#include "settings/passwords.h"
+#include "settings/profiles.h"
+
+namespace sslv {
+
+class ProfilesPart final : public BackupPart {
+ public:
+  explicit ProfilesPart(Profiles& profiles) : profiles_(profiles) {}
+  BackupFiles files(const Config& config) const override;
+  bool has(const std::string& name) const override { return name == Profiles::kFileName; }
+  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+
+ private:
+  Profiles& profiles_;
+};
+
+/// Hashes of passwords. A computer that has a password keeps its own: who may change settings is not to set
+/// another password without knowing this one.
+class PasswordsPart final : public BackupPart {
+ public:
+  explicit PasswordsPart(Passwords& passwords) : passwords_(passwords) {}
+  BackupFiles files(const Config& config) const override;
+  bool has(const std::string& name) const override { return name == Passwords::kFileName; }
+  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+
+ private:
+  Passwords& passwords_;
+};
+
+}  // namespace sslv
