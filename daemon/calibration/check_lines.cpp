@@ -190,13 +190,13 @@ const FieldPreset* find_better_size(const ImageView& image, const CameraModel& c
                                     const LinesVerdict& judged, double window_mm) {
   // All lines of the true sizes are there, so no other sizes that share some of them have more that are good.
   constexpr double kClearly = 1.3, kMaxMissing = 0.2;
-  constexpr int kMinPlaces = 20;
+  constexpr int kMinGood = 20;
   for (const FieldPreset& preset : field_presets()) {
     if (preset.size.field_length == size.field_length && preset.size.field_width == size.field_width)
       continue;
     const LinesVerdict other = judge_lines(
         check_lines(image, camera, painted_curves(preset.size, LinesMeasured::kToOuterEdge), window_mm));
-    if (other.good >= kMinPlaces && other.good > kClearly * judged.good && other.worst_mm < kGoodMm &&
+    if (other.good >= kMinGood && other.good > kClearly * judged.good && other.worst_mm < kGoodMm &&
         other.missing_share < kMaxMissing)
       return &preset;
   }

@@ -358,6 +358,34 @@ describe('settings page', { timeout: 540_000 }, () => {
     }));
   }
 
+  for (const { name, viewport, options } of views) {
+    it(`saves a backup and restores it, on a ${name}`, withPage(viewport, '#/settings/~profiles', options, async (page, panel) => {
+      const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('backup'))]);
+      assert.match(download.suggestedFilename(), /Demo-field.*\.sslvision$/);
+      const file = readFileSync(await download.path());
+      await patch({ op: 'replace', path: '/site', value: 'Elsewhere' });
+      const give = (buffer) => page.setInputFiles(byId('restore'), { name: 'spare.sslvision', mimeType: 'application/gzip', buffer });
+      await give(file);
+      await page.waitForSelector(byId('backup-contents'));
+      await textBecomes(page, 'backup-contents', /Demo field.*0 \(-x half\), 1 \(\+x half\).*1 change in the settings/s);
+      assert.equal((await tree()).site, 'Elsewhere', 'it only looks');
+      await accessible(page, `a backup that was read, on a ${name}`);
+      await page.click(byId('restore-now'));
+      assert.deepEqual(await treeBecomes(({ site }) => site === 'Demo field'), first);
+      await page.waitForSelector(byId('backup-contents'), { state: 'detached' });
+
+      panel.errorsExpected = true; // the browser calls a refusal one
+      const damaged = Buffer.from(file);
+      damaged[damaged.length >> 1] ^= 1;
+      for (const [broken, what] of [[damaged, /spare\.sslvision: /], [Buffer.from('{}'), /spare\.sslvision: .*backup/]]) {
+        await give(broken);
+        await page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector)?.textContent ?? ''), [byId('backup-error'), what.source]);
+        assert.equal(await page.locator(byId('backup-contents')).count(), 0);
+      }
+      assert.deepEqual(await tree(), first);
+    }));
+  }
+
   it('leads through one column on a phone', withPage(PHONE, '#/settings', phone, async (page) => {
     await page.waitForSelector(byId('settings-search'));
     assert.equal(await page.isVisible(byId('place-title')), false, 'the tree first');

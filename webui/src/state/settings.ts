@@ -183,8 +183,7 @@ export const applyProfile = (name: string, paths: string[]): Promise<Outcome> =>
 /** Takes a backup for everything that is kept, if the settings are still at the revision it was compared with. */
 export const restoreBackup = (file: Blob, comparedWith: number): Promise<Outcome> => inTurn(() => attempt(async () => {
   try {
-    const { passwords: _passwords, ...answer } = await api.upload<RestoredBackup>('backup/restore', file, { 'If-Match': String(comparedWith) });
-    return takeOwn(answer);
+    return takeOwn(await api.upload<RestoredBackup>('backup/restore', file, { 'If-Match': String(comparedWith) }));
   } catch (error) {
     if (!(error instanceof ApiError) || error.status !== 409) throw error;
     await loadSettings();
