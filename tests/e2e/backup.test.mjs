@@ -41,12 +41,12 @@ const settingsText = async (service) => JSON.stringify((await get(service, 'api/
 const ctl = (service, ...words) => spawnSync(CTL, ['--daemon', service.address(''), ...words], { encoding: 'utf8' });
 
 const sumOf = (bytes) => createHash('sha256').update(bytes).digest('hex');
-/** All that lies in a folder: names, permissions, what the bytes are. */
+/** All that lies in a folder: names, permissions, what the bytes are; but for what happened on this computer, which goes on. */
 function bytesOf(folder, at = folder, out = {}) {
   for (const entry of readdirSync(at, { withFileTypes: true })) {
     const path = join(at, entry.name);
     if (entry.isDirectory()) bytesOf(folder, path, out);
-    else out[relative(folder, path)] = `${statSync(path).mode.toString(8)} ${sumOf(readFileSync(path))}`;
+    else if (!entry.name.startsWith('events.json')) out[relative(folder, path)] = `${statSync(path).mode.toString(8)} ${sumOf(readFileSync(path))}`;
   }
   return out;
 }

@@ -151,8 +151,8 @@ BackupService::Read BackupService::read(const std::string& bytes) {
   out.settings = read_kept_settings(settings->second);
   for (const auto& [name, content] : backup.files) {
     const bool is_known =
-        name == kSettingsName ||
-        std::any_of(parts_.begin(), parts_.end(), [&](const auto* part) { return part->has(name); });
+        name == kSettingsName || std::any_of(parts_.begin(), parts_.end(),
+                                             [&name = name](const auto* part) { return part->has(name); });
     if (!is_known) {
       throw SettingsError(
           fmt::format("{}: is not allowed in a backup; expected {}, {}, calibrations.json, {} and "
