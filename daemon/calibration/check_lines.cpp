@@ -17,7 +17,8 @@ constexpr std::size_t kMaxPlaces = 200;
 constexpr int kMinPlaces = 5;     // of a line
 constexpr double kClearMm = 120;  // of other lines
 constexpr int kAlong = 3;         // samples along the line, kAlongPx apart
-constexpr double kAlongPx = 2, kEndPx = kAlongPx * (kAlong / 2);
+constexpr int kMiddle = kAlong / 2;
+constexpr double kAlongPx = 2, kEndPx = kAlongPx * kMiddle;
 constexpr double kMinWindowMm = 60;  // to both sides, where the image ends
 constexpr double kMinStripe = 4;     // grey levels, and so many times what the profile scatters:
 constexpr double kMinScatters = 4;
@@ -146,7 +147,7 @@ std::vector<LineSeen> check_lines(const ImageView& image, const CameraModel& cam
       double sum = 0;
       for (int i = 0; i < kAlong; ++i) {
         const Eigen::Vector2d at =
-            place->pixel + across * place->across + (i - kAlong / 2) * kAlongPx * place->along;
+            place->pixel + across * place->across + (i - kMiddle) * kAlongPx * place->along;
         sum += light_at(image, at.x() + 0.5, at.y() + 0.5);
       }
       profile.push_back(sum / kAlong);
