@@ -45,6 +45,16 @@ std::optional<int> robots_allowed(const Referee::TeamInfo& team) {
   return static_cast<int>(team.max_allowed_bots());
 }
 
+std::optional<MatchState> match_of(const Referee& referee) {
+  if (!referee.has_stage()) return std::nullopt;
+  MatchState match{.stage = referee.stage(),
+                   .time_left_s = {},
+                   .score = {referee.yellow().score(), referee.blue().score()}};
+  if (referee.has_stage_time_left())
+    match.time_left_s = static_cast<double>(referee.stage_time_left()) * 1e-6;
+  return match;
+}
+
 }  // namespace
 
 RefereeListener::RefereeListener(std::function<void()> on_new_names)
@@ -64,6 +74,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     other_heard_s_.reset();
     game_is_running_ = stage_is_played_ = false;
     robots_allowed_ = {};
+    match_.reset();
   }
   receiver_.listen(where);
 }
@@ -93,6 +104,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
     game_is_running_ = says_that_robots_play(referee);
     stage_is_played_ = says_that_stage_is_played(referee);
     robots_allowed_ = {robots_allowed(referee.yellow()), robots_allowed(referee.blue())};
+    match_ = match_of(referee);
     const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
                                            plain_part(referee.blue().name())};
     if (names == team_names_) return;
@@ -123,6 +135,7 @@ RefereeStatus RefereeListener::status(double now_s) const {
   status.game_is_running = game_is_running_;
   status.stage_is_played = stage_is_played_;
   status.robots_allowed = robots_allowed_;
+  status.match = match_;
   return status;
 }
 

@@ -41,6 +41,13 @@ struct GameController {
   std::string address;
 };
 
+/// How the match stands, as the last message says.
+struct MatchState {
+  int stage = 0;                       // the game controller's Stage
+  std::optional<double> time_left_s;   // of the stage; negative when it lasts longer than it should
+  std::array<std::uint32_t, 2> score;  // by Team
+};
+
 /// What the game controller has said.
 struct RefereeStatus {
   std::array<std::string, 2> team_names;             // by Team; empty: not said yet
@@ -52,6 +59,7 @@ struct RefereeStatus {
   bool game_is_running = false;                      // robots may play
   bool stage_is_played = false;                      // the same, or a HALT in between
   std::array<std::optional<int>, 2> robots_allowed;  // by Team; none: it does not say
+  std::optional<MatchState> match;                   // none before a message with a stage
 };
 
 /// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are
@@ -88,6 +96,7 @@ class RefereeListener {
   std::uint64_t refused_ = 0;
   bool game_is_running_ = false, stage_is_played_ = false;
   std::array<std::optional<int>, 2> robots_allowed_;
+  std::optional<MatchState> match_;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses
 };
 

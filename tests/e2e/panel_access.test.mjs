@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { after, before, beforeEach, describe, it } from 'node:test';
-import { accessible, byId, createBrowser, DESKTOP, saved, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, saved, textBecomes, views } from './browser.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const ADMIN = 'correct horse', VIEWER = 'battery staple';
@@ -15,9 +15,13 @@ const SITE = '#/settings/~general';
 
 const GROUP = '224.5.23.102';
 let referee, port, timer;
+const HALT = 0, NORMAL_START = 2;
+/** In the first half, two to one, with 65 s left. */
 function refereeSays(command) {
   clearInterval(timer);
-  timer = setInterval(() => referee.send(Buffer.from([0x10, 1, 0x20, command, 0x3a, 2, 0x0a, 0, 0x42, 2, 0x0a, 0]), port, GROUP), 50);
+  const timeLeft = [0x18, 0x80, 0xc9, 0xfe, 0x3d];  // 65 000 000 us, as a sint64
+  const score = (goals) => [4, 0x0a, 0, 0x10, goals];
+  timer = setInterval(() => referee.send(Buffer.from([0x10, 1, ...timeLeft, 0x20, command, 0x3a, ...score(2), 0x42, ...score(1)]), port, GROUP), 50);
 }
 
 const site = async (cookie) => (await (await fetch(service.address('api/settings'), { headers: cookie ? { Cookie: cookie } : {} })).json()).settings.site;
@@ -54,7 +58,7 @@ describe('who may do what, in the panel', () => {
     await once(referee, 'listening');
     referee.setMulticastInterface('127.0.0.1');
   });
-  beforeEach(() => refereeSays(0));
+  beforeEach(() => refereeSays(HALT));
   after(async () => {
     clearInterval(timer);
     referee.close();
@@ -125,31 +129,100 @@ describe('who may do what, in the panel', () => {
         }
       });
 
-      it('locks settings while a match runs, and unlocks them for it', async () => {
+      it('locks settings while a match runs, says why, and unlocks them for a word', async () => {
         await startAfresh();
-        await withPage(viewport, SITE, options, async (page, watched) => {
-          watched.errorsExpected = true;
-          refereeSays(2);
-          await becomes(async () => (await (await fetch(service.address('api/session'))).json()).match_lock.locked, Boolean);
+        await withPage(viewport, SITE, options, async (page) => {
+          const click = (selector) => (options.hasTouch ? page.tap(selector) : page.click(selector));
+          const refused = [];
+          page.on('response', (answer) => { if (answer.status() === 423) refused.push(answer.url()); });
+          const field = `${byId('setting-/site')} input`;
+          const isLocked = (locked) => page.waitForFunction(([selector, wanted]) => document.querySelector(selector)?.matches(':disabled') === wanted, [field, locked]);
+
+          // Nothing runs: the match is told, nothing is locked.
+          await page.waitForSelector(`${byId('match-bar')}[data-locked="false"]`);
+          await textBecomes(page, 'match-score', /^2 : 1$/);
+          await textBecomes(page, 'match-stage', /^First half$/);
+          await textBecomes(page, 'match-clock', /1:05$/);
+          await isLocked(false);
+
+          refereeSays(NORMAL_START);
+          await isLocked(true);
           await page.waitForSelector(`${byId('access')}[aria-label*="Locked"]`);
-          await renameTo(page, 'In the match');
-          await page.waitForSelector(`${dialog}:has-text("A match is running")`);
+          await textBecomes(page, 'lock-line', /Settings are locked while the game runs/);
+          assert.ok(await page.isVisible(byId('lock-line')));
+          const reason = await page.locator(field).locator('xpath=ancestor::fieldset[1]').evaluate(({ title, ariaDescription }) => ({ title, ariaDescription }));
+          assert.match(reason.title, /a match runs.*unlock them/);
+          assert.equal(reason.ariaDescription, reason.title);
+          await accessibleInThemes(page, `locked settings on a ${name}`);
+
+          // Enter alone keeps it locked, and so does Enter with another word.
+          await click(byId('turn-lock'));
+          await page.waitForSelector(`${dialog}:has-text("A match is running"):has-text("both teams receive")`);
           await accessible(page, 'a running match');
-          await page.click(byId('unlock'));
+          await page.keyboard.press('Enter');
+          await page.waitForSelector(dialog, { state: 'hidden' });
+          await click(byId('turn-lock'));
+          assert.ok(await page.isDisabled(byId('unlock')));
+          await page.fill(byId('unlock-word'), 'yes');
+          await page.keyboard.press('Enter');
+          await page.waitForSelector(`${dialog}:has-text("A match is running")`);
+          assert.ok((await (await fetch(service.address('api/session'))).json()).match_lock.locked);
+
+          await page.fill(byId('unlock-word'), 'Unlock');
+          await click(byId('unlock'));
+          await isLocked(false);
+          await textBecomes(page, 'lock-line', /unlocked for this match/);
+          await renameTo(page, 'In the match');
           await saved(page);
           assert.equal(await site(), 'In the match');
-          await page.click(byId('access'));
-          await page.click(byId('match-lock'));
+
+          await click(byId('turn-lock'));
+          await isLocked(true);
+          // Somebody else may unlock it, too.
+          await fetch(service.address('api/match_lock'), { method: 'POST', body: '{"opened": true}' });
+          await isLocked(false);
+          await click(byId('access'));
+          await click(byId('match-lock'));
           await page.waitForSelector(`${dialog}:has-text("Settings are locked again.")`);
-          await page.click(`${dialog} button:has-text("Close")`);
-          await renameTo(page, 'Too late');
-          await page.click(`${dialog} button:has-text("Keep it locked")`);
-          await page.waitForSelector('[role="alert"]:has-text("the game is running")');
+          // From here, too, the word is wanted.
+          await click(byId('match-lock'));
+          await page.waitForSelector(byId('unlock-form'));
+          await page.waitForFunction((selector) => document.activeElement?.matches(selector), `${dialog} button[autofocus]`);
+          await page.keyboard.press('Escape');
+          await isLocked(true);
+
+          // With HALT all is as before; when the game controller is gone, so is what it said.
+          refereeSays(HALT);
+          await isLocked(false);
+          clearInterval(timer);
+          await page.waitForSelector(byId('match-bar'), { state: 'detached' });
+          assert.deepEqual(refused, [], 'no control was refused after it was pressed');
         })();
         assert.equal(await site(), 'In the match');
       });
     });
   }
+
+  it('disables on every page what a match locks, and nothing else', async () => {
+    await startAfresh();
+    refereeSays(NORMAL_START);
+    await becomes(async () => (await (await fetch(service.address('api/session'))).json()).match_lock.locked, Boolean);
+    await withPage(DESKTOP, '', {}, async (page) => {
+      const look = async (path, locked, free, prepare = () => {}) => {
+        await page.goto(service.address(path));
+        await page.waitForSelector(byId('lock-line'));
+        await prepare();
+        for (const name of locked) await page.waitForSelector(`${byId(name)}:disabled`);
+        for (const name of free) await page.waitForSelector(`${byId(name)}:enabled`);
+      };
+      await look('#/calibration/0', ['add-exclude', 'add-include', 'add-around', 'mask-undo'], ['mask-labels'], () => page.click(byId('mode-masks')));
+      await look('#/colours/0', ['learn', 'tool-grow', 'undo'], ['tool-pick', 'freeze', 'more-tools']);
+      await look('#/camera/0', ['setting-/cameras/0/source/light"] input[type="range'], ['freeze', 'still', 'layer-grid']);
+      await look('#/field', ['undo'], ['preset-division-a']);
+      await look('#/settings/cameras', ['add-simulator'], ['find-cameras']);
+      await look('#/settings/~profiles', ['profile-save', 'profile-name'], []);
+    })();
+  });
 
   panel.screenshots([{ file: 'access-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: async (page) => {
     await page.click(byId('access'));

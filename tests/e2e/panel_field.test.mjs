@@ -209,8 +209,7 @@ describe('panel: field and network', () => {
       await page.waitForSelector(byId('no-other-vision'));
     }));
 
-    it(`shows what the game controller says on a ${name}`, withPage(viewport, '#/field/network', options, async (page, watched) => {
-      watched.errorsExpected = true; // the browser writes down that the match locks the settings
+    it(`shows what the game controller says on a ${name}`, withPage(viewport, '#/field/network', options, async (page) => {
       let teams = ['TIGERs Mannheim', 'Dire Wolves'];
       const STAGE_FIRST_HALF = 1;
       const COMMAND_HALT = 0, COMMAND_NORMAL_START = 2;
@@ -226,9 +225,13 @@ describe('panel: field and network', () => {
         await page.waitForSelector(`${byId('referee-source')}:has-text("the test at ${LOCAL}")`);
         await page.waitForSelector(`${byId('match-state')}:has-text("running")`);
 
-        // Measured by hand, in the match.
-        await type(page, '/teams/blue/robot_height', '147');
+        // Measured by hand, in the match: only once it is unlocked for that.
+        await page.waitForSelector(`${inputOf('/teams/blue/robot_height')}:disabled`);
+        await accessible(page, `locked settings of the network on a ${name}`);
+        await page.click(byId('turn-lock'));
+        await page.fill(byId('unlock-word'), 'unlock');
         await page.click(byId('unlock'));
+        await type(page, '/teams/blue/robot_height', '147');
         await statusBecomes((status) => status.teams.blue.robot_height === 147);
         await page.click(`${setting('/teams/height_from_referee')} [role="switch"]`);
         await statusBecomes((status) => status.teams.yellow.height_from === 'settings');

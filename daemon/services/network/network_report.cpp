@@ -4,6 +4,7 @@
 #include "services/network/teams.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -205,6 +206,29 @@ Json game_controller_json(const GameController& one) {
   return {{"source", one.source}, {"address", one.address}};
 }
 
+/// By the game controller's numbers.
+constexpr std::array kStages{"first_half_before",
+                             "first_half",
+                             "half_time",
+                             "second_half_before",
+                             "second_half",
+                             "extra_time_break",
+                             "extra_first_half_before",
+                             "extra_first_half",
+                             "extra_half_time",
+                             "extra_second_half_before",
+                             "extra_second_half",
+                             "shootout_break",
+                             "shootout",
+                             "finished"};
+
+Json match_json(const MatchState& match) {
+  const bool is_known = match.stage >= 0 && static_cast<std::size_t>(match.stage) < kStages.size();
+  return {{"stage", is_known ? kStages[static_cast<std::size_t>(match.stage)] : "unknown"},
+          {"time_left_s", match.time_left_s ? Json(*match.time_left_s) : Json(nullptr)},
+          {"score", {{"yellow", match.score[0]}, {"blue", match.score[1]}}}};
+}
+
 Json referee_json(const NetworkFacts& facts) {
   const RefereeSettings& settings = facts.config->network.referee;
   const RefereeStatus& referee = facts.referee;
@@ -217,6 +241,7 @@ Json referee_json(const NetworkFacts& facts) {
           {"other", referee.other ? game_controller_json(*referee.other) : Json(nullptr)},
           {"silent_s", referee.silent_s ? Json(*referee.silent_s) : Json(nullptr)},
           {"game_is_running", referee.game_is_running},
+          {"match", referee.match ? match_json(*referee.match) : Json(nullptr)},
           {"packets_refused", referee.refused}};
 }
 

@@ -26,7 +26,8 @@ std::string message(const std::string& yellow, const std::string& blue,
   referee.set_command(0);
   referee.mutable_yellow()->set_name(yellow);
   referee.mutable_blue()->set_name(blue);
-  referee.mutable_yellow()->mutable_unknown_fields()->AddVarint(2, 5);  // score
+  referee.mutable_yellow()->set_score(5);
+  referee.mutable_yellow()->mutable_unknown_fields()->AddVarint(3, 1);  // red_cards
   referee.set_blue_team_on_positive_half(true);
   referee.set_source_identifier(source);
   referee.mutable_unknown_fields()->AddVarint(1, 1'790'000'000'000'000);  // packet_timestamp
@@ -205,6 +206,28 @@ TEST(RefereeListener, HearsHowManyRobotsMayPlay) {
   EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(Optional(11), Optional(10)));
   listener.receive(allows(0, 4'000'000));
   EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(Optional(0), std::nullopt));
+}
+
+TEST(RefereeListener, KnowsHowTheMatchStands) {
+  Listener listener;
+  EXPECT_FALSE(listener.referee.status(100).match);
+  Referee referee;
+  referee.ParseFromString(message("MRL", "KIKS"));
+  referee.set_stage(4);
+  referee.set_stage_time_left(-1'500'000);
+  referee.mutable_blue()->set_score(3);
+  listener.receive(referee.SerializeAsString());
+  const std::optional<MatchState> match = listener.referee.status(100).match;
+  ASSERT_TRUE(match);
+  EXPECT_EQ(match->stage, 4);
+  EXPECT_THAT(match->time_left_s, Optional(-1.5));
+  EXPECT_THAT(match->score, ElementsAre(5U, 3U));
+  referee.clear_stage_time_left();
+  listener.receive(referee.SerializeAsString());
+  EXPECT_EQ(listener.referee.status(100).match->time_left_s, std::nullopt);
+  referee.clear_stage();
+  listener.receive(referee.SerializeAsString());
+  EXPECT_FALSE(listener.referee.status(100).match);
 }
 
 TEST(RefereeListener, ForgetsTheNamesWhenItListensElsewhere) {

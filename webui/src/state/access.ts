@@ -8,9 +8,15 @@ import { connection, liveStatus } from './live';
 /** null until the service has said so. */
 export const access = shallowRef<Session | null>(null);
 export const isLocked = computed(() => access.value?.match_lock.locked ?? false);
+export const isUnlocked = computed(() => access.value?.match_lock.opened ?? false);
+/** For controls that are locked: why, and what to do. */
+export const LOCK_REASON = 'The game controller says that a match runs, so settings are locked. Wait for HALT, or unlock them at the top of the page.';
+let loadedAt = 0;
+const LOCK_MS = 2000;
 
 export async function loadAccess(): Promise<void> {
   try {
+    loadedAt = performance.now();
     access.value = await api.get<Session>('session');
   } catch {
     // The connection's mark says that nobody answers.
@@ -36,6 +42,9 @@ function askAbout(about: Question): Promise<boolean> {
   });
   return asked;
 }
+
+/** Asks whether to unlock the settings for this match; nothing else waits for the answer. */
+export function askToUnlock(): void { void askAbout('match'); }
 
 /** For the top bar's button. */
 export const openAccess = () => { if (!question.value) question.value = access.value?.may === 'change' ? 'passwords' : 'sign-in'; };
@@ -77,4 +86,10 @@ export function followAccess(): void {
   void loadAccess();
   // The service may have been started again, or a match may have begun or ended.
   watch([connection, () => liveStatus.value?.referee.game_is_running], () => { void loadAccess(); });
+  // Another admin may unlock, and a game controller that is silent for long locks nobody out until it is heard again: as
+  // long as there is a match, ask.
+  watch(liveStatus, (status) => {
+    const isMatch = status?.referee.game_is_running || access.value?.match_lock.game_is_running;
+    if (isMatch && performance.now() - loadedAt > LOCK_MS) void loadAccess();
+  });
 }

@@ -28,7 +28,7 @@ export function status(changes: Partial<Status> = {}): Status {
     network: { group: '224.5.23.2', port: 10006, interface: 'lo', error: '', packets_sent: 1234, send_errors: 0, packets_per_s: 121, packets_refused: 0, other_visions: [] },
     referee: {
       enabled: true, group: '224.5.23.1', port: 10003, error: '', source: '', address: '', other: null, silent_s: null,
-      game_is_running: false, packets_refused: 0,
+      game_is_running: false, match: null, packets_refused: 0,
     },
     teams: { yellow: { name: '', robot_height: 140, height_from: 'settings' }, blue: { name: '', robot_height: 140, height_from: 'settings' } },
     settings_revision: 1, viewers: 1, alerts: [], go: true, checks: [{ id: 'cameras', title: 'Cameras', state: 'pass', value: '2', unit: 'of 2', text: '2 of 2 running, 60.0 frames/s' }],
