@@ -360,29 +360,47 @@ describe('settings page', { timeout: 540_000 }, () => {
 
   for (const { name, viewport, options } of views) {
     it(`saves a backup and restores it, on a ${name}`, withPage(viewport, '#/settings/~profiles', options, async (page, panel) => {
+      const edit = (at) => ask('cameras/0/colors/edits', 'POST', { commands: [{ op: 'paint', label: 'pink', shape: 'box', at, radius: [1, 1, 1] }] });
+      await ask('profiles/Kept', 'PUT', {});
+      await edit([20, 40, 40]);
+      const kept = await tree();
+      assert.match(kept.cameras[0].colors.table, /^[0-9a-f]{16}$/);
       const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('backup'))]);
-      assert.match(download.suggestedFilename(), /Demo-field.*\.sslvision$/);
-      const file = readFileSync(await download.path());
+      assert.match(download.suggestedFilename(), /^Demo-field-\d{8}-\d{6}\.sslvision$/);
+      const buffer = readFileSync(await download.path());
+      const [secret] = await Promise.all([page.waitForEvent('download'), page.check(byId('backup-passwords')).then(() => page.click(byId('backup')))]);
+      assert.match(secret.url(), /^blob:/);
+
+      await ask('profiles/Kept', 'DELETE');
+      await edit([30, 60, 60]);
       await patch({ op: 'replace', path: '/site', value: 'Elsewhere' });
-      const give = (buffer) => page.setInputFiles(byId('restore'), { name: 'spare.sslvision', mimeType: 'application/gzip', buffer });
-      await give(file);
+      const before = await tree();
+      const give = (bytes) => page.setInputFiles(byId('restore'), { name: 'hall.sslvision', mimeType: 'application/gzip', buffer: bytes });
+      await give(buffer);
       await page.waitForSelector(byId('backup-contents'));
-      await textBecomes(page, 'backup-contents', /Demo field.*0 \(-x half\), 1 \(\+x half\).*1 change in the settings/s);
-      assert.equal((await tree()).site, 'Elsewhere', 'it only looks');
-      await accessible(page, `a backup that was read, on a ${name}`);
+      const contents = await page.textContent(byId('backup-contents'));
+      for (const held of [/hall\.sslvision/, /Site\s*Demo field/, /Cameras\s*0 \(-x half\), 1 \(\+x half\)/, /Colour tables\s*\d/, /Profiles\s*Kept/, /Passwords\s*none/, /Made\s*\d\d:\d\d:\d\d/]) assert.match(contents, held);
+      assert.deepEqual(await tree(), before, 'nothing changes before it is restored');
+      await accessibleInThemes(page, `a backup on a ${name}`);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+
       await page.click(byId('restore-now'));
-      assert.deepEqual(await treeBecomes(({ site }) => site === 'Demo field'), first);
       await page.waitForSelector(byId('backup-contents'), { state: 'detached' });
+      assert.deepEqual(await tree(), kept);
+      await page.waitForSelector(byId('profile-Kept'));
+      await page.click(`${byId('notice')} button:has-text("Undo")`);
+      assert.deepEqual(await treeBecomes(({ site }) => site === 'Elsewhere'), before);
 
       panel.errorsExpected = true; // the browser calls a refusal one
-      const damaged = Buffer.from(file);
-      damaged[damaged.length >> 1] ^= 1;
-      for (const [broken, what] of [[damaged, /spare\.sslvision: /], [Buffer.from('{}'), /spare\.sslvision: .*backup/]]) {
-        await give(broken);
+      const damaged = Buffer.from(buffer);
+      damaged[buffer.length >> 1] ^= 0x10;
+      for (const [bytes, what] of [[Buffer.from('{}'), /^hall\.sslvision: this is no backup, or not all of one: /], [damaged, /^hall\.sslvision: /], [buffer.subarray(0, buffer.length - 9), /^hall\.sslvision: /]]) {
+        await give(bytes);
         await page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector)?.textContent ?? ''), [byId('backup-error'), what.source]);
         assert.equal(await page.locator(byId('backup-contents')).count(), 0);
       }
-      assert.deepEqual(await tree(), first);
+      assert.deepEqual(await tree(), before);
+      await ask('profiles/Kept', 'DELETE');
     }));
   }
 

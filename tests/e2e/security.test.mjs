@@ -284,6 +284,8 @@ describe('a service with passwords', () => {
     const bundle = await ask('GET', 'api/support', { cookie });
     texts.bundle = gunzipSync(bundle.bytes).toString('latin1');
     assert.ok(texts.bundle.includes('settings.json'));
+    texts.backup = gunzipSync((await ask('GET', 'api/backup', { cookie })).bytes).toString('latin1');
+    assert.ok(texts.backup.includes('profiles.json'));
     for (const file of ['settings.json', 'profiles.json']) texts[file] = readFileSync(join(service.stateFolder, file), 'utf8');
     for (const [where, text] of Object.entries(texts)) {
       for (const secret of secrets) assert.ok(!text.includes(secret), `${where} has ${secret}`);

@@ -205,7 +205,7 @@ bool SavedTables::has(const std::string& name) const {
   return !table_name_in(name).empty();
 }
 
-/// Tables of a backup. The settings' transaction reads every cell of the tables that settings use.
+/// Tables of a backup. The settings' transaction reads every cell of those that settings use.
 class SavedTables::Offered final : public SavedWith {
  public:
   Offered(SavedTables& tables, BackupFiles files) : tables_(tables), files_(std::move(files)) {

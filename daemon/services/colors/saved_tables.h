@@ -42,7 +42,7 @@ class SavedTables : public BackupPart {
   /// Removes old ones, but none of these.
   void tidy(const std::set<std::string>& used);
 
-  // BackupPart: all that lie there, also those that only the history and profiles name. Of very many, the
+  // BackupPart: all that lie there, also those that only the history and profiles name; of very many, the
   // settings' own and the newest.
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override;
