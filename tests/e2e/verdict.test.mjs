@@ -8,6 +8,7 @@ import { once } from 'node:events';
 import { appendFileSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
+import { detectionOf, gameController, geometryOf } from './league_messages.mjs';
 import { becomes, createService, freeUdpPort, root } from './service.mjs';
 
 const TABLE = process.env.SSLV_VERDICT_TABLE;
@@ -48,19 +49,8 @@ const lost = join(root, 'tests', 'the/camera/is/away.jpg');
 const DIVISION_A = { field_length: 12000, field_width: 9000, goal_width: 1800, boundary_width_goal_line: 600, penalty_area_depth: 1800, penalty_area_width: 3600, goal_center_to_penalty_mark: 8000 };
 const sizes = (change) => Object.entries(change).map(([key, value]) => replace(`/field/${key}`, value));
 
-// What other computers on the network send while a fault lasts.
-const varint = (value) => (value < 128 ? [value] : [(value & 127) | 128, ...varint(value >> 7)]);
-const bytesField = (number, bytes) => [number * 8 + 2, ...varint(bytes.length), ...bytes];
-const double = (number, value) => { const bytes = Buffer.alloc(8); bytes.writeDoubleLE(value); return [number * 8 + 1, ...bytes]; };
-const name = (text) => bytesField(1, [...Buffer.from(text)]);
-const team = (text, allowed) => [...name(text), ...(allowed === undefined ? [] : [13 * 8, allowed])];
-/** The game controller's message, in the break before the first half unless told otherwise. */
-const gameController = ({ yellow = ['', undefined], blue = ['', undefined], source: from = 'field', stage = 0, command = 0 } = {}) =>
-  Buffer.from([0x10, stage, 0x20, command, ...bytesField(7, team(...yellow)), ...bytesField(8, team(...blue)), ...varint(18 * 8 + 2), from.length, ...Buffer.from(from)]);
+// What is sent while a fault lasts.
 const GC = { yellow: ['', ROBOTS], blue: ['', ROBOTS] };
-/** Another vision's detection of a camera, and its field. */
-const detectionOf = (camera) => Buffer.from(bytesField(1, [0x08, 1, ...double(2, 1), ...double(3, 1), 0x20, camera]));
-const geometryOf = (length, width) => Buffer.from(bytesField(2, bytesField(1, [0x08, ...varint(length), 0x10, ...varint(width), 0x18, ...varint(1000), 0x20, ...varint(180), 0x28, ...varint(300)])));
 const toVision = (...packets) => ({ group: service.settings.network.vision.group, port: service.settings.network.vision.port, packets });
 const toReferee = (...packets) => ({ group: GC_GROUP, port: gcPort, packets });
 const detecting = (...cameras) => toVision(...cameras.map(detectionOf));

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether the verdict leaves good fields alone: fields of many seeds, sizes, lights, carpets and numbers of cameras, set
+// up as an admin would, then watched. Prints a Markdown table; exit 1 when a field is not GO or warns of anything.
+//   node good_fields.mjs [--fields 50] [--first 1] [--minutes 10] [--at-once 1] [--rate 10]
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { setTimeout as pause } from 'node:timers/promises';
+import { parseArgs } from 'node:util';
+import { gameController } from '../e2e/league_messages.mjs';
+import { becomes, createService, freeUdpPort } from '../e2e/service.mjs';
+
+const { values: options } = parseArgs({ options: {
+  fields: { type: 'string', default: '50' }, first: { type: 'string', default: '1' }, minutes: { type: 'string', default: '10' },
+  'at-once': { type: 'string', default: '1' }, rate: { type: 'string', default: '10' },
+} });
+const [FIELDS, FIRST, MINUTES, AT_ONCE, RATE_HZ] = ['fields', 'first', 'minutes', 'at-once', 'rate'].map((name) => Number(options[name]));
+const GRIDS = { 1: [1, 1], 2: [2, 1], 3: [3, 1], 4: [2, 2], 6: [3, 2], 8: [4, 2] };
+const HEIGHT_MM = 4000, MM_PER_PX = 7.5, MM_SEEN_BESIDE = 350;
+const STAGE_PLAYED = 1, NORMAL_START = 2;
+// About this computer, not about the field: packets stay on it, and it runs several services at a time.
+const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'camera_slow']);
+
+/** Numbers by chance that are the same for the same seed (mulberry32). */
+function chances(seed) {
+  let state = seed * 0x9e3779b9;
+  const next = () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+  next();
+  const between = (low, high) => low + (high - low) * next();
+  return { between, whole: (low, high) => Math.floor(between(low, high + 1)), one: (list) => list[Math.floor(next() * list.length)] };
+}
+
+/** Its vector, turned by the unit quaternion [x, y, z, w]. */
+function turned([x, y, z, w], [a, b, c]) {
+  const t = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
+  return [a + w * t[0] + y * t[2] - z * t[1], b + w * t[1] + z * t[0] - x * t[2], c + w * t[2] + x * t[1] - y * t[0]];
+}
+
+/** The cameras of a field: a grid of them looks straight down, a little beyond the carpet and into its neighbours' parts. */
+function camerasOf(chance, count, field, source, classes) {
+  const [columns, rows] = GRIDS[count];
+  const length = field.field_length + 2 * field.boundary_width_goal_line, width = field.field_width + 2 * field.boundary_width;
+  const seen = [length / columns + 2 * MM_SEEN_BESIDE, width / rows + 2 * MM_SEEN_BESIDE];
+  // Even numbers, as formats of two pixels want.
+  const [high, wide] = seen.map((mm) => 2 * Math.round(mm / MM_PER_PX / 2));
+  const [height, pixelsPerMm] = [HEIGHT_MM * chance.between(0.95, 1.1), 1 / MM_PER_PX];
+  return Array.from({ length: count }, (_, id) => {
+    const place = [((id % columns) + 0.5) * (length / columns) - length / 2, (Math.floor(id / columns) + 0.5) * (width / rows) - width / 2, height];
+    // Down, with the image's x along the field's y, and a little crooked, as cameras hang.
+    const q = [Math.SQRT1_2 + chance.between(-1e-2, 1e-2), -Math.SQRT1_2 + chance.between(-1e-2, 1e-2), chance.between(-1e-2, 1e-2), chance.between(-1e-2, 1e-2)];
+    const norm = Math.hypot(...q);
+    const unit = q.map((one) => one / norm);
+    const [tx, ty, tz] = turned(unit, place).map((one) => -one);
+    return {
+      id, name: `camera ${id}`, source: { ...source, width: wide, height: high },
+      calibration: {
+        focal_length: pixelsPerMm * height, principal_point_x: wide / 2 + chance.between(-4, 4), principal_point_y: high / 2 + chance.between(-4, 4), distortion: chance.between(0, 0.1),
+        q0: unit[0], q1: unit[1], q2: unit[2], q3: unit[3], tx, ty, tz, pixel_image_width: wide, pixel_image_height: high,
+      },
+      colors: { classes },
+    };
+  });
+}
+
+const tell = ({ alerts, checks }) => [...alerts.map(({ title }) => title), ...checks.filter(({ state }) => state !== 'pass').map(({ id, state, text }) => `${id} ${state}: ${text}`)].join('; ');
+
+/** One field; what the verdict said against it. */
+async function watch(seed) {
+  const chance = chances(seed);
+  const service = await createService(`239.255.78.${seed % 250}`);
+  const count = chance.one(Object.keys(GRIDS).map(Number));
+  const preset = chance.one(['division-a', 'division-b']);
+  const kind = chance.one(['plain', 'plain', 'usual']);
+  const light = chance.between(0.7, 1.4);
+  const robots = chance.whole(3, preset === 'division-a' ? 11 : 6);
+  const match = chance.one(['nobody', 'before', 'played']);
+  const [first] = service.settings.cameras;
+  const gcPort = await freeUdpPort();
+  service.settings.network.referee = { enabled: match !== 'nobody', group: `239.255.79.${seed % 250}`, port: gcPort, interface: 'lo' };
+  service.settings.cameras = [];
+  const text = `${seed} | ${count} | ${preset.at(-1).toUpperCase()} | ${kind} | ${light.toFixed(2)} | ${robots} + ${robots} | ${match}`;
+  const said = new Map(); // what, how often
+  const busy = new Set();
+  let looks = 0;
+  const socket = createSocket('udp4').bind(0, '127.0.0.1');
+  await once(socket, 'listening');
+  socket.setMulticastInterface('127.0.0.1');
+  const team = ['', robots];
+  const packet = gameController({ yellow: team, blue: team, ...(match === 'played' ? { stage: STAGE_PLAYED, command: NORMAL_START } : {}) });
+  const sending = match === 'nobody' ? null : setInterval(() => socket.send(packet, gcPort, service.settings.network.referee.group), 100);
+  try {
+    await service.start();
+    const ask = async (path) => (await fetch(service.address(`api/${path}`))).json();
+    const { field } = (await ask('field/presets')).find(({ name }) => name === preset);
+    const source = {
+      backend: 'simulator', pixel_format: chance.one(['uyvy', 'bayer_rg8', 'rgb24']), frame_rate_hz: RATE_HZ, robots_yellow: robots, robots_blue: robots, balls: 1, seed,
+      noise_sigma: chance.between(1, 4), vignette: chance.between(0, 0.2), gradient: chance.between(0, 0.25), light, speed: chance.one([0.3, 0.6, 1]), hall: { kind, seed },
+    };
+    const cameras = camerasOf(chance, count, field, source, first.colors.classes);
+    await service.patch({ op: 'replace', path: '/field', value: field }, { op: 'replace', path: '/cameras', value: cameras });
+    await service.statusBecomes((now) => now.cameras.length === count && now.cameras.every(({ frames }) => frames > 5));
+    if (kind !== 'plain') {
+      for (const { id } of cameras) {
+        const learning = async (method, path = '') => (await fetch(service.address(`api/cameras/${id}/colors/learning${path}`), { method })).json();
+        await learning('POST');
+        await becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
+        await learning('POST', '/accept');
+      }
+    }
+    // As long as an admin would wait for GO after the last change.
+    const until = Date.now() + 15_000;
+    while (Date.now() < until && (await ask('status')).checks.some(({ state }) => state === 'fail')) await pause(500);
+    await pause(8000);
+    const end = Date.now() + MINUTES * 60e3;
+    while (Date.now() < end) {
+      const now = await ask('status');
+      ++looks;
+      for (const { id, title, severity } of now.alerts) {
+        if (OF_THE_COMPUTER.has(id)) busy.add(id);
+        else if (severity !== 'info') said.set(title, (said.get(title) ?? 0) + 1);
+      }
+      for (const { id, state, text: why } of now.checks) {
+        const isOfComputer = ['network', 'computer', 'clock', 'pictures', 'latency', 'cameras'].includes(id);
+        if (state !== 'pass' && !isOfComputer && !now.alerts.some(({ title }) => why.startsWith(title))) said.set(`${id} ${state}: ${why}`, (said.get(`${id} ${state}: ${why}`) ?? 0) + 1);
+      }
+      await pause(1000);
+    }
+  } catch (error) {
+    said.set(`not set up: ${error.message.slice(0, 300)}`, 1);
+  } finally {
+    clearInterval(sending);
+    socket.close();
+    await service.end();
+  }
+  const against = [...said].map(([what, times]) => `${what} (${times} of ${looks})`).join('; ');
+  console.log(`| ${text} | ${looks} | ${against || 'nothing'}${busy.size ? ` (computer: ${[...busy].join(', ')})` : ''} |`);
+  return said.size === 0;
+}
+
+console.log('| seed | cameras | field | hall | light | robots | game controller | looks | said against it |');
+console.log('|---:|---:|---|---|---:|---|---|---:|---|');
+const seeds = Array.from({ length: FIELDS }, (_, i) => FIRST + i);
+let bad = 0;
+await Promise.all(Array.from({ length: AT_ONCE }, async () => {
+  for (let seed = seeds.shift(); seed !== undefined; seed = seeds.shift()) if (!(await watch(seed))) ++bad;
+}));
+console.log(`\n${FIELDS} fields, ${MINUTES} min each: ${bad} of them not left alone`);
+process.exitCode = bad ? 1 : 0;
