@@ -354,7 +354,9 @@ TEST_F(AskingADaemon, ExportedSettingsComeBack) {
 }
 
 TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
-  daemon_.wait_for_status([](const Json& status) { return status["cameras"][1]["robots"] > 0; });
+  daemon_.wait_for_status([](const Json& status) {
+    return status["cameras"][0]["robots"] > 0 && status["cameras"][1]["robots"] > 0;
+  });
   const std::string cameras = answer({"cameras"});
   EXPECT_THAT(cameras, AllOf(HasSubstr("id  name     state "), HasSubstr("\n 0  -x half  running "),
                              HasSubstr("\n 1  +x half  running ")));

@@ -4,7 +4,6 @@
 #include "vision/mask.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace sslv {
 namespace {
@@ -31,15 +30,13 @@ bool is_blind(const CameraNow& camera, int width_px, int height_px) {
 
 }  // namespace
 
-Coverage coverage_of(std::span<const CameraNow> all, const FieldSize& field) {
+Coverage coverage_of(std::span<const CameraNow> cameras, const FieldSize& field) {
   Coverage out;
-  std::vector<CameraNow> cameras;
-  std::ranges::copy_if(all, std::back_inserter(cameras),
-                       [](const CameraNow& camera) { return camera.health.state == CameraState::kRunning; });
   out.is_known = !cameras.empty() && std::ranges::all_of(cameras, [](const CameraNow& camera) {
     return camera.context().scene->camera.has_value();
   });
   for (const CameraNow& camera : cameras) {
+    if (camera.health.state != CameraState::kRunning) continue;
     const auto& calibrated = camera.context().scene->camera;
     const int width_px = camera.health.width > 0 ? camera.health.width
                          : calibrated            ? calibrated->calibration().pixel_image_width
@@ -56,8 +53,14 @@ Coverage coverage_of(std::span<const CameraNow> all, const FieldSize& field) {
          y += Coverage::kGridMm) {
       const Eigen::Vector2d place(x, y);
       ++out.places;
-      if (std::ranges::none_of(cameras, [&](const CameraNow& camera) { return looks_at(camera, place); }))
-        out.uncovered_mm.push_back(place);
+      bool is_covered = false, is_in_reach = false;
+      for (const CameraNow& camera : cameras) {
+        if (!looks_at(camera, place)) continue;
+        is_in_reach = true;
+        is_covered = is_covered || camera.health.state == CameraState::kRunning;
+      }
+      if (!is_covered) out.uncovered_mm.push_back(place);
+      if (!is_in_reach) out.out_of_reach_mm.push_back(place);
     }
   }
   return out;

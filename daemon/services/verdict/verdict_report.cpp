@@ -225,7 +225,8 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
                  .page = fmt::format("#/camera/{}", id),
                  .camera = id});
   }
-  const auto& uncovered = facts.coverage.uncovered_mm;
+  // What only a lost camera looks at comes back with it: the camera is what to look after.
+  const auto& uncovered = facts.coverage.out_of_reach_mm;
   const double share =
       facts.coverage.places == 0 ? 0 : static_cast<double>(uncovered.size()) / facts.coverage.places;
   if (share <= kUncoveredShare) return;
@@ -282,6 +283,10 @@ Check check_coverage(const VerdictFacts& facts) {
   check.value = fmt::format("{:.0f}", 100 * (1 - uncovered / std::max(1, facts.coverage.places)));
   check.unit = "% of the field";
   check.text = "by calibrations and masks";
+  if (facts.coverage.uncovered_mm.size() > facts.coverage.out_of_reach_mm.size()) {
+    check.state = CheckState::kWarn;
+    check.text = "until all cameras run";
+  }
   return check;
 }
 

@@ -47,9 +47,9 @@ void VerdictService::each_second() {
   const std::vector<CameraNow> cameras = cameras_.all();
   std::vector<std::shared_ptr<const void>> covered_by;
   for (const CameraNow& camera : cameras) {
-    if (camera.health.state != CameraState::kRunning) continue;
     const CameraContext& context = camera.context();
     covered_by.insert(covered_by.end(), {context.scene, context.mask, context.stage_mask});
+    if (camera.health.state != CameraState::kRunning) covered_by.emplace_back();
   }
   if (covered_by == covered_by_ && !covered_by.empty()) return;
   covered_by_ = std::move(covered_by);

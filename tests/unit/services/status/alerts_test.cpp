@@ -97,7 +97,7 @@ class Alerts : public ::testing::Test {
     input_.seen.field = {{{{0, 1, 2}, {4, 5}}}, {}, {}, {{{0, 1}, 4, 50}}, true};
     input_.seen.lines = {{0, {{9, 3, 2, 0.1}, "CenterLine"}}, {1, {{8, 6, 0, 0.1}, "TopTouchLine"}}};
     input_.seen.watched_s = 60;
-    input_.coverage = {true, 1000, {}, {}};
+    input_.coverage = {true, 1000, {}, {}, {}};
     for (int id = 0; id < 2; ++id) {
       AnyCamera& camera = input_.cameras.emplace_back();
       camera.id = id;
@@ -177,7 +177,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.seen.lines[1].better_size = &field_presets().front();
   input_.seen.field.ball_gone_s = 5;
   input_.robots_allowed = {2, 9};
-  input_.coverage = {true, 10, {{0, 0}, {1, 1}}, {1}};
+  input_.coverage = {true, 10, {{0, 0}, {1, 1}}, {{0, 0}, {1, 1}}, {1}};
   input_.listening_error = "no card";
   input_.referee.other = GameController{"other", "192.168.1.8"};
   input_.referee.team_names = {"Nobody knows us", ""};
@@ -212,8 +212,19 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
     if (alert.page.empty()) continue;
     ASSERT_EQ(alert.page.substr(0, 2), "#/") << alert.id;
     const std::string page = alert.page.substr(2, alert.page.find('/', 2) - 2);
+    if (page.empty()) continue;  // the first page
     EXPECT_THAT(pages, HasSubstr("{ name: '" + page + "'")) << alert.id;
   }
+}
+
+TEST_F(Alerts, APartThatOnlyALostCameraLooksAtIsThatCamerasAffair) {
+  input_.coverage = {true, 10, {{0, 0}, {1, 1}}, {}, {}};
+  for (const Alert& alert : alerts()) EXPECT_NE(alert.id, "field_uncovered");
+  input_.coverage.out_of_reach_mm = {{0, 0}};
+  const auto all = alerts();
+  const auto named = std::ranges::find(all, "field_uncovered", &Alert::id);
+  ASSERT_NE(named, all.end());
+  EXPECT_THAT(named->title, HasSubstr("10 % of the field"));
 }
 
 TEST_F(Alerts, ComeWorstFirstEachWithItsPage) {
