@@ -41,7 +41,7 @@ TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
   FrameNumbers other(listener_.port(), 1);
   camera->send_signal(SIGKILL);
   const Json lost = daemon.wait_for_status(state_is("lost"));
-  EXPECT_THAT(lost["alerts"].at(0)["title"].get<std::string>(), HasSubstr("Camera 0 is lost"));
+  EXPECT_THAT(title_of_alert(lost, "camera_lost"), HasSubstr("Camera 0 is lost"));
   EXPECT_NE(lost["cameras"][0]["error"], "");
   EXPECT_EQ(lost["cameras"][0]["robots"], 0);
   const auto frames_before = lost["cameras"][0]["frames"].get<int>();
@@ -104,7 +104,7 @@ TEST_F(Gige, AControlThatTheCameraRefusesAtTheOpeningIsAnAlert) {
   const auto camera = start_camera();
   RunningDaemon daemon(settings_file(), state_);
   const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
-  EXPECT_EQ(status["alerts"].at(0)["title"],
+  EXPECT_EQ(title_of_alert(status, "control_refused"),
             "Camera 0 refused a control: Colour: the camera has no such control");
   bool is_found = false;
   const Json answer = daemon.get("/api/sources");

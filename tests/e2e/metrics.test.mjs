@@ -78,7 +78,11 @@ function histograms({ name, samples }) {
 }
 
 describe('monitoring', () => {
-  before(() => service.start());
+  before(async () => {
+    await service.start();
+    // What is told of frames is there once each camera had one.
+    await service.statusBecomes(({ cameras }) => cameras.every(({ frames }) => frames > 0));
+  });
   beforeEach(() => service.restore());
   after(() => service.end());
 

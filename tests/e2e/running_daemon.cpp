@@ -93,6 +93,13 @@ void RunningDaemon::give_up(const Json& answer) {
   throw std::runtime_error("the daemon does not come to the expected state: " + answer.dump(2));
 }
 
+std::string title_of_alert(const Json& status, const std::string& id) {
+  for (const Json& alert : status["alerts"]) {
+    if (alert["id"] == id) return alert["title"];
+  }
+  throw std::runtime_error("no alert " + id + ": " + status["alerts"].dump());
+}
+
 SSL_WrapperPacket receive(GroupListener& listener) {
   const auto bytes = listener.receive();
   if (!bytes) throw std::runtime_error("no packet came");

@@ -76,6 +76,9 @@ class DaemonTest : public ::testing::Test {
   const std::filesystem::path state_ = folder_.path() / "state";
 };
 
+/// The title of the first alert of a kind; throws std::runtime_error with the others when there is none.
+std::string title_of_alert(const Json& status, const std::string& id);
+
 /// The next packet of the group; throws std::runtime_error when none comes.
 SSL_WrapperPacket receive(GroupListener& listener);
 
