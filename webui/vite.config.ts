@@ -2,6 +2,7 @@
 import { readFileSync } from 'node:fs';
 import vue from '@vitejs/plugin-vue';
 import { defineConfig } from 'vitest/config';
+import { withPhonesHeldSideways } from './phones';
 
 // The daemon that `npm run dev` talks to.
 const daemon = process.env.SSL_VISIOND ?? 'http://127.0.0.1:8090';
@@ -17,6 +18,7 @@ export default defineConfig({
       },
     },
   ],
+  css: { postcss: { plugins: [withPhonesHeldSideways] } },
   build: {
     target: 'es2022',
     // A strict content security policy forbids data: fonts and scripts; whole files keep it simple.

@@ -53,11 +53,15 @@ export async function picturesGoOn(page, camera, frames = 5) {
   if (await way.jsonValue() === 'anew') await picturesGoOn(page, camera, frames);
 }
 
-export async function accessible(page, what, rules = {}) {
+/** What axe finds on a page, a line each. */
+export async function axeFaults(page, rules = {}) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate((options) => window.axe.run(document, { resultTypes: ['violations'], ...options }), rules);
-  const list = violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => `${node.target.join(' ')} ${node.failureSummary}`).join(', ')}`);
-  assert.deepEqual(list, [], `accessibility of ${what}`);
+  return violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.map((node) => `${node.target.join(' ')} ${node.failureSummary}`).join(', ')}`);
+}
+
+export async function accessible(page, what, rules = {}) {
+  assert.deepEqual(await axeFaults(page, rules), [], `accessibility of ${what}`);
 }
 
 /** In both themes. They differ in colours only, so the second look is at these. */
@@ -79,7 +83,14 @@ export const views = [
   { name: 'phone', viewport: PHONE, options: phone },
 ];
 
-/** A browser on the panel of a service. `webgl`: with a drawing machine made of software. */
+/** `webgl`: with a drawing machine made of software. */
+export const launch = ({ webgl = false } = {}) => chromium.launch({
+  executablePath: CHROMIUM,
+  chromiumSandbox: process.getuid() !== 0,
+  args: [...(webgl ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+});
+
+/** A browser on the panel of a service. */
 export function createBrowser(service, { webgl = false } = {}) {
   const { address } = service;
   let browser;
@@ -144,22 +155,21 @@ export function createBrowser(service, { webgl = false } = {}) {
     }
   }
 
-  /** For a suite: both run from before its first test until after its last. `prepare` comes last. */
-  function aroundTests(prepare = () => {}) {
-    before(async () => {
-      browser = await chromium.launch({
-        executablePath: CHROMIUM,
-        chromiumSandbox: process.getuid() !== 0,
-        args: [...(webgl ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-      });
-      await service.start();
-      await prepare();
-    });
-    after(async () => {
-      await browser?.close();
-      await service.end();
-    });
+  async function open(prepare = () => {}) {
+    browser = await launch({ webgl });
+    await service.start();
+    await prepare();
+  }
+  async function close() {
+    await browser?.close();
+    await service.end();
   }
 
-  return { aroundTests, openPage, withPage, screenshots };
+  /** For a suite: both run from before its first test until after its last. `prepare` comes last. */
+  function aroundTests(prepare) {
+    before(() => open(prepare));
+    after(close);
+  }
+
+  return { aroundTests, close, open, openPage, withPage, screenshots };
 }

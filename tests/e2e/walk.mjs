@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// A walk through the whole panel: every page of webui/src/router.ts, every address that their links lead to, and in each
+// all that its switches, tabs, steps and menus show. New pages are found by themselves.
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { createService, root } from './service.mjs';
+
+export const sizes = [
+  { width: 1366, height: 650 }, { width: 1280, height: 720 }, { width: 1024, height: 768 },
+  { width: 768, height: 1024 }, { width: 800, height: 360, isPhone: true }, { width: 360, height: 780, isPhone: true },
+];
+export const cameraCounts = [1, 2, 4, 8];
+export const nameOfSize = ({ width, height }) => `${width}x${height}`;
+
+/** Links whose address shows the same page, scrolled: pages where they are not followed. */
+const SCROLLED = new Set(['api', 'diagnostics']);
+
+/** What shows something else on the same page when pressed. Buttons that change settings are in a ChangeArea. */
+const SWITCHES = [
+  '.seg button[aria-pressed="false"]', 'button[aria-expanded="false"]', '[role="tab"][aria-selected="false"]',
+  '[data-testid^="step-"]:not([aria-current])', 'details:not([open]) > summary',
+].map((selector) => `${selector}:not(:disabled):not(.change-area *)`);
+/** What stands around every page, such as its menus, is looked at on the first one. */
+const switchesOf = (path) => SWITCHES.map((selector) => (path === pageNames()[0] ? selector : `main ${selector}`)).join(', ');
+
+/** The names of all pages in the router, the first being where a visitor lands. */
+export function pageNames() {
+  const source = readFileSync(join(root, 'webui/src/router.ts'), 'utf8');
+  const [, list] = /export const pages[^=]*=\s*\[([\s\S]*?)\n\];/.exec(source);
+  return [...list.matchAll(/\bname: '([^']+)'/g)].map(([, name]) => name);
+}
+
+/** Cameras of small images, calibrated, over the field of the demo: in one row, or two. */
+function camerasOver(count, [model]) {
+  const HEIGHT_MM = 4000;
+  const columns = count > 2 ? count / 2 : count;
+  const rows = count > 2 ? 2 : 1;
+  const [long, short] = [390, 290];
+  // Two and eight stand across the field, as real halves and eighths do; their images are turned by the panel.
+  const isAcross = count === 2 || count === 8;
+  const [along, across] = isAcross ? [short, long] : [long, short];
+  const focal = HEIGHT_MM / (1.1 * Math.max(9000 / columns / along, 6000 / rows / across));
+  return Array.from({ length: count }, (_, id) => {
+    const x = ((id % columns) + 0.5) * (9000 / columns) - 4500;
+    const y = (Math.floor(id / columns) + 0.5) * (6000 / rows) - 3000;
+    const turn = isAcross ? { q0: Math.SQRT1_2, q1: -Math.SQRT1_2, q2: 0, q3: 0, tx: y, ty: x } : { q0: 1, q1: 0, q2: 0, q3: 0, tx: -x, ty: y };
+    return {
+      ...structuredClone(model), id, name: `${['near', 'far'][Math.floor(id / columns)]} ${(id % columns) + 1}`,
+      source: { ...model.source, width: long, height: short, frame_rate_hz: 4, seed: 1 },
+      calibration: {
+        ...turn, focal_length: focal, principal_point_x: long / 2, principal_point_y: short / 2, distortion: 0.05, tz: HEIGHT_MM,
+        pixel_image_width: long, pixel_image_height: short,
+      },
+    };
+  });
+}
+
+/** A service with so many simulated cameras, at a rate that leaves processors to the browser. */
+export async function serviceWith(count, group) {
+  const service = await createService(group);
+  service.settings.cameras = camerasOver(count, service.settings.cameras);
+  return service;
+}
+
+/** Waits until nothing of what is shown is still on its way. */
+export async function settled(page) {
+  await page.waitForFunction(() => {
+    const main = document.querySelector('main');
+    if (!main?.firstElementChild || /(^|\n)\s*(Connecting|Loading)\b/.test(main.innerText)) return false;
+    return [...main.querySelectorAll('canvas[data-testid^="camera-picture-"]')]
+      .every((canvas) => canvas.dataset.frame || canvas.parentElement.getBoundingClientRect().width === 0);
+  });
+  await page.evaluate(async () => {
+    await document.fonts.ready;
+    for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame);
+  });
+}
+
+export async function goTo(page, path) {
+  await page.evaluate((hash) => { location.hash = `#/${hash}`; scrollTo(0, 0); }, path);
+  await settled(page);
+}
+
+/** Addresses that the shown page leads to; numbers stand for each other, as all cameras have the same pages. */
+async function linksOf(page) {
+  const links = await page.$$eval('a[href^="#/"]', (all) => all.map((one) => one.getAttribute('href').slice(2)));
+  return links.map((link) => link.replace(/\/\d+(?=\/|$)/g, '/0'));
+}
+
+/** What of the switches has not been looked at: pressed, it says what it is; '' when all are. */
+function pressNext([selector, seen]) {
+  const isShown = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true });
+  const all = [...document.querySelectorAll(selector)].filter(isShown);
+  // The last first: it belongs to what the ones before it show.
+  for (const element of all.reverse()) {
+    const group = element.closest('[role="group"][aria-label], section[aria-label], [aria-labelledby], nav[aria-label]');
+    const around = group?.getAttribute('aria-label') ?? document.getElementById(group?.getAttribute('aria-labelledby') ?? '')?.textContent ?? '';
+    const name = `${around}: ${element.getAttribute('aria-label') ?? element.textContent}`.replace(/\s+/g, ' ').replace(/\d+/g, '0').trim();
+    if (seen.includes(name)) continue;
+    element.click();
+    return name;
+  }
+  return '';
+}
+
+/**
+ * Looks at one address and at all that its switches show. `visit(what)` is told what was pressed, '' at first.
+ * Menus are closed before the next is opened. `isDeep`: else only at the address itself.
+ */
+export async function lookAround(page, path, isDeep, visit) {
+  await page.evaluate(() => { location.hash = '#/'; });
+  await goTo(page, path);
+  await visit('');
+  if (!isDeep) return;
+  const seen = [];
+  for (;;) {
+    const name = await page.evaluate(pressNext, [switchesOf(path), seen]);
+    if (!name) return;
+    seen.push(name);
+    await settled(page);
+    await visit(name);
+    await page.evaluate(() => {
+      for (const button of document.querySelectorAll('button[aria-expanded="true"][aria-controls]')) {
+        const menu = document.getElementById(button.getAttribute('aria-controls'));
+        if (menu && ['absolute', 'fixed'].includes(getComputedStyle(menu).position)) button.click();
+      }
+    });
+  }
+}
+
+/** All addresses of the panel, found by following links from every page. */
+export async function findPaths(page) {
+  const names = pageNames();
+  const found = new Set(names);
+  for (const path of found) {
+    await goTo(page, path);
+    for (const link of await linksOf(page)) {
+      const [name, ...rest] = link.split('/');
+      const path = rest.length ? link : name;
+      if (!names.includes(name) || (rest.length && SCROLLED.has(name))) continue;
+      // The page of the first camera is what the bare address shows.
+      if (/^[a-z]+\/0$/.test(path)) continue;
+      found.add(path);
+    }
+  }
+  return [...found];
+}
+

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sheets of how every page looks on every size of screen: docs/images/sheets and docs/screens.md, which shows them.
+//   node tests/figures/sheets.mjs [PAGE...]    all, or only pages whose addresses begin so
+// Environment: see tests/e2e/service.mjs and browser.mjs.
+import { mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { chooseTheme, createBrowser, live, launch, phone } from '../e2e/browser.mjs';
+import { root } from '../e2e/service.mjs';
+import { goTo, nameOfSize, pageNames, serviceWith, settled, sizes } from '../e2e/walk.mjs';
+
+const MOST_BYTES = 200_000;
+const CAMERAS = 4;
+const folder = join(root, 'docs/images/sheets');
+
+/** Besides the pages of the router: what their links and switches show. */
+const besides = [
+  { path: 'overview', cameras: 1 }, { path: 'overview', cameras: 2 }, { path: 'overview', cameras: 8 }, { path: 'camera', cameras: 8 },
+  { path: 'calibration', press: 'mode-together' }, { path: 'calibration', press: 'mode-masks' },
+  { path: 'colours', press: 'show-light' }, { path: 'colours', press: 'show-margins' },
+  { path: 'settings/~profiles' }, { path: 'settings/~history' }, { path: 'settings/cameras' }, { path: 'settings/cameras/0' },
+  { path: 'settings/cameras/0/stack' }, { path: 'settings/cameras/0/stages/detect_robots' }, { path: 'field/network' },
+];
+const wanted = process.argv.slice(2);
+const views = [...pageNames().map((path) => ({ path })), ...besides]
+  .map((view) => ({ cameras: CAMERAS, ...view }))
+  .map((view) => ({ ...view, name: [view.path.replace(/\W+/g, '-'), view.press, view.cameras === CAMERAS ? '' : `${view.cameras}-cameras`].filter(Boolean).join('-') }));
+const all = views.filter(({ name }) => !wanted.length || wanted.some((start) => name.startsWith(start)));
+
+/** One image of several: each at the same scale, with its size below. JPEG, as small as it must be. */
+async function sheet(browser, shots) {
+  const context = await browser.newContext({ viewport: { width: 1800, height: 800 } });
+  const page = await context.newPage();
+  const figures = shots.map(({ size, image }) => `<figure style="width: ${size.width * 0.46}px"><img src="data:image/png;base64,${image.toString('base64')}"><figcaption>${nameOfSize(size)}</figcaption></figure>`);
+  await page.setContent(`<style>body { margin: 0; padding: 12px; background: #777; display: flex; flex-wrap: wrap; gap: 12px; align-items: flex-start; font: 13px sans-serif; color: #fff; }
+    figure { margin: 0; } img { width: 100%; display: block; }</style>${figures.join('')}`);
+  await page.waitForFunction(() => [...document.images].every((image) => image.complete));
+  try {
+    for (let quality = 80; ; quality -= 8) {
+      const image = await page.screenshot({ type: 'jpeg', quality, fullPage: true });
+      if (image.length <= MOST_BYTES || quality <= 24) return image;
+    }
+  } finally {
+    await context.close();
+  }
+}
+
+const browser = await launch();
+const shots = new Map(all.map(({ name }) => [name, []]));
+for (const count of [...new Set(all.map(({ cameras }) => cameras))]) {
+  const service = await serviceWith(count, `239.255.77.${130 + count}`);
+  const { openPage, open, close } = createBrowser(service, { webgl: true });
+  await open();
+  try {
+    await service.statusBecomes(({ cameras }) => cameras.every(({ state }) => state === 'running'));
+    for (const [n, size] of sizes.entries()) {
+      const { width, height, isPhone } = size;
+      const { page } = await openPage({ width, height }, isPhone ? phone : {});
+      await page.goto(service.address(''));
+      await live(page);
+      await chooseTheme(page, n % 2 ? 'light' : 'dark');
+      for (const view of all.filter(({ cameras }) => cameras === count)) {
+        await goTo(page, '');
+        await goTo(page, view.path);
+        if (view.press) await page.click(`[data-testid="${view.press}"]`);
+        await page.evaluate(() => scrollTo(0, 0));
+        await settled(page);
+        shots.get(view.name).push({ size, image: await page.screenshot() });
+      }
+      await page.context().close();
+    }
+  } finally {
+    await close();
+  }
+}
+
+mkdirSync(folder, { recursive: true });
+if (!wanted.length) for (const file of readdirSync(folder)) rmSync(join(folder, file));
+for (const { name } of all) {
+  const image = await sheet(browser, shots.get(name));
+  writeFileSync(join(folder, `${name}.jpg`), image);
+  console.log(`${name}.jpg ${image.length} bytes`);
+}
+await browser.close();
+
+const title = ({ path, press, cameras }) => `${[path, press?.replace(/^(mode|show)-/, '')].filter(Boolean).join(', ')}${cameras === CAMERAS ? '' : `, ${cameras} camera${cameras > 1 ? 's' : ''}`}`;
+const everything = views.filter(({ name }) => readdirSync(folder).includes(`${name}.jpg`));
+writeFileSync(join(root, 'docs/screens.md'), `# Every page at every size of screen
+With ${CAMERAS} simulated cameras where nothing else is said. \`./run sheets\` makes these images and this page.
+
+${everything.map((view) => `## ${title(view)}\n![${title(view)} at ${sizes.map(nameOfSize).join(', ')}](images/sheets/${view.name}.jpg)\n`).join('\n')}`);

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Styles ask for a phone by "(max-width: 760px)" and for anything else by "(min-width: 761px)". A phone held sideways is
+// wider than that, but low, and wants the same styles: the build writes it into these conditions, so that no style can
+// forget it.
+import type { Plugin } from 'postcss';
+
+const PHONE = '(max-width: 760px)';
+const SIDEWAYS = '(max-width: 960px) and (max-height: 480px)';
+
+/** A media rule's conditions, with phones that are held sideways counted as phones. */
+export function phoneConditions(params: string): string {
+  return params.split(',').map((part) => part.trim()).flatMap((part) => {
+    if (part === PHONE) return [PHONE, SIDEWAYS];
+    if (!part.includes('(min-width: 761px)')) return [part];
+    return [`${part} and (min-height: 481px)`, part.replace('(min-width: 761px)', '(min-width: 961px)')];
+  }).join(', ');
+}
+
+export const withPhonesHeldSideways: Plugin = {
+  postcssPlugin: 'phones-held-sideways',
+  OnceExit(root) {
+    root.walkAtRules('media', (rule) => { rule.params = phoneConditions(rule.params); });
+  },
+};
