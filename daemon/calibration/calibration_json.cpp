@@ -142,13 +142,17 @@ Json figures_json(const CalibrationReport& report) {
   Json out{{"accepted", report.accepted},
            {"rms_px", report.rms_px},
            {"worst_px", report.worst_px},
+           {"rms_mm", report.rms_mm},
+           {"worst_mm", report.worst_mm},
            {"found_share", report.found_share},
            {"coverage", report.coverage},
            {"expected_on_floor_mm", report.expected_on_floor_mm},
            {"expected_at_150_mm", report.expected_at_150_mm},
            {"height_mm", report.height_mm},
            {"height_sigma_mm", report.height_sigma_mm},
-           {"moved_on_floor_mm", or_null(report.moved_on_floor_mm)}};
+           {"moved_on_floor_mm", or_null(report.moved_on_floor_mm)},
+           {"lines", list_json(report.line_figures, line_json)},
+           {"points", list_json(report.click_figures, point_json)}};
   drop_non_numbers(out);
   return out;
 }

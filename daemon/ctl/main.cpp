@@ -29,6 +29,7 @@ void add_commands(CommandLine& line) {
   add_events(line);
   add_check(line);
   add_diagnostics(line);
+  add_packets(line);
   add_log(line);
   add_support_bundle(line);
   add_snapshot(line);

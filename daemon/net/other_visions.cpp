@@ -81,8 +81,9 @@ std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
   return conflicts;
 }
 
-OtherVisions::OtherVisions(IsOwn is_own)
+OtherVisions::OtherVisions(IsOwn is_own, OnOwn on_own)
     : is_own_(std::move(is_own)),
+      on_own_(std::move(on_own)),
       receiver_("other visions", [this](std::span<const std::byte> datagram, const udp::endpoint& sender) {
         receive(datagram, sender, static_cast<double>(steady_ns()) * 1e-9);
       }) {}
@@ -99,9 +100,9 @@ void OtherVisions::listen(const GroupAddress& where) {
 }
 
 void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpoint& sender, double now_s) {
-  if (sender == own_) return;
-  if (is_own_(sender)) {
+  if (sender == own_ || is_own_(sender)) {
     own_ = sender;
+    on_own_(datagram, now_s);
     return;
   }
   SSL_WrapperPacket packet;

@@ -42,7 +42,10 @@ class OtherVisions {
 
   /// Whether the sender of a packet is this daemon.
   using IsOwn = std::function<bool(const boost::asio::ip::udp::endpoint&)>;
-  explicit OtherVisions(IsOwn is_own);
+  /// Called from the listening thread with every datagram of this daemon that the network brought back.
+  using OnOwn = std::function<void(std::span<const std::byte> datagram, double now_s)>;
+  explicit OtherVisions(
+      IsOwn is_own, OnOwn on_own = [](std::span<const std::byte>, double) {});
 
   /// Listens there from now on; nothing happens when it does already. Not for two threads at once.
   void listen(const GroupAddress& where);
@@ -64,6 +67,7 @@ class OtherVisions {
   };
 
   const IsOwn is_own_;
+  const OnOwn on_own_;
   boost::asio::ip::udp::endpoint own_;  // of the thread alone: who was found to be this daemon last
   std::optional<GroupAddress> where_;
   mutable std::mutex mutex_;  // guards the two below

@@ -90,6 +90,15 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual({ ...lo, multicast: false }, { name: 'lo', addresses: ['127.0.0.1'], is_up: true, is_loopback: true, multicast: false });
   });
 
+  it('tells what teams get and who listens on its computer', async () => {
+    const { detections, geometry } = await becomes('/api/network/packets', (value) => value.detections.length === 2 && value.geometry && value.detections.some(({ packet }) => packet.detection.balls));
+    assert.deepEqual(detections.map(({ camera, packet }) => [camera, packet.detection.camera_id]), [[0, 0], [1, 1]]);
+    assert.equal(geometry.packet.geometry.field.field_length, service.settings.field?.field_length ?? 9000);
+    const { group, port, memberships } = await ask('get', '/api/network/listeners');
+    assert.deepEqual({ group, port }, { group: service.settings.network.vision.group, port: service.settings.network.vision.port });
+    assert.deepEqual(memberships.map(({ interface: card }) => card), ['lo']);
+  });
+
   it('tells what is wrong and whether a match may begin', async () => {
     const path = '/cameras/1/source';
     await becomes('/api/checks', (value) => value.go);

@@ -6,6 +6,7 @@ import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
 import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, saved, views } from './browser.mjs';
+import { fieldsOf } from './protobuf.mjs';
 import { createService, eventually, freeUdpPort, PATIENCE_MS } from './service.mjs';
 
 const GROUP = '239.255.77.84';
@@ -18,26 +19,6 @@ const refereePort = await freeUdpPort();
 settings.network.referee = { group: REFEREE_GROUP, port: refereePort, interface: 'lo' };
 const { aroundTests, withPage, screenshots } = createBrowser(service);
 
-/** The fields of a protobuf message: number to numbers and byte strings. */
-function fieldsOf(bytes) {
-  const fields = {};
-  let at = 0;
-  const varint = () => {
-    let value = 0;
-    for (let factor = 1; ; factor *= 128) {
-      const byte = bytes[at++];
-      value += (byte & 127) * factor;
-      if (byte < 128) return value;
-    }
-  };
-  while (at < bytes.length) {
-    const tag = varint();
-    const take = (length) => bytes.subarray(at, (at += length));
-    const value = [varint, () => take(8), () => take(varint()), null, null, () => take(4)][tag & 7]();
-    (fields[tag >> 3] ??= []).push(value);
-  }
-  return fields;
-}
 /** A field of a protobuf message: a string or a message, or a small number. */
 const field = (number, value) => {
   const tag = (kind) => { const one = number * 8 + kind; return one < 128 ? [one] : [(one & 127) | 128, one >> 7]; };

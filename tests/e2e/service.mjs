@@ -76,6 +76,8 @@ export async function createService(group) {
     folder,
     stateFolder,
     settings,
+    /** The built panel that it serves. */
+    panel: join(root, 'webui/dist'),
     /** What it said since it was started. */
     log: () => log.join('\n'),
     pid: () => daemon.pid,
@@ -85,7 +87,7 @@ export async function createService(group) {
     async start() {
       mkdirSync(stateFolder, { recursive: true });
       writeFileSync(settingsFile, JSON.stringify(settings));
-      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', join(root, 'webui/dist'), '--files', join(root, 'tests')], {
+      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panel, '--files', join(root, 'tests')], {
         env: { ...process.env, STATE_DIRECTORY: stateFolder },
         stdio: ['ignore', 'ignore', 'pipe'],
       });

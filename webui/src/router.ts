@@ -11,6 +11,8 @@ export interface Page {
   component: Component;
   /** Reached by a link elsewhere. */
   isAside?: boolean;
+  /** Alone on the screen, without the rail and the bar. */
+  isAlone?: boolean;
 }
 
 /** The pages in the order of the rail; the first is where a visitor lands. Others than the first load when opened. */
@@ -22,6 +24,7 @@ export const pages: readonly [Page, ...Page[]] = [
   { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
   { name: 'field', title: 'Field', icon: 'network', component: defineAsyncComponent(() => import('./pages/field/FieldPage.vue')) },
   { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: defineAsyncComponent(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
+  { name: 'kiosk', title: 'Kiosk', icon: 'fullscreen', component: defineAsyncComponent(() => import('./pages/kiosk/KioskPage.vue')), isAside: true, isAlone: true },
   { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 

@@ -15,6 +15,7 @@ void add_alerts(CommandLine& line);
 void add_events(CommandLine& line);
 void add_check(CommandLine& line);
 void add_diagnostics(CommandLine& line);
+void add_packets(CommandLine& line);
 void add_log(CommandLine& line);
 void add_support_bundle(CommandLine& line);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/commands/commands.h"
 #include "ctl/diagnostics_text.h"
+#include "ctl/packets_text.h"
 #include "ctl/status_text.h"
 #include "ctl/terminal_text.h"
 
@@ -110,6 +111,21 @@ void add_diagnostics(CommandLine& line) {
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/diagnostics"), *as_json, diagnostics_text);
+    return EXIT_SUCCESS;
+  });
+}
+
+void add_packets(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* command = line.app.add_subcommand(
+      "packets",
+      "the newest packets that the daemon heard itself send, decoded, and who listens on its computer");
+  add_json_flag(command, *as_json);
+  line.on(command, [&line, as_json] {
+    const Client client = line.client();
+    Json packets = client.get_json("/api/network/packets");
+    packets["listeners"] = client.get_json("/api/network/listeners");
+    print_answer(packets, *as_json, packets_text);
     return EXIT_SUCCESS;
   });
 }

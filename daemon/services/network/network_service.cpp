@@ -5,11 +5,14 @@
 #include "health/metrics_text.h"
 #include "net/network_cards.h"
 #include "services/network/network_report.h"
+#include "services/network/packet_report.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -93,7 +96,10 @@ NetworkService::NetworkService(const Snapshot<Config>& config, MulticastSender& 
       referee_([this] {
         if (on_new_names_) on_new_names_();
       }),
-      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); }) {}
+      other_visions_([this](const auto& sender) { return multicast_.is_own(sender); },
+                     [this](std::span<const std::byte> datagram, double now_s) {
+                       heard_packets_.receive(datagram, now_s);
+                     }) {}
 
 void NetworkService::stop_listening() {
   referee_.listen(std::nullopt);
@@ -107,13 +113,23 @@ Commit NetworkService::prepare(const SettingsChange& change) {
     geometry_.store(std::move(geometry));
     geometry_sender_.restart(interval);
     other_visions_.listen(heard);
+    if (heard != heard_at_) heard_packets_.clear();  // they came from elsewhere
+    heard_at_ = heard;
     referee_.listen(referee);
   };
 }
 
 std::vector<Route> NetworkService::routes() {
-  return {
-      {"GET", "/api/network/interfaces", [](const Request&) { return json_response(interfaces_json()); }}};
+  return {{"GET", "/api/network/interfaces", [](const Request&) { return json_response(interfaces_json()); }},
+          {"GET", "/api/network/packets",
+           [this](const Request&) {
+             return json_response(packets_json({.sent_by = config_.load()->network.vision,
+                                                .heard = heard_packets_,
+                                                .listening_error = other_visions_.error()},
+                                               steady_s()));
+           }},
+          {"GET", "/api/network/listeners",
+           [this](const Request&) { return json_response(listeners_json(config_.load()->network.vision)); }}};
 }
 
 NetworkFacts NetworkService::facts() const {

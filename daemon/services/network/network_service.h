@@ -3,6 +3,7 @@
 
 #include "base/snapshot.h"
 #include "config/config.h"
+#include "net/heard_packets.h"
 #include "net/multicast.h"
 #include "net/other_visions.h"
 #include "net/packets.h"
@@ -49,6 +50,8 @@ class NetworkService final : public Service {
   GeometrySender geometry_sender_;
   std::function<void()> on_new_names_;
   RefereeListener referee_;
+  GroupAddress heard_at_;       // of the thread that commits settings
+  HeardPackets heard_packets_;  // before other_visions_, whose thread fills it
   OtherVisions other_visions_;
   // As they were seen last: they ask the system for our addresses.
   std::atomic<bool> another_host_sends_ = false;

@@ -196,6 +196,26 @@ TEST_F(Api, AWrongPasswordSaysSo) {
   EXPECT_EQ(ask("POST", "/api/match_lock", R"({"opened": true})").status, 401);
 }
 
+TEST_F(Api, PacketsAreThoseThatCameBackFromTheNetwork) {
+  Json packets;
+  for (int i = 0; i < 500; ++i) {
+    packets = ask("GET", "/api/network/packets").json();
+    if (!packets.at("detections").empty() && !packets.at("geometry").is_null()) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  ASSERT_EQ(packets.at("detections").size(), 1U);
+  const Json& detection = packets["detections"][0];
+  EXPECT_EQ(detection.at("camera"), 0);
+  EXPECT_EQ(detection.at("packet").at("detection").at("camera_id"), 0);
+  EXPECT_GT(detection.at("bytes"), 0);
+  EXPECT_EQ(packets.at("not_heard_because"), "");
+  EXPECT_EQ(packets["geometry"].at("packet").at("geometry").at("calib").size(), 1U);
+  const Json listeners = ask("GET", "/api/network/listeners").json();
+  EXPECT_EQ(listeners.at("group"), "239.255.77.78");
+  EXPECT_EQ(listeners.at("programs"), Json::array());  // none but the service itself
+  EXPECT_EQ(listeners.at("memberships").at(0).at("interface"), "lo");
+}
+
 TEST_F(Api, PatchesAreSavedOrSayWhyNot) {
   const std::string patch = R"([{"op":"replace","path":"/site","value":"x"}])";
   const Json saved = ask("PATCH", "/api/settings", patch).json();

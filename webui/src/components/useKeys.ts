@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 import { onMounted, onUnmounted } from 'vue';
+import { addGroup, press, type Shortcut } from './shortcuts';
 
-/** Single keys for the page; they rest while a field has the focus or with a modifier held. */
-export function useKeys(keys: Record<string, () => void>): void {
-  function onKey(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const target = event.target as HTMLElement;
-    if (target.closest('input, select, textarea')) return;
-    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (!action) return;
-    event.preventDefault();
-    action();
-  }
-  onMounted(() => addEventListener('keydown', onKey));
-  onUnmounted(() => removeEventListener('keydown', onKey));
+/** Shortcuts while a component is there; they rest while somebody types. */
+export function useKeys(title: string, shortcuts: readonly Shortcut[]): void {
+  const onKey = (event: KeyboardEvent) => { press(shortcuts, event); };
+  let remove = () => {};
+  onMounted(() => {
+    remove = addGroup({ title, shortcuts });
+    addEventListener('keydown', onKey);
+  });
+  onUnmounted(() => {
+    remove();
+    removeEventListener('keydown', onKey);
+  });
+}
+
+/** Shortcuts of an element that has the focus: what comes back is its keydown handler. */
+export function useFocusKeys(title: string, shortcuts: readonly Shortcut[]): (event: KeyboardEvent) => boolean {
+  let remove = () => {};
+  onMounted(() => { remove = addGroup({ title, shortcuts }); });
+  onUnmounted(() => remove());
+  return (event) => press(shortcuts, event);
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the daemon said last, and whether that is still worth showing.
 import { computed, ref, shallowRef } from 'vue';
+import { api } from '../api/client';
 import { PanelSocket } from '../api/socket';
-import type { Detections, PreviewRequest, Status } from '../api/types';
+import type { Detections, PreviewRequest, Status, Timeline } from '../api/types';
 import type { PreviewMessage } from '../api/messages';
 import { mergeBalls, mergeRobots, type SeenBall, type SeenRobot } from '../field/merge';
-import { History } from './history';
+import { History, HISTORY_MS } from './history';
 
 /** After this long without news nothing is shown as live any more. */
 export const STALE_MS = 3000;
@@ -78,6 +79,17 @@ function onDetections(data: Detections): void {
 const clockSamples: number[] = [];
 const CLOCK_SAMPLES = 60;
 
+/** The connection is new: what was measured before it is asked for once the clocks can be compared. */
+let hasGap = false;
+
+/** A graph that cannot be filled fills by itself: no reason to tell anybody. */
+async function fillGap(daemonTime: number, at: number): Promise<void> {
+  const timeline = await api.get<Timeline>(`timeline?seconds=${HISTORY_MS / 1000}`).catch(() => null);
+  if (!timeline) return;
+  history.fill(timeline, (time) => at + 1000 * (time - daemonTime));
+  historyVersion.value++;
+}
+
 function onStatus(status: Status): void {
   const at = performance.now();
   clockSamples.push(status.time - Date.now() / 1000);
@@ -87,6 +99,8 @@ function onStatus(status: Status): void {
   steadyObjects.value = fieldObjects.value;
   lastStatus.value = status;
   lastStatusAt.value = at;
+  if (hasGap) void fillGap(status.time, at);
+  hasGap = false;
 }
 
 /** Seconds since a moment on the daemon's clock. */
@@ -162,6 +176,7 @@ export function connect(): void {
   socket = new PanelSocket(socketUrl(), {
     open() {
       isOpen.value = true;
+      hasGap = true;
       socket!.send({ subscribe: ['status', 'detections'] });
       for (const { request } of previews.values()) socket!.send({ preview: request });
     },

@@ -2,11 +2,28 @@
 // What the pointer does, with which label, and what of the table is shown.
 import { computed, ref, shallowRef } from 'vue';
 import type { ColorLabel } from '../../api/types';
+import type { IconName } from '../../components/icons';
 import type { Brush } from './brush';
 import { choosable, palette } from './labels';
 
 export type Tool = 'pick' | 'box' | 'paint' | 'erase' | 'fill';
+export type WholeOp = 'grow' | 'shrink' | 'smooth';
 export const PICK_SIZES = [1, 3, 5, 9] as const;
+
+/** What the pointer does. */
+export const pointers: readonly { name: Tool; title: string; icon: IconName; key: string }[] = [
+  { name: 'pick', title: 'Pick', icon: 'dropper', key: 'I' },
+  { name: 'box', title: 'Box', icon: 'box', key: 'B' },
+  { name: 'paint', title: 'Paint', icon: 'brush', key: 'P' },
+  { name: 'erase', title: 'Erase', icon: 'erase', key: 'E' },
+  { name: 'fill', title: 'Fill', icon: 'fill', key: 'G' },
+];
+/** What is done to all of a label. */
+export const wholes: readonly { op: WholeOp; title: string; icon: IconName; key?: string }[] = [
+  { op: 'grow', title: 'Grow', icon: 'grow', key: ']' },
+  { op: 'shrink', title: 'Shrink', icon: 'shrink', key: '[' },
+  { op: 'smooth', title: 'Smooth', icon: 'smooth' },
+];
 
 export function useTools(all: () => readonly ColorLabel[]) {
   const tool = ref<Tool>('pick');

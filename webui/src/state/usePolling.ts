@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { onMounted, onUnmounted, ref, type Ref } from 'vue';
-import { messageOf } from '../../api/client';
+import { messageOf } from '../api/client';
 
 const PERIOD_MS = 1000;
 
