@@ -2,6 +2,7 @@
 import { readFileSync } from 'node:fs';
 import vue from '@vitejs/plugin-vue';
 import { defineConfig } from 'vitest/config';
+import { panelFiles } from './panelFiles';
 import { withPhonesHeldSideways } from './phones';
 
 // The daemon that `npm run dev` talks to.
@@ -17,6 +18,7 @@ export default defineConfig({
         this.emitFile({ type: 'asset', fileName: 'api/openapi.json', source: readFileSync('../docs/openapi.json') });
       },
     },
+    panelFiles(),
   ],
   css: { postcss: { plugins: [withPhonesHeldSideways] } },
   build: {

@@ -222,6 +222,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   void mark_lost(const std::string& reason);
   void close_aside(std::unique_ptr<Source> source);
   void ask_to_stop();
+  CameraState try_now();
   CameraHealth health_now() const;
   bool stopping() const { return stop_asked.load(std::memory_order_relaxed); }
 
@@ -243,6 +244,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
   std::condition_variable changed;
   OpeningResult opening;
   Lifecycle lifecycle;
+  bool try_asked = false;  // somebody does not want to wait for the next attempt
 };
 
 CameraHealth CameraThread::Shared::health_now() const {
@@ -312,8 +314,9 @@ void CameraThread::Shared::keep_open() {
       tried_for = milliseconds((steady_ns() - began_ns) / 1'000'000);
     }
     std::unique_lock lock(mutex);
-    changed.wait_for(lock, std::max(parts.delays.first, delay - tried_for), [&] { return stopping(); });
-    delay = std::min(2 * delay, parts.delays.longest);
+    changed.wait_for(lock, std::max(parts.delays.first, delay - tried_for),
+                     [&] { return stopping() || try_asked; });
+    delay = std::exchange(try_asked, false) ? parts.delays.first : std::min(2 * delay, parts.delays.longest);
   }
 }
 
@@ -332,6 +335,7 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
     opening.controls = source->controls();
     opening.warnings = std::move(new_warnings);
     opening.why_lost.clear();
+    try_asked = false;
     if (std::exchange(was_open, true)) {
       ++now.reconnects;
       parts.totals->reconnects.fetch_add(1, std::memory_order_relaxed);
@@ -461,6 +465,17 @@ void CameraThread::Shared::ask_to_stop() {
   changed.notify_all();
 }
 
+CameraState CameraThread::Shared::try_now() {
+  CameraState state;
+  {
+    const std::lock_guard lock(mutex);
+    state = figures.load().state;
+    try_asked = try_asked || state == CameraState::kLost;
+  }
+  changed.notify_all();
+  return state;
+}
+
 void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
   {
     const std::lock_guard lock(mutex);
@@ -522,6 +537,10 @@ void CameraThread::stop() {
   const bool finished = shared_->lifecycle.finished;
   lock.unlock();
   finished ? thread_.join() : thread_.detach();
+}
+
+CameraState CameraThread::try_now() {
+  return shared_->try_now();
 }
 
 CameraHealth CameraThread::health() const {

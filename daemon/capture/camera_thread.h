@@ -102,6 +102,10 @@ class CameraThread {
   /// itself. Waits for a running on_image however long it takes, also for that of a predecessor.
   void stop();
 
+  /// A camera that is lost is tried again now, and after that with short pauses as at first; any other goes
+  /// on as it is. Does not wait for what comes of it. Says what the camera was when it was asked.
+  CameraState try_now();
+
   /// From any thread. kOpening before start(), too.
   CameraHealth health() const;
   /// Those of the open camera; none while it is not open, or has none.

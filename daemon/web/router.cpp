@@ -50,6 +50,39 @@ class MemoryStream : public httplib::Stream {
   std::string answer_;
 };
 
+/// Of files that the panel's build has packed: beside NAME lies NAME.gz.
+constexpr std::pair<std::string_view, const char*> kPackedTypes[]{
+    {".html", "text/html"},        {".js", "text/javascript"}, {".css", "text/css"},
+    {".json", "application/json"}, {".svg", "image/svg+xml"},  {".webmanifest", "application/manifest+json"},
+};
+constexpr std::string_view kPacked = ".gz";
+
+/// Null when no file of this name is packed.
+const char* packed_type(std::string_view path) {
+  for (const auto& [ending, type] : kPackedTypes) {
+    if (path.ends_with(ending)) return type;
+  }
+  return nullptr;
+}
+
+/// Whether "gzip" is among the codings that the client takes.
+bool takes_gzip(const std::string& accepted) {
+  static const std::regex kGzip(R"((^|[\s,])gzip\s*(;\s*q=(1|0\.0*[1-9])[\d.]*\s*)?(,|$))",
+                                std::regex::icase);
+  return std::regex_search(accepted, kGzip);
+}
+
+/// The packed file of the panel in the place of this one, if there is one. Only plain names, so that nothing
+/// outside of the panel's folder is even looked for.
+std::string packed_file(const std::filesystem::path& panel, const std::string& path) {
+  static const std::regex kPlain(R"((/[\w-][\w.-]*)+)");
+  const std::string name = path == "/" ? "/index.html" : path;
+  if (packed_type(name) == nullptr || name.starts_with("/api/") || !std::regex_match(name, kPlain)) return {};
+  std::string packed = name + std::string(kPacked);
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(panel.string() + packed, ignored) ? packed : std::string();
+}
+
 Request request_of(const httplib::Request& request) {
   Request out{.method = request.method,
               .path = request.path,
@@ -79,6 +112,8 @@ void admit(Gate& gate, const Route& route, const Request& request) {
 
 /// What the handler of the request that this thread is at wants to stream.
 thread_local std::optional<StreamWish> wanted_stream;
+/// The answer is the packed file, or could have been.
+thread_local bool is_sent_packed = false, may_be_packed = false;
 
 void set_response(httplib::Response& to, Response&& from) {
   to.status = from.status;
@@ -196,6 +231,18 @@ void write_down(AuditLog& audit, const httplib::Request& request, const httplib:
   if (!is_read(request)) audit.add(request.remote_addr, request.method, request.target, response.status);
 }
 
+/// What a packed file is.
+void describe_packed(const httplib::Request& request, httplib::Response& response) {
+  if (response.status != 200) return;
+  if (may_be_packed) response.set_header("Vary", "Accept-Encoding");
+  if (!is_sent_packed) return;
+  const std::string_view name =
+      std::string_view(request.path).substr(0, request.path.size() - kPacked.size());
+  response.headers.erase("Content-Type");
+  response.set_header("Content-Type", packed_type(name));
+  response.set_header("Content-Encoding", "gzip");
+}
+
 /// Only files may be cached.
 void set_caching(std::span<const Route> routes, const httplib::Request& request,
                  httplib::Response& response) {
@@ -217,12 +264,16 @@ class Router::HttpServer : public Server {
 };
 
 Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory)
-    : gate_(gate), routes_(std::move(routes)), server_(std::make_unique<HttpServer>()) {
+    : gate_(gate),
+      routes_(std::move(routes)),
+      panel_directory_(panel_directory),
+      server_(std::make_unique<HttpServer>()) {
   for (const Route& route : routes_) {
     add_route(*server_, gate_, route);
     if (route.streams) stream_paths_.emplace_back(route.pattern);
   }
   server_->set_mount_point("/", panel_directory);
+  server_->set_file_extension_and_mimetype_mapping("webmanifest", "application/manifest+json");
   server_->Get("/", explain_missing_panel(panel_directory));
   server_->set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
     return refuse_early(gate_, request, response);
@@ -233,6 +284,7 @@ Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::pat
   });
   server_->set_post_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
     set_caching(routes_, request, response);
+    describe_packed(request, response);
     write_down(*audit_, request, response);
   });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
@@ -257,6 +309,10 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
       parsed.headers.erase("Connection");
       parsed.set_header("Connection", "close");
     }
+    const std::string packed = is_read(parsed) ? packed_file(panel_directory_, parsed.path) : std::string();
+    may_be_packed = !packed.empty();
+    is_sent_packed = may_be_packed && takes_gzip(parsed.get_header_value("Accept-Encoding"));
+    if (is_sent_packed) parsed.path = packed;
     // What httplib would do about these can cost far more than the request: unpack a small body to gigabytes,
     // send a large answer a thousand times, compress it. Bodies are JSON whatever they are said to be.
     for (const char* name : {"Accept-Encoding", "Content-Encoding", "Content-Type", "Expect", "Range"})
@@ -264,6 +320,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     parsed.ranges.clear();
   };
   wanted_stream.reset();
+  is_sent_packed = may_be_packed = false;
   const bool is_written = server_->process_request(stream, false, is_last, prepare);
   HttpAnswer answer{stream.take_answer(), is_written && is_valid && !is_last};
   if (wanted_stream && !is_head) {

@@ -28,7 +28,8 @@ struct HttpAnswer {
 };
 
 /// From a request's bytes to its answer's: cpp-httplib without its sockets. Routes come first to last, and
-/// what none of them matches is looked for among the panel's files.
+/// what none of them matches is looked for among the panel's files. A file that the panel's build has packed,
+/// NAME.gz beside NAME, is sent so to clients that take it; nothing is packed here.
 class Router {
  public:
   /// `gate` must outlive the router. Without the panel's directory its address says how to build the panel.
@@ -56,6 +57,7 @@ class Router {
 
   Gate& gate_;
   const std::vector<Route> routes_;
+  const std::filesystem::path panel_directory_;
   std::vector<std::regex> stream_paths_;
   const std::unique_ptr<AuditLog> audit_ = std::make_unique<AuditLog>();
   const std::unique_ptr<HttpServer> server_;

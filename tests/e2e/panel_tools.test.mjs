@@ -5,7 +5,6 @@ import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { cpSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import { userInfo } from 'node:os';
@@ -13,7 +12,7 @@ import { promisify } from 'node:util';
 import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, frameNumber, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
 import { textOfPdf } from './pdf.mjs';
 import { detectionOf, geometryOf } from './protobuf.mjs';
-import { becomes, createService, root } from './service.mjs';
+import { becomes, createService, root, upgradePanel } from './service.mjs';
 
 const GROUP = '239.255.77.91';
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
@@ -220,11 +219,9 @@ describe('tools', () => {
       assert.equal(await page.evaluate(() => window.before), true, 'the same panel is not loaded again');
 
       await service.stop();
-      const { panel: old } = service;
-      service.panel = join(service.folder, 'newer-panel');
-      cpSync(old, service.panel, { recursive: true });
-      const index = join(service.panel, 'index.html');
-      writeFileSync(index, `${readFileSync(index, 'utf8')}<!-- newer -->`);
+      const { panelFolder: old } = service;
+      service.panelFolder = join(service.folder, 'newer-panel');
+      upgradePanel(old, service.panelFolder);
       try {
         await service.start();
         await page.waitForFunction(() => window.before === undefined);
@@ -233,7 +230,7 @@ describe('tools', () => {
         assert.match(page.url(), /#\/kiosk$/);
       } finally {
         await service.stop();
-        service.panel = old;
+        service.panelFolder = old;
       }
     }));
   });

@@ -6,7 +6,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -56,6 +56,19 @@ export async function freeUdpPort() {
   return port;
 }
 
+/** A copy of a built panel in `to` as another version would be: its entry is `assets/index-upgraded.js`. */
+export function upgradePanel(built, to) {
+  cpSync(built, to, { recursive: true });
+  const entry = readdirSync(join(to, 'assets')).find((name) => /^index-.*\.js$/.test(name));
+  for (const file of readdirSync(to, { recursive: true })) {
+    if (file.endsWith('.gz')) rmSync(join(to, file));
+    if (!/\.(html|js)$/.test(file)) continue;
+    writeFileSync(join(to, file), readFileSync(join(to, file), 'utf8').replaceAll(entry, 'index-upgraded.js').replace(/"[0-9a-f]{16}"/, '"0123456789abcdef"'));
+  }
+  copyFileSync(join(to, 'assets', entry), join(to, 'assets/index-upgraded.js'));
+  rmSync(join(to, 'assets', entry));
+}
+
 /** The demo with packets to `group`; nothing runs yet. `settings` may be changed before the start. */
 export async function createService(group) {
   const folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-panel.'));
@@ -77,7 +90,7 @@ export async function createService(group) {
     stateFolder,
     settings,
     /** The built panel that it serves. */
-    panel: join(root, 'webui/dist'),
+    panelFolder: join(root, 'webui/dist'),
     /** What it said since it was started. */
     log: () => log.join('\n'),
     pid: () => daemon.pid,
@@ -87,7 +100,7 @@ export async function createService(group) {
     async start() {
       mkdirSync(stateFolder, { recursive: true });
       writeFileSync(settingsFile, JSON.stringify(settings));
-      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panel, '--files', join(root, 'tests')], {
+      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panelFolder, '--files', join(root, 'tests')], {
         env: { ...process.env, STATE_DIRECTORY: stateFolder },
         stdio: ['ignore', 'ignore', 'pipe'],
       });

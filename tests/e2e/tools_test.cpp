@@ -364,6 +364,8 @@ TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
 
   daemon_.set("/cameras/1/source", {{"backend", "files"}, {"path", source_path("/tests/no/such")}});
   daemon_.wait_for_status([](const Json& status) { return status["cameras"][1]["state"] == "lost"; });
+  EXPECT_THAT(answer({"cameras", "reopen", "1"}), HasSubstr("\n 1  +x half  lost "));
+  EXPECT_THAT(ask({"cameras", "reopen", "0"}).output, HasSubstr("camera 0 is open"));
   const Finished alerts = ask({"alerts"});
   EXPECT_EQ(alerts.exit_code, 1);
   EXPECT_EQ(alerts.output.substr(0, 6), "bad   ") << alerts.output;

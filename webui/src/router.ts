@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pages by the address behind the hash, "#/camera/1", so that any file server can serve the panel.
-import { computed, defineAsyncComponent, ref, type Component } from 'vue';
+import { computed, ref, type Component } from 'vue';
 import type { IconName } from './components/icons';
+import { lazyPage } from './lazyPage';
 import OverviewPage from './pages/overview/OverviewPage.vue';
 
 export interface Page {
@@ -18,14 +19,14 @@ export interface Page {
 /** The pages in the order of the rail; the first is where a visitor lands. Others than the first load when opened. */
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
-  { name: 'camera', title: 'Camera', icon: 'camera', component: defineAsyncComponent(() => import('./pages/camera/CameraPage.vue')) },
-  { name: 'colours', title: 'Colours', icon: 'palette', component: defineAsyncComponent(() => import('./pages/colours/ColoursPage.vue')) },
-  { name: 'calibration', title: 'Calibration', icon: 'target', component: defineAsyncComponent(() => import('./pages/calibration/CalibrationPage.vue')) },
-  { name: 'settings', title: 'Settings', icon: 'sliders', component: defineAsyncComponent(() => import('./pages/settings/SettingsPage.vue')) },
-  { name: 'field', title: 'Field', icon: 'network', component: defineAsyncComponent(() => import('./pages/field/FieldPage.vue')) },
-  { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: defineAsyncComponent(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
-  { name: 'kiosk', title: 'Kiosk', icon: 'fullscreen', component: defineAsyncComponent(() => import('./pages/kiosk/KioskPage.vue')), isAside: true, isAlone: true },
-  { name: 'api', title: 'Interface', icon: 'link', component: defineAsyncComponent(() => import('./pages/api/ApiPage.vue')), isAside: true },
+  { name: 'camera', title: 'Camera', icon: 'camera', component: lazyPage(() => import('./pages/camera/CameraPage.vue')) },
+  { name: 'colours', title: 'Colours', icon: 'palette', component: lazyPage(() => import('./pages/colours/ColoursPage.vue')) },
+  { name: 'calibration', title: 'Calibration', icon: 'target', component: lazyPage(() => import('./pages/calibration/CalibrationPage.vue')) },
+  { name: 'settings', title: 'Settings', icon: 'sliders', component: lazyPage(() => import('./pages/settings/SettingsPage.vue')) },
+  { name: 'field', title: 'Field', icon: 'network', component: lazyPage(() => import('./pages/field/FieldPage.vue')) },
+  { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: lazyPage(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
+  { name: 'kiosk', title: 'Kiosk', icon: 'fullscreen', component: lazyPage(() => import('./pages/kiosk/KioskPage.vue')), isAside: true, isAlone: true },
+  { name: 'api', title: 'Interface', icon: 'link', component: lazyPage(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 
 const hash = ref(location.hash);

@@ -54,11 +54,28 @@ void add_watch(CommandLine& line) {
 }
 
 void add_cameras(CommandLine& line) {
-  const auto as_json = std::make_shared<bool>(false);
-  CLI::App* command = line.app.add_subcommand("cameras", "the cameras, a line for each");
-  add_json_flag(command, *as_json);
-  line.on(command, [&line, as_json] {
-    print_answer(line.client().get_json("/api/cameras"), *as_json, cameras_text);
+  struct Options {
+    int camera_id = 0;
+    bool as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* cameras = line.app.add_subcommand("cameras", "the cameras, a line for each");
+  cameras->require_subcommand(0, 1);
+  add_json_flag(cameras, o->as_json);
+  cameras->callback([&line, o, cameras] {
+    if (!cameras->get_subcommands().empty()) return;
+    line.act = [&line, o] {
+      print_answer(line.client().get_json("/api/cameras"), o->as_json, cameras_text);
+      return EXIT_SUCCESS;
+    };
+  });
+  CLI::App* reopen = cameras->add_subcommand("reopen", "try now to open a camera that is lost");
+  reopen->add_option("camera", o->camera_id, "id of the camera")->required();
+  add_json_flag(reopen, o->as_json);
+  line.on(reopen, [&line, o] {
+    const std::string path = fmt::format("/api/cameras/{}/reopen", o->camera_id);
+    print_answer(line.client().post(path, Json::object()), o->as_json,
+                 [](const Json& camera) { return cameras_text(Json::array({camera})); });
     return EXIT_SUCCESS;
   });
 }

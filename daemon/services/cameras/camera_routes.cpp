@@ -109,6 +109,22 @@ Response set_control(const CameraRoutes& of, const Request& request) {
   return json_response(control);
 }
 
+/// The answer does not wait for the camera: what comes of it is in the status.
+Response reopen_camera(const CameraRoutes& of, const Request& request) {
+  const auto camera = camera_of(of, request);
+  const int id = camera->settings()->id;
+  switch (camera->try_now()) {
+    case CameraState::kLost: break;
+    case CameraState::kOpening: throw HttpError(409, fmt::format("camera {} is being opened", id));
+    case CameraState::kRunning: throw HttpError(409, fmt::format("camera {} is open", id));
+    case CameraState::kEnded: throw HttpError(409, fmt::format("the recording of camera {} has ended", id));
+  }
+  log::info("camera {}: {} asked to open it again", id, request.address);
+  of.events.add(
+      {"camera_reopen_asked", fmt::format("Asked to open camera {} again", id), request.address, id});
+  return json_response(camera_json(*camera, camera->health()));
+}
+
 Response get_field_view(const CameraRoutes& of, const Request& request) {
   return json_response(field_view_json(camera_of(of, request)->pipeline().setup()->context.field_view.get()));
 }
@@ -156,6 +172,8 @@ std::vector<Route> camera_routes(const CameraRoutes& of) {
        true},
       {"GET", R"(/api/cameras/(\d+)/controls)", about(get_controls)},
       {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", about(set_control)},
+      // A camera may be lost in a match, too.
+      {"POST", R"(/api/cameras/(\d+)/reopen)", about(reopen_camera), Needs::kChange},
       {"GET", R"(/api/cameras/(\d+)/field_view)", about(get_field_view)},
       {"GET", "/api/timeline",
        [of](const Request& request) {

@@ -5,6 +5,7 @@
 
 #include "health/timeline.h"
 #include "services/cameras/running_camera.h"
+#include "services/event.h"
 #include "web/route.h"
 
 #include <functional>
@@ -19,6 +20,7 @@ struct CameraRoutes {
   ViewSource& views;
   const Timeline& timeline;
   std::function<std::shared_ptr<RunningCamera>(int id)> find;  // null: there is no such camera
+  EventQueue& events;
 };
 
 std::vector<Route> camera_routes(const CameraRoutes& of);

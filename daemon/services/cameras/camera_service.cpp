@@ -116,9 +116,10 @@ std::vector<SupportFile> CameraService::support_files() const {
 }
 
 std::vector<Route> CameraService::routes() {
-  return camera_routes({.views = cameras_, .timeline = watch_.timeline(), .find = [this](int id) {
-                          return cameras_.find(id);
-                        }});
+  return camera_routes({.views = cameras_,
+                        .timeline = watch_.timeline(),
+                        .find = [this](int id) { return cameras_.find(id); },
+                        .events = events_});
 }
 
 }  // namespace sslv

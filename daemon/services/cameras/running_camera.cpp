@@ -118,6 +118,11 @@ bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
   return true;
 }
 
+CameraState RunningCamera::try_now() const {
+  const std::lock_guard lock(thread_mutex_);
+  return thread_->try_now();
+}
+
 CameraHealth RunningCamera::health() const {
   CameraHealth health;
   {

@@ -57,6 +57,9 @@ class RunningCamera {
   /// See Cameras::change_light. Not while another thread is in commit().
   bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> adapted);
 
+  /// See CameraThread::try_now().
+  CameraState try_now() const;
+
   std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
   /// Its counts come from the totals.
   CameraHealth health() const;

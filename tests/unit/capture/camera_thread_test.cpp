@@ -280,6 +280,29 @@ TEST_F(CameraThreadTest, TriesUntilItCanBeOpened) {
   EXPECT_EQ(camera_->wait_for_attempts(6), 6);
 }
 
+TEST_F(CameraThreadTest, ALostCameraIsTriedAgainWhenAsked) {
+  camera_->refuse(2);
+  camera_->play({kImage});
+  const auto thread = start({std::chrono::hours(1), std::chrono::hours(1)});
+  wait_for(*thread, state(CameraState::kLost));
+  EXPECT_EQ(thread->try_now(), CameraState::kLost);
+  EXPECT_EQ(camera_->wait_for_attempts(2), 2) << "it was refused again";
+  while (thread->try_now() == CameraState::kLost) std::this_thread::yield();
+  EXPECT_EQ(wait_for(*thread, frames(1)).state, CameraState::kRunning);
+}
+
+TEST_F(CameraThreadTest, OneThatRunsOrHasEndedGoesOnWhenItIsToBeTriedAgain) {
+  camera_->play({kImage});
+  const auto thread = start();
+  wait_for(*thread, frames(1));
+  EXPECT_EQ(thread->try_now(), CameraState::kRunning);
+  camera_->play({kImage, kEnd});
+  EXPECT_EQ(wait_for(*thread, state(CameraState::kEnded)).frames, 2U);
+  EXPECT_EQ(thread->try_now(), CameraState::kEnded);
+  thread->stop();
+  EXPECT_EQ(camera_->wait_for_attempts(1), 1) << "it was not opened again";
+}
+
 TEST_F(CameraThreadTest, TreatsASourceThatThrowsAsLost) {
   camera_->play({throwing("a defect"), kImage});
   const auto thread = start();

@@ -304,6 +304,14 @@ TEST_F(Api, CalibrationOfCamerasTogetherSaysWhatIsWrongWithARequest) {
   EXPECT_EQ(ask("POST", path + "/revert").status, 404);
 }
 
+TEST_F(Api, OnlyACameraThatIsLostCanBeReopened) {
+  wait_for_frame();
+  EXPECT_EQ(ask("POST", "/api/cameras/9/reopen").status, 404);
+  const Reply open = ask("POST", "/api/cameras/0/reopen");
+  EXPECT_EQ(open.status, 409);
+  EXPECT_THAT(open.body, HasSubstr("camera 0 is open"));
+}
+
 TEST_F(Api, ControlsSayWhatIsWrongWithARequest) {
   const std::string path = "/api/cameras/0/controls";
   wait_for_frame();

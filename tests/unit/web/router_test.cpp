@@ -318,6 +318,42 @@ TEST_F(RouterTest, TheClientDecidesWhetherItsConnectionIsKept) {
   EXPECT_THAT(router_.answer("GET / HTTP/1.0\r\n\r\n", "").bytes, HasSubstr("Connection: close\r\n"));
 }
 
+TEST_F(RouterTest, AFileThatWasPackedIsSentSoToThoseWhoTakeIt) {
+  const auto pack = [&](const std::string& name) {
+    std::ofstream(folder_ / "panel" / (name + ".gz")) << "packed";
+  };
+  pack("assets/index-1a2b3c.js");
+  pack("index.html");
+  std::ofstream(folder_ / "secret.txt.gz") << "packed";
+  std::ofstream(folder_ / "panel/panel.webmanifest") << "{}";
+  const auto get = [&](const std::string& path, const std::string& codings,
+                       const std::string& method = "GET") {
+    return ask(method, path, "", codings.empty() ? "" : "Accept-Encoding: " + codings + "\r\n");
+  };
+  const Answer script = get("/assets/index-1a2b3c.js", "gzip, deflate, br");
+  EXPECT_EQ(script.body, "packed");
+  EXPECT_THAT(script.header,
+              AllOf(HasSubstr("Content-Encoding: gzip\r\n"), HasSubstr("Content-Type: text/javascript\r\n"),
+                    HasSubstr("Vary: Accept-Encoding\r\n"), HasSubstr("immutable\r\n"),
+                    Not(HasSubstr("application/gzip"))));
+  EXPECT_THAT(get("/", "gzip").header,
+              AllOf(HasSubstr("Content-Type: text/html\r\n"), HasSubstr("Cache-Control: no-cache\r\n")));
+  EXPECT_EQ(get("/?x=1", "br;q=1, GZIP;q=0.5").body, "packed");
+  EXPECT_THAT(get("/", "gzip", "HEAD").header, HasSubstr("Content-Length: 6\r\n"));
+  for (const char* codings : {"", "br", "gzip;q=0", "x-gzip", "gzip;q=0.000"}) {
+    const Answer plain = get("/", codings);
+    EXPECT_EQ(plain.body, "<!doctype html>") << codings;
+    EXPECT_THAT(plain.header,
+                AllOf(HasSubstr("Vary: Accept-Encoding\r\n"), Not(HasSubstr("Content-Encoding"))));
+  }
+  EXPECT_EQ(get("/favicon.svg", "gzip").body, "<svg/>") << "not packed";
+  EXPECT_THAT(get("/assets/index-1a2b3c.js.gz", "gzip").header, Not(HasSubstr("Content-Encoding")));
+  EXPECT_EQ(get("/../secret.txt", "gzip").status, 404);
+  EXPECT_EQ(get("/%2e%2e/secret.txt", "gzip").status, 404);
+  EXPECT_EQ(ask("POST", "/", "", "Accept-Encoding: gzip\r\n").status, 405);
+  EXPECT_THAT(get("/panel.webmanifest", "").header, HasSubstr("Content-Type: application/manifest+json\r\n"));
+}
+
 TEST_F(RouterTest, HeadIsGetWithoutTheBody) {
   const Answer head = ask("HEAD", "/api/schema"), file = ask("HEAD", "/");
   EXPECT_THAT(head.header, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("Content-Length: 17\r\n")));

@@ -13,6 +13,8 @@ export interface SocketEvents {
 
 /** The daemon speaks twice a second; a connection this silent is dead, even if TCP has not noticed. */
 const SILENCE_MS = 6000;
+/** Over a link that is known to be slow, one image may take this long. */
+const SLOW_SILENCE_MS = 15_000;
 
 export class PanelSocket {
   private socket: WebSocket | null = null;
@@ -21,7 +23,7 @@ export class PanelSocket {
   private readonly watchdog: ReturnType<typeof setInterval>;
   private ended = false;
 
-  constructor(private readonly url: string, private readonly events: SocketEvents) {
+  constructor(private readonly url: string, private readonly events: SocketEvents, private readonly isSlow: () => boolean = () => false) {
     this.connect();
     this.watchdog = setInterval(() => this.checkSilence(), 1000);
   }
@@ -36,6 +38,9 @@ export class PanelSocket {
   get isOpen(): boolean {
     return this.socket?.readyState === WebSocket.OPEN;
   }
+
+  /** When anything came last, on the browser's monotonic clock; of a new connection, when it was asked for. */
+  get heardAt(): number { return this.lastMessage; }
 
   send(message: ClientMessage): void {
     if (this.isOpen) this.socket!.send(JSON.stringify(message));
@@ -72,7 +77,7 @@ export class PanelSocket {
 
   private checkSilence(): void {
     const socket = this.socket;
-    if (!socket || performance.now() - this.lastMessage < SILENCE_MS) return;
+    if (!socket || performance.now() - this.lastMessage < (this.isSlow() ? SLOW_SILENCE_MS : SILENCE_MS)) return;
     // close() on a dead link waits long for its answer, so the link is given up first.
     this.lost(socket);
     socket.close();

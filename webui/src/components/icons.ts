@@ -6,6 +6,7 @@ const circle = (x: number, y: number, r: number) => `M${x - r} ${y}a${r} ${r} 0 
 export const icons = {
   activity: 'M3 12h4l3-8 4 16 3-8h4',
   ball: circle(12, 12, 5),
+  bell: 'M6.5 16.5V11a5.5 5.5 0 0 1 11 0v5.5l1.5 2H5zM10 20.5h4',
   box: 'M4 8V4h4M16 4h4v4M20 16v4h-4M8 20H4v-4M11 4h2M11 20h2M4 11v2M20 11v2',
   brush: 'M20 4c-5 2-9 6-10.5 9.5l1.5 1.5C15 13.5 19 9 20 4zM8.5 14.5c-2.5 0-3 2-3.3 3.3-.2.9-.7 1.5-1.7 1.7 2.5 1.3 6.5.5 6.5-3.5',
   camera: `M4 8.5A1.5 1.5 0 0 1 5.5 7H8l1.5-2.5h5L16 7h2.5A1.5 1.5 0 0 1 20 8.5v9a1.5 1.5 0 0 1-1.5 1.5h-13A1.5 1.5 0 0 1 4 17.5z${circle(12, 13, 3.4)}`,

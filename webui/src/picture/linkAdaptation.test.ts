@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { adapt, EFFORTS, LINK_START, type LinkPeriod, type LinkState } from './linkAdaptation';
+import { adapt, EFFORTS, isStarved, LINK_START, type LinkPeriod, type LinkState } from './linkAdaptation';
 
 const fine: LinkPeriod = { delayMs: 20, fps: 29, wantedFps: 30 };
 const after = (state: LinkState, ...periods: LinkPeriod[]) => periods.reduce(adapt, state);
@@ -15,7 +15,17 @@ describe('adaptation to the link', () => {
     const late = (delayMs: number) => ({ ...fine, delayMs });
     expect(after(LINK_START, fine, late(130)).effort).toBe(1);
     expect(after(LINK_START, fine, late(500), late(300), late(200)).effort).toBe(3);
+    expect(after(LINK_START, fine, late(1500)).effort).toBe(EFFORTS.length - 1);
     expect(after(LINK_START, fine, ...times(300, late(9999))).effort).toBe(EFFORTS.length - 1);
+  });
+
+  it('says when even the smallest images do not do', () => {
+    const few = { ...fine, fps: 5 };
+    expect(isStarved(LINK_START, few)).toBe(false);
+    const smallest = { ...LINK_START, effort: EFFORTS.length - 1, floorMs: 20 };
+    expect(isStarved(smallest, few)).toBe(true);
+    expect(isStarved(smallest, { ...fine, delayMs: 400 })).toBe(true);
+    expect(isStarved(smallest, fine)).toBe(false);
   });
 
   it('takes no smaller ones for a while where that does not help', () => {

@@ -46,6 +46,8 @@ export const LINK_START: LinkState = { effort: 0, floorMs: Infinity, good: 0, pa
 
 const LATE_MS = 100;
 const EASY_MS = 40;
+/** So late, no image but the smallest will do. */
+const VERY_LATE_MS = 1000;
 const SELDOM = 0.6;
 const OFTEN = 0.8;
 /** The floor rises by this with each period, so that one lucky image, or another clock, does not count for ever. */
@@ -55,6 +57,13 @@ const MOST_PATIENCE = 64;
 /** Where smaller images changed less than this, it is not the link (a slow computer), and still smaller ones wait this long. */
 const HELPED = 0.87;
 const HOLD = 20;
+
+/** Where the link is known to be slow, the first image is small: a large one would hold up everything else for seconds. */
+export const SLOW_START: LinkState = { ...LINK_START, effort: EFFORTS.length - 1 };
+
+/** Whether even the smallest images come late or seldom. */
+export const isStarved = ({ effort, floorMs }: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): boolean =>
+  effort === EFFORTS.length - 1 && (delayMs - floorMs > LATE_MS || fps < SELDOM * wantedFps);
 
 /** What to do after one more period. */
 export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): LinkState {
@@ -67,7 +76,7 @@ export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod)
     if (!helped) return { ...state, floorMs, good: 0, sinceRaise, lowered };
     const failed = sinceRaise <= FAILED_AFTER;
     return {
-      effort: Math.min(state.effort + 1, EFFORTS.length - 1), floorMs, good: 0, sinceRaise: Infinity, lowered: { delayMs, fps, ago: 0 },
+      effort: above > VERY_LATE_MS ? EFFORTS.length - 1 : Math.min(state.effort + 1, EFFORTS.length - 1), floorMs, good: 0, sinceRaise: Infinity, lowered: { delayMs, fps, ago: 0 },
       patience: failed ? Math.min(state.patience * 2, MOST_PATIENCE) : state.patience,
     };
   }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Watches how images come and says what to ask for.
-import { computed, shallowRef } from 'vue';
-import { adapt, EFFORTS, LINK_START } from './linkAdaptation';
+import { computed, onUnmounted, shallowRef } from 'vue';
+import { isLinkSlow, setStarved } from '../state/live';
+import { adapt, EFFORTS, isStarved, LINK_START, SLOW_START } from './linkAdaptation';
 import type { Shown } from './useLivePicture';
 
 const PERIOD_MS = 1000;
@@ -9,7 +10,7 @@ const PERIOD_MS = 1000;
 const GAP_MS = 700;
 
 export function useLinkAdaptation(wantedFps: () => number) {
-  const state = shallowRef(LINK_START);
+  const state = shallowRef(isLinkSlow.value ? SLOW_START : LINK_START);
   let period: Shown[] = [];
 
   function count(shown: Shown): void {
@@ -19,12 +20,11 @@ export function useLinkAdaptation(wantedFps: () => number) {
     const lasted = shown.at - period[0]!.at;
     if (lasted < PERIOD_MS) return;
     const delays = period.map(({ delayMs }) => delayMs).sort((a, b) => a - b);
-    state.value = adapt(state.value, {
-      delayMs: delays[Math.floor(delays.length / 2)]!,
-      fps: (period.length - 1) / (lasted / 1000),
-      wantedFps: wantedFps(),
-    });
+    const judged = { delayMs: delays[Math.floor(delays.length / 2)]!, fps: (period.length - 1) / (lasted / 1000), wantedFps: wantedFps() };
+    setStarved(state, isStarved(state.value, judged));
+    state.value = adapt(state.value, judged);
     period = [shown];
   }
+  onUnmounted(() => setStarved(state, false));
   return { count, effort: computed(() => EFFORTS[state.value.effort]!) };
 }

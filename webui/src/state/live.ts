@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the daemon said last, and whether that is still worth showing.
-import { computed, ref, shallowRef } from 'vue';
+import { computed, ref, shallowReactive, shallowRef } from 'vue';
 import { api } from '../api/client';
 import { PanelSocket } from '../api/socket';
 import type { Detections, PreviewRequest, Status, Timeline } from '../api/types';
 import type { PreviewMessage } from '../api/messages';
 import { mergeBalls, mergeRobots, type SeenBall, type SeenRobot } from '../field/merge';
 import { History, HISTORY_MS } from './history';
+import { LinkMeter } from './linkMeter';
 
 /** After this long without news nothing is shown as live any more. */
 export const STALE_MS = 3000;
+/** The same over a link that is known to be slow: without a word of any kind, and without a status. */
+const SLOW_STALE_MS = 6000;
+const SLOW_STATUS_MS = 12_000;
+/** With the next status this late, the link is slow or dead; which of them, time tells. */
+const LATE_STATUS_MS = 1800;
 /** A camera's objects leave the field map after this long without news of that camera. */
 const OBJECTS_MS = 1000;
 
@@ -19,7 +25,25 @@ export const now = ref(performance.now());
 export const isOpen = ref(false);
 
 export const silentSeconds = computed(() => Math.max(0, (now.value - lastStatusAt.value) / 1000));
-export const isStale = computed(() => now.value - lastStatusAt.value >= STALE_MS);
+const meter = new LinkMeter();
+/** As the statuses so far tell it. */
+const areStatusesLate = ref(false);
+/** Views to which even the smallest images come late or seldom. */
+const starved = shallowReactive(new Set<object>());
+const isKnownSlow = computed(() => areStatusesLate.value || starved.size > 0);
+export function setStarved(view: object, is: boolean): void {
+  if (is) starved.add(view);
+  else starved.delete(view);
+}
+/** When the connection said anything last. */
+const heardAt = ref(0);
+export const isStale = computed(() => {
+  const silentMs = now.value - lastStatusAt.value;
+  if (!isOpen.value || !isKnownSlow.value) return silentMs >= STALE_MS;
+  return now.value - heardAt.value >= SLOW_STALE_MS || silentMs >= SLOW_STATUS_MS;
+});
+/** What the service says comes late or seldom; that it is silent is something else. */
+export const isLinkSlow = computed(() => !isStale.value && lastStatus.value !== null && isOpen.value && (isKnownSlow.value || now.value - lastStatusAt.value >= LATE_STATUS_MS));
 
 /** The last status whatever its age: for names and shapes, never for live numbers. */
 export const knownStatus = computed(() => lastStatus.value);
@@ -29,6 +53,9 @@ export const liveStatus = computed(() => (isStale.value ? null : lastStatus.valu
 export type Connection = 'connecting' | 'live' | 'stale';
 export const connection = computed<Connection>(() =>
   isStale.value ? 'stale' : lastStatus.value && isOpen.value ? 'live' : 'connecting');
+
+/** In the place of what the service has not said yet. */
+export const waitingText = computed(() => (isStale.value ? 'The service is out of reach. The panel tries again by itself.' : 'Connecting to ssl-visiond…'));
 
 export const history = new History();
 /** Grows with every status, so that computed values built on the history follow it. */
@@ -72,12 +99,8 @@ function onDetections(data: Detections): void {
   requestAnimationFrame(gatherObjects);
 }
 
-/**
- * The daemon's clock minus ours, at least: the fastest status of late tells it best.
- * What the network takes at its fastest cannot be told apart from a clock that is behind.
- */
-const clockSamples: number[] = [];
-const CLOCK_SAMPLES = 60;
+/** Of each camera, how many images the service had when its number grew last, and the uptime then. */
+const growths = new Map<number, { frames: number; uptime_s: number }>();
 
 /** The connection is new: what was measured before it is asked for once the clocks can be compared. */
 let hasGap = false;
@@ -92,8 +115,10 @@ async function fillGap(daemonTime: number, at: number): Promise<void> {
 
 function onStatus(status: Status): void {
   const at = performance.now();
-  clockSamples.push(status.time - Date.now() / 1000);
-  if (clockSamples.length > CLOCK_SAMPLES) clockSamples.shift();
+  meter.heard(status.uptime_s * 1000, at);
+  areStatusesLate.value = meter.isSlow;
+  for (const { id, frames } of status.cameras)
+    if (growths.get(id)?.frames !== frames) growths.set(id, { frames, uptime_s: status.uptime_s });
   history.record(status, at);
   historyVersion.value++;
   steadyObjects.value = fieldObjects.value;
@@ -103,10 +128,20 @@ function onStatus(status: Status): void {
   hasGap = false;
 }
 
-/** Seconds since a moment on the daemon's clock. */
+/**
+ * Seconds since a moment on the daemon's clock, at least: the fastest status of late tells what that says now. What the
+ * network takes at its fastest cannot be told apart from a clock that is behind.
+ */
 export function ageOf(daemonTime: number): number {
-  if (!clockSamples.length) return 0;
-  return Math.max(0, Date.now() / 1000 + Math.max(...clockSamples) - daemonTime);
+  const uptimeMs = meter.uptimeMs(performance.now());
+  const status = lastStatus.value;
+  if (uptimeMs === null || !status) return 0;
+  return Math.max(0, status.time - status.uptime_s + uptimeMs / 1000 - daemonTime);
+}
+
+/** Seconds for which the service itself had no new image of a camera, at its last status. */
+export function imageGapAtService(camera: number): number {
+  return Math.max(0, (lastStatus.value?.uptime_s ?? 0) - (growths.get(camera)?.uptime_s ?? 0));
 }
 
 export type PreviewListener = (message: PreviewMessage) => void;
@@ -150,7 +185,7 @@ export function openLine(): PictureLine & { end(): void } {
     text() {},
     preview(message) { wanted?.listener(message); },
     closed() {},
-  });
+  }, () => isKnownSlow.value);
   return {
     start(request, listener) {
       wanted = { request, listener };
@@ -177,6 +212,7 @@ export function connect(): void {
     open() {
       isOpen.value = true;
       hasGap = true;
+      meter.opened();
       socket!.send({ subscribe: ['status', 'detections'] });
       for (const { request } of previews.values()) socket!.send({ preview: request });
     },
@@ -191,9 +227,10 @@ export function connect(): void {
     closed() {
       isOpen.value = false;
     },
-  });
+  }, () => isKnownSlow.value);
   setInterval(() => {
     now.value = performance.now();
+    heardAt.value = socket!.heardAt;
     if (detections.size) gatherObjects();
   }, 250);
 }

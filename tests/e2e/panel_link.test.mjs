@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel over links that are slow or cut, and what it tells somebody who does not look at it. A proxy stands between
+// the real service and the browser.
+import assert from 'node:assert/strict';
+import { copyFileSync, rmSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, afterEach, beforeEach, describe, it } from 'node:test';
+import { accessible, byId, createBrowser, DESKTOP, live, PHONE, phone, picturesGoOn, textBecomes, views } from './browser.mjs';
+import { becomes, createService, root, upgradePanel } from './service.mjs';
+import { createLink } from './slow_link.mjs';
+
+const service = await createService('239.255.77.91');
+const link = await createLink(() => service.settings.panel.port);
+const browser = createBrowser({ ...service, address: link.address });
+
+const linkIs = (page, state) => page.waitForSelector(`${byId('connection')}[data-link="${state}"]`);
+/** Of the whole page, as it is now. */
+const troubles = (page) => page.locator(byId('picture-trouble')).allTextContents();
+
+/** A camera from a file that is not there (yet). */
+const picture = join(service.folder, 'camera.jpg');
+const noFiles = () => service.patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: picture, loop: true, frame_rate_hz: 20 } });
+/** The history, which is written once a second. */
+const events = async () => (await (await fetch(service.address('api/events'))).json()).entries;
+const isLost = () => service.statusBecomes(({ cameras }) => cameras[1].state === 'lost');
+
+/** An open page whose errors are expected: what cannot be loaded is told in the console. */
+async function onPage(path, test, { viewport = DESKTOP, options = {}, prepare = () => {} } = {}) {
+  const { page, strangers } = await browser.openPage(viewport, options);
+  try {
+    await prepare(page);
+    await page.goto(link.address(path));
+    await test(page);
+    assert.deepEqual(strangers, [], 'requests to other hosts');
+  } finally {
+    await page.context().close();
+  }
+}
+
+/** Waits until the service worker has taken the page's files. */
+const kept = (page) => page.waitForFunction(() => navigator.serviceWorker?.controller !== null && navigator.serviceWorker !== undefined);
+
+// Else this process would not end.
+after(() => link.end());
+
+describe('panel over a bad link', () => {
+  browser.aroundTests(() => {});
+  beforeEach(async () => {
+    link.mend();
+    link.limit(Infinity);
+    await service.restore();
+  });
+  afterEach(() => link.limit(Infinity));
+
+  for (const kbps of [1000, 200]) {
+    it(`says "Slow link" at ${kbps} kbit/s and calls no camera lost, but one that is`, () => onPage('', async (page) => {
+      await linkIs(page, 'slow');
+      await textBecomes(page, 'connection', /^Slow link$/);
+      for (let i = 0; i < 20; i++) {
+        const said = await troubles(page);
+        assert.ok(said.every((text) => /^(Slow link|Waiting|No data)/.test(text)), `no camera is blamed: ${said}`);
+        assert.equal(await page.locator('.tile.bad').count(), 0);
+        await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 100); }));
+      }
+      await noFiles();
+      await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.includes('Camera lost'), `${byId('camera-tile-1')} ${byId('picture-trouble')}`);
+    }, { prepare: () => link.limit(kbps) }));
+  }
+
+  it('says "Slow link" beside the verdict on other pages, on a phone, too', browser.withPage(PHONE, '#/camera/0', phone, async (page) => {
+    await picturesGoOn(page, 0, 1);
+    link.limit(200);
+    await textBecomes(page, 'connection', /GO.*Slow link$/);
+    await accessible(page, 'a slow link');
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `the page is ${wide} px too wide`);
+  }));
+
+  for (const hasWorker of [false, true]) {
+    it(`opens a page by itself when the link is back, ${hasWorker ? 'and at once where the browser keeps files' : 'in a browser that keeps no files'}`, () => onPage('', async (page) => {
+      await live(page);
+      if (hasWorker) await kept(page);
+      link.cut();
+      await page.evaluate(() => { location.hash = '#/diagnostics'; });
+      if (hasWorker) {
+        await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
+      } else {
+        await page.waitForSelector(`${byId('page-loading')}:has-text("opens by itself when the link is back")`);
+      }
+      link.mend();
+      await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
+      await live(page);
+      // With its styles.
+      await page.waitForFunction(() => {
+        try {
+          return [...document.querySelectorAll('link[rel="stylesheet"]')].some(({ href, sheet }) => href.includes('DiagnosticsPage') && sheet?.cssRules.length > 0);
+        } catch {
+          return false; // one that did not come
+        }
+      });
+    }, { options: { serviceWorkers: hasWorker ? 'allow' : 'block' } }));
+  }
+
+  it('opens from what the browser keeps, says that the service is out of reach, and goes on when it is back', () => onPage('', async (page) => {
+    await live(page);
+    await kept(page);
+    link.cut();
+    await page.reload();
+    await page.waitForSelector('text=The service is out of reach. The panel tries again by itself.');
+    for (const hash of ['camera/0', 'colours', 'calibration', 'settings', 'field', 'diagnostics', 'api']) {
+      await page.evaluate((to) => { location.hash = `#/${to}`; }, hash);
+      await page.waitForFunction(() => !document.querySelector('[data-testid="page-loading"]') && document.querySelector('main h1, main .card'));
+    }
+    const names = await page.evaluate(async () => (await Promise.all((await caches.keys()).map(async (name) => (await (await caches.open(name)).keys()).map(({ url }) => new URL(url).pathname)))).flat());
+    assert.ok(names.includes('/') && names.some((name) => name.startsWith('/assets/cubeView')), `all is kept: ${names}`);
+    assert.deepEqual(names.filter((name) => name.startsWith('/api')), [], 'nothing of the interface is kept');
+    link.mend();
+    await live(page);
+  }));
+
+  for (const [what, prepare] of [
+    ['has no room for files', () => { CacheStorage.prototype.open = () => Promise.reject(new DOMException('full', 'QuotaExceededError')); }],
+    ['knows no service workers', () => { Object.defineProperty(Navigator.prototype, 'serviceWorker', { get: () => undefined }); }],
+    ['has a clock that is days behind', () => { const now = Date.now; Date.now = () => now() - 3 * 86_400_000; }],
+    ['keeps nothing', () => { for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name, { get() { throw new DOMException('denied', 'SecurityError'); } }); }],
+  ]) {
+    it(`works in a browser that ${what}`, () => onPage('', async (page) => {
+      await live(page);
+      await picturesGoOn(page, 0);
+      await page.click('nav a:has-text("Camera")');
+      await picturesGoOn(page, 0);
+    }, { prepare: (page) => page.addInitScript(prepare) }));
+  }
+
+  for (const hasWorker of [false, true]) {
+    it(`takes the panel of an upgraded service by itself, in a browser that keeps ${hasWorker ? 'files' : 'none'}`, () => onPage('', async (page) => {
+      await live(page);
+      if (hasWorker) await kept(page);
+      const built = service.panelFolder;
+      const upgraded = join(service.folder, 'upgraded');
+      upgradePanel(built, upgraded);
+      await service.stop();
+      service.panelFolder = upgraded;
+      try {
+        await service.start();
+        await page.waitForSelector('script[src$="index-upgraded.js"]', { state: 'attached' });
+        await live(page);
+        await page.click('nav a:has-text("Diagnostics")');
+        await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
+      } finally {
+        await service.stop();
+        service.panelFolder = built;
+        rmSync(upgraded, { recursive: true });
+      }
+    }, { options: { serviceWorkers: hasWorker ? 'allow' : 'block' } }));
+  }
+
+  it('is at most 120 kB on its way to the Camera page', () => onPage('#/camera/0', async (page) => {
+    await picturesGoOn(page, 0, 1);
+    const files = await page.evaluate(() => [...performance.getEntriesByType('navigation'), ...performance.getEntriesByType('resource')]
+      .filter(({ name }) => !new URL(name).pathname.startsWith('/api/') && /\/$|\.(js|css|html|woff2?)$/.test(new URL(name).pathname))
+      .map(({ name, encodedBodySize }) => ({ name: new URL(name).pathname, bytes: encodedBodySize })));
+    const bytes = files.reduce((sum, file) => sum + file.bytes, 0);
+    assert.ok(files.length >= 5 && files.every((file) => file.bytes > 0), JSON.stringify(files));
+    assert.ok(bytes <= 120_000, `${bytes} bytes: ${JSON.stringify(files)}`);
+  }, { options: { serviceWorkers: 'block' } }));
+});
+
+describe('panel that nobody looks at', () => {
+  browser.aroundTests(() => {});
+  beforeEach(async () => {
+    link.mend();
+    link.limit(Infinity);
+    await service.restore();
+    rmSync(picture, { force: true });
+  });
+
+  const sign = (page) => page.evaluate(() => decodeURIComponent(document.querySelector('link[rel="icon"]').href));
+
+  /** Counts tones and notes; what the page has of a real browser is not heard. */
+  const listen = (page) => page.addInitScript(() => {
+    window.heard = { tones: 0, notes: [] };
+    const start = OscillatorNode.prototype.start;
+    OscillatorNode.prototype.start = function count(...when) { window.heard.tones++; return start.apply(this, when); };
+    window.Notification = class { constructor(title, { body }) { window.heard.notes.push(`${title}: ${body}`); } close() {} };
+    window.Notification.permission = 'default';
+    window.Notification.requestPermission = async () => { window.Notification.permission = 'granted'; return 'granted'; };
+    window.leave = () => { Object.defineProperty(document, 'visibilityState', { get: () => 'hidden' }); };
+  });
+
+  for (const { name, viewport, options } of views) {
+    it(`tells a lost camera in title and sign, by sound and notification, and reopens it, on a ${name}`, () => onPage('', async (page) => {
+      const click = (selector) => (options.hasTouch ? page.tap(selector) : page.click(selector));
+      await live(page);
+      if (options.hasTouch) {
+        await click('button[aria-controls="more-pages"]');
+        await click(byId('away-more'));
+      } else {
+        await click(byId('away'));
+      }
+      await page.waitForSelector(`${byId('away-dialog')} h2`);
+      await click(byId('away-sound'));
+      await click(byId('away-notification'));
+      await page.waitForFunction((selector) => document.querySelector(selector).checked, byId('away-notification'));
+      await accessible(page, `alerts away from the page on a ${name}`);
+      await click(byId('away-close'));
+      await page.reload();
+      await live(page);
+      await page.mouse.click(2, 2); // a page is silent before that
+      await page.evaluate(() => { window.leave(); window.Notification.permission = 'granted'; });
+
+      await noFiles();
+      await isLost();
+      await page.waitForFunction((site) => document.title === `NO-GO · Camera 1 lost · ${site}`, service.settings.site);
+      assert.match(await sign(page), /#c8102e/, 'the sign is red');
+      await page.waitForFunction(() => window.heard.tones === 2 && window.heard.notes.length === 1);
+      assert.deepEqual(await page.evaluate(() => window.heard.notes), [`${service.settings.site}: Camera 1 lost`]);
+
+      const [tile, button] = await Promise.all([byId('camera-tile-1'), byId('reopen-1')].map((selector) => page.locator(selector).boundingBox()));
+      assert.ok(button.x >= tile.x && button.x + button.width <= tile.x + tile.width, `in its tile: ${JSON.stringify({ tile, button })}`);
+      copyFileSync(join(root, 'tests/golden/division_b.jpg'), picture);
+      await click(byId('reopen-1'));
+      await service.statusBecomes(({ cameras }) => cameras[1].state === 'running');
+      await page.waitForSelector(byId('reopen-1'), { state: 'detached' });
+      await becomes(events, (entries) => entries.some(({ title }) => title === 'Asked to open camera 1 again'));
+    }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
+  }
+
+  for (const { name, viewport, options } of views) it(`offers to reopen on the Camera page of a ${name}, and says what came of it`, () => onPage('#/camera/1', async (page) => {
+    await live(page);
+    await noFiles();
+    await isLost();
+    await page.click(byId('reopen-1'));
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `the page is ${wide} px too wide`);
+    await becomes(events, (entries) => entries.some(({ id }) => id === 'camera_reopen_asked'));
+    await page.waitForSelector(`${byId('picture-trouble')}:has-text("Tried: still lost")`);
+  }, { viewport, options }));
+
+  it('says plainly when the browser allows no notifications', () => onPage('', async (page) => {
+    await live(page);
+    await page.click(byId('away'));
+    await textBecomes(page, 'away-problem', /only over HTTPS/);
+    assert.ok(await page.isDisabled(byId('away-notification')));
+  }, { prepare: (page) => page.addInitScript(() => { Object.defineProperty(window, 'isSecureContext', { get: () => false }); }) }));
+});

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tells somebody who does not look at the page: the tab's title and sign, and by choice a sound and a notification. The choice
+// is this browser's.
+import { ref, watch, watchEffect } from 'vue';
+import type { Status } from '../api/types';
+import { page } from '../router';
+import { headline, newTrouble, sign } from './headline';
+import { isStale, knownStatus, liveStatus } from './live';
+
+type Way = 'sound' | 'notification';
+const key = (way: Way) => `away-${way}`;
+
+function stored(way: Way): boolean {
+  try {
+    return localStorage.getItem(key(way)) === 'on';
+  } catch {
+    return false;
+  }
+}
+
+export const chosen = { sound: ref(stored('sound')), notification: ref(stored('notification')) };
+export const isDialogOpen = ref(false);
+
+function choose(way: Way, on: boolean): void {
+  chosen[way].value = on;
+  try {
+    localStorage.setItem(key(way), on ? 'on' : 'off');
+  } catch {
+    // Without storage the choice lasts as long as the page.
+  }
+}
+
+let audio: AudioContext | null = null;
+/** Browsers let a page sound only after somebody clicked or typed on it. */
+function readyAudio(): void {
+  if (!chosen.sound.value) return;
+  audio ??= new AudioContext();
+  void audio.resume();
+}
+
+/** Two falling tones. */
+export function playSound(): void {
+  readyAudio();
+  if (!audio) return;
+  [880, 587].forEach((hertz, i) => {
+    const tone = audio!.createOscillator();
+    const volume = audio!.createGain();
+    const begin = audio!.currentTime + i * 0.28;
+    tone.frequency.value = hertz;
+    volume.gain.setValueAtTime(0.25, begin);
+    volume.gain.exponentialRampToValueAtTime(0.001, begin + 0.25);
+    tone.connect(volume).connect(audio!.destination);
+    tone.start(begin);
+    tone.stop(begin + 0.26);
+  });
+}
+
+export function chooseSound(on: boolean): void {
+  choose('sound', on);
+  if (on) playSound();
+}
+
+/** Why this browser shows no notifications; empty: it does, or asks. */
+export function notificationProblem(): string {
+  if (!isSecureContext) return 'This browser shows notifications only over HTTPS or on the service’s own computer.';
+  if (!('Notification' in window)) return 'This browser has no notifications.';
+  return Notification.permission === 'denied' ? 'This browser was told not to show notifications of this page. Allow them in its settings for this page.' : '';
+}
+
+async function notify(text: string): Promise<void> {
+  const options = { body: text, tag: 'ssl-visiond', icon: 'icon-192.png' };
+  const title = knownStatus.value?.site || 'ssl-visiond';
+  try {
+    const registration = await navigator.serviceWorker?.getRegistration();
+    // Some phones know no other way.
+    if (registration?.active) return await registration.showNotification(title, options);
+    const shown = new Notification(title, options);
+    shown.onclick = () => { focus(); shown.close(); };
+  } catch {
+    // The title and the sign still tell it.
+  }
+}
+
+/** Answers why it could not be turned on; empty: it is as wished. */
+export async function chooseNotification(on: boolean): Promise<string> {
+  if (on && !notificationProblem() && Notification.permission === 'default') await Notification.requestPermission();
+  const problem = on ? notificationProblem() || (Notification.permission === 'granted' ? '' : 'Not allowed yet: the browser’s question was not answered.') : '';
+  choose('notification', on && !problem);
+  return problem;
+}
+
+const isLookedAt = () => document.visibilityState === 'visible' && document.hasFocus();
+
+function showSign(href: string): void {
+  const link = document.querySelector<HTMLLinkElement>('link[rel="icon"]');
+  if (link && link.href !== href) link.href = href;
+}
+
+export function tellAway(): void {
+  watchEffect(() => {
+    document.title = headline(liveStatus.value, isStale.value, page.value.title, knownStatus.value?.site || 'ssl-visiond');
+    showSign(sign(liveStatus.value ? (liveStatus.value.go ? 'go' : 'nogo') : 'unknown'));
+  });
+  let before: Status | null = null;
+  watch(liveStatus, (now) => {
+    if (!now) return;
+    const trouble = before && newTrouble(before, now);
+    before = now;
+    if (!trouble || isLookedAt()) return;
+    if (chosen.sound.value) playSound();
+    if (chosen.notification.value) void notify(trouble);
+  });
+  for (const kind of ['pointerdown', 'keydown']) addEventListener(kind, readyAudio, { once: true, capture: true });
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a browser's tab says while its page is not looked at: verdict, what is wrong, where.
+import type { Status } from '../api/types';
+
+export type Mood = 'go' | 'nogo' | 'unknown';
+
+export const lostCameras = (status: Status): number[] => status.cameras.filter(({ state }) => state === 'lost').map(({ id }) => id);
+
+/** "Camera 1 lost", "Cameras 0 and 2 lost", else the first check that failed. */
+export function whatIsWrong(status: Status): string {
+  const lost = lostCameras(status);
+  if (lost.length === 1) return `Camera ${lost[0]} lost`;
+  if (lost.length > 1) return `Cameras ${lost.slice(0, -1).join(', ')} and ${lost.at(-1)} lost`;
+  return status.checks.find(({ state }) => state === 'fail')?.title ?? '';
+}
+
+/** `status` null: what the service says now is not known. */
+export function headline(status: Status | null, isStale: boolean, page: string, site: string): string {
+  const first = isStale ? ['No data'] : status && !status.go ? ['NO-GO', whatIsWrong(status)] : [page];
+  return [...first, site].filter(Boolean).join(' · ');
+}
+
+/** What became worse from one status to the next, in words; null: nothing. */
+export function newTrouble(before: Status, now: Status): string | null {
+  const known = lostCameras(before);
+  const lost = lostCameras(now).filter((id) => !known.includes(id));
+  if (lost.length) return whatIsWrong({ ...now, cameras: now.cameras.filter(({ id }) => lost.includes(id)) });
+  return before.go && !now.go ? `NO-GO: ${whatIsWrong(now)}` : null;
+}
+
+const shapes: Record<Mood, string> = {
+  go: '<circle cx="16" cy="16" r="15" fill="#1a7f37" stroke="none"/><path d="M9 16.5l5 5L23.5 11.5"/>',
+  nogo: '<path d="M10 1h12l9 9v12l-9 9H10l-9-9V10z" fill="#c8102e" stroke="none"/><path d="M11 11l10 10M21 11L11 21"/>',
+  unknown: '<circle cx="16" cy="16" r="15" fill="#6b7280" stroke="none"/><path d="M9 16h14"/>',
+};
+
+/** A drawn sign for the tab, told apart by shape as well as by colour. */
+export const sign = (mood: Mood): string =>
+  `data:image/svg+xml,${encodeURIComponent(`<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><g stroke="#fff" stroke-width="4" fill="none" stroke-linecap="round" stroke-linejoin="round">${shapes[mood]}</g></svg>`)}`;

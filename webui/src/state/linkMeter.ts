@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the link to the service does: whether its statuses come late, or fewer than it makes. Both clocks are ones that nobody
+// sets: the service's uptime and the browser's performance.now().
+
+/** The service makes a status twice a second; where the link is slow, newer ones take the place of those that wait. */
+const SLOW_GAP_MS = 1200;
+const GOOD_GAP_MS = 800;
+/** Later than the fastest status of this connection. */
+const SLOW_LATE_MS = 600;
+const GOOD_LATE_MS = 250;
+/** So much is judged, and no less than a few statuses. */
+const WINDOW_MS = 6000;
+const FEWEST = 3;
+/** Two clocks go apart by no more than this share: the fastest status is forgotten as quickly. */
+const DRIFT = 1e-4;
+
+interface Heard {
+  at: number;
+  uptimeMs: number;
+  lateMs: number;
+}
+
+export class LinkMeter {
+  private recent: Heard[] = [];
+  /** The service's uptime minus our clock, at the fastest status. */
+  private ahead = -Infinity;
+  private slow = false;
+
+  /** A new connection: the link may be another one, and so may the service's run. */
+  opened(): void {
+    this.recent = [];
+    this.ahead = -Infinity;
+  }
+
+  /** A status, which says the service's uptime, came at `at`. */
+  heard(uptimeMs: number, at: number): void {
+    const last = this.recent.at(-1);
+    if (last && uptimeMs < last.uptimeMs) this.opened();
+    const ahead = uptimeMs - at;
+    this.ahead = Math.max(ahead, this.ahead - (last ? (at - last.at) * DRIFT : 0));
+    this.recent.push({ at, uptimeMs, lateMs: this.ahead - ahead });
+    while (this.recent.length > FEWEST && this.recent[0]!.at < at - WINDOW_MS) this.recent.shift();
+    if (this.recent.length < FEWEST) return;
+    const gapMs = (uptimeMs - this.recent[0]!.uptimeMs) / (this.recent.length - 1);
+    const late = this.recent.map(({ lateMs }) => lateMs).sort((a, b) => a - b);
+    const lateMs = late[Math.floor(late.length / 2)]!;
+    if (gapMs > SLOW_GAP_MS || lateMs > SLOW_LATE_MS) this.slow = true;
+    else if (gapMs < GOOD_GAP_MS && lateMs < GOOD_LATE_MS) this.slow = false;
+  }
+
+  /** What has come so far came late or seldom. */
+  get isSlow(): boolean { return this.slow; }
+
+  /** The service's uptime now, as well as one can tell; null before its first status. */
+  uptimeMs(at: number): number | null {
+    return this.ahead === -Infinity ? null : at + this.ahead;
+  }
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Has the browser keep the panel's files, once the panel works. Browsers do so over HTTPS and on the service's own computer
+// only; elsewhere, or where there is no room, all is as without it.
+import { watch } from 'vue';
+import { isLinkSlow, liveStatus } from './live';
+
+/** First images come first; over a slow link they get longer. */
+const AFTER_MS = 4000;
+const AFTER_SLOW_MS = 20_000;
+
+export function keepPanel(): void {
+  const container = navigator.serviceWorker as ServiceWorkerContainer | undefined;
+  if (!container || !import.meta.env.PROD) return;
+  let worksSince: number | null = null;
+  const stop = watch(liveStatus, (status) => {
+    if (!status) return;
+    worksSince ??= performance.now();
+    if (performance.now() - worksSince < (isLinkSlow.value ? AFTER_SLOW_MS : AFTER_MS)) return;
+    stop();
+    container.register('sw.js', { updateViaCache: 'none' }).catch(() => {});
+  });
+}
