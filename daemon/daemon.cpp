@@ -17,6 +17,7 @@
 #include "services/network/network_service.h"
 #include "services/settings/profile_service.h"
 #include "services/settings/settings_service.h"
+#include "services/sources/source_service.h"
 #include "services/status/heartbeat.h"
 #include "services/status/status_service.h"
 #include "services/verdict/verdict_service.h"
@@ -111,28 +112,20 @@ struct Daemon::Parts {
         settings(options.settings_file, kept.folder, file_folders(options)),
         profiles(kept.profiles, settings),
         network(settings),
-        access(settings.config(), kept.passwords, network.match_lock),
+        access(settings.config(), kept.passwords, network.match_lock, panel_reach),
         cameras(settings, network, kept.tables),
         calibration(kept, settings, network, cameras),
         colors(kept, settings, network, cameras),
+        sources(kept.folder, settings, cameras.running, file_folders(options)),
         verdict(settings.config(), cameras.running, network.service.referee()),
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
-    std::vector<Service*> services{&verdict,
-                                   &cameras.service,
-                                   &cameras.stills,
-                                   &calibration.service,
-                                   &calibration.joint,
-                                   &colors.service,
-                                   &colors.learning,
-                                   &network.service,
-                                   &status,
-                                   &settings,
-                                   &profiles,
-                                   &backup,
-                                   &access};
+    std::vector<Service*> services{
+        &verdict,           &cameras.service, &cameras.stills,  &sources,         &calibration.service,
+        &calibration.joint, &colors.service,  &colors.learning, &network.service, &status,
+        &settings,          &profiles,        &backup,          &access};
     status.set_services(services);
     for (Service* service : services) {
       for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
@@ -146,7 +139,7 @@ struct Daemon::Parts {
     const std::string address = listening_address(wanted, kept.passwords.has(Role::kAdmin));
     panel.web.emplace(WebParts{access, cameras.running, {&status}, panel.routes},
                       WebOptions{address, wanted.port, options.panel_folder}, web_counters);
-    panel.place.emplace(settings.config(), kept.passwords, *panel.web);
+    panel.place.emplace(settings.config(), kept.passwords, *panel.web, panel_reach);
     settings.use({&*panel.place, &network.service, &colors.service, &cameras.service});
 
     services.push_back(&*panel.place);
@@ -164,10 +157,12 @@ struct Daemon::Parts {
   SettingsService settings;
   ProfileService profiles;
   NetworkParts network;
+  Snapshot<PanelReach> panel_reach{PanelReach{}};
   AccessService access;
   CameraParts cameras;
   CalibrationParts calibration;
   ColorParts colors;
+  SourceService sources;
   VerdictService verdict;
   BackupService backup;
   WebCounters web_counters;

@@ -161,7 +161,9 @@ int main(int argc, char** argv) {
   if (!is_service) unblock_own_signals();
   try {
     if (list) {
-      std::cout << found_cameras_text(found_cameras_json());
+      Json list_json = Json::array();
+      for (const FoundCamera& found : found_cameras()) list_json.push_back(found_camera_json(found));
+      std::cout << found_cameras_text(list_json);
       return EXIT_SUCCESS;
     }
     if (!check_file.empty()) {

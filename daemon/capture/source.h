@@ -85,6 +85,7 @@ struct FoundCamera {
   std::string model{}, serial{};  // empty: not known
   std::vector<std::string>
       formats{};  // of pixels that it offers and we take; empty: not known before it is opened
+  std::vector<std::string> other_names{};  // by which settings may call it too
 };
 
 /// A row of the table of capture backends. `options` are the keys beside "backend" in a camera's "source".

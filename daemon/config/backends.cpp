@@ -10,6 +10,7 @@
 #include "capture/tile.h"
 #include "capture/v4l2/v4l2.h"
 
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -104,19 +105,21 @@ std::unique_ptr<Source> open_source(const Json& source, const SourceContext& con
   return find_backend(source.at("backend").get<std::string>(), "/source").open(options, context);
 }
 
-Json found_cameras_json() {
-  Json out = Json::array();
+std::vector<FoundCamera> found_cameras() {
+  std::vector<FoundCamera> out;
   for (const Backend& backend : backend_table()) {
-    for (const FoundCamera& found : backend.list()) {
-      out.push_back({{"backend", backend.name},
-                     {"name", found.name},
-                     {"model", found.model},
-                     {"serial", found.serial},
-                     {"formats", found.formats},
-                     {"source", found.source}});
-    }
+    for (FoundCamera& found : backend.list()) out.push_back(std::move(found));
   }
   return out;
+}
+
+Json found_camera_json(const FoundCamera& found) {
+  return {{"backend", found.source.at("backend")},
+          {"name", found.name},
+          {"model", found.model},
+          {"serial", found.serial},
+          {"formats", found.formats},
+          {"source", found.source}};
 }
 
 std::string found_cameras_text(const Json& found) {

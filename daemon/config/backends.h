@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sslv {
 
@@ -31,9 +32,11 @@ Json complete_source(const Json& source, const std::string& path);
 /// Opens what a complete "source" says. Throws CaptureError.
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
 
-/// Cameras that could be opened now, of all backends, as docs/openapi.json has them. Takes about a second.
-Json found_cameras_json();
-/// The same for a terminal, with the settings lines to paste.
+/// Cameras that could be opened now, of all backends. Takes about a second.
+std::vector<FoundCamera> found_cameras();
+/// One as docs/openapi.json has it, but for what uses it.
+Json found_camera_json(const FoundCamera& found);
+/// Those for a terminal, with the settings lines to paste.
 std::string found_cameras_text(const Json& found);
 
 }  // namespace sslv

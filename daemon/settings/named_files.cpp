@@ -35,8 +35,9 @@ void collect(const Json& schema, const Json& value, const std::string& path, std
   }
 }
 
+}  // namespace
+
 bool lies_in(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  // Links are followed, and .. is resolved, before they are compared.
   std::error_code error;
   const auto real_file = std::filesystem::weakly_canonical(file, error);
   if (error) return false;
@@ -46,8 +47,6 @@ bool lies_in(const std::filesystem::path& file, const std::filesystem::path& fol
       std::mismatch(real_folder.begin(), real_folder.end(), real_file.begin(), real_file.end());
   return end == real_folder.end();
 }
-
-}  // namespace
 
 std::vector<NamedFile> named_files(const Json& schema, const Json& settings) {
   std::vector<NamedFile> out;

@@ -18,6 +18,9 @@ struct NamedFile {
 /// base/params.h). Empty ones name none.
 std::vector<NamedFile> named_files(const Json& schema, const Json& settings);
 
+/// Whether a file lies in a folder, or is it. Links are followed, and .. is resolved.
+bool lies_in(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 /// Refuses files that `next` names and none of `known` trees does, unless they lie in one of `folders`: who
 /// can change settings over the network is not to read, or learn of, any other file of this computer. Throws
 /// SettingsError.

@@ -82,6 +82,7 @@ std::vector<FoundCamera> list_aravis_cameras() {
     found.source = {{"backend", "aravis"}, {"camera", known_by}};
     found.model = device.vendor + ' ' + device.model;
     found.serial = device.serial;
+    found.other_names = {device.id, device.physical_id, device.address};
   }
   return out;
 }

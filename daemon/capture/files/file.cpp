@@ -61,15 +61,13 @@ struct Item {
   std::string name;  // stem
 };
 
-/// By the ending of the name; what is neither image nor raw frame is tried as a video.
+/// What is neither image nor raw frame is tried as a video.
 Kind kind_of(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  if (ending == ".raw") return Kind::kRaw;
-  constexpr std::array<std::string_view, 5> kPictures{".png", ".jpg", ".jpeg", ".bmp", ".ppm"};
-  return std::find(kPictures.begin(), kPictures.end(), ending) != kPictures.end() ? Kind::kPicture
-                                                                                  : Kind::kVideo;
+  switch (recording_kind(path)) {
+    case RecordingKind::kImage: return Kind::kPicture;
+    case RecordingKind::kRaw: return Kind::kRaw;
+    default: return Kind::kVideo;
+  }
 }
 
 std::vector<Item> find_items(const std::string& path) {
@@ -266,6 +264,21 @@ class FileSource final : public Source {
 };
 
 }  // namespace
+
+RecordingKind recording_kind(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  constexpr std::array<std::string_view, 5> kImages{".png", ".jpg", ".jpeg", ".bmp", ".ppm"};
+  constexpr std::array<std::string_view, 9> kVideos{".mp4", ".mkv", ".avi",  ".mov", ".webm",
+                                                    ".m4v", ".ts",  ".mpeg", ".mpg"};
+  const auto is_one_of = [&](const auto& endings) {
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+  };
+  if (ending == ".raw") return RecordingKind::kRaw;
+  if (is_one_of(kImages)) return RecordingKind::kImage;
+  return is_one_of(kVideos) ? RecordingKind::kVideo : RecordingKind::kOther;
+}
 
 Backend file_backend() {
   return {

@@ -3,7 +3,13 @@
 
 #include "capture/source.h"
 
+#include <filesystem>
+
 namespace sslv {
+
+/// What a file is by the ending of its name.
+enum class RecordingKind { kImage, kRaw, kVideo, kOther };
+RecordingKind recording_kind(const std::filesystem::path& file);
 
 /// "files": recorded images (PNG, JPEG, BMP, PPM), raw frames or a video instead of a camera.
 Backend file_backend();

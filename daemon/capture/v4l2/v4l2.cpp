@@ -278,6 +278,8 @@ std::vector<FoundCamera> list_v4l2(const V4l2System& system) {
     found.source = {{"backend", "v4l2"}, {"camera", known_by(node, nodes)}};
     found.model = node.model;
     found.serial = node.serial;
+    found.other_names = node.links;
+    found.other_names.insert(found.other_names.end(), {node.bus, node.path});
     for (const V4l2Format& format : v4l2_formats_of(*node.device, node.buffers))
       found.formats.emplace_back(format.name);
     out.push_back(std::move(found));

@@ -42,10 +42,12 @@ Json lock_json(const MatchLock::State& lock) {
 
 }  // namespace
 
-AccessService::AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock)
+AccessService::AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock,
+                             const Snapshot<PanelReach>& reach)
     : config_(config),
       passwords_(passwords),
       match_lock_(match_lock),
+      reach_(reach),
       access_(passwords, fmt::format("ssl_visiond_{}", config.load()->panel.port), steady_s) {}
 
 std::vector<Route> AccessService::routes() {
@@ -60,6 +62,10 @@ std::vector<Route> AccessService::routes() {
       {"PUT", "/api/passwords/([^/]+)", call(&AccessService::set_password), Needs::kChange},
       {"POST", "/api/match_lock", call(&AccessService::set_lock), Needs::kChange},
   };
+}
+
+void AccessService::report(HealthReport& report) const {
+  if (report.status) (*report.status)["panel"] = panel_reach_json(*reach_.load());
 }
 
 void AccessService::each_second() {

@@ -3,6 +3,7 @@
 
 #include "services/access/access.h"
 #include "services/access/match_lock.h"
+#include "services/access/panel_reach.h"
 #include "services/service.h"
 #include "settings/passwords.h"
 
@@ -17,7 +18,9 @@ class AccessService final : public Service, public Gate {
  public:
   /// All must outlive this. The cookie's name holds the panel's port: browsers do not tell the ports of a
   /// computer apart.
-  AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock);
+  /// `reach`: see PanelPlace.
+  AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock,
+                const Snapshot<PanelReach>& reach);
 
   // Gate
   void refresh() override { passwords_.reload_if_changed(); }  // ssl-visionctl may have set one
@@ -28,6 +31,7 @@ class AccessService final : public Service, public Gate {
 
   // Service
   std::vector<Route> routes() override;
+  void report(HealthReport& report) const override;
   void each_second() override;
   std::vector<Event> take_events() override { return events_.take(); }
 
@@ -42,6 +46,7 @@ class AccessService final : public Service, public Gate {
   const Snapshot<Config>& config_;
   Passwords& passwords_;
   MatchLock& match_lock_;
+  const Snapshot<PanelReach>& reach_;
   Access access_;
   EventQueue events_;
   bool was_running_ = false;  // the game, at the last each_second()

@@ -31,11 +31,15 @@ std::string listening_address(const PanelSettings& panel, bool has_password) {
   return panel.address;
 }
 
-PanelPlace::PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, WebServer& server)
+PanelPlace::PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, WebServer& server,
+                       Snapshot<PanelReach>& reach)
     : config_(config),
       passwords_(passwords),
       server_(server),
-      place_(place_of(config.load()->panel, passwords)) {}
+      reach_(reach),
+      place_(place_of(config.load()->panel, passwords)) {
+  look_for_addresses();
+}
 
 Commit PanelPlace::prepare(const SettingsChange& change) {
   return prepare(change.next.panel);
@@ -55,6 +59,11 @@ Commit PanelPlace::prepare(const PanelSettings& panel) {
 }
 
 void PanelPlace::each_second() {
+  follow_settings();
+  look_for_addresses();
+}
+
+void PanelPlace::follow_settings() {
   const auto config = config_.load();
   if (!config->panel.address.empty()) return;
   try {
@@ -64,6 +73,17 @@ void PanelPlace::each_second() {
     if (problem_ != error.what()) log::error("the panel stays where it is: {}", error.what());
     problem_ = error.what();
   }
+}
+
+/// Cards come and go, and get other addresses.
+void PanelPlace::look_for_addresses() {
+  std::string listens_on;
+  {
+    const std::lock_guard lock(mutex_);
+    listens_on = place_.first;
+  }
+  PanelReach reach = panel_reach(listens_on, server_.port(), network_cards());
+  if (*reach_.load() != reach) reach_.store(std::move(reach));
 }
 
 }  // namespace sslv

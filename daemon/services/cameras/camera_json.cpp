@@ -4,6 +4,7 @@
 #include "base/params_json.h"
 #include "config/stages.h"
 #include "health/histogram.h"
+#include "services/cameras/camera_report.h"
 
 #include <atomic>
 #include <string>
@@ -53,6 +54,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
   Json out{{"id", settings->id},
            {"name", settings->name},
            {"backend", settings->source.at("backend")},
+           {"origin", name_of(origin_of(settings->source))},
            {"state", name_of(health.state)},
            {"error", health.error},
            {"width", health.width},

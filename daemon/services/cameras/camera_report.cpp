@@ -170,6 +170,12 @@ Check check_cameras(std::span<const CameraFacts> cameras) {
     check.state = CheckState::kWarn;
     check.text = "not all run";
   }
+  for (const ImageOrigin origin : {ImageOrigin::kSimulation, ImageOrigin::kRecording}) {
+    const auto such = std::ranges::count(cameras, origin, &CameraFacts::origin);
+    if (such > 0)
+      check.text +=
+          fmt::format(", {} {}", such, origin == ImageOrigin::kSimulation ? "simulated" : "recorded");
+  }
   return check;
 }
 
@@ -208,6 +214,21 @@ Check check_latency(std::span<const CameraFacts> cameras) {
 }
 
 }  // namespace
+
+ImageOrigin origin_of(const Json& source) {
+  const Json& backend = source.at("backend");
+  if (backend == "tile") return origin_of(source.at("of"));
+  if (backend == "simulator") return ImageOrigin::kSimulation;
+  return backend == "files" ? ImageOrigin::kRecording : ImageOrigin::kCamera;
+}
+
+const char* name_of(ImageOrigin origin) {
+  switch (origin) {
+    case ImageOrigin::kRecording: return "recording";
+    case ImageOrigin::kSimulation: return "simulation";
+    default: return "camera";
+  }
+}
 
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) {
   for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);

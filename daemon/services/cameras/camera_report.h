@@ -3,6 +3,7 @@
 
 // Alerts and checks of cameras.
 
+#include "base/json.h"
 #include "capture/camera_thread.h"
 #include "health/exposure.h"
 #include "health/timeline.h"
@@ -17,6 +18,13 @@
 
 namespace sslv {
 
+/// What a camera's images are of: only a real camera sees the field.
+enum class ImageOrigin { kCamera, kRecording, kSimulation };
+/// Of a camera's complete "source", and of a tile's big camera.
+ImageOrigin origin_of(const Json& source);
+/// As docs/openapi.json has it.
+const char* name_of(ImageOrigin origin);
+
 /// What is known of a camera, read once, so that alerts, checks and figures agree.
 struct CameraFacts {
   int id = 0;
@@ -27,6 +35,7 @@ struct CameraFacts {
   Timeline::Sum last_minute, last_seconds;  // kLastSeconds
   std::optional<Exposure> exposure;         // of the newest frame
   bool sends = true;                        // its stack ends in the stage that sends
+  ImageOrigin origin = ImageOrigin::kCamera;
   std::string flood{};  // in the last minute: "green floods the image between ..."; empty: none
 
   static constexpr std::size_t kLastSeconds = 10;

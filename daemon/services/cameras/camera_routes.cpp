@@ -3,7 +3,6 @@
 
 #include "base/log.h"
 #include "capture/source.h"
-#include "config/backends.h"
 #include "image/jpeg.h"
 #include "services/cameras/camera_json.h"
 #include "services/service.h"
@@ -179,10 +178,6 @@ std::vector<Route> camera_routes(const CameraRoutes& of) {
        [of](const Request& request) {
          const int seconds = query_number(request, "seconds", 600, 1, 600);
          return json_response(of.timeline.to_json(static_cast<std::size_t>(seconds)));
-       }},
-      {"GET", "/api/sources",
-       [](const Request&) {
-         return json_response({{"sources", found_cameras_json()}});
        }},
   };
 }

@@ -73,6 +73,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
                    .last_seconds = watch_.timeline().sum(id, CameraFacts::kLastSeconds),
                    .exposure = watch_.exposure(id),
                    .sends = std::ranges::find(settings->stack, "publish") != settings->stack.end(),
+                   .origin = origin_of(settings->source),
                    .flood = is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label))
                                        : std::string()});
   }

@@ -7,7 +7,9 @@
 
 #include <cctype>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,6 +35,7 @@ using testing::Contains;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Key;
+using testing::Not;
 using testing::Pair;
 using testing::StartsWith;
 
@@ -159,7 +162,7 @@ TEST_F(Api, EveryRouteAsksForWhatItNeeds) {
   const std::string viewer = cookie_of(ask("POST", "/api/session", R"({"password": "battery staple"})"));
   const std::set<std::string> open{"GET /api/session", "POST /api/session", "DELETE /api/session",
                                    "GET /metrics",     "GET /healthz",      "GET /readyz"};
-  const std::set<std::string> for_admins{"GET /api/support", "GET /api/backup"};
+  const std::set<std::string> for_admins{"GET /api/support", "GET /api/backup", "GET /api/files"};
   for (const Route& route : daemon_->routes()) {
     std::string path =
         std::regex_replace(route.pattern, std::regex(R"(\(\\d\+\)|\(\[\^/\]\+\)|\(\.\+\))"), "9");
@@ -336,6 +339,127 @@ TEST_F(Api, SnapshotsAreJpegsOfTheCameraOrItsLabels) {
     EXPECT_THAT(refused.body, HasSubstr("is not allowed; expected ")) << query;
   }
   EXPECT_EQ(ask("GET", "/api/cameras/1/snapshot.jpg").status, 404);
+}
+
+/// A camera's path in its settings, or another place, as an address has it.
+std::string query_of(const std::filesystem::path& path) {
+  return httplib::detail::encode_query_param(path.string());
+}
+
+TEST_F(Api, ACameraThatIsNotAddedYetShowsOneImage) {
+  const auto image_of = [&](const Json& source, const char* query = "") {
+    return ask("POST", std::string("/api/sources/image") + query, Json{{"source", source}}.dump());
+  };
+  const auto photo = folder_.path() / "photo.jpg";
+  std::filesystem::copy_file(source_path("/tests/golden/division_b.jpg"), photo);
+  const Json found{{"backend", "files"}, {"path", photo.string()}};
+  const Reply image = image_of(found, "?width=160");
+  ASSERT_EQ(image.status, 200) << image.body;
+  EXPECT_EQ(image.header("Content-Type"), "image/jpeg");
+  EXPECT_THAT(image.body, StartsWith("\xff\xd8\xff"));
+  EXPECT_EQ(ask("GET", "/api/settings").json()["settings"]["cameras"].size(), 1U) << "nothing is added";
+
+  const Reply recorded =
+      image_of({{"backend", "files"}, {"path", (folder_.path() / "settings.json").string()}});
+  EXPECT_EQ(recorded.status, 503) << "no image";
+  const Reply elsewhere = image_of({{"backend", "files"}, {"path", "/etc/passwd"}});
+  EXPECT_EQ(elsewhere.status, 422);
+  EXPECT_THAT(elsewhere.body, HasSubstr("/source/path: \\\"/etc/passwd\\\" is not allowed here"));
+  EXPECT_THAT(elsewhere.body, Not(HasSubstr("root:")));
+  EXPECT_EQ(image_of({{"backend", "telescope"}}).status, 422);
+  EXPECT_EQ(image_of(found, "?width=0").status, 400);
+  EXPECT_EQ(ask("POST", "/api/sources/image", "{}").status, 400);
+}
+
+TEST_F(Api, FilesAreListedWhereSettingsMayNameThem) {
+  const auto in = folder_.path() / "state" / "recordings";
+  std::filesystem::create_directories(in / "one");
+  for (const char* name : {"b.jpg", "a.png", "film.mp4", "secret.json", ".hidden.jpg", "one/c.raw"})
+    std::ofstream(in / name) << "x";
+  std::filesystem::create_symlink("/etc", in / "out");
+  std::filesystem::create_symlink("/etc/hostname", in / "out.jpg");
+  std::filesystem::create_symlink(in / "one", in / "two");
+
+  const auto names_in = [&](const std::string& target) {
+    std::vector<std::string> names;
+    const Json list = ask("GET", target).json();
+    for (const Json& entry : list.at("entries")) names.push_back(entry["name"]);
+    return names;
+  };
+  const auto real = std::filesystem::canonical(in);
+  EXPECT_THAT(names_in("/api/files"), Contains((folder_.path() / "state").string()));
+  EXPECT_THAT(names_in("/api/files?folder=" + query_of(in)),
+              testing::ElementsAre("one", "two", "a.png", "b.jpg", "film.mp4"));
+  const Json list = ask("GET", "/api/files?folder=" + query_of(in)).json();
+  EXPECT_EQ(list["images"], 2);
+  EXPECT_EQ(list["folder"], real.string());
+  EXPECT_EQ(list["parent"], real.parent_path().string());
+
+  for (const std::string& out :
+       std::vector<std::string>{"/etc", "/", "etc", "..", (in / "out").string(), (in / "../../..").string(),
+                                (in / "none").string()}) {
+    const Reply refused = ask("GET", "/api/files?folder=" + query_of(out));
+    EXPECT_EQ(refused.status, 422) << out << refused.body;
+    EXPECT_THAT(refused.body, HasSubstr("folder: "));
+  }
+}
+
+TEST_F(Api, ImagesAreUploadedWithinBounds) {
+  std::ifstream file(source_path("/tests/golden/division_b.jpg"), std::ios::binary);
+  const std::string jpeg{std::istreambuf_iterator<char>(file), {}};
+  const auto upload = [&](const std::string& folder, const std::string& name, const std::string& bytes) {
+    return ask("POST", "/api/images?folder=" + query_of(folder) + "&name=" + query_of(name), bytes);
+  };
+  const Reply saved = upload("hall 1", "a.jpg", jpeg);
+  ASSERT_EQ(saved.status, 200) << saved.body;
+  const std::string path = saved.json()["path"];
+  EXPECT_THAT(path, EndsWith("/state/images/hall 1"));
+  EXPECT_EQ(upload("hall 1", "a.jpg", jpeg).status, 200) << "in the place of the same";
+  Json folders = ask("GET", "/api/images").json()["folders"];
+  ASSERT_EQ(folders.size(), 1U);
+  EXPECT_EQ(folders[0]["images"], 1);
+  EXPECT_EQ(folders[0]["bytes"], jpeg.size());
+
+  const auto expect_refused = [](const Reply& reply, const std::string& why) {
+    EXPECT_EQ(reply.status, 422);
+    EXPECT_THAT(reply.body, HasSubstr(why));
+  };
+  expect_refused(upload("hall 1", "b.jpg", "not an image"), "b.jpg: this is neither a JPEG nor a PNG");
+  expect_refused(upload("hall 1", "b.png", jpeg), "b.png: this is a JPEG; expected a name that ends in .jpg");
+  expect_refused(upload("hall 1", "b.jpg", jpeg.substr(0, jpeg.size() / 2)),
+                 "b.jpg: this image cannot be read");
+  std::string huge = "\x89PNG\r\n\x1a\n";
+  huge += std::string("\0\0\0\rIHDR\0\0\x30\0\0\0\x30\0\x08\2\0\0\0", 21);
+  expect_refused(upload("hall 1", "b.png", huge), "b.png: the image has more than 32 million pixels");
+  for (const char* name : {"", "../a.jpg", "/etc/a.jpg", ".a.jpg"})
+    expect_refused(upload("hall 1", name, jpeg), "name: ");
+  for (const char* name : {"", "..", "a/b", ".trial"})
+    expect_refused(upload(name, "a.jpg", jpeg), "folder: ");
+  EXPECT_EQ(upload("hall 1", "b.jpg", std::string(17 * 1024 * 1024, 'x')).status, 413);
+  EXPECT_EQ(ask("GET", "/api/images").json()["folders"], folders) << "nothing was added";
+
+  // A camera shows them, and then they stay.
+  const Json add = {{{"op", "add"},
+                     {"path", "/cameras/-"},
+                     {"value", {{"id", 1}, {"source", {{"backend", "files"}, {"path", path}}}}}}};
+  ASSERT_EQ(ask("PATCH", "/api/settings", add.dump()).status, 200);
+  const Json cameras = ask("GET", "/api/status").json()["cameras"];
+  EXPECT_EQ(cameras[0]["origin"], "simulation");
+  EXPECT_EQ(cameras[1]["origin"], "recording");
+  const Reply used = ask("DELETE", "/api/images/hall%201");
+  EXPECT_EQ(used.status, 409);
+  EXPECT_THAT(used.body, HasSubstr("/cameras/1/source/path names these images"));
+  ASSERT_EQ(ask("PATCH", "/api/settings", R"([{"op": "remove", "path": "/cameras/1"}])").status, 200);
+  EXPECT_EQ(ask("DELETE", "/api/images/hall%201").status, 200);
+  EXPECT_EQ(ask("DELETE", "/api/images/hall%201").status, 404);
+  EXPECT_EQ(ask("DELETE", "/api/images/..").status, 422);
+  EXPECT_TRUE(ask("GET", "/api/images").json()["folders"].empty());
+}
+
+TEST_F(Api, StatusSaysWhereThePanelIs) {
+  const Json panel = ask("GET", "/api/status").json()["panel"];
+  EXPECT_EQ(panel["port"], daemon_->panel_port());
+  EXPECT_TRUE(panel["addresses"].empty()) << "only this computer reaches it without a password";
 }
 
 TEST_F(Api, BadRequestsForAStreamAreRefused) {

@@ -59,6 +59,10 @@ export const api = {
   put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
   patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
   delete: <T>(path: string) => request<T>('DELETE', path),
+  /** An image that is made for this request. Asks for no password and no leave: nobody pressed a button for it. */
+  image: async (path: string, body: unknown) => (await ask(path, {
+    method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body),
+  }, [])).blob(),
   /** What is no JSON: an image, a table. */
   blob: async (path: string) => (await ask(path, {})).blob(),
   /** Sends a file as it is. */

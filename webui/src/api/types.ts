@@ -54,6 +54,8 @@ export type Stale = Schemas['Stale'];
 export type Control = Schemas['Control'];
 export type FieldPreset = Schemas['FieldPreset'];
 export type FoundSource = Schemas['Source'];
+export type FileList = Schemas['FileList'];
+export type UploadedImages = Schemas['UploadedImages'];
 
 export type CameraGeometry = Schemas['Calibration'];
 export type CalibrationRequest = Schemas['CalibrationRequest'];

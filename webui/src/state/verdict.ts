@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Go or No-Go in words.
-import type { Check } from '../api/types';
+import type { CameraStatus, Check } from '../api/types';
 import { plural } from '../format';
 
 /** "1 of 10 failed, 2 warnings" or "9 of 10 pass, 1 warning". */
@@ -9,4 +9,14 @@ export function verdictText(checks: readonly Check[]): string {
   const [failed, warned] = [count('fail'), count('warn')];
   const first = failed ? `${failed} of ${checks.length} failed` : `${count('pass')} of ${checks.length} pass`;
   return warned ? `${first}, ${plural(warned, 'warning')}` : first;
+}
+
+/** What images are that no camera over the field sends; empty for those of one. */
+export const originWord = (origin: CameraStatus['origin']) => ({ camera: '', recording: 'recorded', simulation: 'simulated' })[origin];
+
+/** What a verdict is not about, "simulated images": no camera looks at the field. Empty when one does. */
+export function unrealText(cameras: readonly CameraStatus[]): string {
+  if (!cameras.length || cameras.some(({ origin }) => origin === 'camera')) return '';
+  const words = [...new Set(cameras.map(({ origin }) => originWord(origin)))].sort();
+  return `${words.join(' and ')} images only`;
 }

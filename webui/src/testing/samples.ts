@@ -10,7 +10,7 @@ export const divisionB: FieldSize = {
 
 export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
   return {
-    id: 0, name: '+x half', backend: 'simulator', state: 'running', error: '', width: 780, height: 580, pixel_format: 'uyvy',
+    id: 0, name: '+x half', backend: 'simulator', origin: 'simulation', state: 'running', error: '', width: 780, height: 580, pixel_format: 'uyvy',
     fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, packets: null, reconnects: 0,
     latency_ms: { p50: 0.6, p99: 0.9 }, age_ms: { p50: 3.1, p99: 3.4 }, t_capture_from: 'camera', t_capture_sigma_ms: 0.05, stages: [], robots: 6, balls: 1,
     calibration: {
@@ -33,6 +33,7 @@ export function status(changes: Partial<Status> = {}): Status {
     teams: { yellow: { name: '', robot_height: 140, height_from: 'settings' }, blue: { name: '', robot_height: 140, height_from: 'settings' } },
     settings_revision: 1, viewers: 1, alerts: [], go: true, checks: [{ id: 'cameras', title: 'Cameras', state: 'pass', value: '2', unit: 'of 2', text: '2 of 2 running, 60.0 frames/s' }],
     match_since: null,
+    panel: { port: 8090, addresses: [] },
     coverage: { grid_mm: 250, uncovered: [] },
     cameras: [camera(), camera({ id: 1, name: '-x half' })],
     ...changes,

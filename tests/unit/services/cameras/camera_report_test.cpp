@@ -26,6 +26,21 @@ TEST(Hanging, IsNoCameraThatIsKnownToBeOpenedOrToHaveEnded) {
     EXPECT_EQ(find_hanging({camera(0, state, 60)}, kNow_ns), "") << name_of(state);
 }
 
+TEST(Origin, OnlyARealCameraSeesTheField) {
+  EXPECT_EQ(origin_of({{"backend", "aravis"}}), ImageOrigin::kCamera);
+  EXPECT_EQ(origin_of({{"backend", "files"}}), ImageOrigin::kRecording);
+  EXPECT_EQ(origin_of({{"backend", "simulator"}}), ImageOrigin::kSimulation);
+  EXPECT_EQ(origin_of({{"backend", "tile"}, {"of", {{"backend", "simulator"}}}}), ImageOrigin::kSimulation);
+  EXPECT_EQ(origin_of({{"backend", "tile"}, {"of", {{"backend", "v4l2"}}}}), ImageOrigin::kCamera);
+
+  std::vector<CameraFacts> cameras(2);
+  cameras[0].origin = ImageOrigin::kSimulation;
+  for (CameraFacts& camera : cameras) camera.health.state = CameraState::kRunning;
+  HealthReport report;
+  report_cameras(cameras, report);
+  EXPECT_EQ(report.checks.at(0).text, "all run, 1 simulated");
+}
+
 TEST(Missing, HasALineForEachThing) {
   EXPECT_EQ(find_missing({}), "");
   EXPECT_EQ(find_missing({camera(0, CameraState::kRunning)}), "");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import type { SchemaNode } from '../../settings/schema';
-import { entryPlace, entryTitle, freeId, newEntry, startOf } from './edit';
+import { entryPlace, entryTitle, newEntry, startOf } from './edit';
 
 const schema: SchemaNode = {
   type: 'object',
@@ -22,10 +22,6 @@ describe('edits', () => {
     expect(startOf(schema, { ball_models: null }, '/ball_models', null)).toEqual({ acc: -3 });
     expect(newEntry(schema, { cameras: [{ classes: [{ label: 'pink' }] }] }, '/cameras/0/classes')).toEqual({ label: 'pink' });
     expect(newEntry(schema, { cameras: [{ classes: [] }] }, '/cameras/0/classes')).toMatchObject({ label: 'orange' });
-  });
-  it('find a free id', () => {
-    expect(freeId({ cameras: [{ id: 0 }, { id: 2 }] })).toBe(1);
-    expect(freeId({})).toBe(0);
   });
   it('find an entry again', () => {
     expect(entryPlace([{ a: 1 }, { a: 2 }, { a: 2 }], 2, { a: 2 })).toBe(2);

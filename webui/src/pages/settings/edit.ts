@@ -36,19 +36,6 @@ export function newEntry(schema: SchemaNode, tree: Json, list: string): Json {
   return start;
 }
 
-export const idsOf = (tree: Json) => {
-  const cameras = valueAt(tree, '/cameras');
-  return (Array.isArray(cameras) ? cameras : []).map((camera) => valueAt(camera, '/id'));
-};
-
-/** The lowest id that no camera has. */
-export function freeId(tree: Json): number {
-  const taken = idsOf(tree);
-  let id = 0;
-  while (taken.includes(id)) id++;
-  return id;
-}
-
 /** An entry of a list in a few words. */
 export function entryTitle(entry: Json, index: number): string {
   for (const key of ['label', 'name']) {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services/cameras/cameras.h"
+#include "services/service.h"
+#include "services/settings/settings_editor.h"
+#include "services/sources/source_images.h"
+#include "services/sources/uploaded_images.h"
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace sslv {
+
+/// What a camera can be made of: cameras that are found, and one image of each before it is added; files of
+/// this computer that the settings may name; images that are uploaded.
+class SourceService final : public Service {
+ public:
+  /// `file_folders`: where settings that come over the network may name files. All must outlive this.
+  SourceService(StateFolder& folder, SettingsEditor& settings, const Cameras& cameras,
+                std::vector<std::filesystem::path> file_folders);
+
+  std::vector<Route> routes() override;
+
+ private:
+  Response get_sources() const;
+  Response take_image(const Request& request) const;
+  Response get_files(const Request& request) const;
+  Response get_images() const;
+  Response upload_image(const Request& request);
+  Response remove_images(const Request& request);
+
+  /// A source that the request may open, complete. Throws SettingsError.
+  Json allowed_source(const Json& source) const;
+
+  SettingsEditor& settings_;
+  const Cameras& cameras_;
+  const std::vector<std::filesystem::path> file_folders_;
+  SourceImages source_images_;
+  UploadedImages uploaded_;
+};
+
+}  // namespace sslv
