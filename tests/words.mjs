@@ -33,6 +33,17 @@ const AVOID = [
   ['put by under', 'write "saved under"'],
   ['Of (?:one|those|that|it|what|this|him|them)\\b(?! (?:the|these|kind))', 'start with the subject: "If the calibration was set by hand, its field size is unknown."', 'cased'],
   ['(?:is|are) those of', 'name the thing'],
+  ['find by itself', 'write "automatically"'],
+  ['take those of', 'name the thing'],
+  ['password of now', 'write "current password"'],
+  ['\\d+ set for now|saved as you turn', 'write "set and not saved", or "saved as you change it"'],
+  ['taught (?:it|the table)', 'say what was learnt from what'],
+  ['(?:or )?use force', 'write what is done anyway'],
+  ['the service answered', 'say what the refusal means, not its code'],
+  ['known to \\d+ mm', 'write "accurate to"'],
+  ['(?:not )?all run', 'write "all are running"'],
+  ['what is not right only', 'write "only problems"'],
+  ['still uses empty', 'write "is still empty"'],
 ];
 
 /** Legitimate uses that a pattern would hit: names of the API and of files, quoted as they are. */

@@ -200,10 +200,10 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
                       "floor are expected to be off by {:.1f} mm, places of robots' tops by {:.1f} mm.",
                       out.height_mm, out.height_sigma_mm, out.expected_on_floor_mm, out.expected_at_150_mm));
     } else if (tops_are_worse) {
-      out.notes.push_back(
-          fmt::format("The camera's height is known to {:.0f} mm only: measured and given, it would make "
-                      "places of robots' tops, now expected to be off by {:.1f} mm, more exact.",
-                      out.height_sigma_mm, out.expected_at_150_mm));
+      out.notes.push_back(fmt::format(
+          "The camera's height is only accurate to {:.0f} mm, so places of robots' tops may be off by "
+          "{:.1f} mm. To improve this, measure the height and enter it.",
+          out.height_sigma_mm, out.expected_at_150_mm));
     }
   }
   if (is_held(out, "distortion")) {

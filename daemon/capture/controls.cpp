@@ -2,6 +2,7 @@
 #include "capture/controls.h"
 
 #include "base/error.h"
+#include "capture/control_memory.h"
 #include "capture/source.h"
 
 #include <algorithm>
@@ -111,9 +112,20 @@ void check_control_value(const Control& control, const Json& value) {
                                   expected(control)));
 }
 
+bool is_same_value(const Control& control, const Json& a, const Json& b) {
+  if (!a.is_number() || !b.is_number()) return a == b;
+  const auto have = a.get<double>(), wanted = b.get<double>();
+  return std::abs(have - wanted) <= std::max(control.step.value_or(0) * 0.99, std::abs(wanted) * 1e-4);
+}
+
+Controls::Controls() : memory_(std::make_unique<ControlMemory>(*this)) {}
+
+Controls::~Controls() = default;
+
 ControlEffect Controls::set(const std::string& name, const Json& value) {
   const Control control = get(name);
   check_control_value(control, value);
+  memory_->note_first(control);
   return write(control, value);
 }
 

@@ -4,6 +4,7 @@
 #include "base/json.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,6 +29,7 @@ struct Control {
   std::optional<double> least, most, step;  // of kInteger and kNumber
   std::vector<std::string> choices;         // of kChoice
   bool writable = true;                     // now
+  bool moves = false;                       // it goes on changing once it is set: a recording's position
 };
 
 /// As docs/openapi.json has it.
@@ -37,17 +39,23 @@ Json control_json(const Control& control);
 /// take.
 void check_control_value(const Control& control, const Json& value);
 
+/// The camera has `b` when it says `a`: it rounds numbers, by less than a step or a ten-thousandth.
+bool is_same_value(const Control& control, const Json& a, const Json& b);
+
 enum class ControlEffect : std::uint8_t {
   kAtOnce,
   kWhenOpened,  // the camera must be closed and opened again for it
 };
+
+class ControlMemory;
 
 /// The controls of an open camera. May be used from any thread, also beside the one that takes images, and
 /// may block for as long as the camera takes to answer. Lives on when the camera is closed; then all throws
 /// CaptureError.
 class Controls {
  public:
-  virtual ~Controls() = default;
+  Controls();
+  virtual ~Controls();
 
   /// All of them, in the camera's order. Throws CaptureError.
   virtual std::vector<Control> list() = 0;
@@ -57,9 +65,14 @@ class Controls {
   /// camera refuses, and CaptureError when it does not answer.
   ControlEffect set(const std::string& name, const Json& value);
 
+  ControlMemory& memory() { return *memory_; }
+
  protected:
   /// `value` is one that the control takes.
   virtual ControlEffect write(const Control& control, const Json& value) = 0;
+
+ private:
+  const std::unique_ptr<ControlMemory> memory_;
 };
 
 /// Sets all of `wanted` (name -> value), in whatever order works: a gain can often be set only once its

@@ -321,7 +321,7 @@ class Learner {
 
   void make_table() {
     // What a table allows for as noise is also how much colours may differ: where detectors could not be sure
-    // of the dots that taught it, it is too narrow.
+    // of the dots that it was learnt from, it is too narrow.
     constexpr double kMinNoiseGrey = 6, kWider = 1.6;
     constexpr int kWidths = 3;
     std::size_t best = 0;

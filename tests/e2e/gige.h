@@ -45,13 +45,17 @@ class Gige : public DaemonTest {
   std::optional<GigeScene> scene_;
 };
 
-/// As the camera says.
-inline double exposure_us(const RunningDaemon& daemon) {
+/// As the camera says; null: it has none of this name.
+inline Json control(const RunningDaemon& daemon, const std::string& name) {
   const Json answer = daemon.get("/api/cameras/0/controls");
-  for (const Json& control : answer["controls"]) {
-    if (control["name"] == "ExposureTimeAbs") return control["value"].get<double>();
+  for (const Json& one : answer["controls"]) {
+    if (one["name"] == name) return one;
   }
-  return 0.0;
+  return nullptr;
+}
+
+inline double exposure_us(const RunningDaemon& daemon) {
+  return control(daemon, "ExposureTimeAbs")["value"].get<double>();
 }
 
 /// Camera 1 was watched, and nothing of it is missing.

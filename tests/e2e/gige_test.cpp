@@ -84,10 +84,18 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   EXPECT_EQ(daemon.get("/api/settings")["settings"]["cameras"][0]["source"]["controls"],
             Json({{"ExposureTimeAbs", 4000.0}}));
 
-  // For a moment only.
-  EXPECT_EQ(daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", 6000.0}})["value"], 6000);
+  // Set and not saved, which everybody is told.
+  const Json set = daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", 6000.0}});
+  EXPECT_EQ(set["value"], 6000);
+  EXPECT_EQ(set["unsaved"], true);
+  EXPECT_EQ(set["saved_value"], 4000);
+  EXPECT_EQ(set["revert_to"], 4000);
   daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", -6000.0}}, 422);
   EXPECT_EQ(exposure_us(daemon), 6000);
+  EXPECT_EQ(control(daemon, "ExposureTimeAbs")["unsaved"], true);
+  const Json told = daemon.get("/api/status");
+  EXPECT_EQ(told["cameras"][0]["controls_unsaved"], 1);
+  EXPECT_THAT(told["alerts"].dump(), HasSubstr("Camera 0: 1 control is set and not saved"));
 
   // A camera that lost its power comes back as it was saved.
   camera->send_signal(SIGKILL);
@@ -97,6 +105,48 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   camera = start_camera();
   daemon.wait_for_status(is_running);
   EXPECT_EQ(exposure_us(daemon), 4000);
+  EXPECT_EQ(control(daemon, "ExposureTimeAbs")["unsaved"], false);
+  EXPECT_EQ(daemon.get("/api/status")["cameras"][0]["controls_unsaved"], 0);
+}
+
+TEST_F(Gige, UnsavedControlsAndUndoGoBackToWhatTheCameraHad) {
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
+  const double exposure_before_us = exposure_us(daemon);
+  const Json mode_before = control(daemon, "ExposureAuto")["value"];
+  const Json other_mode = mode_before == "Off" ? "Continuous" : "Off";
+  const double wanted_us = exposure_before_us + 1000;
+  const auto set = [&] {
+    daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", wanted_us}});
+    daemon.post("/api/cameras/0/controls/ExposureAuto", {{"value", other_mode}});
+  };
+
+  // Never saved, so only the camera knew what it was.
+  set();
+  EXPECT_EQ(control(daemon, "ExposureAuto")["unsaved"], true);
+  EXPECT_EQ(control(daemon, "ExposureAuto")["saved_value"], nullptr);
+  daemon.post("/api/cameras/0/revert_controls", {{"names", {"ExposureAuto"}}});
+  EXPECT_EQ(control(daemon, "ExposureAuto")["value"], mode_before);
+  EXPECT_EQ(exposure_us(daemon), wanted_us);
+  daemon.post("/api/cameras/0/controls/ExposureAuto", {{"value", other_mode}});
+  daemon.post("/api/cameras/0/revert_controls");
+  EXPECT_EQ(control(daemon, "ExposureAuto")["value"], mode_before);
+  EXPECT_EQ(exposure_us(daemon), exposure_before_us);
+  EXPECT_EQ(daemon.get("/api/status")["cameras"][0]["controls_unsaved"], 0);
+  EXPECT_THAT(daemon.get("/api/events").dump(), HasSubstr("Camera 0: 2 unsaved controls were reverted"));
+  daemon.post("/api/cameras/0/revert_controls", {{"names", "ExposureAuto"}}, 400);
+
+  // Saved, and undone.
+  set();
+  daemon.patch({{{"op", "add"},
+                 {"path", "/cameras/0/source/controls"},
+                 {"value", {{"ExposureTimeAbs", wanted_us}, {"ExposureAuto", other_mode}}}}});
+  EXPECT_EQ(control(daemon, "ExposureAuto")["unsaved"], false);
+  EXPECT_EQ(control(daemon, "ExposureAuto")["value"], other_mode);
+  daemon.patch({{{"op", "replace"}, {"path", "/cameras/0/source/controls"}, {"value", Json::object()}}});
+  EXPECT_EQ(control(daemon, "ExposureAuto")["value"], mode_before);
+  EXPECT_EQ(exposure_us(daemon), exposure_before_us);
 }
 
 TEST_F(Gige, AControlThatTheCameraRefusesAtTheOpeningIsAnAlert) {

@@ -118,7 +118,7 @@ async function freeTarget(page) {
 const pages = [
   { name: 'Overview', path: '', ready: byId('camera-tile-1') },
   { name: 'Camera', path: '#/camera/0', ready: byId('robot-target') },
-  { name: 'Interface', path: '#/api', ready: byId('api-route') },
+  { name: 'API', path: '#/api', ready: byId('api-route') },
 ];
 
 describe('panel', () => {

@@ -226,9 +226,34 @@ describe('the camera page', () => {
     await page.waitForSelector(`${byId('control-paused')}:not([data-changed])`);
     const { settings: { cameras } } = await (await fetch(address('api/settings'))).json();
     assert.deepEqual(cameras[1].source.controls, { paused: true });
-    await page.click(`${byId('control-paused')} [role="switch"]`);
-    await page.click(`${byId('control-paused')} .back`);
+
+    // Not saved, it is shown as that after a reload and in another browser, and everybody can revert it.
+    await page.click(paused);
+    await page.waitForSelector(`${byId('control-paused')}[data-changed]`);
+    await becomes(isPaused, (now) => now === false);
+    await statusBecomes(({ cameras: [, camera], alerts }) => camera.controls_unsaved === 1 && alerts.some(({ id, title }) => id === 'controls_unsaved' && title === 'Camera 1: 1 control is set and not saved'));
+    await page.reload();
+    await page.waitForSelector(`${byId('control-paused')}[data-changed]`);
+    assert.match(await page.textContent(byId('controls-saved')), /1 not saved/);
+    const other = await page.context().newPage();
+    await other.goto(address('#/camera/1'));
+    await other.waitForSelector(`${byId('control-paused')}[data-changed]`);
+    await other.getByLabel('Paused: revert to on').click();
+    await other.waitForSelector(`${byId('control-paused')}:not([data-changed])`);
+    assert.equal(await isPaused(), true, 'the camera is set back');
     await page.waitForSelector(`${byId('control-paused')}:not([data-changed])`);
+    await other.close();
+    await statusBecomes(({ cameras: [, camera], alerts }) => camera.controls_unsaved === 0 && !alerts.some(({ id }) => id === 'controls_unsaved'));
+
+    // All at once, and undo of what is saved.
+    await page.click(paused);
+    await page.click(`${byId('control-loop')} [role="switch"]`);
+    await page.waitForFunction((card) => document.querySelector(card)?.textContent.includes('2 not saved'), byId('controls-saved'));
+    await page.click(byId('controls-revert'));
+    await page.waitForFunction((card) => document.querySelector(card)?.textContent.includes('Everything is saved'), byId('controls-saved'));
+    assert.equal(await isPaused(), true);
+    await patch({ op: 'replace', path: '/cameras/1/source/controls', value: {} });
+    assert.equal(await isPaused(), false, 'what it was when it was opened');
   }));
 
   screenshots([

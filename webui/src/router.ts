@@ -26,7 +26,7 @@ export const pages: readonly [Page, ...Page[]] = [
   { name: 'field', title: 'Field', icon: 'network', component: lazyPage(() => import('./pages/field/FieldPage.vue')) },
   { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: lazyPage(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
   { name: 'kiosk', title: 'Kiosk', icon: 'fullscreen', component: lazyPage(() => import('./pages/kiosk/KioskPage.vue')), isAside: true, isAlone: true },
-  { name: 'api', title: 'Interface', icon: 'link', component: lazyPage(() => import('./pages/api/ApiPage.vue')), isAside: true },
+  { name: 'api', title: 'API', icon: 'link', component: lazyPage(() => import('./pages/api/ApiPage.vue')), isAside: true },
 ];
 
 const hash = ref(location.hash);

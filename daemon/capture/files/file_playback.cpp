@@ -92,6 +92,7 @@ std::vector<Control> Playback::list() {
   out[0].least = 0;
   out[0].most = static_cast<double>(std::max<std::int64_t>(0, count_ - 1));
   out[0].value = std::max<std::int64_t>(0, state.next - 1);
+  out[0].moves = true;
   out[1].name = "paused";
   out[1].title = "Paused";
   out[1].kind = ControlKind::kFlag;

@@ -36,7 +36,7 @@ void add_controls(CommandLine& line) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
-      "controls", "what can be set at a camera itself; with NAME=VALUE sets it, with NAME does an action");
+      "controls", "what can be set on the camera itself; NAME=VALUE sets a control, NAME runs an action");
   command->add_option("assignments", o->assignments, "NAME=VALUE, or the NAME of an action");
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   command->add_flag("--for-now", o->for_now, "do not save it in the settings");

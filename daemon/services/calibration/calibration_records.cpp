@@ -130,7 +130,7 @@ void CalibrationRecords::revert(int camera_id, bool force, const std::string& wh
     throw HttpError(409, fmt::format("camera {} has no earlier calibration to go back to", camera_id));
   if (!force && calibration_in(current.settings, camera_id) != params_to_json(newest->calibration)) {
     throw HttpError(409, fmt::format("camera {}'s calibration was changed in another way since the last one "
-                                     "was accepted; to go back all the same, use force",
+                                     "was accepted; you can go back anyway (force)",
                                      camera_id));
   }
   newest->reverted_s = unix_time_s();

@@ -20,7 +20,7 @@ void refuse_acceptance(MatchLock& match_lock, bool is_good, const std::vector<st
                        const std::string& what) {
   match_lock.refuse_if_locked(kOrForce);
   if (is_good) return;
-  throw HttpError(409, fmt::format("{} not good enough: {} Or use force.", what,
+  throw HttpError(409, fmt::format("{} not good enough: {} You can accept it anyway (force).", what,
                                    problems.empty() ? "see the figures." : problems.front()));
 }
 

@@ -31,7 +31,7 @@ bool take_force(Json& body);
 void refuse_acceptance(MatchLock& match_lock, bool is_good, const std::vector<std::string>& problems,
                        const std::string& what);
 
-inline constexpr const char* kOrForce = ", or use force";
+inline constexpr const char* kOrForce = ", or do it anyway (force)";
 
 /// What the JSON of every kind of calibration says of its newest job.
 template <class Job>

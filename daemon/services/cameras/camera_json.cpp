@@ -6,6 +6,7 @@
 #include "health/histogram.h"
 #include "services/cameras/camera_report.h"
 
+#include <algorithm>
 #include <atomic>
 #include <string>
 #include <utility>
@@ -69,6 +70,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
                            ? Json{{"missing", health.packets->missing}, {"resent", health.packets->resent}}
                            : Json(nullptr)},
            {"reconnects", health.reconnects},
+           {"controls_unsaved", camera.unsaved_controls().size()},
            {"latency_ms", {{"p50", latency.p50_us * 1e-3}, {"p99", latency.p99_us * 1e-3}}},
            {"age_ms", {{"p50", age.p50_us * 1e-3}, {"p99", age.p99_us * 1e-3}}},
            {"t_capture_from", t_capture_from(health.times)},
@@ -103,6 +105,17 @@ Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Ex
   for (std::size_t i = 0; i < stack.size(); ++i)
     out["stages"].push_back(
         {{"name", stack[i]}, {"histogram", histogram_json(setup->pipeline->durations(i))}});
+  return out;
+}
+
+Json control_json(const Control& control, const Json& saved, const std::vector<UnsavedControl>& unsaved) {
+  Json out = control_json(control);
+  const auto kept = saved.find(control.name);
+  out["saved_value"] = kept == saved.end() ? Json(nullptr) : *kept;
+  const auto found =
+      std::ranges::find(unsaved, control.name, [](const auto& one) { return one.control.name; });
+  out["unsaved"] = found != unsaved.end();
+  out["revert_to"] = found == unsaved.end() ? Json(nullptr) : found->before;
   return out;
 }
 

@@ -19,6 +19,8 @@ namespace sslv {
 Json camera_json(const RunningCamera& camera, const CameraHealth& health);
 /// CameraDiagnostics.
 Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure);
+/// Control. `saved`: name -> value.
+Json control_json(const Control& control, const Json& saved, const std::vector<UnsavedControl>& unsaved);
 /// {"hidden": [[left, top, width, height], ...]}; null: nothing is.
 Json field_view_json(const FieldView* view);
 

@@ -43,6 +43,19 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .camera = camera.id,
                       .about = warning});
   }
+  if (camera.controls_unsaved > 0) {
+    alerts.push_back(
+        {.id = "controls_unsaved",
+         .check = "cameras",
+         .severity = Severity::kInfo,
+         .title = fmt::format("Camera {}: {} set and not saved", camera.id,
+                              camera.controls_unsaved == 1
+                                  ? "1 control is"
+                                  : fmt::format("{} controls are", camera.controls_unsaved)),
+         .fix = "Save or revert on the camera's page; when the camera is reopened, they are lost.",
+         .page = camera_page(camera),
+         .camera = camera.id});
+  }
   if (health.state == CameraState::kLost) {
     alerts.push_back({.id = "camera_lost",
                       .check = "cameras",
@@ -157,18 +170,21 @@ std::size_t running(std::span<const CameraFacts> cameras) {
 
 Check check_cameras(std::span<const CameraFacts> cameras) {
   const std::size_t count = running(cameras);
-  Check check{
-      "cameras", "Cameras", CheckState::kPass, std::to_string(count), fmt::format("of {}", cameras.size()),
-      "all run"};
+  Check check{"cameras",
+              "Cameras",
+              CheckState::kPass,
+              std::to_string(count),
+              fmt::format("of {}", cameras.size()),
+              "all are running"};
   if (cameras.empty()) {
     check.state = CheckState::kFail;
     check.text = "there is no camera in the settings";
   } else if (count == 0) {
     check.state = CheckState::kFail;
-    check.text = "none runs";
+    check.text = "none is running";
   } else if (count < cameras.size()) {
     check.state = CheckState::kWarn;
-    check.text = "not all run";
+    check.text = "not all are running";
   }
   for (const ImageOrigin origin : {ImageOrigin::kSimulation, ImageOrigin::kRecording}) {
     const auto such = std::ranges::count(cameras, origin, &CameraFacts::origin);
@@ -198,7 +214,7 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
 }
 
 Check check_latency(std::span<const CameraFacts> cameras) {
-  Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera runs"};
+  Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera is running"};
   if (running(cameras) == 0) return check;
   double worst_ms = 0;
   for (const CameraFacts& camera : cameras) {

@@ -34,6 +34,7 @@ struct CameraFacts {
   double latency_p99_ms = 0;
   Timeline::Sum last_minute, last_seconds;  // kLastSeconds
   std::optional<Exposure> exposure;         // of the newest frame
+  std::size_t controls_unsaved = 0;         // that are set and not saved
   bool sends = true;                        // its stack ends in the stage that sends
   ImageOrigin origin = ImageOrigin::kCamera;
   std::string flood{};  // in the last minute: "green floods the image between ..."; empty: none

@@ -2,6 +2,7 @@
 #include "services/cameras/camera_routes.h"
 
 #include "base/log.h"
+#include "capture/control_memory.h"
 #include "capture/source.h"
 #include "image/jpeg.h"
 #include "services/cameras/camera_json.h"
@@ -9,8 +10,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -83,13 +87,21 @@ Json ask_driver(const RunningCamera& camera, std::function<Json(Controls&)> ask)
   }
 }
 
+/// With what is saved of each, and whether it is set otherwise.
+Json list_controls(Controls& controls, const Json& saved) {
+  const std::vector<Control> all = controls.list();
+  controls.memory().update(all);
+  const std::vector<UnsavedControl> unsaved = controls.memory().unsaved(saved);
+  Json out = Json::array();
+  for (const Control& control : all) out.push_back(control_json(control, saved, unsaved));
+  return {{"controls", std::move(out)}};
+}
+
 Response get_controls(const CameraRoutes& of, const Request& request) {
-  Json list = ask_driver(*camera_of(of, request), [](Controls& controls) {
-    Json out = Json::array();
-    for (const Control& control : controls.list()) out.push_back(control_json(control));
-    return out;
-  });
-  return json_response({{"controls", std::move(list)}});
+  const auto camera = camera_of(of, request);
+  return json_response(ask_driver(*camera, [saved = camera->saved_controls()](Controls& controls) {
+    return list_controls(controls, saved);
+  }));
 }
 
 Response set_control(const CameraRoutes& of, const Request& request) {
@@ -99,12 +111,21 @@ Response set_control(const CameraRoutes& of, const Request& request) {
   if (!is_fine) throw HttpError(400, R"(expected {"value": ...}, or nothing for an action)");
   const Json value = body.empty() ? Json(nullptr) : body.at("value");
   const std::string name = request.matches[2];
-  Json control = ask_driver(*camera, [name, value](Controls& controls) {
-    controls.set(name, value);
-    return control_json(controls.get(name));
+  const std::size_t before = camera->unsaved_controls().size();
+  Json control = ask_driver(*camera, [name, value, saved = camera->saved_controls()](Controls& controls) {
+    try {
+      const Control now = controls.memory().set_unsaved(name, value);
+      return control_json(now, saved, controls.memory().unsaved(saved));
+    } catch (const NeedsReopening& error) {
+      throw HttpError(409, error.what());
+    }
   });
-  log::info("camera {}: {} set to {} by {}, not saved", camera->settings()->id, Json(name).dump(),
-            value.dump(), request.address);
+  const int id = camera->settings()->id;
+  log::info("camera {}: {} set to {} by {}, not saved", id, Json(name).dump(), value.dump(), request.address);
+  // Once for each, not for each step of a slider.
+  if (camera->unsaved_controls().size() > before)
+    of.events.add(
+        {"controls_set", fmt::format("Camera {}: {} was set and not saved", id, name), request.address, id});
   return json_response(control);
 }
 
@@ -122,6 +143,42 @@ Response reopen_camera(const CameraRoutes& of, const Request& request) {
   of.events.add(
       {"camera_reopen_asked", fmt::format("Asked to open camera {} again", id), request.address, id});
   return json_response(camera_json(*camera, camera->health()));
+}
+
+/// Which controls the body names; empty: all.
+std::set<std::string> names_in(const Request& request) {
+  std::set<std::string> names;
+  const Json body = body_json(request);
+  const bool has_names = body.is_object() && body.size() == 1 && body.contains("names") &&
+                         body.at("names").is_array() && !body.at("names").empty();
+  if (!has_names && body != Json::object())
+    throw HttpError(400, R"(expected {"names": [...]}, or nothing for all)");
+  if (!has_names) return names;
+  for (const Json& name : body.at("names")) {
+    if (!name.is_string()) throw HttpError(400, "names: expected texts");
+    names.insert(name.get<std::string>());
+  }
+  return names;
+}
+
+Response revert_controls(const CameraRoutes& of, const Request& request) {
+  const auto camera = camera_of(of, request);
+  const std::size_t before = camera->unsaved_controls().size();
+  Json list =
+      ask_driver(*camera, [names = names_in(request), saved = camera->saved_controls()](Controls& controls) {
+        controls.memory().revert(names);
+        return list_controls(controls, saved);
+      });
+  const int id = camera->settings()->id;
+  const std::size_t after = camera->unsaved_controls().size();
+  if (after < before) {
+    const std::size_t count = before - after;
+    of.events.add(
+        {"controls_reverted",
+         fmt::format("Camera {}: {} unsaved control{} reverted", id, count, count == 1 ? " was" : "s were"),
+         request.address, id});
+  }
+  return json_response(list);
 }
 
 Response get_field_view(const CameraRoutes& of, const Request& request) {
@@ -173,6 +230,7 @@ std::vector<Route> camera_routes(const CameraRoutes& of) {
       {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", about(set_control)},
       // A camera may be lost in a match, too.
       {"POST", R"(/api/cameras/(\d+)/reopen)", about(reopen_camera), Needs::kChange},
+      {"POST", R"(/api/cameras/(\d+)/revert_controls)", about(revert_controls)},
       {"GET", R"(/api/cameras/(\d+)/field_view)", about(get_field_view)},
       {"GET", "/api/timeline",
        [of](const Request& request) {

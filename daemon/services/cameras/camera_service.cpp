@@ -72,6 +72,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
                    .last_minute = last_minute,
                    .last_seconds = watch_.timeline().sum(id, CameraFacts::kLastSeconds),
                    .exposure = watch_.exposure(id),
+                   .controls_unsaved = camera->unsaved_controls().size(),
                    .sends = std::ranges::find(settings->stack, "publish") != settings->stack.end(),
                    .origin = origin_of(settings->source),
                    .flood = is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label))

@@ -47,10 +47,15 @@ void RunningCamera::ask_to_stop() {
   thread_->ask_to_stop();
 }
 
-std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene) {
-  auto open = [newest = settings_, scene] {
+std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene,
+                                                         const Json& controls) {
+  auto open = [newest = settings_, scene, controls] {
     const auto now = newest->load();
-    return open_source(now->source, {static_cast<std::uint32_t>(now->id), scene});
+    Json source = now->source;
+    for (const auto& [name, value] : controls.items()) {
+      if (!source["controls"].contains(name)) source["controls"][name] = value;
+    }
+    return open_source(source, {static_cast<std::uint32_t>(now->id), scene});
   };
   auto on_image = [this](CapturedImage&& captured) {
     pipeline_.process(std::move(captured.image), captured.times, captured.whole);
@@ -77,7 +82,8 @@ RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings, std
                 std::move(setup),
                 nullptr,
                 {open, driver_calls_, controls_in(old->source), controls_in(settings.source), path}};
-  if (change.controls.needs_opening()) change.thread = make_thread(settings, scene);
+  if (change.controls.needs_opening())
+    change.thread = make_thread(settings, scene, change.controls.at_opening());
   return change;
 }
 
@@ -138,6 +144,15 @@ CameraHealth RunningCamera::health() const {
 std::shared_ptr<Controls> RunningCamera::controls() const {
   const std::lock_guard lock(thread_mutex_);
   return thread_->controls();
+}
+
+std::vector<UnsavedControl> RunningCamera::unsaved_controls() const {
+  const auto open = controls();
+  return open ? open->memory().unsaved(saved_controls()) : std::vector<UnsavedControl>{};
+}
+
+Json RunningCamera::saved_controls() const {
+  return controls_in(settings()->source);
 }
 
 void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots,

@@ -4,6 +4,7 @@
 #include "base/recent.h"
 #include "base/snapshot.h"
 #include "capture/camera_thread.h"
+#include "capture/control_memory.h"
 #include "config/config.h"
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
@@ -18,6 +19,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -66,6 +68,10 @@ class RunningCamera {
   /// Those of the open camera; none while it is not open, or has none. To be called through `driver_calls`.
   std::shared_ptr<Controls> controls() const;
   const DriverCalls& driver_calls() const { return driver_calls_; }
+  /// As they were when they were last read; none while the camera is not open.
+  std::vector<UnsavedControl> unsaved_controls() const;
+  /// What the settings say of its own controls: name -> value.
+  Json saved_controls() const;
   const CameraPipeline& pipeline() const { return pipeline_; }
   /// From the frame's arrival to the packet on the socket.
   const RecentDurations& latency() const { return sink_.latency; }
@@ -88,7 +94,10 @@ class RunningCamera {
     CameraTotals& totals;
     RecentDurations latency, age;
   };
-  std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene);
+  /// `controls` (name -> value): what the camera is opened with besides the settings, unless they say
+  /// otherwise.
+  std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
+                                            const Json& controls = Json::object());
 
   /// Shared with the thread, which opens the camera by the newest settings and may be left behind.
   const std::shared_ptr<Snapshot<CameraSettings>> settings_;

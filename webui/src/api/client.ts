@@ -13,8 +13,15 @@ const PATIENCE_MS = 15_000;
 /** For a file, which may be large and the network slow. */
 const UPLOAD_PATIENCE_MS = 90_000;
 
+/** What a refusal means where nobody says it in words: a proxy in between, say. */
+const MEANING: Record<number, string> = {
+  401: 'Sign in as admin first', 403: 'This is not allowed', 404: 'The service does not know this address', 413: 'This is too large for the service',
+  423: 'The settings are locked during the match', 429: 'Too many requests: wait a moment, then try again',
+  502: 'The service cannot be reached', 503: 'The service is busy: try again in a moment', 504: 'The service does not answer: try again in a moment',
+};
+
 export const errorText = (body: unknown, status: number): string =>
-  typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : `The service answered ${status}`;
+  typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : MEANING[status] ?? `The service could not do this (error ${status})`;
 
 /**
  * Asked when a change is refused because somebody must sign in first (401) or a match runs (423). Says whether it is

@@ -11,7 +11,7 @@ export const divisionB: FieldSize = {
 export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
   return {
     id: 0, name: '+x half', backend: 'simulator', origin: 'simulation', state: 'running', error: '', width: 780, height: 580, pixel_format: 'uyvy',
-    fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, packets: null, reconnects: 0,
+    fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, packets: null, reconnects: 0, controls_unsaved: 0,
     latency_ms: { p50: 0.6, p99: 0.9 }, age_ms: { p50: 3.1, p99: 3.4 }, t_capture_from: 'camera', t_capture_sigma_ms: 0.05, stages: [], robots: 6, balls: 1,
     calibration: {
       focal_length: 600, principal_point_x: 390, principal_point_y: 290, distortion: 0.1,

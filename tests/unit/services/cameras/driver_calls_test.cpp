@@ -2,6 +2,7 @@
 #include "services/cameras/driver_calls.h"
 
 #include "base/error.h"
+#include "capture/control_memory.h"
 #include "capture/source.h"
 #include "services/cameras/control_change.h"
 
@@ -90,6 +91,28 @@ TEST(ControlChange, IsSetBackUnlessItIsKept) {
     change.keep();
   }
   EXPECT_EQ(controls->value("gain"), 5);
+}
+
+TEST(ControlChange, WhatIsNoLongerWantedGetsTheValueOfTheOpening) {
+  const auto controls = std::make_shared<SlowControls>();
+  ControlChange(controls, DriverCalls(), Json::object(), {{"gain", 5}}, "/controls").keep();
+  {
+    const ControlChange dropped(controls, DriverCalls(), {{"gain", 5}}, Json::object(), "/controls");
+    EXPECT_EQ(controls->value("gain"), 1);
+  }
+  EXPECT_EQ(controls->value("gain"), 5);
+  ControlChange(controls, DriverCalls(), {{"gain", 5}}, Json::object(), "/controls").keep();
+  EXPECT_EQ(controls->value("gain"), 1);
+}
+
+TEST(ControlChange, IsNoLongerUnsaved) {
+  const auto controls = std::make_shared<SlowControls>();
+  controls->memory().set_unsaved("gain", 3);
+  EXPECT_EQ(controls->memory().unsaved(Json::object()).size(), 1U);
+  ControlChange(controls, DriverCalls(), Json::object(), {{"gain", 3}}, "/controls").keep();
+  controls->memory().set_unsaved("gain", 7);
+  controls->memory().revert({});
+  EXPECT_EQ(controls->value("gain"), 3);
 }
 
 TEST(ControlChange, OfACameraThatDoesNotAnswerIsRefusedAndSetBackWhenItDoes) {

@@ -342,7 +342,7 @@ TEST_F(Checks, AllPassWithFacts) {
     const Check one = check(id);
     return one.value + " " + one.unit + ", " + one.text;
   };
-  EXPECT_EQ(words("cameras"), "2 of 2, all run");
+  EXPECT_EQ(words("cameras"), "2 of 2, all are running");
   EXPECT_THAT(words("pictures"), HasSubstr("60.0 per second, none lost in 60 s"));
   EXPECT_EQ(words("calibration"), "2 of 2, all calibrated");
   EXPECT_EQ(words("network"), "122 packets/s, to 224.5.23.2:10006");

@@ -46,7 +46,7 @@ describe('a request', () => {
 
   it('knows what the service asks for', () => {
     const says = (note: string) => reportWith([], [], [note]);
-    expect(asksForHeight(says("The camera's height is known to 134 mm only: measured and given, it would make places more exact."))).toBe(true);
+    expect(asksForHeight(says("The camera's height is only accurate to 134 mm, so places of robots' tops may be off by 5 mm. To improve this, measure the height and enter it."))).toBe(true);
     expect(asksForPlusX(says('Both ends of the field look alike: the +x half was taken to be at the top of the image. Name the points, or say where +x is.'))).toBe(true);
     expect([asksForHeight(null), asksForPlusX(says(''))]).toEqual([false, false]);
   });

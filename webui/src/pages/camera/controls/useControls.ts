@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's own controls: as they are now, as they are saved, and what is on its way to the camera.
+// A camera's own controls: as they are now, which of them are not saved, and what is on its way to the camera.
 import { computed, onUnmounted, ref, shallowRef, watch } from 'vue';
-import { api, messageOf } from '../../../api/client';
+import { api, ApiError, messageOf } from '../../../api/client';
 import type { CameraStatus, Control } from '../../../api/types';
+import { newestOnly } from '../../../api/newestOnly';
 import { setOperations, pointerOf, valueAt, type Json } from '../../../settings/pointer';
 import { cameraIndex, save, settings, useSettings } from '../../../state/settings';
 import { isSame, type Value } from './controls';
-import { newestOnly } from '../../../api/newestOnly';
 
 /** One control may change what others are or allow. They are asked for once nothing was changed for so long. */
 const ASK_AGAIN_MS = 400;
@@ -19,13 +19,13 @@ export function useControls(camera: () => CameraStatus) {
   const errors = ref<Record<string, string>>({});
   /** Shown until the camera has answered. */
   const drafts = ref<Record<string, Value>>({});
-  /** What the camera had before it was changed here; of what is saved, the saved value is what counts. */
-  const before = ref<Record<string, Value>>({});
+  /** What can only be saved, because the camera is reopened for it. */
+  const toSave = ref<Record<string, Value>>({});
   /** Something was set and the camera took it. */
   const isApplied = ref(false);
 
   const folder = computed(() => pointerOf(['cameras', cameraIndex(camera().id), 'source', 'controls']));
-  const savedValues = computed(() => (valueAt(settings.value ?? undefined, folder.value) ?? {}) as Record<string, Value>);
+  const savedValues = computed(() => valueAt(settings.value ?? undefined, folder.value) ?? {});
 
   let alive = true;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -50,8 +50,9 @@ export function useControls(camera: () => CameraStatus) {
     alive = false;
     clearTimeout(timer);
   });
-  // A camera that comes back may have other values; so may one whose settings somebody else changed.
+  // A camera that comes back may have other values; so may one that somebody else has changed.
   watch(() => camera().state, load, { immediate: true });
+  watch(() => [camera().controls_unsaved, camera().reconnects].join(), loadSoon);
   watch(savedValues, (now, then) => { if (JSON.stringify(now) !== JSON.stringify(then)) loadSoon(); });
 
   const line = newestOnly<Value>(async (name, value) => {
@@ -59,9 +60,13 @@ export function useControls(camera: () => CameraStatus) {
       const answer = await api.post<Control>(`cameras/${camera().id}/controls/${encodeURIComponent(name)}`, value === null ? undefined : { value });
       list.value = list.value?.map((control) => (control.name === name ? answer : control)) ?? null;
       delete errors.value[name];
+      delete toSave.value[name];
       isApplied.value = true;
     } catch (error) {
-      errors.value[name] = messageOf(error);
+      const isReopened = error instanceof ApiError && error.status === 409 && camera().state === 'running';
+      if (isReopened) toSave.value[name] = value;
+      if (isReopened) delete errors.value[name];
+      else errors.value[name] = messageOf(error);
     }
     if (!line.isWaiting(name)) delete drafts.value[name];
   }, loadSoon);
@@ -69,46 +74,71 @@ export function useControls(camera: () => CameraStatus) {
   function set(name: string, value: Value): void {
     const control = list.value?.find((one) => one.name === name);
     if (!control) return;
-    if (control.kind !== 'action') {
-      if (!(name in before.value)) before.value[name] = control.value;
-      drafts.value[name] = value;
-    }
+    if (control.kind !== 'action') drafts.value[name] = value;
     line.put(name, value);
   }
 
-  const valueOf = (control: Control): Value => drafts.value[control.name] ?? control.value;
-  /** What "Back" goes back to; undefined where nothing is known to go back to. */
-  const homeOf = ({ name }: Control): Value | undefined => (name in savedValues.value ? savedValues.value[name] : before.value[name]);
-  const isSaved = ({ name }: Control) => name in savedValues.value;
+  const valueOf = (control: Control): Value => drafts.value[control.name] ?? toSave.value[control.name] ?? control.value;
+  /** What "Revert" goes back to. */
+  const homeOf = (control: Control): Value => (control.unsaved ? control.revert_to : control.value);
   const isChanged = (control: Control): boolean => {
-    const home = homeOf(control);
-    return control.writable && control.kind !== 'action' && home !== undefined && !isSame(control, valueOf(control), home);
+    if (!control.writable || control.kind === 'action') return false;
+    const value = valueOf(control);
+    if (control.unsaved && value === control.value) return true;
+    const isSaved = control.saved_value !== null && isSame(control, value, control.saved_value);
+    return !isSaved && !isSame(control, value, homeOf(control));
   };
   const changed = computed(() => list.value?.filter(isChanged) ?? []);
+  /** Something is on its way to the camera. */
+  const isBusy = ref(false);
+  const isSetting = computed(() => isBusy.value || Object.keys(drafts.value).length > 0);
 
-  const saveError = ref('');
-  const isSaving = ref(false);
-  async function saveAll(): Promise<void> {
-    const values = Object.fromEntries(changed.value.map((control) => [control.name, valueOf(control) as Json]));
-    isSaving.value = true;
+  /** Why saving or reverting did not work. */
+  const problem = ref('');
+  async function saveOnly(controls: readonly Control[]): Promise<void> {
+    const values = Object.fromEntries(controls.map((control) => [control.name, valueOf(control) as Json]));
+    isBusy.value = true;
     const outcome = await save((tree) => {
       const all = { ...(valueAt(tree, folder.value) as Record<string, Json> | undefined), ...values };
       return setOperations(tree, folder.value, all);
     });
-    isSaving.value = false;
-    saveError.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text
-      : outcome.kind === 'stale' ? `${outcome.step.who} has changed the camera's controls; check them and save again` : '';
+    problem.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text
+      : outcome.kind === 'stale' ? `${outcome.step.who} has changed the camera's controls. Check them and save again.` : '';
+    if (outcome.kind === 'saved') forget(Object.keys(values));
     await load();
+    isBusy.value = false;
   }
-  const goBack = (control: Control) => {
-    const home = homeOf(control);
-    if (home !== undefined) set(control.name, home);
-  };
+  async function revert(names?: string[]): Promise<void> {
+    problem.value = '';
+    isBusy.value = true;
+    try {
+      list.value = (await api.post<{ controls: Control[] }>(`cameras/${camera().id}/revert_controls`, names ? { names } : {})).controls;
+    } catch (error) {
+      problem.value = messageOf(error);
+      await load();
+    }
+    isBusy.value = false;
+  }
+  function forget(names: readonly string[]): void {
+    for (const name of names) {
+      delete toSave.value[name];
+      delete errors.value[name];
+    }
+  }
 
   return {
-    list, listError, errors, isApplied, set, valueOf, homeOf, isSaved, isChanged, changed,
-    saveAll, isSaving, saveError, goBack,
-    goAllBack: () => changed.value.forEach(goBack),
+    list, listError, errors, isApplied, set, valueOf, homeOf, isChanged, changed, isSetting, problem,
+    isReopened: ({ name }: Control) => name in toSave.value,
+    saveOne: (control: Control) => saveOnly([control]),
+    saveAll: () => saveOnly(changed.value),
+    async revertOne(control: Control): Promise<void> {
+      forget([control.name]);
+      if (control.unsaved) await revert([control.name]);
+    },
+    async revertAll(): Promise<void> {
+      forget(changed.value.map(({ name }) => name));
+      await revert();
+    },
     /** What was typed and is no value. */
     refuse(name: string, text: string) { errors.value[name] = text; },
   };

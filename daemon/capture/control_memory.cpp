@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/control_memory.h"
+
+#include <algorithm>
+#include <ranges>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+/// A camera that measures while it is set back is not chased for ever.
+constexpr int kRounds = 3;
+
+bool can_be_remembered(const Control& control) {
+  return control.kind != ControlKind::kAction && !control.moves && !control.value.is_null();
+}
+
+std::map<std::string, Json> values_of(const std::vector<Control>& controls) {
+  std::map<std::string, Json> out;
+  for (const Control& control : controls) {
+    if (control.writable && can_be_remembered(control)) out[control.name] = control.value;
+  }
+  return out;
+}
+
+}  // namespace
+
+UnsavedControl* ControlMemory::find(const std::string& name) {
+  const auto found = std::ranges::find(entries_, name, [](const auto& entry) { return entry.control.name; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+void ControlMemory::note_first(const Control& before) {
+  if (!can_be_remembered(before)) return;
+  const std::lock_guard lock(mutex_);
+  first_.emplace(before.name, before.value);
+}
+
+void ControlMemory::read_once() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (was_read_) return;
+  }
+  update(controls_.list());
+}
+
+Control ControlMemory::set_unsaved(const std::string& name, const Json& value) {
+  const Control before = controls_.get(name);
+  if (!can_be_remembered(before)) {
+    controls_.set(name, value);
+    return controls_.get(name);
+  }
+  bool is_first = false, is_clean = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_first = find(name) == nullptr;
+    is_clean = entries_.empty();
+  }
+  Values clean;
+  if (is_clean) {
+    const std::vector<Control> all = controls_.list();
+    clean = values_of(all);
+    update(all);
+  }
+  if (controls_.set(name, value) == ControlEffect::kWhenOpened)
+    throw NeedsReopening(fmt::format("{}: the camera must be reopened for this. Save it to set it.", name));
+  Control now = controls_.get(name);
+  const std::vector<Control> all = is_first ? controls_.list() : std::vector<Control>{};
+  const std::lock_guard lock(mutex_);
+  if (is_clean) clean_ = clean;
+  if (UnsavedControl* entry = find(name))
+    entry->control = now;
+  else
+    entries_.push_back({now, before.value});
+  for (const Control& other : all) {
+    const auto was = clean_.find(other.name);
+    if (is_mode(other) && was != clean_.end() && was->second != other.value && find(other.name) == nullptr)
+      entries_.push_back({other, was->second});
+  }
+  return now;
+}
+
+ControlMemory::Values ControlMemory::set_all(const Values& targets) {
+  Values refusals;
+  bool is_done = false;
+  for (int round = 0; round < kRounds && !std::exchange(is_done, true); ++round) {
+    for (const bool modes : {false, true}) {
+      for (const Control& control : controls_.list()) {
+        const auto target = targets.find(control.name);
+        if (target == targets.end() || is_mode(control) != modes || !control.writable ||
+            is_same_value(control, control.value, target->second))
+          continue;
+        try {
+          controls_.set(control.name, target->second);
+          refusals.erase(control.name);
+          is_done = false;
+        } catch (const SettingsError& error) {
+          refusals[control.name] = error.what();
+        }
+      }
+    }
+  }
+  return refusals;
+}
+
+void ControlMemory::revert(const std::set<std::string>& names) {
+  const auto is_chosen = [&](const UnsavedControl& entry) {
+    return names.empty() || names.contains(entry.control.name);
+  };
+  std::vector<UnsavedControl> chosen;
+  Values targets;
+  {
+    const std::lock_guard lock(mutex_);
+    std::ranges::copy_if(entries_, std::back_inserter(chosen), is_chosen);
+    const bool has_mode =
+        std::ranges::any_of(chosen, [](const auto& entry) { return is_mode(entry.control); });
+    if (has_mode) targets = clean_;
+    for (const auto& entry : entries_) targets.erase(entry.control.name);
+  }
+  for (const UnsavedControl& entry : chosen | std::views::reverse) {
+    targets[entry.control.name] = entry.before;
+    try {
+      controls_.set(entry.control.name, entry.before);
+    } catch (const SettingsError&) {  // NOLINT(bugprone-empty-catch): a mode may lock it that goes back below
+    }
+  }
+  const Values refusals = set_all(targets);
+  update(controls_.list());
+  const std::lock_guard lock(mutex_);
+  std::string problem;
+  std::erase_if(entries_, [&](const UnsavedControl& entry) {
+    if (!is_chosen(entry)) return false;
+    const auto refusal = refusals.find(entry.control.name);
+    if (refusal == refusals.end() || is_same_value(entry.control, entry.control.value, entry.before))
+      return true;
+    problem = refusal->second.get<std::string>();
+    return false;
+  });
+  if (!problem.empty()) throw SettingsError(problem);
+}
+
+void ControlMemory::update(const std::vector<Control>& now) {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(was_read_, true)) opened_ = values_of(now);
+  for (const Control& control : now) {
+    if (UnsavedControl* entry = find(control.name)) entry->control = control;
+  }
+}
+
+void ControlMemory::forget(const Json& values) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, value] : values.items()) {
+    std::erase_if(entries_, [&key = name](const auto& entry) { return entry.control.name == key; });
+    if (clean_.contains(name)) clean_[name] = value;
+  }
+}
+
+std::vector<UnsavedControl> ControlMemory::unsaved(const Json& saved) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<UnsavedControl> out;
+  for (const UnsavedControl& entry : entries_) {
+    const Control& control = entry.control;
+    const auto kept = saved.find(control.name);
+    const bool is_saved = kept != saved.end() && is_same_value(control, control.value, *kept);
+    // What an automatic has taken over is not the admin's value any more.
+    if (!is_saved && control.writable && !is_same_value(control, control.value, entry.before))
+      out.push_back(entry);
+  }
+  return out;
+}
+
+std::optional<Json> ControlMemory::when_opened(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  for (const Values* values : {&first_, &opened_}) {
+    if (const auto found = values->find(name); found != values->end()) return found->second;
+  }
+  return std::nullopt;
+}
+
+Json ControlMemory::others_when_opened(const std::set<std::string>& except) const {
+  const std::lock_guard lock(mutex_);
+  Json out = Json::object();
+  for (const auto& [name, value] : opened_) {
+    const bool is_unsaved =
+        std::ranges::any_of(entries_, [&key = name](const auto& entry) { return entry.control.name == key; });
+    if (!is_unsaved && !except.contains(name)) out[name] = value;
+  }
+  return out;
+}
+
+}  // namespace sslv
