@@ -252,6 +252,27 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', learning, { body: { frames: 0 }, expect: 422 });
   });
 
+  it('offers what a camera can be made of', async () => {
+    const jpeg = readFileSync(join(root, 'tests/golden/division_b.jpg'));
+    const file = { source: { backend: 'files', path: join(root, 'tests/golden/division_b.jpg'), loop: true } };
+    assert.equal((await ask('post', '/api/sources/image', { body: file, query: '?width=100' })).subarray(0, 2).toString('hex'), 'ffd8');
+    await ask('post', '/api/sources/image', { body: {}, expect: 400 });
+    await ask('post', '/api/sources/image', { body: { source: { backend: 'files', path: '/etc/shadow' } }, expect: 422 });
+
+    await ask('get', '/api/files');
+    await ask('get', '/api/files', { query: '?folder=/etc', expect: 422 });
+
+    const { path } = await ask('post', '/api/images', { query: '?folder=hall&name=1.jpg', body: jpeg });
+    await ask('post', '/api/images', { query: '?folder=hall&name=2.jpg', body: 'no image', expect: 422 });
+    const { folders } = await ask('get', '/api/images');
+    assert.deepEqual(folders.map(({ name, images }) => ({ name, images })), [{ name: 'hall', images: 1 }]);
+    await service.patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path, loop: true } });
+    await ask('delete', '/api/images/{folder}', { parameters: { folder: 'hall' }, expect: 409 });
+    await service.patch({ op: 'replace', path: '/cameras/1/source', value: service.settings.cameras[1].source });
+    await ask('delete', '/api/images/{folder}', { parameters: { folder: 'hall' } });
+    await ask('delete', '/api/images/{folder}', { parameters: { folder: 'hall' }, expect: 404 });
+  });
+
   it('sets what a camera offers', async () => {
     const path = '/api/cameras/{camera}/controls/{control}';
     // A simulated camera offers nothing; a recording is a player.
@@ -266,6 +287,26 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal((await ask('post', path, { parameters, body: { value: 2 } })).value, 2);
     await ask('post', path, { parameters, body: { value: -2 }, expect: 422 });
     await ask('post', path, { parameters, body: 'no JSON', expect: 400 });
+
+    // Set and not saved: known, and set back.
+    const speed = async () => (await ask('get', '/api/cameras/{camera}/controls', { parameters })).controls.find(({ name }) => name === 'speed');
+    assert.deepEqual([(await speed()).value, (await speed()).unsaved], [2, true]);
+    const isTold = ({ alerts, cameras }) => cameras[1].controls_unsaved === 1 && alerts.some(({ id, camera }) => id === 'controls_unsaved' && camera === 1);
+    await service.statusBecomes(isTold);
+    const revert = '/api/cameras/{camera}/revert_controls';
+    await ask('post', revert, { parameters, body: { names: [] }, expect: 400 });
+    await ask('post', revert, { expect: 409 });
+    await ask('post', revert, { parameters: { camera: 9 }, expect: 404 });
+    await ask('post', revert, { parameters });
+    assert.deepEqual([(await speed()).value, (await speed()).unsaved], [1, false]);
+    await service.statusBecomes((now) => !isTold(now));
+
+    const reopen = '/api/cameras/{camera}/reopen';
+    await ask('post', reopen, { parameters, expect: 409 });
+    await ask('post', reopen, { parameters: { camera: 9 }, expect: 404 });
+    await service.patch({ op: 'replace', path: '/cameras/1/source', value: { ...source, path: join(root, 'tests/golden/no_such.jpg') } });
+    await service.statusBecomes(({ cameras }) => cameras[1].state === 'lost');
+    assert.equal((await ask('post', reopen, { parameters })).id, 1);
     await service.patch({ op: 'replace', path: '/cameras/1/source', value: service.settings.cameras[1].source });
     await service.statusBecomes(({ cameras }) => cameras[1].backend === 'simulator' && cameras[1].state === 'running');
   });

@@ -134,7 +134,10 @@ TEST_F(Gige, UnsavedControlsAndUndoGoBackToWhatTheCameraHad) {
   EXPECT_EQ(control(daemon, "ExposureAuto")["value"], mode_before);
   EXPECT_EQ(exposure_us(daemon), exposure_before_us);
   EXPECT_EQ(daemon.get("/api/status")["cameras"][0]["controls_unsaved"], 0);
-  EXPECT_THAT(daemon.get("/api/events").dump(), HasSubstr("Camera 0: 2 unsaved controls were reverted"));
+  // Events are gathered once a second.
+  daemon.wait_for("/api/events", [](const Json& events) {
+    return events.dump().find("Camera 0: 2 unsaved controls were reverted") != std::string::npos;
+  });
   daemon.post("/api/cameras/0/revert_controls", {{"names", "ExposureAuto"}}, 400);
 
   // Saved, and undone.

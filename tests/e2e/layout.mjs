@@ -211,6 +211,11 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   const opened = [...document.querySelectorAll('[aria-expanded="true"][aria-controls]')].map((button) => document.getElementById(button.getAttribute('aria-controls'))).filter(Boolean);
   const isMenu = (element) => opened.some((menu) => menu.contains(element) && ['absolute', 'fixed'].includes(styleOf(menu).position));
   const isOpaque = (element) => /^rgb\(|^color\([^/]*\)$/.test(styleOf(element).backgroundColor) && styleOf(element).opacity === '1';
+  /** The bar that stands still and hides what scrolls beneath it, if the element is in one. */
+  function barOf(element) {
+    for (let at = element; at; at = at.parentElement) if (['fixed', 'sticky'].includes(styleOf(at).position) && isOpaque(at)) return at;
+    return null;
+  }
   /** Whether both are seen where they meet: nothing opaque lies between. */
   function areBothSeen(a, b, x, y) {
     const stack = document.elementsFromPoint(x, y);
@@ -230,6 +235,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     for (let j = i + 1; j < items.length && items[j].box.top < items[i].box.bottom; j++) {
       const [p, q] = [items[i], items[j]];
       if (isRelated(p.element, q.element) || isSameLabel(p.element, q.element)) continue;
+      if (barOf(p.element) !== barOf(q.element)) continue; // what it covers for good is told below
       // What scrolls together meets wherever it is; else only what is seen now counts.
       const isTogether = p.way.scroller === q.way.scroller;
       const both = isTogether ? meet(p.way.kept, q.way.kept) : meet(p.way.seen, q.way.seen);

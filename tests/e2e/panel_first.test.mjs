@@ -200,7 +200,7 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     await page.waitForSelector(byId('camera-tile-0'));
     assert.equal(await page.textContent(byId('origin-0')), 'simulated');
     await textBecomes(page, 'verdict-unreal', /simulated images only/);
-    await textBecomes(page, 'check-cameras', /all run, 1 simulated/);
+    await textBecomes(page, 'check-cameras', /all are running, 1 simulated/);
     // The page has cameras to show now: the steps are one line, with the next one.
     await page.waitForSelector(byId('step-camera'), { state: 'hidden' });
     await textBecomes(page, 'first-steps', /Next: A camera · A real camera is missing: simulated images only/);

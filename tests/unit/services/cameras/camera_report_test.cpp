@@ -38,7 +38,7 @@ TEST(Origin, OnlyARealCameraSeesTheField) {
   for (CameraFacts& camera : cameras) camera.health.state = CameraState::kRunning;
   HealthReport report;
   report_cameras(cameras, report);
-  EXPECT_EQ(report.checks.at(0).text, "all run, 1 simulated");
+  EXPECT_EQ(report.checks.at(0).text, "all are running, 1 simulated");
 }
 
 TEST(Missing, HasALineForEachThing) {

@@ -166,6 +166,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.min_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
   camera.missing_labels = {"orange"};
   camera.sends = false;
+  camera.controls_unsaved = 2;
   input_.cameras[1].calibration.reset();
   input_.teams.yellow.ids = {9};
   input_.card_unused = "eth0";
@@ -215,6 +216,16 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
     if (page.empty()) continue;  // the first page
     EXPECT_THAT(pages, HasSubstr("{ name: '" + page + "'")) << alert.id;
   }
+}
+
+TEST_F(Alerts, CountControlsThatAreNotSavedAndDoNotStopAMatch) {
+  input_.cameras[1].controls_unsaved = 1;
+  std::vector<Alert> all = alerts();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].title, "Camera 1: 1 control is set and not saved");
+  EXPECT_EQ(all[0].severity, Severity::kInfo);
+  input_.cameras[1].controls_unsaved = 3;
+  EXPECT_EQ(alerts().at(0).title, "Camera 1: 3 controls are set and not saved");
 }
 
 TEST_F(Alerts, APartThatOnlyALostCameraLooksAtIsThatCamerasAffair) {
