@@ -2,7 +2,6 @@
 #include "capture/control_memory.h"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -119,10 +118,10 @@ void ControlMemory::revert(const std::set<std::string>& names) {
     if (has_mode) targets = clean_;
     for (const auto& entry : entries_) targets.erase(entry.control.name);
   }
-  for (const UnsavedControl& entry : chosen | std::views::reverse) {
-    targets[entry.control.name] = entry.before;
+  for (auto entry = chosen.rbegin(); entry != chosen.rend(); ++entry) {
+    targets[entry->control.name] = entry->before;
     try {
-      controls_.set(entry.control.name, entry.before);
+      controls_.set(entry->control.name, entry->before);
     } catch (const SettingsError&) {  // NOLINT(bugprone-empty-catch): a mode may lock it that goes back below
     }
   }

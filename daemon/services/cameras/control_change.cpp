@@ -76,7 +76,7 @@ void ControlChange::Set::set_all() {
   }
   // A value may end an automatic, and an automatic may lock a value: values first, then modes, then the
   // values that were locked, then the modes that these have ended.
-  std::ranges::stable_partition(left, [](const Wanted& one) { return !one.is_mode; });
+  std::stable_partition(left.begin(), left.end(), [](const Wanted& one) { return !one.is_mode; });
   std::vector<Wanted> modes;
   std::exception_ptr refusal;
   bool may_have_ended_modes = false;
