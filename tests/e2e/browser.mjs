@@ -78,9 +78,21 @@ export async function chooseTheme(page, theme) {
 }
 
 export const phone = { hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+/** Names of tests without their views', in the order in which they came. */
+const repeated = [];
+const byTurns = (view, place) => (name, ...rest) => {
+  const test = name.replace(view, '');
+  if (!repeated.includes(test)) repeated.push(test);
+  if (process.env.SSLV_VIEWS === 'all' || repeated.indexOf(test) % 2 === place) it(name, ...rest);
+};
+/**
+ * What tests are repeated on, with an `it` of its own: ./run test does each on one view only, by turns, and
+ * ./run test-long (SSLV_VIEWS=all) on both. Browsers that draw in software are what its time goes to, and panel_walk
+ * looks at all pages on both.
+ */
 export const views = [
-  { name: 'desktop', viewport: DESKTOP, options: {} },
-  { name: 'phone', viewport: PHONE, options: phone },
+  { name: 'desktop', viewport: DESKTOP, options: {}, it: byTurns('desktop', 0) },
+  { name: 'phone', viewport: PHONE, options: phone, it: byTurns('phone', 1) },
 ];
 
 /** `webgl`: with a drawing machine made of software. */

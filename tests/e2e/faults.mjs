@@ -12,8 +12,8 @@ import { request } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
+import { detectionOf } from './protobuf.mjs';
 import { becomes, DAEMON, freeUdpPort, root } from './service.mjs';
-import { fieldsOf } from '../figures/packets.mjs';
 
 export const CLOCK = join(DAEMON, '../../lib/shifted_clock.so');
 const FACTOR = Number(process.env.SSLV_FAULT_TRIES ?? 1);
@@ -172,10 +172,8 @@ export class FaultyService {
     this.receivers.push(receiver);
     const frames = [];
     receiver.on('message', (packet) => {
-      const detection = fieldsOf(packet).get(1);
-      if (!detection) return;
-      const fields = fieldsOf(detection);
-      frames.push({ number: fields.get(1), capture_s: fields.get(2), sent_s: fields.get(3), camera: fields.get(4), at_ms: performance.now() });
+      const frame = detectionOf(packet);
+      if (frame) frames.push({ number: frame.frame_number, capture_s: frame.t_capture, sent_s: frame.t_sent, camera: frame.camera_id, at_ms: performance.now() });
     });
     receiver.bind(port, () => receiver.addMembership(group, address));
     await once(receiver, 'listening');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Run by faults_run.test.mjs in a network of its own: its card is taken out and put back. Exit code 77: the kernel has
-// no cards to play with.
+// Run by faults_run.test.mjs in a network of its own: its card is taken out and put back, and packets are kept on the
+// computer although there is a card. Exit code 77: the kernel has no cards to play with.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { FaultyService, report, tries } from './faults.mjs';
@@ -26,6 +26,13 @@ service.settings.network.vision.interface = 'field0';
 try {
   await service.prepare();
   await service.start();
+  await service.set('/network/vision/interface', 'lo');
+  assert.match((await service.alertComes('only_this_computer')).fix, /field0/);
+  const { checks } = await service.status();
+  assert.equal(checks.find(({ id }) => id === 'network').state, 'warn');
+  await service.set('/network/vision/interface', 'field0');
+  await service.alertGoes('only_this_computer');
+
   const rounds = tries(4, 50);
   const times = [];
   let frames = 0, refused = 0, lost = 0;

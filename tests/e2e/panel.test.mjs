@@ -125,7 +125,7 @@ describe('panel', () => {
   aroundTests();
   beforeEach(service.restore);
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`shows both cameras live on a ${name}`, withPage(viewport, '', options, async (page) => {
       for (const { id } of settings.cameras) {
         await page.waitForSelector(`${byId(`camera-tile-${id}`)}[data-state="running"]`);
@@ -360,7 +360,7 @@ describe('panel', () => {
     assert.match(await text(page, 'robot-strip'), /mm.*°.*confidence/s);
   }));
 
-  for (const { name: view, viewport, options } of views) {
+  for (const { name: view, viewport, options, it } of views) {
     for (const { name, path, ready } of pages) {
       it(`is accessible: ${name} on a ${view}`, withPage(viewport, path, options, async (page) => {
         await page.waitForSelector(ready, { state: 'attached' });

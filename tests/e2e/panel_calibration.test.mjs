@@ -87,7 +87,7 @@ describe('calibration page', () => {
   aroundTests();
   beforeEach(service.restore);
 
-  for (const { name: view, viewport, options } of views) {
+  for (const { name: view, viewport, options, it } of views) {
     it(`finds a camera that is not calibrated by itself, on a ${view}`, withPage(viewport, '#/calibration/0', options, async (page, panel) => {
       const click = (selector) => page[press(view)](selector);
       const records = (await calibration()).history.length;

@@ -42,7 +42,7 @@ describe('the camera page', () => {
   aroundTests();
   beforeEach(service.restore);
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`shows at once what a slider of the source does, on a ${name}`, withPage(viewport, '#/camera/0', options, async (page) => {
       await picturesGoOn(page, 0);
       const before = await brightnessBecomes(page, {});
@@ -174,7 +174,7 @@ describe('the camera page', () => {
     assert.equal(await page.locator(byId('overlay-lines')).count(), 0);
   }));
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`tells about a pixel on a ${name}`, withPage(viewport, '#/camera/0', options, async (page) => {
       await picturesGoOn(page, 0);
       await setLayers(page, { detections: false });

@@ -162,7 +162,7 @@ const fits = async (page) => {
 describe('colours page', () => {
   aroundTests(() => statusBecomes(({ cameras }) => cameras.every(({ robots }) => robots > 0)));
 
-  for (const { name: view, viewport, options } of views) {
+  for (const { name: view, viewport, options, it } of views) {
     const click = (page, name) => page[press(view)](byId(name));
 
     it(`shows the table in use, on a ${view}`, withPage(viewport, '#/colours/0', options, async (page) => {

@@ -161,7 +161,7 @@ describe('panel: Diagnostics', () => {
   aroundTests();
   beforeEach(service.restore);
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`draws what the timeline says on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await drawn(page);
       await assertSeenDrawnToScale(page);
@@ -258,7 +258,7 @@ describe('panel: Diagnostics', () => {
     });
   }));
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`shows the gap and the reason when a camera is lost, on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await drawn(page);
       const missing = join(folder, `no-such-recording-${name}`);
@@ -297,7 +297,7 @@ describe('panel: Diagnostics', () => {
     }));
   }
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`tells what was wrong and what was done, on a ${name}`, withPage(viewport, '#/overview', options, async (page) => {
       const missing = join(folder, `no-such-film-${name}`);
       await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: missing } });
@@ -347,7 +347,7 @@ describe('panel: Diagnostics', () => {
     await page.waitForSelector(`${byId('support')}:enabled`);
   }));
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`is accessible on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await drawn(page);
       await page.waitForSelector(byId('stage-histogram'));

@@ -83,7 +83,7 @@ describe('panel: field and network', () => {
   aroundTests();
   beforeEach(service.restore);
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`changes the field by a preset, and takes that back, on a ${name}`, withPage(viewport, '#/field', options, async (page) => {
       await dimension(page, 'field_length', 9000);
       await carpetBecomes(page, 9 / 6);

@@ -49,7 +49,7 @@ describe('the first set-up', { timeout: 540_000 }, () => {
   aroundTests();
   beforeEach(service.restore);
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`begins with a camera to add and what leads to GO, on a ${name}`, withPage(viewport, '', options, async (page) => {
       await page.waitForSelector(byId('add-camera'));
       await textBecomes(page, 'verdict', /NO-GO/);
@@ -154,7 +154,7 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     }
   }));
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`shows images that are uploaded and refuses others, on a ${name}`, withPage(viewport, '', options, async (page, panel) => {
       const file = (called, buffer, mimeType = 'image/jpeg') => ({ name: called, mimeType, buffer });
       const jpeg = readFileSync(photo);

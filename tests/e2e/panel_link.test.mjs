@@ -188,7 +188,7 @@ describe('panel that nobody looks at', () => {
     window.leave = () => { Object.defineProperty(document, 'visibilityState', { get: () => 'hidden' }); };
   });
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`tells a lost camera in title and sign, by sound and notification, and reopens it, on a ${name}`, () => onPage('', async (page) => {
       const click = (selector) => (options.hasTouch ? page.tap(selector) : page.click(selector));
       await live(page);
@@ -226,7 +226,7 @@ describe('panel that nobody looks at', () => {
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
 
-  for (const { name, viewport, options } of views) it(`offers to reopen on the Camera page of a ${name}, and says what came of it`, () => onPage('#/camera/1', async (page) => {
+  for (const { name, viewport, options, it } of views) it(`offers to reopen on the Camera page of a ${name}, and says what came of it`, () => onPage('#/camera/1', async (page) => {
     await live(page);
     await noFiles();
     await isLost();

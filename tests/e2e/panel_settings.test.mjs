@@ -48,7 +48,7 @@ describe('settings page', { timeout: 540_000 }, () => {
   });
   beforeEach(service.restore);
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`moves a slider and the picture follows, on a ${name}`, withPage(viewport, '#/settings', options, async (page) => {
       // By the tree, as one would.
       await page.click(`${byId('place-/cameras/0')}`);
@@ -323,7 +323,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await ask('profiles/Evening', 'DELETE');
   }));
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`exports and imports the whole tree, on a ${name}`, withPage(viewport, '#/settings/~profiles', options, async (page, panel) => {
       const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('export'))]);
       assert.match(download.suggestedFilename(), /^ssl-visiond-Demo-field-\d{8}-\d{4}\.json$/);
@@ -358,7 +358,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     }));
   }
 
-  for (const { name, viewport, options } of views) {
+  for (const { name, viewport, options, it } of views) {
     it(`saves a backup and restores it, on a ${name}`, withPage(viewport, '#/settings/~profiles', options, async (page, panel) => {
       const edit = (at) => ask('cameras/0/colors/edits', 'POST', { commands: [{ op: 'paint', label: 'pink', shape: 'box', at, radius: [1, 1, 1] }] });
       await ask('profiles/Kept', 'PUT', {});
@@ -429,7 +429,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     { name: 'history', path: '#/settings/~history', ready: '.inline' },
     { name: 'tree', path: '#/settings', ready: byId('settings-search') },
   ];
-  for (const { name: view, viewport, options } of views) {
+  for (const { name: view, viewport, options, it } of views) {
     it(`is accessible on a ${view}`, withPage(viewport, '', options, async (page) => {
       for (const { name, path, ready } of looks) {
         await page.goto(address(path));

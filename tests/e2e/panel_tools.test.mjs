@@ -76,7 +76,7 @@ describe('tools', () => {
       assert.deepEqual({ field_length: field.field_length, field_width: field.field_width, lines: field.field_lines.length, arcs: field.field_arcs.length, cameras: calib.map(({ camera_id }) => camera_id), bytes }, team.geometry());
     });
 
-    for (const { name, viewport, options } of views) {
+    for (const { name, viewport, options, it } of views) {
       it(`are shown, frozen and copied (${name})`, withPage(viewport, '#/field/packets', { ...options, permissions: ['clipboard-read', 'clipboard-write'] }, async (page) => {
         const press = (what) => (options.hasTouch ? page.tap(byId(what)) : page.click(byId(what)));
         const card = byId('detection-packet');
@@ -178,7 +178,7 @@ describe('tools', () => {
   });
 
   describe('kiosk', () => {
-    for (const { name, viewport, options } of views) {
+    for (const { name, viewport, options, it } of views) {
       it(`shows cameras, field and verdict, and changes nothing (${name})`, withPage(viewport, '#/kiosk', options, async (page) => {
         for (const { id } of settings.cameras) await picturesGoOn(page, id);
         await page.waitForSelector(byId('field-robot'));

@@ -4,15 +4,12 @@
 import { once } from 'node:events';
 import { connect, createServer } from 'node:net';
 
-const SLICE_MS = 20;
-/** What was not used for this long may pass at once: this process does not always run in time. */
-const BURST_MS = 200;
-
 /**
  * In front of `port()` of this computer. `kbps`: what all connections together carry towards the browser, in kbit/s;
- * Infinity: no limit.
+ * Infinity: no limit. `slice_ms`: how often something passes. `burst_ms`: what was not used for this long may pass at
+ * once, as this process does not always run in time.
  */
-export async function createLink(port) {
+export async function createLink(port, { slice_ms = 20, burst_ms = 200 } = {}) {
   let kbps = Infinity;
   let isCut = false;
   let bytes = 0;
@@ -24,7 +21,7 @@ export async function createLink(port) {
   function pump() {
     const rate = kbps * 1000 / 8;
     const now = performance.now();
-    free = Math.min(free + rate * (now - pumpedAt) / 1000, Math.max(1500, rate * BURST_MS / 1000));
+    free = Math.min(free + rate * (now - pumpedAt) / 1000, Math.max(1500, rate * burst_ms / 1000));
     pumpedAt = now;
     let moved = true;
     while (moved && free > 0) {
@@ -42,7 +39,7 @@ export async function createLink(port) {
     }
     for (const { client, server } of pairs) if (server.readableEnded && !client.writableEnded) client.end();
   }
-  const timer = setInterval(pump, SLICE_MS);
+  const timer = setInterval(pump, slice_ms);
 
   const listener = createServer((client) => {
     if (isCut) return client.destroy();

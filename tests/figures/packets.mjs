@@ -3,6 +3,7 @@
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { setTimeout as pause } from 'node:timers/promises';
+import { detectionOf } from '../e2e/protobuf.mjs';
 
 /** The demo's camera at 1280 x 1024 and 60 Hz. */
 export function largerCamera(camera) {
@@ -18,28 +19,6 @@ export function largerCamera(camera) {
   };
 }
 
-/** The fields of a protobuf message that are needed here: varints and doubles by number, messages as bytes. */
-export function fieldsOf(bytes) {
-  const fields = new Map();
-  for (let at = 0; at < bytes.length;) {
-    const varint = () => {
-      let value = 0;
-      for (let scaleOf = 1; ; scaleOf *= 128) {
-        const byte = bytes[at++];
-        value += (byte & 127) * scaleOf;
-        if (byte < 128) return value;
-      }
-    };
-    const key = varint();
-    const type = key & 7;
-    if (type === 0) fields.set(key >> 3, varint());
-    else if (type === 1) { fields.set(key >> 3, bytes.readDoubleLE(at)); at += 8; }
-    else if (type === 5) at += 4;
-    else { const length = varint(); fields.set(key >> 3, bytes.subarray(at, at + length)); at += length; }
-  }
-  return fields;
-}
-
 export const percentile = (values, share) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(values.length * share))];
 /** Frames whose packets are missing in a block of one camera. */
 export const missing = (block) => block.slice(1).reduce((sum, frame, i) => sum + Math.max(0, frame.number - block[i].number - 1), 0);
@@ -50,10 +29,8 @@ export async function receivePackets(service) {
   const { group, port } = service.settings.network.vision;
   const receiver = createSocket({ type: 'udp4', reuseAddr: true });
   receiver.on('message', (packet) => {
-    const detection = fieldsOf(packet).get(1);
-    if (!detection) return;
-    const fields = fieldsOf(detection);
-    frames.push({ camera: fields.get(4) ?? 0, number: fields.get(1), latencyMs: (fields.get(3) - fields.get(2)) * 1e3 });
+    const frame = detectionOf(packet);
+    if (frame) frames.push({ camera: frame.camera_id, number: frame.frame_number, latencyMs: (frame.t_sent - frame.t_capture) * 1e3 });
   });
   receiver.bind(port, () => receiver.addMembership(group, '127.0.0.1'));
   await once(receiver, 'listening');

@@ -4,104 +4,20 @@
 // Prints Markdown; exit 1 when a limit is missed. Environment: SSLV_DAEMON, SSLV_CHROMIUM. Not among the tests: it measures the machine too.
 import { readdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { createConnection, createServer } from 'node:net';
 import { loadavg } from 'node:os';
 import { join } from 'node:path';
-import { once } from 'node:events';
 import { setTimeout as pause } from 'node:timers/promises';
 import { gzipSync } from 'node:zlib';
 import { createService, root } from '../e2e/service.mjs';
+import { createLink } from '../e2e/slow_link.mjs';
 
 const require = createRequire(join(root, 'webui/package.json'));
 const { chromium } = require('playwright-core');
 
 const SECONDS = Number(process.argv[2] ?? 15);
-const LINK_BITS_PER_S = 8e6;
+const LINK_KBPS = 8000;
 const FIRST_PICTURE_MS = 2000;
-const FIRST_LOAD_BYTES = 300e3;
-
-/** Bytes that may pass now; grows with time, up to what passes in four milliseconds. */
-class TokenBucket {
-  constructor(bitsPerS) {
-    this.bytesPerMs = bitsPerS / 8000;
-    this.most = 4 * this.bytesPerMs;
-    this.tokens = this.most;
-    this.at = performance.now();
-  }
-
-  take(wanted) {
-    const at = performance.now();
-    this.tokens = Math.min(this.most, this.tokens + (at - this.at) * this.bytesPerMs);
-    this.at = at;
-    const taken = Math.min(wanted, Math.floor(this.tokens));
-    this.tokens -= taken;
-    return taken;
-  }
-}
-
-/** One direction of one connection: reads no more than 64 KiB ahead of what the link has carried. */
-class Pipe {
-  static MOST = 64 * 1024;
-  queue = [];
-  bytes = 0;
-
-  constructor(bucket) { this.bucket = bucket; }
-
-  read(buffer, from) {
-    this.queue.push(Buffer.from(buffer));
-    this.bytes += buffer.length;
-    if (this.bytes < Pipe.MOST) return true;
-    this.stopped = from;
-    return false;
-  }
-
-  carry(to) {
-    while (this.queue.length && to.writable) {
-      const [first] = this.queue;
-      const taken = this.bucket.take(first.length);
-      if (!taken) return;
-      to.write(first.subarray(0, taken));
-      if (taken < first.length) this.queue[0] = first.subarray(taken);
-      else this.queue.shift();
-      this.bytes -= taken;
-      if (this.stopped && this.bytes < Pipe.MOST / 2) {
-        this.stopped.resume();
-        this.stopped = null;
-      }
-    }
-  }
-}
-
-/** A link to `port` that all connections through it share. Sockets are read in pieces of 16 KiB. */
-async function startLink(port, bitsPerS) {
-  const [down, up] = [new TokenBucket(bitsPerS), new TokenBucket(bitsPerS)];
-  const sockets = new Set();
-  const server = createServer({ highWaterMark: 16 * 1024, noDelay: true, pauseOnConnect: true }, (client) => {
-    const toClient = new Pipe(down);
-    const toService = new Pipe(up);
-    const service = createConnection({
-      port, host: '127.0.0.1', noDelay: true,
-      onread: { buffer: Buffer.alloc(16 * 1024), callback: (size, buffer) => toClient.read(buffer.subarray(0, size), service) },
-    });
-    client.on('data', (data) => { if (!toService.read(data, client)) client.pause(); });
-    client.resume();
-    const timer = setInterval(() => {
-      toClient.carry(client);
-      toService.carry(service);
-    }, 1);
-    const end = () => {
-      clearInterval(timer);
-      client.destroy();
-      service.destroy();
-      sockets.delete(client);
-    };
-    for (const socket of [client, service]) socket.on('error', end).on('close', end);
-    sockets.add(client);
-  });
-  server.listen(0, '127.0.0.1');
-  await once(server, 'listening');
-  return { port: server.address().port, end: () => { sockets.forEach((socket) => socket.destroy()); server.close(); } };
-}
+const FIRST_LOAD_BYTES = 120e3;
 
 /** In the page, before its own code: notes when each picture was taken, and when it was painted. Service and browser share a clock here. */
 function watchPictures() {
@@ -135,12 +51,12 @@ function watchPictures() {
 
 const quantile = (sorted, share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
 
-async function measure(browser, port) {
+async function measure(browser, address) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   await page.addInitScript(watchPictures);
-  await page.goto(`http://127.0.0.1:${port}/#/camera/0`);
+  await page.goto(address('#/camera/0'));
   await page.waitForFunction(() => window.pictures.length > 0);
   const firstMs = await page.evaluate(() => window.pictures[0].at);
   // The page settles: settings, first adaptation.
@@ -171,10 +87,11 @@ let failed = false;
 try {
   await service.start();
   browser = await chromium.launch({ executablePath: process.env.SSLV_CHROMIUM ?? '/usr/bin/chromium', chromiumSandbox: process.getuid() !== 0, args: ['--disable-gpu'] });
-  link = await startLink(service.settings.panel.port, LINK_BITS_PER_S);
+  link = await createLink(() => service.settings.panel.port, { slice_ms: 1, burst_ms: 4 });
+  link.limit(LINK_KBPS);
   const rows = [
-    { name: 'loopback', limit: 60, ...await measure(browser, service.settings.panel.port) },
-    { name: '8 Mbit/s', limit: 150, ...await measure(browser, link.port) },
+    { name: 'loopback', limit: 60, ...await measure(browser, service.address) },
+    { name: '8 Mbit/s', limit: 150, ...await measure(browser, link.address) },
   ];
   const bytes = firstLoadBytes();
   const load = loadavg()[0].toFixed(1);
@@ -187,7 +104,7 @@ try {
   console.log(`\nFirst load of the Camera page: ${(bytes / 1000).toFixed(0)} kB gzipped. Load of the machine: ${load}.`);
   if (bytes >= FIRST_LOAD_BYTES) failed = true;
 } finally {
-  link?.end();
+  await link?.end();
   await browser?.close();
   await service.end();
 }

@@ -54,7 +54,7 @@ Json DriverCalls::run(std::function<Json()> function) const {
     call->run = nullptr;  // what it owns is destroyed here, not by the thread that waits
     const std::lock_guard done(shared->mutex);
     call->result = std::move(result);
-    call->error = error;
+    call->error = std::move(error);
     call->done = true;
     shared->busy = false;
     shared->changed.notify_all();
@@ -64,7 +64,8 @@ Json DriverCalls::run(std::function<Json()> function) const {
     throw CaptureError(fmt::format("the camera has not answered for {:g} s",
                                    std::chrono::duration<double>(shared_->patience).count()));
   }
-  if (call->error) std::rethrow_exception(call->error);
+  // Taken out: the other thread may be the last to let go of `call`.
+  if (const std::exception_ptr error = std::exchange(call->error, nullptr)) std::rethrow_exception(error);
   return std::move(call->result);
 }
 
