@@ -199,7 +199,7 @@ class JointCalibrator {
         std::find(has_neighbour_.begin(), has_neighbour_.end(), true) != has_neighbour_.end();
     if (!overlap) {
       problems.push_back(
-          "No line and no robot was seen by two cameras: nothing ties them. Turn or move them until they "
+          "No line and no robot was seen by two cameras: nothing aligns them. Turn or move them until they "
           "overlap.");
     } else {
       for (std::size_t i = 0; i < has_neighbour_.size(); ++i) {
@@ -211,19 +211,19 @@ class JointCalibrator {
       if (report_.ties == 0) {
         notes.push_back(
             "No robot was seen by two cameras at the same moment: only lines tie the cameras, so that "
-            "robots' tops may go on differing. Put robots where the cameras overlap.");
+            "robots' tops may still differ. Put robots where the cameras overlap.");
       }
     }
     if (is_worse(report_.on_floor)) {
       problems.push_back(
-          fmt::format("The cameras would disagree by {:.1f} mm on the floor, and do by {:.1f} "
-                      "mm now: the current calibrations are better.",
+          fmt::format("The cameras would disagree by {:.1f} mm on the floor; now they disagree by {:.1f} "
+                      "mm: the current calibrations are better.",
                       report_.on_floor->after_mm, report_.on_floor->before_mm));
     }
     if (is_worse(report_.of_robots)) {
       problems.push_back(
-          fmt::format("The cameras would disagree by {:.1f} mm about robots, and do by {:.1f} "
-                      "mm now: are the teams' robot heights right?",
+          fmt::format("The cameras would disagree by {:.1f} mm about robots; now they disagree by {:.1f} "
+                      "mm: are the teams' robot heights right?",
                       report_.of_robots->after_mm, report_.of_robots->before_mm));
     }
     if (report_.measured == LinesMeasured::kToMiddle && !task_.measured)

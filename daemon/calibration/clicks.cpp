@@ -19,7 +19,7 @@ const NamedPoint& point_named(const std::string& name, std::size_t click,
   if (found != points.end()) return *found;
   std::string names;
   for (const NamedPoint& point : points) names += (names.empty() ? "\"" : ", \"") + point.name + "\"";
-  throw SettingsError(fmt::format("/points/{}/name: \"{}\" is no point of this field; expected one of {}",
+  throw SettingsError(fmt::format("/points/{}/name: \"{}\" is not a point of this field; expected one of {}",
                                   click, name, names));
 }
 

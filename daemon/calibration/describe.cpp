@@ -276,8 +276,8 @@ std::optional<std::string> lens_note(const Published& published) {
   constexpr double kWorthSayingMm = 0.5;
   if (published.rms_mm <= kWorthSayingMm) return std::nullopt;
   return fmt::format(
-      "This lens bends lines in a way that the league's protocol cannot say: what is published differs by "
-      "{:.1f} mm on average and {:.1f} mm at most.",
+      "This lens bends lines in a way that the league's protocol cannot describe: what is published differs "
+      "by {:.1f} mm on average and {:.1f} mm at most.",
       published.rms_mm, published.worst_mm);
 }
 

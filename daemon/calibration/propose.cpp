@@ -385,7 +385,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   const auto families = two_families(straight_lines(points, votes, width));
   const auto &a = families[0], &b = families[1];
   if (a.size() < 2 || b.size() < 2) {
-    out.problem = "There are not two straight white lines each along and across the field in the image.";
+    out.problem = "The image does not show two straight white lines along the field and two across it.";
     return out;
   }
 
@@ -444,7 +444,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     }
   }
   if (guesses.empty()) {
-    out.problem = "The white lines in the image are not those of a field of this size.";
+    out.problem = "The white lines in the image do not match a field of this size.";
     return out;
   }
   std::sort(guesses.begin(), guesses.end(), [](const Guess& x, const Guess& y) { return x.score > y.score; });
@@ -478,8 +478,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     });
     if (!is_known) out.cameras.push_back(fit.camera);
   }
-  if (out.cameras.empty())
-    out.problem = "The white lines in the image are not those of a field of this size.";
+  if (out.cameras.empty()) out.problem = "The white lines in the image do not match a field of this size.";
   return out;
 }
 

@@ -64,7 +64,7 @@ Control ControlMemory::set_unsaved(const std::string& name, const Json& value) {
     update(all);
   }
   if (controls_.set(name, value) == ControlEffect::kWhenOpened)
-    throw NeedsReopening(fmt::format("{}: the camera must be reopened for this. Save it to set it.", name));
+    throw NeedsReopening(fmt::format("{}: changing this reopens the camera. Save it to apply it.", name));
   Control now = controls_.get(name);
   const std::vector<Control> all = is_first ? controls_.list() : std::vector<Control>{};
   const std::lock_guard lock(mutex_);

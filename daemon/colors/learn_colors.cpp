@@ -233,7 +233,7 @@ class Learner {
     const auto carpet = carpet_chromaticity(search_, robots_);
     if (!carpet) {
       out_.problem =
-          fmt::format("no carpet was found: the robots do not stand on one even ground; {}", kNeeded);
+          fmt::format("no carpet was found: the robots do not stand on one even surface; {}", kNeeded);
       return;
     }
     carpet_shares_ = *carpet;
@@ -343,9 +343,8 @@ class Learner {
     }
     if (static_cast<double>(best) < kMinNamed * static_cast<double>(dot_count())) {
       out_.problem = fmt::format(
-          "the colours do not come apart: with a table only {} of {} dots would be named for sure; there is "
-          "too "
-          "little light, or too much noise",
+          "the colours cannot be told apart: with a table only {} of {} dots would be named for sure; "
+          "there is too little light, or too much noise",
           best, dot_count());
     } else if (out_.lut) {
       out_.margins = table_margins(*out_.lut, surfaces);

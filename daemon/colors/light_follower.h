@@ -41,16 +41,17 @@ struct FollowLightParams {
     using P = FollowLightParams;
     return std::tuple{
         flag("enabled", &P::enabled, "the colour table follows the light on confirmed robots"),
-        flag("in_match", &P::in_match, "also while the game runs; else the table stays as it is then"),
+        flag("in_match", &P::in_match,
+             "also while the game is running; otherwise the table does not change then"),
         number("max_brightness", &P::max_brightness, 1.0, 8.0, "",
-               "the light may become so many times as bright as the accepted table's, or as dark"),
+               "largest factor by which the light may become brighter or darker than for the accepted table"),
         number("max_balance", &P::max_balance, 1.0, 2.0, "",
-               "so far may red, green and blue each part from their common brightness"),
+               "largest factor by which red, green and blue may each differ from their common brightness"),
         number("max_brightness_per_min", &P::max_brightness_per_min, 1.0, 64.0, "",
                "largest factor between the brightness now and any in the last minute"),
         number("max_balance_per_min", &P::max_balance_per_min, 1.0, 4.0, "",
                "the same for red, green and blue against their common brightness"),
-        number("min_confidence", &P::min_confidence, 0.0, 1.0, "", "robots below it teach nothing"),
+        number("min_confidence", &P::min_confidence, 0.0, 1.0, "", "robots below it are not used"),
         number("min_robots", &P::min_robots, 1, 16, "", "with fewer confirmed robots it is frozen"),
     };
   }

@@ -45,13 +45,13 @@ const Json& get(const Json& json, const char* key, const std::string& file_name)
 int number_of(const Json& json, const char* key, int most, const std::string& file_name) {
   const Json& value = get(json, key, file_name);
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > static_cast<std::uint64_t>(most))
-    refuse_file(file_name, "\"{}\" is no whole number 0 .. {}", key, most);
+    refuse_file(file_name, "\"{}\" is not a whole number 0 .. {}", key, most);
   return value.get<int>();
 }
 
 std::string text_of(const Json& json, const char* key, const std::string& file_name) {
   const Json& value = get(json, key, file_name);
-  if (!value.is_string()) refuse_file(file_name, "\"{}\" is no text", key);
+  if (!value.is_string()) refuse_file(file_name, "\"{}\" is not a text", key);
   return value.get<std::string>();
 }
 
@@ -84,10 +84,10 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
   try {
     json = Json::parse(bytes.begin(), bytes.end());
   } catch (const Json::exception& error) {
-    refuse_file(file_name, "is no JSON: {}", error.what());
+    refuse_file(file_name, "is not valid JSON: {}", error.what());
   }
   if (!json.is_object() || json.value("format", Json()) != Json(kFormat))
-    refuse_file(file_name, "is JSON, but no colour table: \"format\" is not \"{}\"", kFormat);
+    refuse_file(file_name, "is JSON, but not a colour table: \"format\" is not \"{}\"", kFormat);
   const int version = number_of(json, "version", 1'000'000, file_name);
   if (version != kVersion)
     refuse_file(file_name, "is of version {}; this program reads {}", version, kVersion);
@@ -96,9 +96,9 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
   std::array<std::optional<Label>, label::kMaxCount> ours;
   Prints prints;
   const Json& theirs = get(json, "labels", file_name);
-  if (!theirs.is_array()) refuse_file(file_name, "\"labels\" is no list");
+  if (!theirs.is_array()) refuse_file(file_name, "\"labels\" is not a list");
   for (const Json& each : theirs) {
-    if (!each.is_object()) refuse_file(file_name, "\"labels\" is no list of {{value, name, color}}");
+    if (!each.is_object()) refuse_file(file_name, "\"labels\" is not a list of {{value, name, color}}");
     const auto value =
         static_cast<std::size_t>(number_of(each, "value", static_cast<int>(label::kMaxCount) - 1, file_name));
     const std::string name = text_of(each, "name", file_name);
@@ -112,7 +112,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
     if (each.contains("print_shares")) prints[*ours[value]] = print_of(each, file_name);
   }
   const auto runs = from_base64(text_of(json, "runs", file_name));
-  if (!runs) refuse_file(file_name, "\"runs\" is no whole base64");
+  if (!runs) refuse_file(file_name, "\"runs\" is not complete base64");
   ColorTable table = decode_runs(*runs, bits, file_name);
   for (Label& label : table.labels) {
     if (!ours[label]) refuse_file(file_name, "holds label {} without its name", label);
@@ -185,7 +185,7 @@ std::optional<int> camera_in(const std::string& text) {
 
 ColorTable table_of_blob(const std::string& text, const std::string& name, const std::string& file_name) {
   const auto bytes = from_base64(text);
-  if (!bytes) refuse_file(file_name, "\"{}\" is no whole base64: the file was cut off or changed", name);
+  if (!bytes) refuse_file(file_name, "\"{}\" is not complete base64: the file was cut off or changed", name);
   if (bytes->size() != kLutBytes && bytes->size() != 2 * kLutBytes) {
     refuse_file(file_name,
                 "\"{}\" has {} bytes; a LUT of SSL-Vision (4 bits of Y, 6 of U, 6 of V) has {} or {}", name,
@@ -294,7 +294,7 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
   while (!text.empty() && std::isspace(text.front()) != 0) text = text.subspan(1);
   if (!text.empty() && text.front() == '<') return tables_of_xml(text, file_name);
   if (!text.empty() && text.front() == '{') return alone("JSON", table_of_json(text, file_name, labels));
-  refuse_file(file_name, "is no colour table: neither a .lut file, nor our JSON, nor XML of SSL-Vision");
+  refuse_file(file_name, "is not a colour table: neither a .lut file, nor our JSON, nor XML of SSL-Vision");
 }
 
 const ImportedTable& choose_table(const std::vector<ImportedTable>& tables, std::optional<std::size_t> index,

@@ -37,7 +37,7 @@ struct TeamSettings {
             "ids of the robots that play, if known: a robot with a hidden dot is then reported when only one "
             "of them fits. Others are still reported when all their dots are seen"),
         number("robot_height", &TeamSettings::robot_height, 20.0, 1000.0, "mm",
-               "height of the pattern above the floor, unless height_from_referee finds it"),
+               "height of the pattern above the floor; used where height_from_referee finds none"),
     };
   }
 };
@@ -59,7 +59,7 @@ struct NetworkSettings {
   RefereeSettings referee;
   static constexpr auto fields() {
     return std::tuple{group("vision", &NetworkSettings::vision, "where detections and geometry are sent"),
-                      group("referee", &NetworkSettings::referee, "where the game controller is heard")};
+                      group("referee", &NetworkSettings::referee, "where the game controller is received")};
   }
 };
 
@@ -70,16 +70,17 @@ struct PanelSettings {
   bool match_lock = true;
   static constexpr auto fields() {
     return std::tuple{
-        text("address", &PanelSettings::address,
-             "address the panel listens on; 0.0.0.0: all; empty: all once an admin's password is set, this "
-             "computer's own (127.0.0.1) before"),
+        text(
+            "address", &PanelSettings::address,
+            "address the panel listens on; 0.0.0.0: all; empty: all if an admin's password is set, otherwise "
+            "only this computer (127.0.0.1)"),
         number("port", &PanelSettings::port, 0, 65535, "", "port of the panel; 0: any free one"),
         sslv::names("names", &PanelSettings::names,
                     "names by which browsers reach the panel, besides this computer's own name and addresses",
                     32),
-        flag(
-            "match_lock", &PanelSettings::match_lock,
-            "while a match runs, as the game controller says, nothing is changed before an admin unlocks it"),
+        flag("match_lock", &PanelSettings::match_lock,
+             "lock the settings while the game controller says that a match is running; an admin can unlock "
+             "them"),
     };
   }
 };
@@ -101,13 +102,13 @@ struct CameraSettings {
     using C = CameraSettings;
     return std::tuple{
         number("id", &C::id, 0, 255, "", "camera_id in the packets"),
-        text("name", &C::name, "for people, such as the part of the field it sees"),
+        text("name", &C::name, "a name for people, such as the part of the field it sees"),
         object("source", &C::source, "where images come from: \"backend\" and that backend's options"),
         group("calibration", &C::calibration,
               "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
         group("colors", &C::colors, "the colour lookup table"),
         group("follow_light", &C::follow_light, "whether the table follows the light, and how far"),
-        group("mask", &C::mask, "which part of the image is looked at"),
+        group("mask", &C::mask, "which part of the image is searched"),
         names("stack", &C::stack, "the stages an image passes, in order", 64),
         object("stages", &C::stages, "parameters of the stages"),
         group("thread", &C::thread, "priority and processor of the camera's thread"),
@@ -135,7 +136,7 @@ struct Config {
         list("own_labels", &Config::own_labels,
              "labels of colour tables besides the built-in ones, for patterns of your own",
              label::kMaxCount - label::kCount),
-        group("network", &Config::network, "what is sent where"),
+        group("network", &Config::network, "where packets are sent to and received from"),
         group("panel", &Config::panel, "where the web panel listens"),
         list("cameras", &Config::cameras, "the cameras of this daemon", 32),
     };

@@ -49,15 +49,15 @@ std::string held_text(const Json& contents) {
 
 std::string backup_text(const Json& contents) {
   return held_text(contents) +
-         fmt::format("It would change {} places of the settings. Only checked, nothing is restored.\n",
+         fmt::format("It would change {} settings. Only checked, nothing was restored.\n",
                      contents.at("changes").size());
 }
 
 std::string restored_text(const Json& restored) {
   const auto revision = restored.at("revision").get<std::uint64_t>();
   return held_text(restored.at("backup")) +
-         fmt::format("restored, revision {}; `ssl-visionctl undo {}` takes the settings back\n", revision,
-                     revision);
+         fmt::format("restored, revision {}; `ssl-visionctl undo {}` restores the previous settings\n",
+                     revision, revision);
 }
 
 }  // namespace sslv

@@ -40,7 +40,7 @@ Json report_of(const Client& daemon, const std::string& path, const Json& reques
   }
   if (!state.at("report").is_object()) {
     const std::string problem = state.at("problem").get<std::string>();
-    throw ClientError(problem.empty() ? fmt::format("the calibration was ended: it is {}",
+    throw ClientError(problem.empty() ? fmt::format("the calibration did not finish: it is {}",
                                                     state.at("state").get<std::string>())
                                       : problem);
   }
@@ -142,7 +142,7 @@ std::string calibration_text(const Json& report) {
     out += fmt::format("  expected errors    {} on the floor, {} at 150 mm\n",
                        shown(report.at("expected_on_floor_mm"), "mm"),
                        shown(report.at("expected_at_150_mm"), "mm"));
-    out += fmt::format("  height             {}, known to {}\n", shown(report.at("height_mm"), "mm", 0),
+    out += fmt::format("  height             {}, accurate to {}\n", shown(report.at("height_mm"), "mm", 0),
                        shown(report.at("height_sigma_mm"), "mm", 0));
     if (report.at("moved_on_floor_mm").is_number()) {
       out += fmt::format("  since the previous {} on the floor, {} at 150 mm\n",

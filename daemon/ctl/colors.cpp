@@ -24,7 +24,7 @@ std::string light_text(const Json& light) {
   const Json& gain = light.at("gain");
   std::string out =
       fmt::format("{}; red x {:.2f}, green x {:.2f}, blue x {:.2f} since the table was accepted",
-                  state == "at_bound" ? "at its bound" : state, gain.at(0).get<double>(),
+                  state == "at_bound" ? "at its limit" : state, gain.at(0).get<double>(),
                   gain.at(1).get<double>(), gain.at(2).get<double>());
   const std::string reason = light.at("reason").get<std::string>();
   return out + (reason.empty() ? "\n" : "; " + reason + "\n");
@@ -103,9 +103,9 @@ Json learn_running(const Client& daemon, int camera_id, int frames) {
   }
   if (!state.at("report").is_object()) {
     const std::string problem = state.at("problem").get<std::string>();
-    throw ClientError(problem.empty()
-                          ? fmt::format("learning was ended: it is {}", state.at("state").get<std::string>())
-                          : problem);
+    throw ClientError(problem.empty() ? fmt::format("learning did not finish: it is {}",
+                                                    state.at("state").get<std::string>())
+                                      : problem);
   }
   return state.at("report");
 }

@@ -42,7 +42,7 @@ std::string system_text(const Json& system) {
 
 std::string clock_text(const Json& clock) {
   if (clock.is_null()) return "clock     cannot be read\n";
-  return fmt::format("clock     {}, {:.3f} ms off, known to {:.3f} ms\n",
+  return fmt::format("clock     {}, {:.3f} ms off, accurate to {:.3f} ms\n",
                      clock.at("synchronised") == true ? "synchronised" : "NOT synchronised",
                      clock.at("offset_ms").get<double>(), clock.at("estimated_error_ms").get<double>());
 }

@@ -32,7 +32,7 @@ struct Place {
 
 Place place_of(const std::string& address) {
   const auto refuse = [&] {
-    throw ExchangeError(fmt::format("\"{}\" is no address; expected http://HOST:PORT{}", address,
+    throw ExchangeError(fmt::format("\"{}\" is not an address; expected http://HOST:PORT{}", address,
                                     address.starts_with("https:") ? " (this program has no TLS)" : ""));
   };
   std::string_view rest = address;

@@ -19,7 +19,7 @@ Json::json_pointer pointer_of(const std::string& text) {
     return Json::json_pointer(text);
   } catch (const Json::exception&) {
     throw std::runtime_error(fmt::format(
-        "\"{}\" is no place in the settings; expected a JSON pointer such as /field/field_length", text));
+        "\"{}\" is not a place in the settings; expected a JSON pointer such as /field/field_length", text));
   }
 }
 
@@ -148,7 +148,7 @@ std::string edit_text(const Json& edit) {
   return changes_text(edit.at("changes")) +
          (edit.contains("revision")
               ? fmt::format("saved, revision {}\n", edit.at("revision").get<std::uint64_t>())
-              : "only checked, nothing is saved\n");
+              : "only checked, nothing was saved\n");
 }
 
 std::string schema_text(const Json& schema, const std::string& pointer) {

@@ -39,7 +39,7 @@ std::vector<const StageType*> check_stack(std::span<const StageType> table,
     const std::string here = fmt::format("{}/{}", path, s);
     const StageType& type = find_stage(table, stack[s], here);
     if (std::count(stack.begin(), stack.end(), stack[s]) > 1) {
-      throw SettingsError(fmt::format("{}: stage '{}' stands in the stack twice", here, stack[s]));
+      throw SettingsError(fmt::format("{}: stage '{}' is in the stack twice", here, stack[s]));
     }
     for (std::size_t i = 0; i < kPartCount; ++i) {
       if (type.reads[i] && !have[i]) {

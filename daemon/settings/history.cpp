@@ -117,11 +117,11 @@ void check_steps(const Json& steps, std::uint64_t revision) {
                          step["what"].is_string() && step["revision"] > 0U && step["revision"] <= most &&
                          std::all_of(step["changes"].begin(), step["changes"].end(), is_change);
     if (!is_good) {
-      throw SettingsError(
-          fmt::format("/history/{}: is no step of settings; expected one of revision {} or before, with "
-                      "time, who, what and "
-                      "changes",
-                      i, most));
+      throw SettingsError(fmt::format(
+          "/history/{}: is not a step of the settings; expected one of revision {} or before, with "
+          "time, who, what and "
+          "changes",
+          i, most));
     }
     most = step["revision"].get<std::uint64_t>() - 1;
   }

@@ -145,7 +145,7 @@ void Passwords::set(Role role, const std::optional<std::string>& password) {
   Hashes next = *hashes_.load();
   next[place(role)] = hash;
   if (next[place(Role::kAdmin)].empty() && !next[place(Role::kViewer)].empty())
-    throw SettingsError("the admin's password must be set first, and taken away last");
+    throw SettingsError("the admin's password must be set first and removed last");
   put(std::move(next));
 }
 

@@ -117,7 +117,7 @@ Json read_json_file(const fs::path& file) {
     const auto column = upto.size() - (upto.rfind('\n') == std::string::npos ? 0 : upto.rfind('\n') + 1) + 1;
     std::string what = error.what();  // "[json.exception...] parse error at line 1, column 2: <the reason>"
     const auto reason = what.find(": ");
-    throw SettingsError(fmt::format("{}: line {}, column {}: no JSON: {}", file.string(), line, column,
+    throw SettingsError(fmt::format("{}: line {}, column {}: not valid JSON: {}", file.string(), line, column,
                                     reason == std::string::npos ? what : what.substr(reason + 2)));
   }
 }

@@ -23,7 +23,7 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
     for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
       const Json::json_pointer id(path.substr(0, end) + "/id");
       if (!made_on.contains(id) || !put_on.contains(id) || made_on.at(id) == put_on.at(id)) continue;
-      throw SettingsError(fmt::format("{}: was changed where {} was {}, which is {} there", path,
+      throw SettingsError(fmt::format("{}: the saved change was made when {} was {}, which is now {}", path,
                                       id.to_string(), made_on.at(id).dump(), put_on.at(id).dump()));
     }
   }

@@ -49,9 +49,9 @@ class DetectRobots {
     static constexpr auto fields() {
       return std::tuple{
           number("min_area_ratio", &Params::min_area_ratio, 0.0, 1.0, "",
-                 "smallest region looked at, as a share of a dot's true area"),
+                 "smallest region considered, as a share of a dot's true area"),
           number("max_area_ratio", &Params::max_area_ratio, 1.0, 10.0, "",
-                 "largest region looked at, as a multiple of a dot's true area"),
+                 "largest region considered, as a multiple of a dot's true area"),
           number("max_rms_mm", &Params::max_rms_mm, 0.5, 30.0, "mm",
                  "largest rms distance of the dots from their places in a pattern"),
           number("min_confidence", &Params::min_confidence, 0.0, 1.0, "", "robots below it are not reported"),
@@ -70,7 +70,7 @@ class DetectRobots {
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
           number("max_work", &Params::max_work, 100, 1'000'000, "",
                  "does no more than this for one image: fitted dots, or other work that takes as long (about "
-                 "1 us); frames that had more to look at are counted"),
+                 "1 us); frames that had more to process are counted"),
       };
     }
   };

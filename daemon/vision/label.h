@@ -54,7 +54,7 @@ struct OwnLabel {
         number("value", &OwnLabel::value, static_cast<int>(label::kCount),
                static_cast<int>(label::kMaxCount) - 1, "", "its number in tables and files"),
         text("name", &OwnLabel::name, "printable, up to 32 bytes, no other label's", 32),
-        text("color", &OwnLabel::color, "what people see for it: #rrggbb", 7),
+        text("color", &OwnLabel::color, "display colour: #rrggbb", 7),
     };
   }
 };

@@ -215,7 +215,7 @@ ColorTable decode_lut(std::span<const std::uint8_t> bytes, const std::string& pa
   if (begins_with(bytes, kMagic2) || begins_with(bytes, kMagic3))
     return decode_runs_file(bytes, path, labels);
   if (begins_with(bytes, kMagic1)) return decode_version_1(bytes, path, labels);
-  refuse(path, "does not begin with \"{}\", \"{}\" or \"{}\", so it is no .lut file", kMagic3, kMagic2,
+  refuse(path, "does not begin with \"{}\", \"{}\" or \"{}\", so it is not a .lut file", kMagic3, kMagic2,
          kMagic1);
 }
 

@@ -37,10 +37,9 @@ struct MaskSettings {
         number("beyond_boundary", &MaskSettings::beyond_boundary, 0.0, 100'000.0, "mm",
                "how far beyond the field's boundary a calibrated camera still looks; empty (null): at the "
                "whole image"),
-        list("include", &MaskSettings::include,
-             "only what lies in one of these polygons is looked at; none: everything", kMaxPolygons),
-        list("exclude", &MaskSettings::exclude, "what lies in one of these polygons is not looked at",
+        list("include", &MaskSettings::include, "only these polygons are searched; none: everything",
              kMaxPolygons),
+        list("exclude", &MaskSettings::exclude, "these polygons are not searched", kMaxPolygons),
     };
   }
 };

@@ -224,7 +224,7 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
     }
     for (const auto& other : table.codes) {
       if (other.id == code.id)
-        throw SettingsError(fmt::format("{}/id: id {} stands there twice", here, code.id));
+        throw SettingsError(fmt::format("{}/id: id {} is in the list twice", here, code.id));
       if (other.colors == code.colors) {
         throw SettingsError(
             fmt::format("{}/colors: ids {} and {} have the same colours", here, other.id, code.id));

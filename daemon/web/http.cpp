@@ -93,7 +93,7 @@ bool is_own_name(std::string_view host, const std::vector<std::string>& names) {
 
 std::string not_own_name(std::string_view host) {
   return fmt::format(
-      "\"{}\" is no name of this computer; use its address, or add the name to the setting /panel/names",
+      "\"{}\" is not a name of this computer; use its address, or add the name to the setting /panel/names",
       escaped_text(host.substr(0, 80)));
 }
 

@@ -221,7 +221,7 @@ Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
             (directory / "index.html").string() +
             "\nBuild it with `./run build`, or with `npm ci && npm run build` in webui/, and "
             "start this program again.\n"
-            "The interface under /api/ works without it.\n",
+            "The API under /api/ works without it.\n",
         "text/plain; charset=utf-8");
   };
 }

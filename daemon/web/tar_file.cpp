@@ -86,7 +86,8 @@ std::string unpacked_gz(std::string_view bytes, std::size_t max_bytes) {
   const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_raw);
   archive_entry* header = nullptr;
   if (!has_next(in, header)) throw std::runtime_error("it is empty");
-  if (archive_filter_code(in.get(), 0) != ARCHIVE_FILTER_GZIP) throw std::runtime_error("it is no .tar.gz");
+  if (archive_filter_code(in.get(), 0) != ARCHIVE_FILTER_GZIP)
+    throw std::runtime_error("it is not a .tar.gz file");
   return content_of(in, max_bytes);
 }
 
@@ -100,7 +101,7 @@ std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes)
   for (archive_entry* header = nullptr; has_next(in, header);) {
     const char* name = archive_entry_pathname(header);
     if (name == nullptr || archive_entry_filetype(header) != AE_IFREG || entries.size() == kMaxEntries)
-      throw std::runtime_error("it holds what is no file");
+      throw std::runtime_error("it contains something that is not a file");
     std::string copy = name;
     entries.push_back({std::move(copy), content_of(in, max_bytes)});
   }

@@ -171,15 +171,15 @@ describe('a backup', () => {
       without.delete(name);
       await refuses(packed(without, { sums }), new RegExp(`${name.replace('.', '\\.')}`));
     }
-    for (const size of [backup.length - 1, backup.length >> 1, 100, 10]) await refuses(backup.subarray(0, size), /^this is no backup, or not all of one: |^SHA256SUMS: is not in the file/);
+    for (const size of [backup.length - 1, backup.length >> 1, 100, 10]) await refuses(backup.subarray(0, size), /^this is not a complete backup: |^SHA256SUMS: is not in the file/);
     for (let at = 20; at < backup.length - 8; at += backup.length >> 3) {
       const tampered = Buffer.from(backup);
       tampered[at] ^= 0x10;
       await refuses(tampered, /./);
     }
-    await refuses(Buffer.from('{"site": "Hall"}\n'), /^this is no backup, or not all of one: /);
+    await refuses(Buffer.from('{"site": "Hall"}\n'), /^this is not a complete backup: /);
     await refuses(Buffer.from(''), /^the file is empty; expected a backup$/);
-    await refuses(gzipSync('no archive'), /^this is no backup, or not all of one: /);
+    await refuses(gzipSync('no archive'), /^this is not a complete backup: /);
     await refuses(bundle, /^manifest\.json: is not in the file; expected a backup of ssl-visiond$/);
     await refuses(packed(new Map(parts).set('notes.txt', Buffer.from('x'))), /^notes\.txt: is not allowed in a backup; expected settings\.json, profiles\.json, /);
   });
@@ -204,7 +204,7 @@ describe('a backup', () => {
     await refuses(json('profiles.json', (it) => { it.profiles.reverse(); }), /^profiles\.json: /);
     await refuses(json('calibrations.json', (it) => { it.cameras[0].records[0].calibration.focal_length = 'long'; }), /^calibrations\.json: \/cameras\/0\/records\/0\/calibration\/focal_length: /);
     await refuses(packed(new Map(parts).set('passwords.json', Buffer.from('{"admin": "plain"}'))), /^passwords\.json: expected the hash of an admin's password/);
-    await refuses(packed(changed(parts, table, (bytes) => bytes.subarray(1))), new RegExp(`^${table.replace('.', '\\.')}: its bytes are not those of the table of this name`));
+    await refuses(packed(changed(parts, table, (bytes) => bytes.subarray(1))), new RegExp(`^${table.replace('.', '\\.')}: its contents do not match its name`));
     const deep = Buffer.from(`{"version": 1, "revision": 1, "history": [], "settings": ${'{"a":'.repeat(100)}1${'}'.repeat(100)}}`);
     await refuses(packed(new Map(parts).set('settings.json', deep)), /^settings\.json: .*64 levels/);
   });
@@ -213,7 +213,7 @@ describe('a backup', () => {
     await refuses(Buffer.alloc(16 * MIB + 1), /^the body is larger than 16 MiB$/, 413);
     const bomb = packed(new Map(partsOf(backup)).set('settings.json', Buffer.alloc(65 * MIB, 0x20)));
     assert.ok(bomb.length < MIB);
-    await refuses(bomb, /^this is no backup, or not all of one: unpacked, it is larger than 64 MiB$/);
+    await refuses(bomb, /^this is not a complete backup: unpacked, it is larger than 64 MiB$/);
     const file = join(first.folder, 'large.sslvision');
     writeFileSync(file, Buffer.alloc(16 * MIB + 1));
     const { status, stderr } = ctl(spare, 'restore', file);

@@ -282,7 +282,7 @@ TEST_F(Daemon, AChangeIsTakenBackFromTheCommandLine) {
   };
   EXPECT_THAT(ctl({"history"}).output,
               AllOf(HasSubstr("/site: \"" + site + "\" -> \"Field B\""), HasSubstr("127.0.0.1")));
-  EXPECT_EQ(ctl({"undo", "2"}).output, "Taken back; the settings are at revision 4.\n");
+  EXPECT_EQ(ctl({"undo", "2"}).output, "Undone; the settings are at revision 4.\n");
   const Json settings = daemon.get("/api/settings")["settings"];
   EXPECT_EQ(settings["site"], site);
   EXPECT_EQ(settings["cameras"][1]["name"], "left");

@@ -164,7 +164,7 @@ TEST_F(JointCalibration, FromTheCommandLine) {
                   "--seconds", "2", "--frames", "3", "--accept", "--report", figures});
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("mm apart, before"), HasSubstr("camera 1"),
-                                HasSubstr("in effect")));
+                                HasSubstr("in use")));
   EXPECT_LT(worst_disagreement_mm(in_settings(daemon), 0), 1);
 
   const auto unknown = run_to_end(

@@ -76,7 +76,7 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
   wait_for_heights(143, 140);
   status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
   EXPECT_THAT(titles(status),
-              testing::ElementsAre("Unknown team \"Dire Wolves\": its robots are taken to be 140 mm high"));
+              testing::ElementsAre("Unknown team \"Dire Wolves\": its robots are assumed to be 140 mm high"));
 
   // Set by hand, also while the game controller says otherwise; other changes keep what it said.
   daemon.set("/teams/blue/robot_height", 147);
@@ -143,7 +143,7 @@ TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
     });
   };
   write_detection({.camera_id = 7, .number = 1, .times = {1}}, {}, {}, 2, packet);
-  status = wait_for_title("127.0.0.1 sends to the vision group too");
+  status = wait_for_title("127.0.0.1 also sends to the vision group");
   EXPECT_EQ(status["alerts"].at(0)["severity"], "info");
   EXPECT_EQ(status["network"]["other_visions"].at(0)["cameras"], Json{7});
   EXPECT_THAT(status["network"]["other_visions"].at(0)["field_conflicts"], IsEmpty());

@@ -95,7 +95,7 @@ describe('who may do what, in the panel', () => {
           await accessible(page, 'signing in');
           await page.fill(`${dialog} input`, 'wrong horse');
           await page.click(`${dialog} button:has-text("Sign in")`);
-          await page.waitForSelector(`${dialog} [role="alert"]:has-text("not a password of this service")`);
+          await page.waitForSelector(`${dialog} [role="alert"]:has-text("wrong password")`);
           await page.fill(`${dialog} input`, ADMIN);
           await page.click(`${dialog} button:has-text("Sign in")`);
           await saved(page);

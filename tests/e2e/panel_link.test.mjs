@@ -85,7 +85,7 @@ describe('panel over a bad link', () => {
       if (hasWorker) {
         await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
       } else {
-        await page.waitForSelector(`${byId('page-loading')}:has-text("opens by itself when the link is back")`);
+        await page.waitForSelector(`${byId('page-loading')}:has-text("opens automatically when the connection is back")`);
       }
       link.mend();
       await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
@@ -106,7 +106,7 @@ describe('panel over a bad link', () => {
     await kept(page);
     link.cut();
     await page.reload();
-    await page.waitForSelector('text=The service is out of reach. The panel tries again by itself.');
+    await page.waitForSelector('text=The service cannot be reached. The panel tries again automatically.');
     for (const hash of ['camera/0', 'colours', 'calibration', 'settings', 'field', 'diagnostics', 'api']) {
       await page.evaluate((to) => { location.hash = `#/${to}`; }, hash);
       await page.waitForFunction(() => !document.querySelector('[data-testid="page-loading"]') && document.querySelector('main h1, main .card'));
@@ -234,7 +234,7 @@ describe('panel that nobody looks at', () => {
     const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wide <= 0, `the page is ${wide} px too wide`);
     await becomes(events, (entries) => entries.some(({ id }) => id === 'camera_reopen_asked'));
-    await page.waitForSelector(`${byId('picture-trouble')}:has-text("Tried: still lost")`);
+    await page.waitForSelector(`${byId('picture-trouble')}:has-text("Still lost")`);
   }, { viewport, options }));
 
   it('says plainly when the browser allows no notifications', () => onPage('', async (page) => {

@@ -107,7 +107,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       await page.waitForFunction((one) => document.querySelector('[aria-label="History"]')?.textContent.includes(one), `${theirs}`);
       await field.press('Enter');
       const conflict = await page.waitForSelector(`${row(pointer)} .conflict`);
-      assert.match(await conflict.textContent(), new RegExp(`changed this.*Saved is ${theirs}, yours is ${mine}`, 's'));
+      assert.match(await conflict.textContent(), new RegExp(`changed this.*The saved value is ${theirs}, yours is ${mine}`, 's'));
       assert.equal(await value(), theirs);
     };
     await editMeanwhile(771, 30);
@@ -316,7 +316,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.click('button[aria-label="Delete profile Evening"]');
     await page.waitForSelector(byId('profile-Evening'), { state: 'detached' });
     assert.deepEqual((await ask('profiles')).profiles, []);
-    await page.waitForSelector(`${byId('notice')}:has-text("Deleted profile Evening")`);
+    await page.waitForSelector(`${byId('notice')}:has-text("Profile Evening deleted")`);
     await page.click(byId('notice-undo'));
     await page.waitForSelector(byId('profile-Evening'));
     assert.deepEqual((await ask('profiles/Evening')).settings, first);
@@ -394,7 +394,7 @@ describe('settings page', { timeout: 540_000 }, () => {
       panel.errorsExpected = true; // the browser calls a refusal one
       const damaged = Buffer.from(buffer);
       damaged[buffer.length >> 1] ^= 0x10;
-      for (const [bytes, what] of [[Buffer.from('{}'), /^hall\.sslvision: this is no backup, or not all of one: /], [damaged, /^hall\.sslvision: /], [buffer.subarray(0, buffer.length - 9), /^hall\.sslvision: /]]) {
+      for (const [bytes, what] of [[Buffer.from('{}'), /^hall\.sslvision: this is not a complete backup: /], [damaged, /^hall\.sslvision: /], [buffer.subarray(0, buffer.length - 9), /^hall\.sslvision: /]]) {
         await give(bytes);
         await page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector)?.textContent ?? ''), [byId('backup-error'), what.source]);
         assert.equal(await page.locator(byId('backup-contents')).count(), 0);

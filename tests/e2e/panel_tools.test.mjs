@@ -243,7 +243,7 @@ describe('tools', () => {
       await dialog.waitFor();
       const listed = await page.$$eval(byId('shortcut'), (all) => all.map((one) => [one.querySelector('dd').textContent, [...one.querySelectorAll('kbd')].map((key) => key.textContent)]));
       const keysOf = Object.fromEntries(listed);
-      assert.deepEqual(keysOf['Hide all layers, or show them again'], ['H']);
+      assert.deepEqual(keysOf['Hide or show all layers'], ['H']);
       assert.deepEqual(keysOf['Show or hide: Detections'], ['1']);
       assert.deepEqual(keysOf['Show this list of shortcuts'], ['?']);
       // Every button that names its key is in the list with that key.
@@ -263,7 +263,7 @@ describe('tools', () => {
       await page.waitForSelector(byId('overlay-robot'), { state: 'attached' });
       const before = await frameNumber(page, 0);
       assert.ok(before > 0);
-      await page.keyboard.press(keysOf['Freeze the image, or go on'][0].toLowerCase());
+      await page.keyboard.press(keysOf['Freeze or unfreeze the image'][0].toLowerCase());
       await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
     }));
 

@@ -258,7 +258,7 @@ describe('a service with passwords', () => {
     assert.equal(none.code, 1);
     assert.match(none.output, /wants a password: use --password-file, or set SSL_VISIOND_PASSWORD/);
     const wrong = await ctl([...daemon, ...change], '', { SSL_VISIOND_PASSWORD: 'wrong horse' });
-    assert.match(wrong.output, /this is not a password of this service/);
+    assert.match(wrong.output, /wrong password/);
     const right = await ctl([...daemon, ...change], '', { SSL_VISIOND_PASSWORD: ADMIN });
     assert.equal(right.code, 0, right.output);
     const file = join(service.folder, 'password');

@@ -216,7 +216,7 @@ needs_password() {
     is "$(inside stat -c %U /var/lib/ssl-visiond/passwords.json)" ssl-visiond
 }
 check "from now on it is asked for, and its file is the service's own" eventually 5 needs_password
-check "the password is taken away" inside ssl-visionctl passwd --remove
+check "the password is removed" inside ssl-visionctl passwd --remove
 
 # ---- what happens to a service
 

@@ -60,7 +60,7 @@ struct Options {
                "Mbit/s; auto: 800 if the camera can, else 400. Cables and card must be able to do it too"),
         number("ring_frames", &O::ring_frames, 3, 100, "", "images that the card may fill ahead"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
-               "a camera that sends nothing for this long, without waiting for a trigger, is taken for lost"),
+               "a camera that sends nothing for this long, without waiting for a trigger, counts as lost"),
         flag(
             "reset_bus", &O::reset_bus,
             "reset the bus when the camera is opened first, which frees what a crashed program has reserved; "

@@ -128,7 +128,7 @@ void MediaReader::seek(std::int64_t picture) {
   if (picture < 0 || picture >= static_cast<std::int64_t>(av_->times.size()))
     throw std::runtime_error("it has only " + std::to_string(av_->times.size()) + " images");
   const std::int64_t time = av_->times[static_cast<std::size_t>(picture)];
-  check(av_seek_frame(av_->container, av_->stream, time, AVSEEK_FLAG_BACKWARD), "cannot be sought");
+  check(av_seek_frame(av_->container, av_->stream, time, AVSEEK_FLAG_BACKWARD), "cannot be searched");
   avcodec_flush_buffers(av_->decoder);
   av_->draining = false;
   av_->skip_before = time;
@@ -136,7 +136,7 @@ void MediaReader::seek(std::int64_t picture) {
 
 /// Packets come in the order they are decoded in, images in that of their times.
 void MediaReader::Libraries::read_times() {
-  check(av_seek_frame(container, stream, 0, AVSEEK_FLAG_BACKWARD), "cannot be sought");
+  check(av_seek_frame(container, stream, 0, AVSEEK_FLAG_BACKWARD), "cannot be searched");
   while (av_read_frame(container, packet) >= 0) {
     const std::int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
     if (packet->stream_index == stream && time != AV_NOPTS_VALUE) times.push_back(time);

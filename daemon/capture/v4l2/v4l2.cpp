@@ -45,7 +45,7 @@ struct Options {
         number("frame_rate_hz", &O::frame_rate_hz, 0.01, 10000.0, "Hz", "null: leave as it is"),
         number("buffers", &O::buffers, 3, 32, "", "images that may be under way at once"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
-               "a camera that sends nothing for this long is taken for lost"),
+               "a camera that sends nothing for this long counts as lost"),
         object("controls", &O::controls,
                "what is set on the camera when it is opened: the names and values that it has for them"),
     };

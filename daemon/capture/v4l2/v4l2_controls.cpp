@@ -217,7 +217,7 @@ ControlEffect V4l2Controls::write(const Control& control, const Json& value) {
            (asked.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0 ? "it can only be read"
            : (asked.flags & V4L2_CTRL_FLAG_GRABBED) != 0
                ? "the camera does not allow it while it delivers"
-               : "another control has it in hand, such as an automatic");
+               : "another control sets it, such as an automatic mode");
   }
   v4l2_ext_control one{};
   one.id = asked.id;

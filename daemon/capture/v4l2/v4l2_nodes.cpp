@@ -161,7 +161,7 @@ V4l2Node find_v4l2_node(const V4l2System& system, const std::string& camera) {
   if (found.size() == 1) return std::move(found.front());
   if (found.empty())
     throw CaptureError(fmt::format("camera \"{}\": not found; there are {}", camera, listed(all, all)));
-  throw CaptureError(fmt::format("camera \"{}\": {} are called so; name one of {}", camera, found.size(),
+  throw CaptureError(fmt::format("camera \"{}\": {} have this name; use one of {}", camera, found.size(),
                                  listed(found, all)));
 }
 

@@ -94,15 +94,17 @@ void add_annotate(CommandLine& line) {
                    "image, raw frame, video, or a folder of images or raw frames")
       ->required();
   o->raw.add_to(command);
-  command->add_option("--truth", o->annotate.truth_file, "truth file to write, or to go on with")->required();
+  command->add_option("--truth", o->annotate.truth_file, "truth file to write or continue")->required();
   command->add_option("--pages", o->annotate.pages_folder,
                       "folder for a page of each image with numbered marks, to look at in a browser; "
                       "default: beside the truth file, named after it");
   command->add_option("--frame", o->annotate.frame,
                       "the image that is corrected, by its name without ending");
-  command->add_option("--remove", o->annotate.corrections.remove, "marks of what is not there")
+  command->add_option("--remove", o->annotate.corrections.remove, "marks of things that are not there")
       ->type_name("MARK");
-  command->add_option("--doubtful", o->annotate.corrections.doubtful, "marks of what may be found or not")
+  command
+      ->add_option("--doubtful", o->annotate.corrections.doubtful,
+                   "marks of things that may or may not be found")
       ->type_name("MARK");
   command->add_option("--id", o->ids, "a robot's mark and its true id")
       ->type_size(kIdWords)
@@ -117,8 +119,8 @@ void add_annotate(CommandLine& line) {
       ->type_size(kBallWords)
       ->type_name("X Y");
   command->add_flag("--checked", o->annotate.corrections.checked,
-                    "you have looked, and what is left is true: of the image, or of all without --frame");
-  command->add_flag("--again", o->annotate.again, "draft again what is there already: corrections are lost");
+                    "mark the image as checked, or all images without --frame: what is left is true");
+  command->add_flag("--again", o->annotate.again, "draft existing images again: corrections are lost");
   line.on(command, [o] {
     o->raw.parse();
     read_corrections(*o);

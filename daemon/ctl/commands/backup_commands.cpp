@@ -87,10 +87,10 @@ void add_restore(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
       "restore",
-      "takes a backup for everything the daemon keeps, live and without a restart: of this computer or of "
-      "another; all of it or nothing");
+      "restore everything that the daemon keeps from a backup of this or another computer, live and without "
+      "a restart; all of it or nothing");
   command->add_option("file", o->file, "the backup")->required();
-  command->add_flag("--dry-run", o->dry_run, "only check it and show what it holds");
+  command->add_flag("--dry-run", o->dry_run, "only check it and show what it contains");
   add_json_flag(command, o->as_json);
   line.on(command, [&line, o] {
     const std::string bytes = bytes_of_backup(o->file);

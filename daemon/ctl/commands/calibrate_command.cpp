@@ -53,7 +53,7 @@ int calibrate_several_cameras(const CalibrateOptions& o, const Client& client) {
   const int exit_code = tell(o, report, "", joint_calibration_text);
   if (o.accept && exit_code == EXIT_SUCCESS) {
     client.post("/api/calibration/accept", {{"force", o.force}});
-    std::cerr << "They are in effect.\n";
+    std::cerr << "They are in use.\n";
   }
   return exit_code;
 }
@@ -65,7 +65,7 @@ int calibrate_camera(const CalibrateOptions& o, const Client& client) {
   const int exit_code = tell(o, report, o.calibration_file, calibration_text);
   if (o.accept && exit_code == EXIT_SUCCESS) {
     client.post(fmt::format("/api/cameras/{}/calibration/accept", o.camera_id), {{"force", o.force}});
-    std::cerr << "It is in effect.\n";
+    std::cerr << "It is in use.\n";
   }
   return exit_code;
 }
@@ -87,7 +87,7 @@ int calibrate_files(CalibrateOptions& o) {
 void add_calibrate(CommandLine& line) {
   const auto o = std::make_shared<CalibrateOptions>();
   CLI::App* command = line.app.add_subcommand(
-      "calibrate", "find where a camera hangs, from its image: of the daemon's camera, or of files");
+      "calibrate", "find where a camera hangs, from an image of the daemon's camera or from files");
   CLI::Option* of_daemon = command->add_option("--camera", o->camera_id, "id of the daemon's camera");
   CLI::Option* of_files =
       command->add_option("--input", o->input, "image, raw frame, video, or a folder; their mean is taken");
@@ -100,40 +100,43 @@ void add_calibrate(CommandLine& line) {
           ->excludes(of_files);
   command
       ->add_option("--cameras", o->together_ids,
-                   "ids of those, such as 0,1; all that are calibrated unless said")
+                   "ids of these cameras, such as 0,1; default: all calibrated cameras")
       ->delimiter(',')
       ->needs(of_several);
-  command->add_option("--seconds", o->together_s, "how long robots are looked for that two of them see")
+  command->add_option("--seconds", o->together_s, "how long to look for robots that two of them see")
       ->check(CLI::Range(0.0, 600.0))
       ->capture_default_str()
       ->needs(of_several);
   o->raw.add_to(command);
   CLI::Option* field =
-      command->add_option("--field", o->field, "division-a, division-b, or a settings file whose field it is")
+      command->add_option("--field", o->field, "division-a, division-b, or a settings file with this field")
           ->needs(of_files);
   command->add_option("--points", o->words.points_file,
                       "file of points: [{\"x\": px, \"y\": px, \"name\": may be left out}, ...]");
-  command->add_option("--frames", o->words.frames, "images to take the mean of; 10 unless said")
+  command->add_option("--frames", o->words.frames, "images to take the mean of; default: 10")
       ->check(CLI::Range(1, 100));
   command->add_option("--height", o->words.height_mm,
                       "the camera's height above the floor in mm, if measured");
-  command->add_option("--height-sigma", o->words.height_sigma_mm, "how exactly, in mm; 20 unless said");
+  command->add_option("--height-sigma", o->words.height_sigma_mm,
+                      "accuracy of that height in mm; default: 20");
   command->add_option("--focal", o->words.focal_px, "focal length in px, if known");
   command
       ->add_option("--plus-x", o->words.plus_x,
                    "side of the image where the +x half lies: right, left, up or down")
       ->check(CLI::IsMember({"right", "left", "up", "down"}));
   command
-      ->add_option("--lines", o->words.lines,
-                   "what the field's sizes were measured to: outer-edge or middle; found out unless said")
+      ->add_option(
+          "--lines", o->words.lines,
+          "what the field's sizes were measured to: outer-edge or middle; default: found automatically")
       ->check(CLI::IsMember({"outer-edge", "middle"}));
   command->add_option("--previous", o->previous_file, "calibration to compare with")->needs(of_files);
-  CLI::Option* output = command->add_option("--output", o->calibration_file,
-                                            "calibration to write, as settings have it; -: standard output");
+  CLI::Option* output =
+      command->add_option("--output", o->calibration_file,
+                          "calibration to write, in the format of the settings; -: standard output");
   command->add_option("--report", o->report_file, "file for all figures");
   command->add_flag("--json", o->as_json, "print the report as JSON");
   command->add_flag("--accept", o->accept, "apply it when it is good enough")->excludes(of_files);
-  command->add_flag("--force", o->force, "also while the game runs")->excludes(of_files);
+  command->add_flag("--force", o->force, "even while the game is running")->excludes(of_files);
   for (const char* of_one_camera :
        {"--points", "--height", "--height-sigma", "--focal", "--plus-x", "--lines", "--output"})
     of_several->excludes(command->get_option(of_one_camera));

@@ -18,7 +18,7 @@ void add_snapshot(CommandLine& line) {
     std::string file;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = line.app.add_subcommand("snapshot", "the newest image of a camera as a JPEG file");
+  CLI::App* command = line.app.add_subcommand("snapshot", "save the newest image of a camera as a JPEG file");
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   command->add_option("--output", o->file, "file to write; -: standard output")->required();
   line.on(command, [&line, o] {
@@ -36,7 +36,7 @@ void add_controls(CommandLine& line) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
-      "controls", "what can be set on the camera itself; NAME=VALUE sets a control, NAME runs an action");
+      "controls", "show a camera's own controls; NAME=VALUE sets a control, NAME runs an action");
   command->add_option("assignments", o->assignments, "NAME=VALUE, or the NAME of an action");
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   command->add_flag("--for-now", o->for_now, "do not save it in the settings");
@@ -56,7 +56,7 @@ void add_controls(CommandLine& line) {
 void add_sources(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      line.app.add_subcommand("sources", "cameras that the daemon could open, with their settings");
+      line.app.add_subcommand("sources", "list the cameras that the daemon could open, with their settings");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/sources").at("sources"), *as_json, found_cameras_text);

@@ -58,8 +58,8 @@ void add_color_import(CommandLine& line, CLI::App* group) {
   CLI::App* command =
       add_action(group, "import", "take a table from a file: .lut, our JSON, or SSL-Vision's XML", o);
   command->add_option("file", import->file, "the file")->required();
-  command->add_option("--table", import->table, "which of several tables in it, from 0");
-  command->add_flag("--try", import->only_try, "say what is in it and change nothing");
+  command->add_option("--table", import->table, "which of several tables in the file, from 0");
+  command->add_flag("--try", import->only_try, "show what is in it and change nothing");
   line.on(command, [&line, o, import] {
     std::string path = colors_path(o->camera_id) + "/import?name=" + path_part(import->file);
     if (import->table >= 0) path += fmt::format("&table={}", import->table);
@@ -92,7 +92,7 @@ void add_color_export(CommandLine& line, CLI::App* group) {
 void add_copy(CommandLine& line, CLI::App* group) {
   const auto o = std::make_shared<ColorOptions>();
   const auto from = std::make_shared<int>(0);
-  CLI::App* command = add_action(group, "copy", "take another camera's table over", o);
+  CLI::App* command = add_action(group, "copy", "copy another camera's table", o);
   command->add_option("--from", *from, "id of the other camera")->required();
   line.on(command, [&line, o, from] {
     print_answer(line.client().post(colors_path(o->camera_id) + "/copy", {{"from", *from}}), o->as_json,
@@ -116,10 +116,10 @@ std::string tried_text(const Json& edited) {
 void add_widen_margins(CommandLine& line, CLI::App* group) {
   const auto o = std::make_shared<ColorOptions>();
   const auto only_try = std::make_shared<bool>(false);
-  CLI::App* command =
-      add_action(group, "widen-margins",
-                 "take from its labels what carpet and floor would have in more or less light", o);
-  command->add_flag("--try", *only_try, "say how many cells that is and change nothing");
+  CLI::App* command = add_action(
+      group, "widen-margins",
+      "widen margins: clear the colours that carpet and floor would have in more or less light", o);
+  command->add_flag("--try", *only_try, "show how many cells that is and change nothing");
   line.on(command, [&line, o, only_try] {
     const Json answer = line.client().post(colors_path(o->camera_id) + "/edits",
                                            {{"commands", {{{"op", "widen_margins"}}}}, {"try", *only_try}});
@@ -135,7 +135,7 @@ void add_colours(CommandLine& line) {
   group->require_subcommand(1);
   const auto o = std::make_shared<ColorOptions>();
   line.on(add_action(group, "show",
-                     "its labels, where they touch, margins, what was done, how it follows the light", o),
+                     "labels, where they touch, margins, the last step, how the table follows the light", o),
           [&line, o] {
             print_answer(line.client().get_json(colors_path(o->camera_id)), o->as_json, colors_text);
             return EXIT_SUCCESS;
@@ -144,11 +144,11 @@ void add_colours(CommandLine& line) {
   add_color_export(line, group);
   add_copy(line, group);
   add_widen_margins(line, group);
-  add_post(line, group, "undo", "/undo", "take the newest step back");
-  add_post(line, group, "redo", "/redo", "do again what was taken back");
-  add_post(line, group, "reset", "/reset", "back to the table of the settings' classes or file");
+  add_post(line, group, "undo", "/undo", "undo the newest step");
+  add_post(line, group, "redo", "/redo", "redo the step that was undone last");
+  add_post(line, group, "reset", "/reset", "go back to the table of the settings' classes or file");
   add_post(line, group, "keep-light", "/light/keep", "accept the table as it is in the current light");
-  add_post(line, group, "revert-light", "/light/revert", "back to the accepted table");
+  add_post(line, group, "revert-light", "/light/revert", "go back to the accepted table");
 }
 
 }  // namespace sslv

@@ -11,8 +11,8 @@ namespace sslv {
 
 void add_completion(CommandLine& line) {
   const auto shell = std::make_shared<std::string>();
-  CLI::App* command =
-      line.app.add_subcommand("completion", "a script that has a shell complete commands and options");
+  CLI::App* command = line.app.add_subcommand(
+      "completion", "print a script with which a shell completes commands and options");
   command->add_option("shell", *shell, "bash, zsh or fish")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));

@@ -31,7 +31,7 @@ int learn_live(const LearnOptions& o, const Client& daemon) {
   if (report.at("learnt") != true) return EXIT_FAILURE;
   if (o.accept) {
     daemon.post(fmt::format("/api/cameras/{}/colors/learning/accept", o.choice.camera_id), Json::object());
-    std::cerr << "It is in effect.\n";
+    std::cerr << "It is in use.\n";
   }
   return EXIT_SUCCESS;
 }
@@ -60,13 +60,14 @@ int learn(LearnOptions& o) {
 
 void add_learn_colours(CommandLine& line) {
   const auto o = std::make_shared<LearnOptions>();
-  CLI::App* command = line.app.add_subcommand("learn-colours",
-                                              "learn a camera's colour table with nobody pointing at "
-                                              "anything: from the daemon's image, or from files");
+  CLI::App* command =
+      line.app.add_subcommand("learn-colours",
+                              "learn a camera's colour table automatically, from the daemon's "
+                              "images or from files");
   command->add_option("--camera", o->choice.camera_id, "id of the camera")->capture_default_str();
   CLI::Option* input = command->add_option("--input", o->input.path,
                                            "image, raw frame, video, or a folder of images or raw frames; "
-                                           "without it the daemon's camera is asked");
+                                           "default: the daemon's camera");
   CLI::Option* settings =
       command->add_option("--settings", o->choice.settings_file, "settings file with that camera")
           ->needs(input);
@@ -75,13 +76,13 @@ void add_learn_colours(CommandLine& line) {
   command->add_option("--frames", o->input.frames, "images to learn from")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
-  command->add_option("--every", o->input.every, "look at one of so many images, so that things have moved")
+  command->add_option("--every", o->input.every, "use every Nth image, so that things have moved in between")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str()
       ->needs(input);
   command->add_option("--output", o->lut_file, "table to write (.lut); -: standard output")->needs(input);
   command->add_flag("--accept", o->accept, "apply it")->excludes(input);
-  command->add_flag("--json", o->as_json, "print what was found as JSON");
+  command->add_flag("--json", o->as_json, "print the result as JSON");
   line.on(command, [&line, o, input] { return input->empty() ? learn_live(*o, line.client()) : learn(*o); });
 }
 

@@ -134,11 +134,14 @@ void add_score(CommandLine& line) {
   detections->needs(truth);
   truth->needs(detections);
   command
-      ->add_option("--min-robot-share", o->score.min_robot_share, "robots of which less shows do not count")
+      ->add_option("--min-robot-share", o->score.min_robot_share,
+                   "robots of which a smaller share is visible do not count")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->needs(detections);
-  command->add_option("--min-ball-share", o->score.min_ball_share, "balls of which less shows do not count")
+  command
+      ->add_option("--min-ball-share", o->score.min_ball_share,
+                   "balls of which a smaller share is visible do not count")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->needs(detections);

@@ -31,7 +31,7 @@ std::string read_new_password(Role role) {
   }
   password = typed_secret(fmt::format("New password for the panel's {}: ", name_of(role)));
   if (typed_secret("Again: ") != password)
-    throw SettingsError("the two are not the same; nothing was changed");
+    throw SettingsError("the two passwords differ; nothing was changed");
   return password;
 }
 
@@ -53,8 +53,9 @@ void add_passwd(CommandLine& line) {
       "passwd",
       "set the panel's password, on the service's own computer and as root; a running service knows "
       "it at once");
-  command->add_flag("--viewer", options->viewer,
-                    "the viewers', who may look but change nothing; without one everybody may look");
+  command->add_flag(
+      "--viewer", options->viewer,
+      "set the password of viewers, who may look but not change anything; without one everybody may look");
   command->add_flag("--remove", options->remove,
                     "remove the password; takes effect when the service is restarted");
   command->add_option("--state", options->state_folder, "the service's state folder")->capture_default_str();
@@ -78,14 +79,14 @@ void add_passwd(CommandLine& line) {
     }
     const auto password = options->remove ? std::nullopt : std::optional(read_new_password(role));
     passwords->set(role, password);
-    std::cout << fmt::format("the {}'s password is {}\n", name_of(role), password ? "set" : "taken away");
+    std::cout << fmt::format("the {}'s password is {}\n", name_of(role), password ? "set" : "removed");
     return EXIT_SUCCESS;
   });
 }
 
 void add_match_lock(CommandLine& line) {
-  auto* command = line.app.add_subcommand(
-      "match-lock", "whether a running match keeps settings from being changed, and whether it is to");
+  auto* command =
+      line.app.add_subcommand("match-lock", "show or set whether settings are locked while a match runs");
   command->require_subcommand(0, 1);
   const auto print = [](const Json& lock) {
     std::cout << lock_text(lock);
@@ -94,8 +95,8 @@ void add_match_lock(CommandLine& line) {
   line.on(command, [&line, print] { return print(line.client().get_json("/api/session").at("match_lock")); });
   for (const bool opened : {true, false}) {
     auto* set =
-        command->add_subcommand(opened ? "open" : "close",
-                                opened ? "let settings be changed until the match ends" : "lock them again");
+        command->add_subcommand(opened ? "open" : "close", opened ? "unlock the settings until the match ends"
+                                                                  : "lock the settings again");
     line.on(set, [&line, print, opened] {
       return print(line.client().post("/api/match_lock", {{"opened", opened}}));
     });

@@ -42,7 +42,7 @@ void add_get(CommandLine& line, CLI::App* parent) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = parent->add_subcommand("get", "show the settings, or one place of them");
   command->add_option("pointer", o->pointer, kPointer);
-  command->add_flag("--json", o->as_json, "a text in quotes too");
+  command->add_flag("--json", o->as_json, "put quotes around a text, too");
   line.on(command, [&line, o] {
     const Json settings = line.client().get_json("/api/settings").at("settings");
     const Json& value = value_at(settings, o->pointer);
@@ -117,7 +117,7 @@ void add_settings_import(CommandLine& line, CLI::App* parent) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command = parent->add_subcommand(
-      "import", "take a settings file for all settings; what it leaves out gets its default");
+      "import", "replace all settings by a settings file; what the file leaves out gets its default");
   command->add_option("file", o->file, "settings file")->required();
   o->edit.add_to(command);
   line.on(command, [&line, o] {
@@ -135,8 +135,8 @@ void add_schema(CommandLine& line, CLI::App* parent) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command =
-      parent->add_subcommand("schema", "what can be set: key, type, range, unit and what it is");
-  command->add_option("pointer", o->pointer, "only what is there, such as /field or /cameras/0/source");
+      parent->add_subcommand("schema", "show what can be set: key, type, range, unit and meaning");
+  command->add_option("pointer", o->pointer, "only this part, such as /field or /cameras/0/source");
   command->add_flag("--json", o->as_json, "all of it as a JSON Schema")->excludes("pointer");
   line.on(command, [&line, o] {
     const Json schema = line.client().get_json("/api/schema");
@@ -158,7 +158,7 @@ void add_profile_apply(CommandLine& line, CLI::App* parent) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = parent->add_subcommand("apply", "apply a profile, or parts of it: live and saved");
   command->add_option("name", o->name, "the profile")->required();
-  command->add_option("--only", o->only, "JSON pointers: nothing but what is there");
+  command->add_option("--only", o->only, "JSON pointers: apply only these parts");
   command->add_flag("--json", o->as_json, "changes and revision as JSON");
   line.on(command, [&line, o] {
     const Client client = line.client();
@@ -209,7 +209,7 @@ void add_field(CommandLine& line) {
   field->require_subcommand(1);
 
   const auto as_json = std::make_shared<bool>(false);
-  CLI::App* presets = field->add_subcommand("presets", "the fields that are known");
+  CLI::App* presets = field->add_subcommand("presets", "list the fields that are known");
   add_json_flag(presets, *as_json);
   line.on(presets, [&line, as_json] {
     print_answer(line.client().get_json("/api/field/presets"), *as_json, presets_text);
@@ -221,7 +221,7 @@ void add_field(CommandLine& line) {
     EditOptions edit;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* set = field->add_subcommand("set", "take one of them for the settings' field");
+  CLI::App* set = field->add_subcommand("set", "use one of them as the field of the settings");
   set->add_option("preset", o->name, "its name, such as division-b")->required();
   o->edit.add_to(set);
   line.on(set, [&line, o] {
@@ -260,12 +260,12 @@ void add_profiles(CommandLine& line) {
                  [](const Json& saved) { return "saved as " + saved.at("name").get<std::string>() + "\n"; });
     return EXIT_SUCCESS;
   });
-  line.on(add("show", "what applying one would change now"), [&line, o] {
+  line.on(add("show", "show what applying a profile would change now"), [&line, o] {
     print_answer(line.client().get_json(profile_path(o->name)), o->as_json, profile_text);
     return EXIT_SUCCESS;
   });
   add_profile_apply(line, profiles);
-  line.on(add("delete", "forget one"), [&line, o] {
+  line.on(add("delete", "delete a profile"), [&line, o] {
     print_answer(line.client().remove(profile_path(o->name)).at("profiles"), o->as_json, profiles_text);
     return EXIT_SUCCESS;
   });
@@ -274,7 +274,7 @@ void add_profiles(CommandLine& line) {
 void add_history(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      line.app.add_subcommand("history", "what was changed in the daemon's settings, newest first");
+      line.app.add_subcommand("history", "show what was changed in the daemon's settings, newest first");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/settings/history"), *as_json, history_text);
@@ -288,14 +288,13 @@ void add_undo(CommandLine& line) {
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command =
-      line.app.add_subcommand("undo", "take one step of the history back; what came after it stays");
+  CLI::App* command = line.app.add_subcommand("undo", "undo one step of the history; later steps stay");
   command->add_option("revision", o->revision, "number of the step, as `history` shows it")->required();
   add_json_flag(command, o->as_json);
   line.on(command, [&line, o] {
     print_answer(line.client().post("/api/settings/undo", {{"revision", o->revision}}), o->as_json,
                  [](const Json& answer) {
-                   return fmt::format("Taken back; the settings are at revision {}.\n",
+                   return fmt::format("Undone; the settings are at revision {}.\n",
                                       answer.at("revision").get<std::uint64_t>());
                  });
     return EXIT_SUCCESS;

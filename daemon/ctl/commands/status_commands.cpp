@@ -19,7 +19,7 @@ namespace sslv {
 
 void add_status(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
-  CLI::App* command = line.app.add_subcommand("status", "how the daemon is");
+  CLI::App* command = line.app.add_subcommand("status", "show the daemon's cameras, network and rates");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/status"), *as_json, status_text);
@@ -34,13 +34,13 @@ void add_watch(CommandLine& line) {
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = line.app.add_subcommand("watch", "the status again and again");
-  command->add_option("--interval", o->interval_s, "seconds between two")
+  CLI::App* command = line.app.add_subcommand("watch", "show the status repeatedly");
+  command->add_option("--interval", o->interval_s, "seconds between two outputs")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  command->add_option("--count", o->count, "so many times; 0: until interrupted")
+  command->add_option("--count", o->count, "number of outputs; 0: until interrupted")
       ->check(CLI::NonNegativeNumber);
-  command->add_flag("--json", o->as_json, "as the API gives it, each in one line");
+  command->add_flag("--json", o->as_json, "as the API gives it, one per line");
   line.on(command, [&line, o] {
     const Client client = line.client();
     for (int i = 0; o->count == 0 || i < o->count; ++i) {
@@ -59,7 +59,7 @@ void add_cameras(CommandLine& line) {
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* cameras = line.app.add_subcommand("cameras", "the cameras, a line for each");
+  CLI::App* cameras = line.app.add_subcommand("cameras", "list the cameras, one line each");
   cameras->require_subcommand(0, 1);
   add_json_flag(cameras, o->as_json);
   cameras->callback([&line, o, cameras] {
@@ -69,7 +69,7 @@ void add_cameras(CommandLine& line) {
       return EXIT_SUCCESS;
     };
   });
-  CLI::App* reopen = cameras->add_subcommand("reopen", "try now to open a camera that is lost");
+  CLI::App* reopen = cameras->add_subcommand("reopen", "try to open a lost camera now");
   reopen->add_option("camera", o->camera_id, "id of the camera")->required();
   add_json_flag(reopen, o->as_json);
   line.on(reopen, [&line, o] {
@@ -124,7 +124,7 @@ void add_check(CommandLine& line) {
 void add_diagnostics(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      line.app.add_subcommand("diagnostics", "the computer, its clock, and what takes how long");
+      line.app.add_subcommand("diagnostics", "show the computer, its clock, and how long each stage takes");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/diagnostics"), *as_json, diagnostics_text);
@@ -153,12 +153,12 @@ void add_log(CommandLine& line) {
     bool follow = false, as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = line.app.add_subcommand("log", "the newest lines of the daemon's log");
-  command->add_option("--level", o->level, "this one and worse: debug, info, warning or error")
+  CLI::App* command = line.app.add_subcommand("log", "show the newest lines of the daemon's log");
+  command->add_option("--level", o->level, "lowest level to show: debug, info, warning or error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();
-  command->add_flag("--follow", o->follow, "and what comes, until interrupted");
-  command->add_flag("--json", o->as_json, "an object a line, as the API gives it");
+  command->add_flag("--follow", o->follow, "keep showing new lines, until interrupted");
+  command->add_flag("--json", o->as_json, "one object per line, as the API gives it");
   line.on(command, [&line, o] {
     const Client client = line.client();
     std::uint64_t next = 0;
@@ -176,7 +176,8 @@ void add_log(CommandLine& line) {
 
 void add_support_bundle(CommandLine& line) {
   const auto file = std::make_shared<std::string>("ssl-visiond-support.tar.gz");
-  CLI::App* command = line.app.add_subcommand("support-bundle", "what a bug report needs, in one file");
+  CLI::App* command =
+      line.app.add_subcommand("support-bundle", "save everything that a bug report needs in one file");
   command->add_option("file", *file, "file to write; -: standard output")->capture_default_str();
   line.on(command, [&line, file] {
     const std::string bundle = line.client().get("/api/support");

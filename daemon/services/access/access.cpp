@@ -97,7 +97,9 @@ std::string Access::sign_out(std::string_view cookies) {
 std::string Access::set_password(Role role, const std::optional<std::string>& password,
                                  const std::string& admin_password, const std::string& address) {
   if (!password && role == Role::kAdmin)
-    throw HttpError(409, "the admin's password can be changed here, not taken away; ssl-visionctl does that");
+    throw HttpError(409,
+                    "the admin's password can be changed here, but not removed; to remove it, run: "
+                    "ssl-visionctl passwd --remove");
   if (passwords_.has(Role::kAdmin) && check(admin_password, address) != Role::kAdmin)
     throw HttpError(401, "current_password: this is not the admin's password");
   passwords_.set(role, password);
@@ -105,7 +107,7 @@ std::string Access::set_password(Role role, const std::optional<std::string>& pa
     const std::lock_guard lock(mutex_);
     remember(role, address);
   }
-  log::info("the {}'s password was {} by {}", name_of(role), password ? "set" : "taken away", address);
+  log::info("the {}'s password was {} by {}", name_of(role), password ? "set" : "removed", address);
   return open_session(Role::kAdmin);
 }
 
@@ -129,7 +131,7 @@ Role Access::check(const std::string& password, const std::string& address) {
   const auto role = passwords_.role_of(password);
   if (!role) {
     log::warning("audit: {} gave a wrong password", address);
-    throw HttpError(401, "this is not a password of this service");
+    throw HttpError(401, "wrong password");
   }
   const std::lock_guard lock(mutex_);
   if (*role == Role::kAdmin) {

@@ -45,7 +45,7 @@ class Access {
   /// The Set-Cookie header. Takes some ten milliseconds. Throws HttpError 401 for a wrong password,
   /// TooManyTries, and HttpError 409 when there is no password.
   std::string sign_in(const std::string& password, const std::string& address);
-  /// The Set-Cookie header that takes the cookie away.
+  /// The Set-Cookie header that removes the cookie.
   std::string sign_out(std::string_view cookies);
 
   /// Sets the password of a role, or removes the viewers' password. The client that did so stays signed in,

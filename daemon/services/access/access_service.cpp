@@ -73,8 +73,9 @@ void AccessService::each_second() {
   // Also so that it is closed when the match ends.
   const bool is_running = match_lock_.state().game_is_running;
   if (std::exchange(was_running_, is_running) == is_running) return;
-  events_.add(is_running ? Event{"match_locked", "The game runs: the settings are locked"}
-                         : Event{"match_unlocked", "The game does not run any more: the settings are free"});
+  events_.add(is_running
+                  ? Event{"match_locked", "The game is running: the settings are locked"}
+                  : Event{"match_unlocked", "The game is no longer running: the settings are unlocked"});
 }
 
 Response AccessService::state_response(const std::string& cookies) {
@@ -101,7 +102,7 @@ Response AccessService::sign_out(const Request& request) {
 
 Response AccessService::set_password(const Request& request) {
   const auto role = role_named(request.matches[1]);
-  if (!role) throw HttpError(404, "there are passwords for \"admin\" and \"viewer\" only");
+  if (!role) throw HttpError(404, "there are only passwords for \"admin\" and \"viewer\"");
   const auto body = params_from_json<NewPassword>(parse_json(request.body), "");
   const auto password = body.password.empty() ? std::nullopt : std::optional(body.password);
   return set_cookie_response(access_.set_password(*role, password, body.admin_password, request.address));

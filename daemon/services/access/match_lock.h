@@ -31,7 +31,7 @@ class MatchLock {
   void refuse_if_locked(const std::string& or_what = {});
 
   static constexpr const char* kReason =
-      "the game is running, as the game controller says, and nothing is changed meanwhile: wait for HALT, or "
+      "the game controller says that the game is running, so the settings are locked: wait for HALT, or "
       "unlock the settings for this match";
 
  private:

@@ -57,7 +57,7 @@ BackupManifest manifest_in(const std::string& text) {
   }
   if (!json.is_object() || !json.contains("format") || json["format"] != kFormat) {
     refuse_backup(
-        fmt::format("{}: /format: is not that of a backup; expected \"{}\"", kManifestName, kFormat));
+        fmt::format("{}: /format: is not the format of a backup; expected \"{}\"", kManifestName, kFormat));
   }
   const Json version = json.value("format_version", Json());
   if (version.is_number_integer() && version > kFormatVersion) {
@@ -88,7 +88,7 @@ BackupFiles unpacked(std::string_view bytes) {
   try {
     entries = read_tar_gz(bytes, kMaxUnpackedBackupBytes);
   } catch (const std::runtime_error& error) {
-    refuse_backup(fmt::format("this is no backup, or not all of one: {}", error.what()));
+    refuse_backup(fmt::format("this is not a complete backup: {}", error.what()));
   }
   BackupFiles files;
   for (TarEntry& entry : entries) {
@@ -111,13 +111,13 @@ void check_sums(const BackupFiles& files, const std::string& sums) {
     const auto found = left.find(name);
     if (found == left.end()) {
       refuse_backup(
-          fmt::format("{}: has a line for \"{}\", which the backup does not hold once; the file is damaged",
+          fmt::format("{}: names \"{}\", which is not exactly once in the backup; the file is damaged",
                       kSumsName, shortened(name)));
     }
     if (sha256_of(found->second) != line.substr(0, gap)) {
-      refuse_backup(
-          fmt::format("{}: its SHA-256 is not the one in {}; the file is damaged, take another copy of it",
-                      name, kSumsName));
+      refuse_backup(fmt::format(
+          "{}: its SHA-256 differs from the one in {}; the file is damaged, use another copy of it", name,
+          kSumsName));
     }
     left.erase(found);
   }

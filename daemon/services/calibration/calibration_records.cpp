@@ -127,10 +127,10 @@ void CalibrationRecords::revert(int camera_id, bool force, const std::string& wh
   CalibrationHistory::Records records = history_.of(camera_id);
   CalibrationRecord* newest = newest_in_force(records);
   if (newest == nullptr)
-    throw HttpError(409, fmt::format("camera {} has no earlier calibration to go back to", camera_id));
+    throw HttpError(409, fmt::format("camera {} has no earlier calibration to revert to", camera_id));
   if (!force && calibration_in(current.settings, camera_id) != params_to_json(newest->calibration)) {
-    throw HttpError(409, fmt::format("camera {}'s calibration was changed in another way since the last one "
-                                     "was accepted; you can go back anyway (force)",
+    throw HttpError(409, fmt::format("camera {}'s calibration was changed by other means after the last one "
+                                     "was accepted; you can revert anyway (force)",
                                      camera_id));
   }
   newest->reverted_s = unix_time_s();

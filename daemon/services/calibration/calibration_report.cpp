@@ -23,7 +23,7 @@ void add_alerts(std::vector<Alert>& alerts, const CalibrationFacts& camera) {
   const auto& made = camera.calibration;
   if (!made) {
     add("not_calibrated", Severity::kBad, fmt::format("Camera {} is not calibrated", camera.camera_id),
-        "Nothing it sees can be located: calibrate it.");
+        "Nothing that it sees can be located: calibrate it.");
     return;
   }
   if (camera.width_px > 0 &&

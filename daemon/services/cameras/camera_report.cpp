@@ -38,7 +38,7 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .check = "cameras",
                       .severity = Severity::kWarn,
                       .title = fmt::format("Camera {} refused a control: {}", camera.id, warning),
-                      .fix = "Set it to what the camera takes, or remove it from source/controls.",
+                      .fix = "Set it to a value that the camera accepts, or remove it from source/controls.",
                       .page = camera_page(camera),
                       .camera = camera.id,
                       .about = warning});
@@ -73,7 +73,7 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .severity = Severity::kBad,
                       .title = fmt::format(
                           "Camera {} sends nothing to the teams: its stack has no stage publish", camera.id),
-                      .fix = "Put publish at the end of its stack.",
+                      .fix = "Add the stage publish at the end of its stack.",
                       .page = "#/settings/cameras",
                       .camera = camera.id});
   }
@@ -85,7 +85,7 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
         {.id = "camera_slow",
          .check = "cameras",
          .severity = Severity::kWarn,
-         .title = fmt::format("Camera {} sends {:.1f} images a second, {:g} are asked for", camera.id,
+         .title = fmt::format("Camera {} sends {:.1f} images per second instead of {:g}", camera.id,
                               static_cast<double>(sum.all()) / sum.seconds, *camera.wanted_fps),
          .fix = "Shorten its exposure, make the image smaller, or ask for a lower frame rate.",
          .page = camera_page(camera),
@@ -121,7 +121,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
     say("frames_dropped", severity_of_loss(camera.last_seconds.dropped),
         fmt::format("Camera {}: {} of {} images of the last minute were not processed", camera.id,
                     minute.dropped, minute.all()),
-        "This computer is too slow: end other programs, give the camera's thread a priority "
+        "This computer is too slow: close other programs, give the camera's thread a priority "
         "(thread/realtime_priority), or lower the frame rate.",
         "#/diagnostics");
   }
@@ -133,13 +133,13 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
         camera_page(camera));
   }
   if (minute.capped > 0) {
-    const std::string what = camera.flood.empty() ? "too much to look at" : camera.flood;
+    const std::string what = camera.flood.empty() ? "too much to process" : camera.flood;
     warn("frames_capped",
          fmt::format("Camera {}: {}, in {} of {} images of the last minute", camera.id, what, minute.capped,
                      minute.all()),
          camera.flood.empty() ? "Its colour table labels too much of the image: narrow the colours, or "
-                                "mask what is not field."
-                              : "There nothing of that colour is seen. Learn the colours again, widen their "
+                                "mask everything that is not field."
+                              : "Nothing of that colour is found there. Learn the colours again, widen their "
                                 "margins, or mask that "
                                 "part if it is not field.",
          fmt::format("#/colours/{}", camera.id));
@@ -147,16 +147,18 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   if (!camera.exposure) return;
   if (camera.exposure->clipped_share > kClippedShare) {
     warn("picture_clipped",
-         fmt::format("Camera {}: {:.1f} % of the image is too bright to have a colour", camera.id,
+         fmt::format("Camera {}: {:.1f} % of the image is over-exposed", camera.id,
                      100 * camera.exposure->clipped_share),
-         "Shorten its exposure, lower its gain or close its lens; mask lamps and windows beside the field.",
+         "Shorten its exposure, lower its gain or close its aperture; mask lamps and windows beside the "
+         "field.",
          camera_page(camera));
   }
   if (camera.exposure->mean_luma < kDarkLuma) {
     warn("picture_dark",
          fmt::format("Camera {}: the image is dark, its mean luma is {:.0f} of 255", camera.id,
                      camera.exposure->mean_luma),
-         "Turn on the light, open its lens, lengthen its exposure, or raise its gain.", camera_page(camera));
+         "Turn on the light, open its aperture, lengthen its exposure, or raise its gain.",
+         camera_page(camera));
   }
 }
 
@@ -208,7 +210,7 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
   std::string text = sum.dropped + sum.incomplete == 0
                          ? "none lost in 60 s"
                          : fmt::format("{} dropped, {} damaged in 60 s", sum.dropped, sum.incomplete);
-  if (clipped >= 0.001) text += fmt::format(", {:.1f} % too bright", 100 * clipped);
+  if (clipped >= 0.001) text += fmt::format(", {:.1f} % over-exposed", 100 * clipped);
   return {"pictures",   "Images", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
           "per second", text};
 }
@@ -224,7 +226,7 @@ Check check_latency(std::span<const CameraFacts> cameras) {
   check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);
   if (worst_ms > kLateAfter_ms) {
     check.state = worst_ms > kTooLateAfter_ms ? CheckState::kFail : CheckState::kWarn;
-    check.text += ": end other programs on this computer";
+    check.text += ": close other programs on this computer";
   }
   return check;
 }

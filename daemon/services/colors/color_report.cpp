@@ -14,8 +14,7 @@ void add_margin_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
        .check = "colors",
        .severity = camera.min_margin->share < kMinMargin ? Severity::kBad : Severity::kWarn,
        .title = fmt::format("Camera {}: {}", camera.camera_id, camera.min_margin->text),
-       .fix =
-           "A little more or less light drowns robots in it: widen the margins, or learn the colours again.",
+       .fix = "A small change of light can hide robots: widen the margins, or learn the colours again.",
        .page = fmt::format("#/colours/{}", camera.camera_id),
        .camera = camera.camera_id});
 }
@@ -26,9 +25,9 @@ void add_empty_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
       {.id = "colors_missing",
        .check = "colors",
        .severity = Severity::kBad,
-       .title = fmt::format("Camera {}: no colour is {}", camera.camera_id,
-                            fmt::join(camera.missing_labels, ", none is ")),
-       .fix = "Nothing of that colour is found: learn the colours, import a table, or undo the change.",
+       .title = fmt::format("Camera {}: the colour table has no {}", camera.camera_id,
+                            fmt::join(camera.missing_labels, " and no ")),
+       .fix = "Nothing of that colour can be found: learn the colours, import a table, or undo the change.",
        .page = fmt::format("#/colours/{}", camera.camera_id),
        .camera = camera.camera_id});
 }
@@ -61,8 +60,8 @@ void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::s
          .severity = Severity::kWarn,
          .title = problem,
          .fix =
-             "The camera has the table of its settings' classes or file. Learn its colours, import a table, "
-             "or take an older one from the settings' history.",
+             "The camera uses the table of its settings' classes or file. Learn its colours, import a table, "
+             "or undo a step of the settings' history.",
          .page = "#/colours"});
   }
   report.checks.push_back(check_colors(cameras));

@@ -126,7 +126,8 @@ std::vector<SupportFile> ColorService::support_files() const {
     const CameraContext& context = camera.context();
     add("colors.lut", "its colour table", context.accepted_lut);
     if (context.adapted_lut != context.accepted_lut)
-      add("colors_in_light.lut", "the same in the light of now, as it is in use", context.adapted_lut);
+      add("colors_in_light.lut", "the same, adapted to the current light, as it is in use",
+          context.adapted_lut);
   }
   return files;
 }
@@ -217,7 +218,7 @@ Response ColorService::edit(const Request& request) {
     // The edit is made on the table that is in use; both steps are saved, and take effect, as one.
     if (!wanted.only_try && at.is_adapted()) {
       at.desk.replace(with_bits(at.camera.context().adapted_lut, at.desk.table()->color_bits()),
-                      "taken over as adapted to the light", request.address, [](const auto&, const auto&) {});
+                      "accepted as adapted to the light", request.address, [](const auto&, const auto&) {});
     }
     const TableChange change = at.desk.preview(edits);
     out = table_change_json(change, at.labels());
@@ -226,7 +227,7 @@ Response ColorService::edit(const Request& request) {
                      tables_.saver(at, request.address));
       // An edit that changes no cell saves nothing: the adapted table is kept all the same.
       if (at.desk.table() != before.table() && change.cells.empty()) {
-        tables_.saver(at, request.address)(at.desk.table(), "taken over as adapted to the light");
+        tables_.saver(at, request.address)(at.desk.table(), "accepted as adapted to the light");
       }
     }
   } catch (...) {
@@ -241,11 +242,10 @@ Response ColorService::undo_or_redo(const Request& request, bool undo) {
   ColorTables::AtDesk at = tables_.open(path_camera_id(request));
   const auto save = tables_.saver(at, request.address);
   if (undo && !at.desk.undo(save)) {
-    throw HttpError(
-        409, fmt::format("nothing was done to camera {}'s table that could be undone here", at.camera.id));
+    throw HttpError(409, fmt::format("camera {}'s table has no step to undo", at.camera.id));
   }
   if (!undo && !at.desk.redo(save))
-    throw HttpError(409, fmt::format("nothing was undone in camera {}'s table", at.camera.id));
+    throw HttpError(409, fmt::format("camera {}'s table has no step to redo", at.camera.id));
   return json_response(state_json(at));
 }
 
@@ -321,8 +321,7 @@ Response ColorService::keep_light(const Request& request) {
     throw HttpError(
         409, fmt::format("camera {}'s accepted table is in use: the light has not changed", at.camera.id));
   }
-  tables_.take_over(at, at.camera.context().adapted_lut, "taken over as adapted to the light",
-                    request.address);
+  tables_.take_over(at, at.camera.context().adapted_lut, "accepted as adapted to the light", request.address);
   return json_response(state_json(at));
 }
 

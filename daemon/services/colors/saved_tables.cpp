@@ -261,7 +261,7 @@ std::unique_ptr<SavedWith> SavedTables::prepare(const BackupFiles& files) {
     if (name.empty()) continue;
     if (table_name_of(bytes) != name || !is_lut(bytes_in_text(bytes))) {
       throw SettingsError(
-          fmt::format("{}: its bytes are not those of the table of this name; expected a .lut file named "
+          fmt::format("{}: its contents do not match its name; expected a .lut file named "
                       "after its SHA-256",
                       file_name));
     }

@@ -42,17 +42,17 @@ void add_vision_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
     if (!shared_ids.empty()) {
       add("vision_same_camera", Severity::kBad,
           fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
-          "Teams mix up what the two cameras see: give each its own id, or end one of the visions.",
+          "Teams mix up what the two cameras see: give each its own id, or stop one of the vision services.",
           "#/settings/cameras");
     }
     if (!conflicts.empty()) {
       add("vision_other_field", Severity::kBad,
           fmt::format("{} sends another field: {}", other.address, joined(conflicts)),
-          "Teams get both in turn: set the same sizes, or end one of the visions.", "#/field");
+          "Teams get both in turn: set the same sizes, or stop one of the vision services.", "#/field");
     }
     if (shared_ids.empty() && conflicts.empty()) {
-      add("vision_other", Severity::kInfo, fmt::format("{} sends to the vision group too", other.address),
-          "Nothing to do if it is the vision of this field's other cameras; otherwise end it.", "#/field");
+      add("vision_other", Severity::kInfo, fmt::format("{} also sends to the vision group", other.address),
+          "Nothing to do if it is the vision of this field's other cameras; otherwise stop it.", "#/field");
     }
   }
 }
@@ -67,7 +67,7 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
     alerts.push_back({.id = "team_unknown",
                       .check = "teams",
                       .severity = Severity::kWarn,
-                      .title = fmt::format("Unknown team \"{}\": its robots are taken to be {:g} mm high",
+                      .title = fmt::format("Unknown team \"{}\": its robots are assumed to be {:g} mm high",
                                            team.name, team.robot_height_mm),
                       .fix = "Measure the pattern's height and set robot_height in teams.",
                       .page = "#/field",
@@ -81,7 +81,7 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
          .title = fmt::format("Two game controllers send: {}, which is followed, and {}",
                               game_controller_text(facts.referee.followed), game_controller_text(*other)),
          .fix =
-             "End the one that is not this field's, or set network/referee to this field's group and port.",
+             "Stop the one that is not this field's, or set network/referee to this field's group and port.",
          .page = "#/settings/network/referee"});
   }
 }
@@ -91,7 +91,7 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
     alerts.push_back({.id = "not_sending",
                       .check = "network",
                       .severity = Severity::kBad,
-                      .title = "No packets leave",
+                      .title = "No packets are sent",
                       .fix = facts.multicast.error + "; the service tries again automatically.",
                       .page = "#/settings/network/vision"});
     return;  // that says what to do about those below too
@@ -111,7 +111,7 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
     alerts.push_back({.id = "group_not_heard",
                       .check = check,
                       .severity = Severity::kWarn,
-                      .title = "A group cannot be heard",
+                      .title = "No packets can be received from a multicast group",
                       .fix = error + "; the service tries again automatically.",
                       .page = fmt::format("#/settings/network/{}", group),
                       .about = group});

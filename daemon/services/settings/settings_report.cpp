@@ -23,11 +23,11 @@ void report_settings(const SettingsFacts& facts, HealthReport& report) {
   if (!facts.save_problem.empty()) {
     warn("settings_not_saved",
          fmt::format("The last change was refused, as it could not be saved: {}", facts.save_problem),
-         "Make room or fix the folder's rights, then make the change again.", "#/settings");
+         "Free disk space or fix the folder's permissions, then make the change again.", "#/settings");
   }
   if (!facts.folder_problem.empty()) {
     warn("state_not_writable", fmt::format("No change can be saved: {}", facts.folder_problem),
-         "Fix the folder's rights, or mount its disk for writing. Everything else goes on meanwhile.",
+         "Fix the folder's permissions, or mount its disk for writing. Everything else keeps running.",
          "#/diagnostics");
   }
   if (!facts.reload_problem.empty()) {

@@ -98,7 +98,7 @@ Response SourceService::take_image(const Request& request) const {
   const Json source = allowed_source(body.at("source"));
   if (is_exclusive(source)) {
     if (const auto user = user_of(whole_source(source), {}, cameras_.all()))
-      throw HttpError(409, fmt::format("camera {} of this service has it open", *user));
+      throw HttpError(409, fmt::format("camera {} of this service is using it", *user));
   }
   Scene scene;
   scene.field = settings_.current().config->field;

@@ -70,7 +70,7 @@ void report_computer(const ComputerFigures& computer, const std::optional<ClockF
     warn("memory_full", "computer",
          fmt::format("This computer's memory is nearly full: {:.0f} MB are free",
                      static_cast<double>(computer.memory_available_bytes) * 1e-6),
-         "End other programs before the system ends this one.", "#/diagnostics");
+         "Close other programs before the system kills this one.", "#/diagnostics");
   }
   report.checks.push_back(check_clock(clock));
   report.checks.push_back(check_computer(computer));

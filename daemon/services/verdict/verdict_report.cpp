@@ -221,7 +221,7 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
                  .check = "coverage",
                  .severity = Severity::kBad,
                  .title = fmt::format("Camera {} looks at nothing: its mask hides the whole image", id),
-                 .fix = "Take polygons away on its page, or set mask/beyond_boundary to null.",
+                 .fix = "Remove polygons on its page, or set mask/beyond_boundary to null.",
                  .page = fmt::format("#/camera/{}", id),
                  .camera = id});
   }
@@ -237,7 +237,7 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
                .severity = share > kUncoveredBadShare ? Severity::kBad : Severity::kWarn,
                .title = fmt::format("No camera looks at {:.0f} % of the field, around {}", 100 * share,
                                     place_text(sum / static_cast<double>(uncovered.size()))),
-               .fix = "Turn the cameras, open their lenses' view, or take away masks that cover the field.",
+               .fix = "Turn the cameras, use wider lenses, or remove masks that cover the field.",
                .page = "#/field"});
 }
 

@@ -193,7 +193,7 @@ TEST_F(CalibrateJointly, CamerasThatSeeNothingInCommonAreNotAccepted) {
   EXPECT_TRUE(report.found);
   EXPECT_FALSE(report.accepted);
   EXPECT_FALSE(report.on_floor);
-  EXPECT_THAT(report.problems, ElementsAre(HasSubstr("nothing ties them")));
+  EXPECT_THAT(report.problems, ElementsAre(HasSubstr("nothing aligns them")));
 }
 
 TEST_F(CalibrateJointly, CanBeStopped) {

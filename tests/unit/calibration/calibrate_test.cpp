@@ -362,7 +362,7 @@ TEST(Calibrate, RefusesClicksThatSayNothing) {
     calibrate(half().picture, task);
     FAIL();
   } catch (const SettingsError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/points/1/name: \"corner\" is no point of this field"));
+    EXPECT_THAT(error.what(), HasSubstr("/points/1/name: \"corner\" is not a point of this field"));
     EXPECT_THAT(error.what(), HasSubstr("\"corner left top\""));
   }
 }

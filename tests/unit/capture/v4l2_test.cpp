@@ -463,7 +463,7 @@ TEST_F(V4l2, SaysWhichCamerasThereAre) {
             "camera \"A1\": not found; there are \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera), "
             "\"usb-3\" (Fake Camera)");
   EXPECT_EQ(refusal({{"camera", "same"}}),
-            "camera \"same\": 2 are called so; name one of \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera)");
+            "camera \"same\": 2 have this name; use one of \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera)");
   EXPECT_EQ(refusal({{"camera", "/dev/nothing"}}), "camera \"/dev/nothing\": No such file or directory");
   cameras_.at(path_of(2))->capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
   EXPECT_EQ(refusal({{"camera", path_of(2)}}),
@@ -481,7 +481,7 @@ TEST_F(V4l2, DevicesOfOneCameraAreToldApartByTheirLinks) {
   fs::create_symlink(path_of(1), root_ / "dev/v4l/by-path/usb-1-index2");
   EXPECT_EQ(
       refusal({{"camera", "A1"}}),
-      "camera \"A1\": 2 are called so; name one of \"usb-1-index0\" (Fake Camera), \"usb-1-index2\" (Fake "
+      "camera \"A1\": 2 have this name; use one of \"usb-1-index0\" (Fake Camera), \"usb-1-index2\" (Fake "
       "Camera)");
   const auto source = open({{"camera", "usb-1-index2"}});
   EXPECT_TRUE(cameras_.at(path_of(1))->streams());
@@ -663,7 +663,7 @@ TEST_F(V4l2, SetsControls) {
   EXPECT_EQ(controls.get("owner").value, "us");
   EXPECT_EQ(refused("owner", "nobody"), "owner: \"nobody\" refused: it is too long");
   EXPECT_EQ(refused("exposure_time_absolute", 100),
-            "exposure_time_absolute: 100 refused: another control has it in hand, such as an automatic");
+            "exposure_time_absolute: 100 refused: another control sets it, such as an automatic mode");
   controls.set("auto_exposure", "Manual Mode");
   controls.set("exposure_time_absolute", 100);
   EXPECT_EQ(camera->value_of(V4L2_CID_EXPOSURE_ABSOLUTE), 100);

@@ -87,20 +87,20 @@ TEST(TableFile, SaysWhatIsWrongWithJson) {
     return error_of_text(json.dump());
   };
   const Json gone(Json::value_t::discarded);
-  EXPECT_THAT(error_of_text(good.dump().substr(0, 100)), HasSubstr("a file: is no JSON"));
-  EXPECT_THAT(with("format", "another"), HasSubstr("is JSON, but no colour table"));
+  EXPECT_THAT(error_of_text(good.dump().substr(0, 100)), HasSubstr("a file: is not valid JSON"));
+  EXPECT_THAT(with("format", "another"), HasSubstr("is JSON, but not a colour table"));
   EXPECT_THAT(with("version", 2), HasSubstr("is of version 2; this program reads 1"));
   EXPECT_THAT(with("bits", 9), HasSubstr("9 bits a channel; expected 5 .. 8"));
-  EXPECT_THAT(with("bits", -1), HasSubstr("\"bits\" is no whole number"));
+  EXPECT_THAT(with("bits", -1), HasSubstr("\"bits\" is not a whole number"));
   EXPECT_THAT(with("bits", gone), HasSubstr("has no \"bits\""));
   EXPECT_THAT(with("labels", Json::array()), HasSubstr("without its name"));
   EXPECT_THAT(with("labels", Json::parse(R"([{"value": 32, "name": "a"}])")),
-              HasSubstr("\"value\" is no whole number 0 .. 31"));
-  EXPECT_THAT(with("labels", Json::parse("[3]")), HasSubstr("\"labels\" is no list of"));
-  EXPECT_THAT(with("runs", 3), HasSubstr("\"runs\" is no text"));
+              HasSubstr("\"value\" is not a whole number 0 .. 31"));
+  EXPECT_THAT(with("labels", Json::parse("[3]")), HasSubstr("\"labels\" is not a list of"));
+  EXPECT_THAT(with("runs", 3), HasSubstr("\"runs\" is not a text"));
   const std::string runs = good["runs"].get<std::string>();
   EXPECT_THAT(with("runs", runs.substr(0, runs.size() / 4 * 4 - 1)),
-              HasSubstr("\"runs\" is no whole base64"));
+              HasSubstr("\"runs\" is not complete base64"));
   EXPECT_THAT(with("runs", runs.substr(0, runs.size() / 8 * 4)), HasSubstr("it is cut off"));
 }
 
@@ -189,14 +189,14 @@ TEST(TableFile, SaysWhatIsWrongWithXml) {
   EXPECT_THAT(of_blob(to_base64(Bytes(1000))),
               HasSubstr("\"/LUT Data\" has 1000 bytes; a LUT of SSL-Vision"));
   EXPECT_THAT(of_blob(blob(label::kPink).substr(0, 30'001)),
-              HasSubstr("is no whole base64: the file was cut off"));
+              HasSubstr("is not complete base64: the file was cut off"));
   EXPECT_THAT(of_blob(blob(10)), HasSubstr("\"/LUT Data\" holds label 10; SSL-Vision's are 0 .. 9"));
   EXPECT_THAT(of_blob(""), HasSubstr("has 0 bytes"));
   EXPECT_THAT(error_of_text(xml(var("Global", "list", ""))), HasSubstr("a file: is XML without a LUT"));
   EXPECT_THAT(error_of_text(xml("<Var name=\"LUT 3D\" type=\"external\" filename=\"cam-0-lut.xml\"></Var>")),
               HasSubstr("holds no LUT; it says they are in cam-0-lut.xml"));
   EXPECT_THAT(error_of_text("<"), HasSubstr("begins like XML, but cannot be read as such"));
-  EXPECT_THAT(error_of_text("hello"), HasSubstr("a file: is no colour table: neither a .lut file"));
+  EXPECT_THAT(error_of_text("hello"), HasSubstr("a file: is not a colour table: neither a .lut file"));
   EXPECT_THAT(error_of_text(""), HasSubstr("a file: is empty"));
 }
 

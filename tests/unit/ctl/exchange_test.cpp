@@ -133,7 +133,7 @@ TEST(Exchange, AddressesAreReadStrictly) {
     EXPECT_THAT(refusal([&] {
                   http_exchange(address, {"GET", "/"});
                 }),
-                HasSubstr("is no address"))
+                HasSubstr("is not an address"))
         << address;
   }
 }

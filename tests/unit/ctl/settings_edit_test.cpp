@@ -33,7 +33,7 @@ TEST(SettingsEdit, ReplacesWhatIsThereAndAddsWhatIsNot) {
       [&] {
         patch_that_sets(tree, {{"list", "1"}});
       },
-      ThrowsMessage<std::runtime_error>(HasSubstr("\"list\" is no place in the settings")));
+      ThrowsMessage<std::runtime_error>(HasSubstr("\"list\" is not a place in the settings")));
 }
 
 TEST(SettingsEdit, SaysWhatIsThereInsteadOfWhatIsAskedFor) {
@@ -54,7 +54,7 @@ TEST(SettingsEdit, TellsWhatChanged) {
   EXPECT_EQ(edit_text(edit_between(before, after)),
             "/site: \"A\" -> \"B\"\n/ids/1: 2 -> nothing\nsaved, revision 7\n");
   EXPECT_EQ(edit_text(edit_between(after, after)), "nothing changes\nsaved, revision 7\n");
-  EXPECT_EQ(edit_text({{"changes", Json::array()}}), "nothing changes\nonly checked, nothing is saved\n");
+  EXPECT_EQ(edit_text({{"changes", Json::array()}}), "nothing changes\nonly checked, nothing was saved\n");
 }
 
 TEST(SettingsSchema, IsATableOfWhatCanBeSet) {

@@ -124,7 +124,7 @@ TEST(Diagnostics, SayWhatTakesHowLong) {
   const std::string text = diagnostics_text(diagnostics);
   EXPECT_THAT(text, HasSubstr("memory    4.0 of 8.0 GiB available\n"));
   EXPECT_THAT(text, HasSubstr("service   50 % of a core, 100 MiB, 9 threads, 30 descriptors\n"));
-  EXPECT_THAT(text, HasSubstr("clock     NOT synchronised, 1.500 ms off, known to 16.000 ms\n"));
+  EXPECT_THAT(text, HasSubstr("clock     NOT synchronised, 1.500 ms off, accurate to 16.000 ms\n"));
   EXPECT_THAT(text, HasSubstr("camera  what     p50 ms  p99 ms\n"
                               "     0  segment   0.200   0.200\n"
                               "     0  latency   1.000   1.000\n"

@@ -146,7 +146,7 @@ TEST(PipelineCheck, NamesTheUnknownStageAndAllThereAre) {
 
 TEST(PipelineCheck, AStageMayStandThereOnce) {
   EXPECT_EQ(stack_error({"make_labels", "double_labels", "double_labels"}),
-            "/cameras/0/stack/1: stage 'double_labels' stands in the stack twice");
+            "/cameras/0/stack/1: stage 'double_labels' is in the stack twice");
 }
 
 struct OtherLabels {

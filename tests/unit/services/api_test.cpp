@@ -188,7 +188,7 @@ TEST_F(Api, AWrongPasswordSaysSo) {
   ask("PUT", "/api/passwords/admin", R"({"password": "correct horse"})");
   const Reply wrong = ask("POST", "/api/session", R"({"password": "wrong horse"})");
   EXPECT_EQ(wrong.status, 401);
-  EXPECT_EQ(wrong.body, R"({"error":"this is not a password of this service"})");
+  EXPECT_EQ(wrong.body, R"({"error":"wrong password"})");
   EXPECT_EQ(wrong.header("Set-Cookie"), "");
   EXPECT_EQ(wrong.header("WWW-Authenticate"), "Session");
   Reply late;

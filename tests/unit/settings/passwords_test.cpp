@@ -81,7 +81,7 @@ TEST_F(PasswordsTest, RefusesWhatIsNoPassword) {
   EXPECT_FALSE(std::filesystem::exists(file_));
   passwords.set(Role::kAdmin, "correct horse");
   passwords.set(Role::kViewer, "battery staple");
-  EXPECT_THAT(what([&] { passwords.set(Role::kAdmin, std::nullopt); }), HasSubstr("taken away last"));
+  EXPECT_THAT(what([&] { passwords.set(Role::kAdmin, std::nullopt); }), HasSubstr("removed last"));
   EXPECT_EQ(passwords.role_of("correct horse"), Role::kAdmin);
 }
 

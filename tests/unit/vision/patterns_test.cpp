@@ -68,7 +68,7 @@ TEST(Patterns, NamesWhatIsWrong) {
       error_of(
           R"({"name": "lab", "center_diameter_mm": 30, "dot_diameter_mm": 20, "dots": [[40, 0], [-40, 0]],
       "codes": [{"id": 1, "colors": ["pink", "cyan"]}, {"id": 1, "colors": ["pink", "pink"]}]})"),
-      HasSubstr("id 1 stands there twice"));
+      HasSubstr("id 1 is in the list twice"));
 }
 
 // ---- sizes

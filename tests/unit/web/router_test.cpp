@@ -177,7 +177,7 @@ TEST_F(RouterTest, AWrongPasswordSaysSo) {
   daemon_.passwords().set(Role::kAdmin, "correct horse");
   const Answer wrong = ask("POST", "/api/session", R"({"password": "wrong horse"})");
   EXPECT_EQ(wrong.status, 401);
-  EXPECT_EQ(wrong.body, R"({"error":"this is not a password of this service"})");
+  EXPECT_EQ(wrong.body, R"({"error":"wrong password"})");
   EXPECT_THAT(wrong.header, AllOf(Not(HasSubstr("Set-Cookie")), HasSubstr("WWW-Authenticate: Session")));
   for (int i = 0; i < 4; ++i) ask("POST", "/api/session", R"({"password": "wrong horse"})");
   const Answer late = ask("POST", "/api/session", R"({"password": "correct horse"})");

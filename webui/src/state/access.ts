@@ -10,7 +10,7 @@ export const access = shallowRef<Session | null>(null);
 export const isLocked = computed(() => access.value?.match_lock.locked ?? false);
 export const isUnlocked = computed(() => access.value?.match_lock.opened ?? false);
 /** For controls that are locked: why, and what to do. */
-export const LOCK_REASON = 'The game controller says that a match runs, so settings are locked. Wait for HALT, or unlock them at the top of the page.';
+export const LOCK_REASON = 'The game controller says that a match is running, so settings are locked. Wait for HALT, or unlock them at the top of the page.';
 let loadedAt = 0;
 const LOCK_MS = 2000;
 

@@ -64,7 +64,7 @@ export function chooseSound(on: boolean): void {
 export function notificationProblem(): string {
   if (!isSecureContext) return 'This browser shows notifications only over HTTPS or on the service’s own computer.';
   if (!('Notification' in window)) return 'This browser has no notifications.';
-  return Notification.permission === 'denied' ? 'This browser was told not to show notifications of this page. Allow them in its settings for this page.' : '';
+  return Notification.permission === 'denied' ? 'This browser blocks notifications from this page. Allow them in its settings for this page.' : '';
 }
 
 async function notify(text: string): Promise<void> {
@@ -84,7 +84,7 @@ async function notify(text: string): Promise<void> {
 /** Answers why it could not be turned on; empty: it is as wished. */
 export async function chooseNotification(on: boolean): Promise<string> {
   if (on && !notificationProblem() && Notification.permission === 'default') await Notification.requestPermission();
-  const problem = on ? notificationProblem() || (Notification.permission === 'granted' ? '' : 'Not allowed yet: the browser’s question was not answered.') : '';
+  const problem = on ? notificationProblem() || (Notification.permission === 'granted' ? '' : 'Not allowed yet: answer the browser’s question first.') : '';
   choose('notification', on && !problem);
   return problem;
 }

@@ -18,7 +18,7 @@ export interface Step {
 /** As the router's, which needs a window. */
 const link = (page: string, argument?: string | number) => (argument === undefined ? `#/${page}` : `#/${page}/${argument}`);
 const isThisComputer = (card: string) => card === 'lo' || card.startsWith('127.');
-const SIMULATED_ONLY = 'Only tried with images that are not of this field';
+const SIMULATED_ONLY = 'Tested only with images from elsewhere, not of this field';
 
 function camera(real: CameraStatus[], all: CameraStatus[]): Step {
   const action = { text: real.length ? 'Cameras' : 'Add a camera', href: link('settings', 'cameras') };
@@ -67,7 +67,7 @@ function ofCameras(base: Pick<Step, 'id' | 'title'>, page: 'colours' | 'calibrat
 }
 
 function robots(cameras: CameraStatus[], checks: Map<string, Check>, onlyTried: boolean): Step {
-  const base = { id: 'robots' as const, title: 'Robots are seen', action: { text: 'Look at the camera', href: cameras[0] ? link('camera', cameras[0].id) : link('camera') }, lasts: false };
+  const base = { id: 'robots' as const, title: 'Robots are seen', action: { text: 'Open the camera', href: cameras[0] ? link('camera', cameras[0].id) : link('camera') }, lasts: false };
   const seen = Math.max(0, ...cameras.map((one) => one.robots));
   if (onlyTried && seen) return { ...base, state: 'todo', text: SIMULATED_ONLY };
   if (!seen) return { ...base, state: 'todo', text: 'Put robots on the field' };

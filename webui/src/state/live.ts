@@ -55,7 +55,7 @@ export const connection = computed<Connection>(() =>
   isStale.value ? 'stale' : lastStatus.value && isOpen.value ? 'live' : 'connecting');
 
 /** In the place of what the service has not said yet. */
-export const waitingText = computed(() => (isStale.value ? 'The service is out of reach. The panel tries again by itself.' : 'Connecting to ssl-visiond…'));
+export const waitingText = computed(() => (isStale.value ? 'The service cannot be reached. The panel tries again automatically.' : 'Connecting to ssl-visiond…'));
 
 export const history = new History();
 /** Grows with every status, so that computed values built on the history follow it. */
@@ -129,7 +129,7 @@ function onStatus(status: Status): void {
 }
 
 /**
- * Seconds since a moment on the daemon's clock, at least: the fastest status of late tells what that says now. What the
+ * Seconds since a moment by the service’s clock, at least: the fastest status of late tells what that says now. What the
  * network takes at its fastest cannot be told apart from a clock that is behind.
  */
 export function ageOf(daemonTime: number): number {

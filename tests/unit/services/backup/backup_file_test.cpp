@@ -81,7 +81,7 @@ TEST(BackupFile, SaysWhichFileIsDamaged) {
     return refusal(tar_gz({{"manifest.json", good}, {"settings.json", "{}"}, {"SHA256SUMS", sums}}, 0));
   };
   EXPECT_THAT(with_sums(sum + "  manifest.json\n" + sum + "  settings.json\n"),
-              StartsWith("settings.json: its SHA-256 is not the one in SHA256SUMS"));
+              StartsWith("settings.json: its SHA-256 differs from the one in SHA256SUMS"));
   EXPECT_THAT(with_sums(sum + "  manifest.json\n"), StartsWith("settings.json: has no line in SHA256SUMS"));
   EXPECT_THAT(with_sums(sum + "  manifest.json\n" + sum + "  gone.json\n"), AllOf(HasSubstr("gone.json")));
   EXPECT_THAT(with_sums(sum + "  manifest.json\n" + sum + "  manifest.json\n"), HasSubstr("manifest.json"));
@@ -99,7 +99,7 @@ TEST(BackupFile, TheManifestSaysWhatIsAllowed) {
   };
   EXPECT_EQ(of("{}"), "none");
   EXPECT_EQ(of(R"({"format": "other"})"),
-            R"(manifest.json: /format: is not that of a backup; expected "ssl-visiond backup")");
+            R"(manifest.json: /format: is not the format of a backup; expected "ssl-visiond backup")");
   EXPECT_EQ(of(R"({"format_version": 7, "version": "9.0"})"),
             "manifest.json: /format_version: 7 is newer than this program, which reads backups up to 1; "
             "install the "

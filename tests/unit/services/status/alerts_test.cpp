@@ -145,7 +145,7 @@ TEST_F(Alerts, AreNoneWhenAllIsWell) {
 TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
   AnyCamera& camera = input_.cameras[1];
   camera.last_minute = {60, 3600, 0, 0, 120};
-  EXPECT_EQ(only_alert().title, "Camera 1: too much to look at, in 120 of 3600 images of the last minute");
+  EXPECT_EQ(only_alert().title, "Camera 1: too much to process, in 120 of 3600 images of the last minute");
   camera.flood = "green floods the image between (0, 64) and (1279, 511) px";
   EXPECT_EQ(only_alert().id, "frames_capped");
   EXPECT_EQ(
@@ -293,7 +293,7 @@ TEST_F(Alerts, OfThinMarginsNameTheirSurfaceAndLabel) {
 
 TEST_F(Alerts, TellASlowCameraFromASlowComputer) {
   input_.cameras[0].last_seconds = {10, 530, 0, 0, 0};
-  EXPECT_THAT(only_alert().title, AllOf(HasSubstr("53.0"), HasSubstr("60 are asked for")));
+  EXPECT_THAT(only_alert().title, AllOf(HasSubstr("53.0"), HasSubstr("instead of 60")));
   input_.cameras[0].last_seconds.dropped = 70;  // they came, but were not taken
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_seconds = {9, 100, 0, 0, 0};  // it has just begun

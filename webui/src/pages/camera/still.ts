@@ -10,6 +10,6 @@ export async function saveStill(camera: number, picture: PictureKind): Promise<s
     await saveFile(`cameras/${camera}/snapshot.jpg?quality=95&picture=${picture}`, `camera-${camera}${picture === 'labels' ? '-labels' : ''}-${stamp}.jpg`);
     return '';
   } catch (error) {
-    return `No still: ${messageOf(error)}`;
+    return `The image was not saved: ${messageOf(error)}`;
   }
 }

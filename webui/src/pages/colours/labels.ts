@@ -49,9 +49,9 @@ export function freeValue(labels: readonly ColorLabel[]): number | null {
 export function trialText(edited: { cells: number; from: readonly { label: string; cells: number }[]; left_to_carpet: number }, label: string, takesAway: boolean): string {
   const name = titleOfLabel(label);
   const left = edited.left_to_carpet ? `; leaves ${edited.left_to_carpet} to the carpet` : '';
-  if (edited.cells === 0) return takesAway ? `takes nothing from ${name}` : `is ${name} already${left}`;
+  if (edited.cells === 0) return takesAway ? `removes nothing from ${name}` : `is already ${name}${left}`;
   const cells = `${edited.cells} ${edited.cells === 1 ? 'cell' : 'cells'}`;
-  if (takesAway) return `takes ${cells} from ${name}`;
+  if (takesAway) return `removes ${cells} from ${name}`;
   const others = edited.from.filter((one) => one.label !== 'clear' && one.label !== label);
   const now = others.map((one) => `${one.cells} of them now ${titleOfLabel(one.label)}`);
   return [`adds ${cells} to ${name}`, ...now].join(', ') + left;

@@ -7,7 +7,7 @@ export type EventFilter = 'all' | 'bad';
 
 export const eventFilters: readonly { filter: EventFilter; title: string }[] = [
   { filter: 'all', title: 'All' },
-  { filter: 'bad', title: 'Bad only' },
+  { filter: 'bad', title: 'Faults only' },
 ];
 
 export function filterEvents(entries: readonly EventEntry[], filter: EventFilter): readonly EventEntry[] {

@@ -19,12 +19,12 @@ export function findings(other: OtherVision, ours: number[]): Finding[] {
   if (shared.length) {
     out.push({
       kind: 'bad', text: `Sends ${shared.length > 1 ? 'cameras' : 'camera'} ${list(shared)}, as this service does.`,
-      fix: 'Teams confuse what the two see. Give each its own id, or end one of the visions.',
+      fix: 'Teams confuse what the two see. Give each its own id, or stop one of the vision services.',
     });
   }
   if (other.field_conflicts.length) {
     const sizes = other.field_conflicts.map(({ name, ours: here, theirs }) => `${titleOf(name).toLowerCase()} ${theirs} mm (here ${here} mm)`);
-    out.push({ kind: 'bad', text: `Sends another field: ${list(sizes)}.`, fix: 'Teams receive both in turn. Set the same sizes, or end one of the visions.' });
+    out.push({ kind: 'bad', text: `Sends another field: ${list(sizes)}.`, fix: 'Teams receive both in turn. Set the same sizes, or stop one of the vision services.' });
   }
   if (!out.length) out.push({ kind: 'info', text: 'Sends nothing that contradicts this service.', fix: 'Nothing to do if it is the vision of this field\'s other cameras.' });
   return out;

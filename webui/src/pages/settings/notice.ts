@@ -18,7 +18,7 @@ export const sayBad = (text: string) => { notice.value = { text, isBad: true }; 
 /** Why something did not happen, for people; empty when it did. */
 export function refusal(outcome: Outcome): string {
   if (outcome.kind === 'saved') return '';
-  if (outcome.kind === 'stale') return `${outcome.step.who} changed the same at ${clockTime(outcome.step.time)}. Nothing was overwritten.`;
+  if (outcome.kind === 'stale') return `${outcome.step.who} changed the same setting at ${clockTime(outcome.step.time)}. Nothing was overwritten.`;
   return `${outcome.text}. Nothing was changed.`;
 }
 

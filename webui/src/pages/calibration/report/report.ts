@@ -32,8 +32,8 @@ export const figureRows = (record: CalibrationRecord | null): Row[] => [
   { label: 'Reprojection of the lines, RMS', value: `${of(record, 'rms_px')} px, ${of(record, 'rms_mm')} mm` },
   { label: 'Reprojection of the lines, worst', value: `${of(record, 'worst_px')} px, ${of(record, 'worst_mm')} mm` },
   { label: 'Image covered by the lines', value: share(record, 'coverage') },
-  { label: 'Paint that was found', value: share(record, 'found_share') },
-  { label: 'Height of the camera', value: `${of(record, 'height_mm')} mm, known to ${of(record, 'height_sigma_mm')} mm` },
+  { label: 'Painted lines found', value: share(record, 'found_share') },
+  { label: 'Height of the camera', value: `${of(record, 'height_mm')} mm, accurate to ${of(record, 'height_sigma_mm')} mm` },
 ];
 
 export const modelRows = (model: Calibration): Row[] => [
