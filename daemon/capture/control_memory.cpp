@@ -13,7 +13,8 @@ namespace {
 constexpr int kRounds = 3;
 
 bool can_be_remembered(const Control& control) {
-  return control.kind != ControlKind::kAction && !control.moves && !control.value.is_null();
+  return control.kind != ControlKind::kAction && !control.moves && !control.depends &&
+         !control.value.is_null();
 }
 
 std::map<std::string, Json> values_of(const std::vector<Control>& controls) {
@@ -86,17 +87,16 @@ ControlMemory::Values ControlMemory::set_all(const Values& targets) {
   bool is_done = false;
   for (int round = 0; round < kRounds && !std::exchange(is_done, true); ++round) {
     for (const bool modes : {false, true}) {
-      for (const Control& control : controls_.list()) {
-        const auto target = targets.find(control.name);
-        if (target == targets.end() || is_mode(control) != modes || !control.writable ||
-            is_same_value(control, control.value, target->second))
-          continue;
+      for (const auto& [name, target] : targets) {
         try {
-          controls_.set(control.name, target->second);
-          refusals.erase(control.name);
+          const Control control = controls_.get(name);
+          if (is_mode(control) != modes || !control.writable || is_same_value(control, control.value, target))
+            continue;
+          controls_.set(name, target);
+          refusals.erase(name);
           is_done = false;
         } catch (const SettingsError& error) {
-          refusals[control.name] = error.what();
+          refusals[name] = error.what();
         }
       }
     }
@@ -126,18 +126,64 @@ void ControlMemory::revert(const std::set<std::string>& names) {
     }
   }
   const Values refusals = set_all(targets);
-  update(controls_.list());
-  const std::lock_guard lock(mutex_);
   std::string problem;
-  std::erase_if(entries_, [&](const UnsavedControl& entry) {
-    if (!is_chosen(entry)) return false;
-    const auto refusal = refusals.find(entry.control.name);
-    if (refusal == refusals.end() || is_same_value(entry.control, entry.control.value, entry.before))
-      return true;
-    problem = refusal->second.get<std::string>();
-    return false;
-  });
+  for (const UnsavedControl& entry : chosen) {
+    const Control now = controls_.get(entry.control.name);
+    update_one(now);
+    const auto refusal = refusals.find(now.name);
+    if (refusal != refusals.end()) {
+      problem = refusal->second.get<std::string>();
+    } else if (!now.writable && !names.empty() && !is_same_value(now, now.value, entry.before)) {
+      problem = fmt::format("{}: not set back: another control sets it, such as an automatic mode", now.name);
+    } else {
+      // A camera that measures may have another value already, and so has what an automatic took over again.
+      const std::lock_guard lock(mutex_);
+      std::erase_if(entries_, [&](const auto& one) { return one.control.name == now.name; });
+    }
+  }
   if (!problem.empty()) throw SettingsError(problem);
+}
+
+void ControlMemory::inherit(const ControlMemory& before) {
+  Values first, opened, clean, ours;
+  std::vector<UnsavedControl> entries;
+  bool was_read = false;
+  {
+    const std::lock_guard lock(before.mutex_);
+    first = before.first_, opened = before.opened_, clean = before.clean_, entries = before.entries_;
+    was_read = before.was_read_;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    ours = first_;
+  }
+  const auto has_now = [&](const std::string& name, const Json& value) {
+    try {
+      const Control now = controls_.get(name);
+      return !now.writable || is_same_value(now, now.value, value);
+    } catch (const SettingsError&) {
+      return false;  // another camera has no such control
+    }
+  };
+  // One that was set at this opening to what the camera had already was set at an earlier one.
+  std::erase_if(first, [&](const auto& one) {
+    const auto found = ours.find(one.first);
+    return found == ours.end() || !has_now(found->first, found->second);
+  });
+  std::erase_if(entries, [&](const auto& one) { return !has_now(one.control.name, one.control.value); });
+  const std::lock_guard lock(mutex_);
+  const bool has_kept = !first.empty() || !entries.empty();
+  for (const auto& [name, value] : first) first_[name] = value;
+  entries_ = std::move(entries);
+  clean_ = std::move(clean);
+  if (!has_kept || !was_read || was_read_) return;
+  opened_ = std::move(opened);
+  was_read_ = true;
+}
+
+void ControlMemory::update_one(const Control& now) {
+  const std::lock_guard lock(mutex_);
+  if (UnsavedControl* entry = find(now.name)) entry->control = now;
 }
 
 void ControlMemory::update(const std::vector<Control>& now) {

@@ -25,8 +25,9 @@ struct NeedsReopening : SettingsError {
   using SettingsError::SettingsError;
 };
 
-/// What an open camera had before its controls were set. It lives with them, so a camera that is reopened
-/// begins without. The functions that talk to the camera are for one thread at a time; the others for any.
+/// What an open camera had before its controls were set. It lives with them; a camera that is reopened and
+/// kept its values inherits it. The functions that talk to the camera are for one thread at a time; the
+/// others for any.
 class ControlMemory {
  public:
   /// `controls` must outlive this.
@@ -40,6 +41,9 @@ class ControlMemory {
   void revert(const std::set<std::string>& names);
   /// Reads all controls, unless that was done since the opening: what the camera has before a change.
   void read_once();
+  /// Once the saved controls are set at an opening: takes over from the opening before what the camera still
+  /// has as it was left. Throws CaptureError.
+  void inherit(const ControlMemory& before);
 
   /// All that the camera has now, as the caller has read it.
   void update(const std::vector<Control>& now);
@@ -61,6 +65,7 @@ class ControlMemory {
   /// Sets what differs from `targets`: values first, then modes, because a value may end a mode, and a mode
   /// may lock a value. What was refused, by name.
   Values set_all(const Values& targets);
+  void update_one(const Control& now);
   UnsavedControl* find(const std::string& name);
 
   Controls& controls_;

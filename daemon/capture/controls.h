@@ -30,6 +30,7 @@ struct Control {
   std::vector<std::string> choices;         // of kChoice
   bool writable = true;                     // now
   bool moves = false;                       // it goes on changing once it is set: a recording's position
+  bool depends = false;                     // on what another control selects, or selects itself
 };
 
 /// As docs/openapi.json has it.

@@ -10,6 +10,7 @@
 #include "capture/tile.h"
 #include "capture/v4l2/v4l2.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -99,6 +100,10 @@ Json complete_source(const Json& source, const std::string& path) {
   return out;
 }
 
+const Json& camera_source(const Json& source) {
+  return source.at("backend") == "tile" ? camera_source(source.at("of")) : source;
+}
+
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context) {
   Json options = source;
   options.erase("backend");
@@ -111,6 +116,17 @@ std::vector<FoundCamera> found_cameras() {
     for (FoundCamera& found : backend.list()) out.push_back(std::move(found));
   }
   return out;
+}
+
+std::vector<std::string> names_of_camera(const Json& source, std::span<const FoundCamera> found) {
+  const std::string name = source.value("camera", "");
+  for (const FoundCamera& one : found) {
+    if (one.source.at("backend") != source.at("backend")) continue;
+    std::vector<std::string> names = one.other_names;
+    names.push_back(one.source.value("camera", ""));
+    if (name.empty() || std::ranges::find(names, name) != names.end()) return names;
+  }
+  return {name};
 }
 
 Json found_camera_json(const FoundCamera& found) {

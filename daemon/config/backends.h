@@ -29,6 +29,9 @@ const Backend& find_backend(std::span<const Backend> backends, std::span<const M
 /// A camera's "source" with its backend's defaults written out. Throws SettingsError, beginning with `path`.
 Json complete_source(const Json& source, const std::string& path);
 
+/// The camera of a complete "source": itself, or that of which a tile shows a part.
+const Json& camera_source(const Json& source);
+
 /// Opens what a complete "source" says. Throws CaptureError.
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
 
@@ -36,6 +39,9 @@ std::unique_ptr<Source> open_source(const Json& source, const SourceContext& con
 std::vector<FoundCamera> found_cameras();
 /// One as docs/openapi.json has it, but for what uses it.
 Json found_camera_json(const FoundCamera& found);
+/// All names by which the settings may call the camera that this source opens, those of `found` among them. A
+/// source without a name opens the first one that is found.
+std::vector<std::string> names_of_camera(const Json& source, std::span<const FoundCamera> found);
 /// Those for a terminal, with the settings lines to paste.
 std::string found_cameras_text(const Json& found);
 

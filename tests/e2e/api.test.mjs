@@ -264,6 +264,9 @@ describe('the interface as docs/openapi.json says', () => {
 
     const { path } = await ask('post', '/api/images', { query: '?folder=hall&name=1.jpg', body: jpeg });
     await ask('post', '/api/images', { query: '?folder=hall&name=2.jpg', body: 'no image', expect: 422 });
+    // Its size is not where it must be, so nobody knows what memory it takes.
+    const chunk = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0, 0, 0, 1, ...Buffer.from('tEXt'), 0, 0, 0, 0, 1, 0, 0, 0, 1]);
+    await ask('post', '/api/images', { query: '?folder=hall&name=2.png', body: chunk, expect: 422 });
     const { folders } = await ask('get', '/api/images');
     assert.deepEqual(folders.map(({ name, images }) => ({ name, images })), [{ name: 'hall', images: 1 }]);
     await service.patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path, loop: true } });

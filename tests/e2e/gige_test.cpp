@@ -166,6 +166,40 @@ TEST_F(Gige, AControlThatTheCameraRefusesAtTheOpeningIsAnAlert) {
   EXPECT_TRUE(is_found);
 }
 
+TEST_F(Gige, ACameraInUseIsNotOpenedForAnImageByAnyOfItsNames) {
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
+  for (const char* name : {"TEST01", "127.0.0.1", ""}) {
+    const Json refused =
+        daemon.post("/api/sources/image", {{"source", {{"backend", "aravis"}, {"camera", name}}}}, 409);
+    EXPECT_EQ(refused["error"], "camera 0 of this service is using it") << name;
+  }
+  const Json mine = daemon.get("/api/settings")["settings"]["cameras"][0];
+  daemon.patch({{{"op", "remove"}, {"path", "/cameras/0"}}});
+  // Free now; what it shows does not change it.
+  daemon.post("/api/sources/image",
+              {{"source", {{"backend", "aravis"}, {"camera", "127.0.0.1"}, {"controls", {{"GainRaw", 7}}}}}});
+  daemon.patch({{{"op", "add"}, {"path", "/cameras/0"}, {"value", mine}}});
+  daemon.wait_for_status(
+      [](const Json& s) { return s["cameras"].size() == 2 && s["cameras"][0]["state"] == "running"; });
+  EXPECT_NE(control(daemon, "GainRaw")["value"], 7);
+}
+
+TEST_F(Gige, UnsavedControlsOutliveAReopening) {
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
+  const double before_us = exposure_us(daemon);
+  daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", before_us + 1000}});
+  daemon.patch({{{"op", "replace"}, {"path", "/cameras/0/source/buffers"}, {"value", 9}}});
+  daemon.wait_for_status([](const Json& s) {
+    return s["cameras"][0]["state"] == "running" && s["cameras"][0]["controls_unsaved"] == 1;
+  });
+  daemon.post("/api/cameras/0/revert_controls");
+  EXPECT_EQ(exposure_us(daemon), before_us);
+}
+
 TEST_F(Gige, ACameraThatIsSwitchedOnLaterIsFound) {
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["state"] == "lost"; });

@@ -92,6 +92,16 @@ std::string with_register(const std::string& name, int address, const std::strin
       feature, name, address);
 }
 
+/// A feature with a register for each choice of a selector.
+std::string of_selected(const std::string& name, int address, const std::string& selector,
+                        const std::string& feature) {
+  return fmt::format(
+      "{}<IntReg Name=\"{}Register\"><Address>{}</Address><pIndex Offset=\"4\">{}Register</pIndex>"
+      "<Length>4</Length><AccessMode>RW</AccessMode><pPort>Device</pPort><Sign>Unsigned</Sign>"
+      "<Endianess>BigEndian</Endianess></IntReg>",
+      feature, name, address, selector);
+}
+
 /// The library's own description of its camera and what else ours has, as a file, which is how it takes one.
 class Description {
  public:
@@ -110,14 +120,25 @@ class Description {
     };
     insert("<pFeature>PayloadSize</pFeature>",
            "<pFeature>ExposureAuto</pFeature><pFeature>PtpEnable</pFeature><pFeature>ChunkModeActive</"
-           "pFeature>");
+           "pFeature><pFeature>BalanceRatioSelector</pFeature><pFeature>BalanceRatio</pFeature>"
+           "<pFeature>LineSelector</pFeature><pFeature>LineInverter</pFeature>");
     insert("</RegisterDescription>",
            with_register("ExposureAuto", 0x400,
                          enumeration("ExposureAuto", entry("Off", 0) + entry("Continuous", 2))) +
                with_register("PtpEnable", 0x404, on_or_off("PtpEnable")) +
                with_register("ChunkModeActive", 0x408, on_or_off("ChunkModeActive")) +
                with_register("ChunkEnable", 0x40c, on_or_off("ChunkEnable")) +
-               with_register("ChunkSelector", 0x410, enumeration("ChunkSelector", entry("ExposureTime", 0))));
+               with_register("ChunkSelector", 0x410, enumeration("ChunkSelector", entry("ExposureTime", 0))) +
+               with_register("BalanceRatioSelector", 0x414,
+                             enumeration("BalanceRatioSelector", entry("Red", 0) + entry("Blue", 1) +
+                                                                     "<pSelected>BalanceRatio</pSelected>")) +
+               of_selected("BalanceRatio", 0x420, "BalanceRatioSelector",
+                           "<Integer Name=\"BalanceRatio\"><pValue>BalanceRatioRegister</pValue>"
+                           "<Min>0</Min><Max>4000</Max></Integer>") +
+               with_register("LineSelector", 0x418,
+                             enumeration("LineSelector", entry("Line0", 0) + entry("Line1", 1) +
+                                                             "<pSelected>LineInverter</pSelected>")) +
+               of_selected("LineInverter", 0x430, "LineSelector", on_or_off("LineInverter")));
     path_ = (std::filesystem::temp_directory_path() / "ssl-visiond-camera.XXXXXX").string();
     const int file = ::mkstemp(path_.data());
     const bool is_written = file >= 0 && ::write(file, text.data(), text.size()) == ssize_t(text.size());

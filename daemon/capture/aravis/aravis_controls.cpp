@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -30,6 +32,12 @@ constexpr std::array<std::string_view, 8> kLayout{"Width",
 constexpr std::array<std::string_view, 5> kOurs{"AcquisitionStart", "AcquisitionStop", "AcquisitionAbort",
                                                 "AcquisitionMode", "TLParamsLocked"};
 
+/// Their choices have values of their own at the same time, as red and blue have for the white balance. Each
+/// is a control by itself, "BalanceRatio[Red]", which can be saved and set back. What other selectors choose
+/// is shown for the choice that is set.
+constexpr std::array<std::string_view, 3> kSplit{"BalanceRatioSelector", "GainSelector",
+                                                 "BlackLevelSelector"};
+
 template <std::size_t N>
 bool is_one_of(const std::array<std::string_view, N>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -40,6 +48,34 @@ std::optional<double> finite(double value) {
   const bool is_limit = !std::isfinite(value) || std::abs(value) >= 9e18;
   return is_limit ? std::nullopt : std::optional(value);
 }
+
+std::vector<std::string> choices_of(ArvGcEnumeration* node) {
+  std::vector<std::string> out;
+  guint count = 0;
+  const std::unique_ptr<const char*, void (*)(void*)> names(
+      arv_gc_enumeration_dup_available_string_values(node, &count, nullptr), g_free);
+  for (guint i = 0; names && i < count; ++i) out.emplace_back(names.get()[i]);
+  return out;
+}
+
+/// A selector at one of its choices, as long as this lives.
+class Selected {
+ public:
+  Selected(ArvGcEnumeration* selector, const std::string& choice) : selector_(selector) {
+    Failure failure;
+    before_ = text_or_empty(arv_gc_enumeration_get_string_value(selector_, failure));
+    if (before_ != choice) arv_gc_enumeration_set_string_value(selector_, choice.c_str(), failure);
+    if (failure.failed())
+      throw SettingsError(fmt::format("{}: {} cannot be selected", choice, failure.text()));
+  }
+  ~Selected() { arv_gc_enumeration_set_string_value(selector_, before_.c_str(), nullptr); }
+  Selected(const Selected&) = delete;
+  Selected& operator=(const Selected&) = delete;
+
+ private:
+  ArvGcEnumeration* const selector_;
+  std::string before_;
+};
 
 class AravisControls final : public Controls {
  public:
@@ -55,10 +91,111 @@ class AravisControls final : public Controls {
 
   Control get(const std::string& name) override {
     const std::lock_guard lock(camera_->mutex);
-    return control_of(node_of(name), "");
+    const Place place = place_of(name);
+    if (place.selector == nullptr) return whole_control_of(place.node, "");
+    const Selected selected(place.selector, place.choice);
+    return selected_control_of(place.node, "", place.choice);
   }
 
  private:
+  /// Where a control is: a feature, or that of one choice of a selector.
+  struct Place {
+    ArvGcFeatureNode* node;
+    ArvGcEnumeration* selector;  // null: none
+    std::string choice;
+  };
+
+  Place place_of(const std::string& name) {
+    const std::size_t open = name.ends_with(']') ? name.find('[') : std::string::npos;
+    if (open == std::string::npos) return {node_of(name), nullptr, ""};
+    const std::string choice = name.substr(open + 1, name.size() - open - 2);
+    ArvGcFeatureNode* node = node_of(name.substr(0, open));
+    ArvGcEnumeration* selector = splitting(node);
+    if (selector != nullptr) {
+      for (const std::string& one : choices_of(selector))
+        if (one == choice) return {node, selector, choice};
+    }
+    throw SettingsError(fmt::format("{}: the camera has no such control", name));
+  }
+
+  /// The selector that chooses what a feature is of; null: none.
+  ArvGcFeatureNode* selector_of(ArvGcFeatureNode* node) {
+    if (!knows_selectors_) {
+      std::set<std::string> seen;
+      find_selectors(genicam(), "Root", seen);
+      knows_selectors_ = true;
+    }
+    const auto found = selectors_.find(text_or_empty(arv_gc_feature_node_get_name(node)));
+    return found == selectors_.end() ? nullptr : found->second;
+  }
+
+  void find_selectors(ArvGc* genicam, const char* name, std::set<std::string>& seen) {
+    ArvGcNode* node = arv_gc_get_node(genicam, name);
+    if (node == nullptr || !seen.insert(name).second) return;
+    const GSList* inside = nullptr;
+    if (ARV_IS_GC_CATEGORY(node)) inside = arv_gc_category_get_features(ARV_GC_CATEGORY(node));
+    for (; inside != nullptr; inside = inside->next)
+      find_selectors(genicam, static_cast<const char*>(inside->data), seen);
+    if (!ARV_IS_GC_SELECTOR(node) || !arv_gc_selector_is_selector(ARV_GC_SELECTOR(node))) return;
+    for (const GSList* one = arv_gc_selector_get_selected_features(ARV_GC_SELECTOR(node)); one != nullptr;
+         one = one->next) {
+      const auto* feature = ARV_GC_FEATURE_NODE(one->data);
+      selectors_.emplace(text_or_empty(arv_gc_feature_node_get_name(const_cast<ArvGcFeatureNode*>(feature))),
+                         ARV_GC_FEATURE_NODE(node));
+    }
+  }
+
+  /// Whether each choice of this selector has controls of its own.
+  static bool is_split(ArvGcFeatureNode* selector) {
+    return ARV_IS_GC_ENUMERATION(selector) &&
+           is_one_of(kSplit, text_or_empty(arv_gc_feature_node_get_name(selector))) &&
+           arv_gc_feature_node_is_available(selector, nullptr) &&
+           arv_gc_feature_node_get_actual_access_mode(selector) != ARV_GC_ACCESS_MODE_RO &&
+           choices_of(ARV_GC_ENUMERATION(selector)).size() > 1;
+  }
+
+  /// The selector whose choices have a control each of this feature; null: it is one control.
+  ArvGcEnumeration* splitting(ArvGcFeatureNode* node) {
+    ArvGcFeatureNode* selector = ARV_IS_GC_COMMAND(node) ? nullptr : selector_of(node);
+    return selector != nullptr && is_split(selector) ? ARV_GC_ENUMERATION(selector) : nullptr;
+  }
+
+  /// A feature that is a control by itself. With one choice only its selector does not matter.
+  Control whole_control_of(ArvGcFeatureNode* node, const std::string& category) {
+    Control out = control_of(node, category);
+    ArvGcFeatureNode* selector = selector_of(node);
+    const bool is_selected = selector != nullptr && !(ARV_IS_GC_ENUMERATION(selector) &&
+                                                      choices_of(ARV_GC_ENUMERATION(selector)).size() == 1);
+    out.depends =
+        is_selected || (ARV_IS_GC_SELECTOR(node) && arv_gc_selector_is_selector(ARV_GC_SELECTOR(node)));
+    return out;
+  }
+
+  static Control selected_control_of(ArvGcFeatureNode* node, const std::string& category,
+                                     const std::string& choice) {
+    Control out = control_of(node, category);
+    out.name += fmt::format("[{}]", choice);
+    if (!out.title.empty()) out.title += fmt::format(" ({})", choice);
+    return out;
+  }
+
+  void add_feature(ArvGcFeatureNode* node, const std::string& category, std::vector<Control>& out) {
+    if (is_split(node)) return;
+    ArvGcEnumeration* selector = splitting(node);
+    if (selector == nullptr) {
+      out.push_back(whole_control_of(node, category));
+      return;
+    }
+    for (const std::string& choice : choices_of(selector)) {
+      try {
+        const Selected selected(selector, choice);
+        out.push_back(selected_control_of(node, category, choice));
+      } catch (const SettingsError&) {
+        continue;  // the camera does not select it now
+      }
+    }
+  }
+
   ArvGc* genicam() const {
     if (camera_->is_closed) throw CaptureError("the camera was closed");
     return arv_device_get_genicam(arv_camera_get_device(camera_->camera.get()));
@@ -81,8 +218,8 @@ class AravisControls final : public Controls {
            arv_gc_feature_node_is_implemented(node, nullptr);
   }
 
-  static void add_category(ArvGc* genicam, const char* name, const std::string& title,
-                           std::set<std::string>& seen, std::vector<Control>& out) {
+  void add_category(ArvGc* genicam, const char* name, const std::string& title, std::set<std::string>& seen,
+                    std::vector<Control>& out) {
     ArvGcNode* node = arv_gc_get_node(genicam, name);
     if (node == nullptr || !seen.insert(name).second) return;
     if (ARV_IS_GC_CATEGORY(node)) {
@@ -92,7 +229,7 @@ class AravisControls final : public Controls {
         add_category(genicam, static_cast<const char*>(one->data), here.empty() ? name : here, seen, out);
       }
     } else if (ARV_IS_GC_FEATURE_NODE(node) && is_shown(ARV_GC_FEATURE_NODE(node))) {
-      out.push_back(control_of(ARV_GC_FEATURE_NODE(node), title));
+      add_feature(ARV_GC_FEATURE_NODE(node), title, out);
     }
   }
 
@@ -125,10 +262,7 @@ class AravisControls final : public Controls {
     } else if (ARV_IS_GC_ENUMERATION(node)) {
       out.kind = ControlKind::kChoice;
       if (!is_available) return;
-      guint count = 0;
-      const std::unique_ptr<const char*, void (*)(void*)> names(
-          arv_gc_enumeration_dup_available_string_values(ARV_GC_ENUMERATION(node), &count, nullptr), g_free);
-      for (guint i = 0; names && i < count; ++i) out.choices.emplace_back(names.get()[i]);
+      out.choices = choices_of(ARV_GC_ENUMERATION(node));
       set(text_or_empty(arv_gc_enumeration_get_string_value(ARV_GC_ENUMERATION(node), failure)));
     } else if (ARV_IS_GC_BOOLEAN(node)) {
       out.kind = ControlKind::kFlag;
@@ -168,7 +302,10 @@ class AravisControls final : public Controls {
 
   ControlEffect write(const Control& control, const Json& value) override {
     const std::lock_guard lock(camera_->mutex);
-    ArvGcFeatureNode* node = node_of(control.name);
+    const Place place = place_of(control.name);
+    ArvGcFeatureNode* node = place.node;
+    std::optional<Selected> selected;
+    if (place.selector != nullptr) selected.emplace(place.selector, place.choice);
     const bool waits = is_one_of(kLayout, control.name) || arv_gc_feature_node_is_locked(node, nullptr);
     if (camera_->is_streaming && waits) return ControlEffect::kWhenOpened;
     if (!control.writable)
@@ -200,6 +337,8 @@ class AravisControls final : public Controls {
   }
 
   const std::shared_ptr<AravisCamera> camera_;
+  std::map<std::string, ArvGcFeatureNode*> selectors_;  // of features, by these' names
+  bool knows_selectors_ = false;                        // guarded, as they are, by the camera's mutex
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/camera_report.h"
 
+#include "config/backends.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -52,7 +54,7 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                               camera.controls_unsaved == 1
                                   ? "1 control is"
                                   : fmt::format("{} controls are", camera.controls_unsaved)),
-         .fix = "Save or revert on the camera's page; when the camera is reopened, they are lost.",
+         .fix = "Save or revert on the camera's page; when the camera loses its power, they are lost.",
          .page = camera_page(camera),
          .camera = camera.id});
   }
@@ -162,6 +164,23 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
 }
 
+/// Beside real cameras, others make the field look covered where nobody looks at it.
+void add_origin_alerts(std::vector<Alert>& alerts, std::span<const CameraFacts> cameras) {
+  if (std::ranges::count(cameras, ImageOrigin::kCamera, &CameraFacts::origin) == 0) return;
+  for (const CameraFacts& camera : cameras) {
+    if (camera.origin == ImageOrigin::kCamera) continue;
+    alerts.push_back(
+        {.id = "camera_not_real",
+         .check = "cameras",
+         .severity = Severity::kBad,
+         .title = fmt::format("Camera {} is {} beside real cameras", camera.id,
+                              camera.origin == ImageOrigin::kSimulation ? "simulated" : "a recording"),
+         .fix = "Remove it, or choose a real camera as its source: what it shows is sent to the teams.",
+         .page = camera_page(camera),
+         .camera = camera.id});
+  }
+}
+
 bool is_running(const CameraFacts& camera) {
   return camera.health.state == CameraState::kRunning;
 }
@@ -234,8 +253,7 @@ Check check_latency(std::span<const CameraFacts> cameras) {
 }  // namespace
 
 ImageOrigin origin_of(const Json& source) {
-  const Json& backend = source.at("backend");
-  if (backend == "tile") return origin_of(source.at("of"));
+  const Json& backend = camera_source(source).at("backend");
   if (backend == "simulator") return ImageOrigin::kSimulation;
   return backend == "files" ? ImageOrigin::kRecording : ImageOrigin::kCamera;
 }
@@ -249,6 +267,7 @@ const char* name_of(ImageOrigin origin) {
 }
 
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) {
+  add_origin_alerts(report.alerts, cameras);
   for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
   for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
   for (const auto check : {check_cameras, check_pictures, check_latency})

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/params_json.h"
+#include "capture/control_memory.h"
 #include "config/backends.h"
 
 #include <algorithm>
@@ -22,11 +23,27 @@ Json without_controls(Json source) {
   return source;
 }
 
+/// What tells a camera from others.
+Json camera_of(const Json& source) {
+  const Json& camera = camera_source(source);
+  return {{"backend", camera.at("backend")}, {"camera", camera.value("camera", "")}};
+}
+
 }  // namespace
+
+void RunningCamera::LastOpened::hand_over(const Json& source, const std::shared_ptr<Controls>& opened) {
+  if (!opened) return;
+  const std::lock_guard lock(mutex);
+  const Json now = camera_of(source);
+  if (controls && camera == now) opened->memory().inherit(controls->memory());
+  camera = now;
+  controls = opened;
+}
 
 RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
                              std::shared_ptr<CameraTotals> totals)
     : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
+      last_opened_(std::make_shared<LastOpened>()),
       totals_(std::move(totals)),
       sink_(multicast, *totals_),
       pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)),
@@ -49,13 +66,15 @@ void RunningCamera::ask_to_stop() {
 
 std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene,
                                                          const Json& controls) {
-  auto open = [newest = settings_, scene, controls] {
+  auto open = [newest = settings_, last = last_opened_, scene, controls] {
     const auto now = newest->load();
     Json source = now->source;
     for (const auto& [name, value] : controls.items()) {
       if (!source["controls"].contains(name)) source["controls"][name] = value;
     }
-    return open_source(source, {static_cast<std::uint32_t>(now->id), scene});
+    auto camera = open_source(source, {static_cast<std::uint32_t>(now->id), scene});
+    last->hand_over(source, camera->controls());
+    return camera;
   };
   auto on_image = [this](CapturedImage&& captured) {
     pipeline_.process(std::move(captured.image), captured.times, captured.whole);

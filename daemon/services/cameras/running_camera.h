@@ -99,8 +99,19 @@ class RunningCamera {
   std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
                                             const Json& controls = Json::object());
 
+  /// The camera that was opened last, and its controls: what they remember goes on when it is reopened.
+  struct LastOpened {
+    std::mutex mutex;  // of threads that open; a status does not wait for it
+    Json camera;
+    std::shared_ptr<Controls> controls;
+
+    /// `opened`: none: it has no controls. Throws CaptureError.
+    void hand_over(const Json& source, const std::shared_ptr<Controls>& opened);
+  };
+
   /// Shared with the thread, which opens the camera by the newest settings and may be left behind.
   const std::shared_ptr<Snapshot<CameraSettings>> settings_;
+  const std::shared_ptr<LastOpened> last_opened_;
   const std::shared_ptr<CameraTotals> totals_;
   const DriverCalls driver_calls_;
   std::atomic<std::uint64_t> reopenings_{0};

@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::chrono::seconds kPatience(10);
+constexpr std::chrono::seconds kPatience(10), kPatienceWithOthers(1);
 constexpr double kFirstImageWithin_s = 6;
 /// Then the exposure has settled: a webcam's first images are dark.
 constexpr double kSettles_s = 0.5;
@@ -66,7 +66,7 @@ Json jpeg_of(const Json& source, const Scene& scene, int width_px) {
 
 SourceImages::SourceImages() {
   for (const Backend& backend : backend_table())
-    calls_.emplace(std::string(backend.name), DriverCalls(kPatience, kPatience));
+    calls_.emplace(std::string(backend.name), DriverCalls(kPatience, kPatienceWithOthers));
 }
 
 std::vector<std::uint8_t> SourceImages::take(const Json& source, const Scene& scene, int width_px) const {

@@ -19,30 +19,9 @@ namespace {
 
 constexpr int kMaxImageWidth_px = 2048;
 
-/// The camera itself, whose images a tile may be a part of.
-const Json& whole_source(const Json& source) {
-  return source.at("backend") == "tile" ? source.at("of") : source;
-}
-
 /// Only one program can have such a camera open.
 bool is_exclusive(const Json& source) {
   return source.at("backend") != "files" && source.at("backend") != "simulator";
-}
-
-bool is_same_camera(const Json& used, const Json& source, const std::vector<std::string>& other_names) {
-  if (used.at("backend") != source.at("backend")) return false;
-  const std::string name = used.value("camera", "");
-  return name == source.value("camera", "") ||
-         (!name.empty() && std::ranges::find(other_names, name) != other_names.end());
-}
-
-/// The id of the camera in the settings that has this one open.
-std::optional<int> user_of(const Json& source, const std::vector<std::string>& other_names,
-                           const std::vector<CameraNow>& cameras) {
-  for (const CameraNow& camera : cameras) {
-    if (is_same_camera(whole_source(camera.settings->source), source, other_names)) return camera.id;
-  }
-  return std::nullopt;
 }
 
 const std::string& query_text(const Request& request, const std::string& name) {
@@ -69,13 +48,40 @@ std::vector<Route> SourceService::routes() {
   };
 }
 
-Response SourceService::get_sources() const {
+std::optional<int> SourceService::user_of(const Json& source, std::span<const FoundCamera> found) const {
+  const std::vector<std::string> names = names_of_camera(source, found);
+  for (const CameraNow& camera : cameras_.all()) {
+    const Json& used = camera_source(camera.settings->source);
+    if (used.at("backend") != source.at("backend")) continue;
+    for (const std::string& name : names_of_camera(used, found)) {
+      if (std::ranges::find(names, name) != names.end()) return camera.id;
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<FoundCamera> SourceService::found_with(const Json& source) {
+  const std::string name = source.value("camera", "");
+  {
+    const std::lock_guard lock(found_mutex_);
+    if (!name.empty() && names_of_camera(source, found_).size() > 1) return found_;
+  }
+  std::vector<FoundCamera> found = found_cameras();
+  const std::lock_guard lock(found_mutex_);
+  found_ = found;
+  return found;
+}
+
+Response SourceService::get_sources() {
   Json out = Json::array();
   const std::vector<FoundCamera> all = found_cameras();
-  const std::vector<CameraNow> cameras = cameras_.all();
+  {
+    const std::lock_guard lock(found_mutex_);
+    found_ = all;
+  }
   for (const FoundCamera& found : all) {
     Json& one = out.emplace_back(found_camera_json(found));
-    const auto user = user_of(found.source, found.other_names, cameras);
+    const auto user = user_of(found.source, all);
     one["camera"] = user ? Json(*user) : Json(nullptr);
   }
   return json_response({{"sources", std::move(out)}});
@@ -87,17 +93,19 @@ Json SourceService::allowed_source(const Json& source) const {
   static const Json kSchema = settings_schema();
   check_named_files(kSchema, {{"cameras", {{{"source", complete}}}}}, {settings_.current().settings},
                     file_folders_);
+  complete.erase("controls");
+  if (complete.at("backend") == "tile") complete.at("of").erase("controls");
   return complete;
 }
 
-Response SourceService::take_image(const Request& request) const {
+Response SourceService::take_image(const Request& request) {
   const int width = query_number(request, "width", 640, 1, kMaxImageWidth_px);
   const Json body = body_json(request);
   if (!body.is_object() || body.size() != 1 || !body.contains("source"))
     throw HttpError(400, R"(expected {"source": {...}})");
   const Json source = allowed_source(body.at("source"));
-  if (is_exclusive(source)) {
-    if (const auto user = user_of(whole_source(source), {}, cameras_.all()))
+  if (const Json& camera = camera_source(source); is_exclusive(camera)) {
+    if (const auto user = user_of(camera, found_with(camera)))
       throw HttpError(409, fmt::format("camera {} of this service is using it", *user));
   }
   Scene scene;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capture/source.h"
 #include "services/cameras/cameras.h"
 #include "services/service.h"
 #include "services/settings/settings_editor.h"
@@ -8,7 +9,9 @@
 #include "services/sources/uploaded_images.h"
 
 #include <filesystem>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace sslv {
@@ -24,20 +27,27 @@ class SourceService final : public Service {
   std::vector<Route> routes() override;
 
  private:
-  Response get_sources() const;
-  Response take_image(const Request& request) const;
+  Response get_sources();
+  Response take_image(const Request& request);
   Response get_files(const Request& request) const;
   Response get_images() const;
   Response upload_image(const Request& request);
   Response remove_images(const Request& request);
 
-  /// A source that the request may open, complete. Throws SettingsError.
+  /// A source that the request may open, complete, without controls that would change a camera. Throws
+  /// SettingsError.
   Json allowed_source(const Json& source) const;
+  /// The id of the camera in the settings that has this one open.
+  std::optional<int> user_of(const Json& source, std::span<const FoundCamera> found) const;
+  /// The cameras that were found last, or now if `source` is not among them.
+  std::vector<FoundCamera> found_with(const Json& source);
 
   SettingsEditor& settings_;
   const Cameras& cameras_;
   const std::vector<std::filesystem::path> file_folders_;
   SourceImages source_images_;
+  std::mutex found_mutex_;
+  std::vector<FoundCamera> found_;  // when somebody asked last
   UploadedImages uploaded_;
 };
 

@@ -63,8 +63,8 @@ std::int64_t pixels_of(std::string_view bytes, ImageType type) {
     return std::int64_t{layout.width} * layout.height;
   }
   // PNG's first chunk, IHDR: its length, its name, width and height with the highest byte first.
-  constexpr std::size_t kWidthAt = 16, kEnd = 24;
-  if (bytes.size() < kEnd) return 0;
+  constexpr std::size_t kNameAt = 12, kWidthAt = 16, kEnd = 24;
+  if (bytes.size() < kEnd || bytes.substr(kNameAt, 4) != "IHDR") return 0;
   const auto number = [&](std::size_t at) {
     return std::int64_t{data[at]} << 24 | std::int64_t{data[at + 1]} << 16 | std::int64_t{data[at + 2]} << 8 |
            data[at + 3];
@@ -166,7 +166,10 @@ void UploadedImages::check_readable(const std::string& name, const std::string& 
                                     type == ImageType::kJpeg ? "JPEG" : "PNG",
                                     type == ImageType::kJpeg ? ".jpg or .jpeg" : ".png"));
   }
-  if (pixels_of(bytes, type) > kMaxPixels) {
+  const std::int64_t pixels = pixels_of(bytes, type);
+  if (pixels == 0)
+    throw SettingsError(fmt::format("{}: this is not an image, or not all of one", shortened(name)));
+  if (pixels > kMaxPixels) {
     throw SettingsError(fmt::format("{}: the image has more than {} million pixels", shortened(name),
                                     kMaxPixels / 1'000'000));
   }

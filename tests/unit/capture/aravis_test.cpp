@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "capture/camera_thread.h"
+#include "capture/control_memory.h"
 #include "net/network_cards.h"
 #include "support/allocation_count.h"
 #include "support/gige_server.h"
@@ -432,6 +433,43 @@ TEST_F(Gige, ControlsOfTheSettingsAreSetAtTheOpening) {
   ASSERT_EQ(source->warnings().size(), 1u);
   EXPECT_THAT(source->warnings()[0], HasSubstr("ExposureTimeAbs: -4 is not allowed; expected a number from"));
   expect_our_pixels(next_picture(*source).image.view());  // all the same
+}
+
+TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
+  const auto source = open({{"controls", {{"BalanceRatio[Blue]", 150}}}});
+  EXPECT_THAT(source->warnings(), testing::IsEmpty());
+  const auto controls = source->controls();
+  std::map<std::string, Control> all;
+  for (const Control& control : controls->list()) all[control.name] = control;
+  for (const char* absent : {"BalanceRatio", "BalanceRatioSelector"})
+    EXPECT_FALSE(all.contains(absent)) << absent;
+  ASSERT_TRUE(all.contains("BalanceRatio[Red]"));
+  EXPECT_EQ(all["BalanceRatio[Blue]"].value, 150);
+  const Json red = all["BalanceRatio[Red]"].value;
+
+  controls->memory().set_unsaved("BalanceRatio[Red]", 90);
+  controls->memory().set_unsaved("BalanceRatio[Blue]", 91);
+  EXPECT_EQ(controls->get("BalanceRatio[Red]").value, 90);
+  EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 91);
+  EXPECT_EQ(controls->memory().unsaved(Json::object()).size(), 2U);
+  controls->memory().revert({});
+  EXPECT_EQ(controls->get("BalanceRatio[Red]").value, red);
+  EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 150);
+
+  // As settings of before name them: that of the choice that is set.
+  EXPECT_EQ(controls->get("BalanceRatioSelector").value, "Red");
+  EXPECT_EQ(controls->get("BalanceRatio").value, red);
+  EXPECT_THROW(controls->get("BalanceRatio[Green]"), SettingsError);
+  EXPECT_THROW(controls->get("GainRaw[Red]"), SettingsError);
+
+  // Of other selectors: shown for what is selected, and nothing to set back, as that would be another one.
+  EXPECT_TRUE(all["LineInverter"].depends);
+  EXPECT_TRUE(all["LineSelector"].depends);
+  EXPECT_FALSE(all["GainRaw"].depends);
+  controls->memory().set_unsaved("LineInverter", true);
+  controls->memory().set_unsaved("LineSelector", "Line1");
+  EXPECT_EQ(controls->get("LineInverter").value, false);
+  EXPECT_THAT(controls->memory().unsaved(Json::object()), testing::IsEmpty());
 }
 
 TEST_F(Gige, ControlsOutliveTheSource) {

@@ -29,10 +29,14 @@ class MeasuringCamera : public Controls {
     return all_;
   }
   Control get(const std::string& name) override {
+    if (answers_ == 0) throw SettingsError("busy");
+    if (answers_ > 0) --answers_;
     measure();
     return of(name);
   }
   Json value(const std::string& name) { return of(name).value; }
+  void put(const std::string& name, const Json& value) { of(name).value = value; }
+  void answer_only(int count) { answers_ = count; }
 
  private:
   Control& add(const char* name, ControlKind kind, const Json& value) {
@@ -62,6 +66,7 @@ class MeasuringCamera : public Controls {
     return ControlEffect::kAtOnce;
   }
   std::vector<Control> all_;
+  int answers_ = -1;  // that still come to get(); negative: all
 };
 
 const Json kNothing = Json::object();
@@ -135,6 +140,67 @@ TEST(ControlMemory, WhatWasSavedIsNotSetBackWithTheRest) {
   camera.memory().revert({});
   EXPECT_EQ(camera.value("ExposureTime"), 2000);
   EXPECT_EQ(camera.value("GainAuto"), true);
+}
+
+TEST(ControlMemory, OneThatIsLockedIsNotSaidToBeSetBack) {
+  MeasuringCamera camera;
+  camera.memory().set_unsaved("ExposureTime", 2000.0);
+  camera.memory().set_unsaved("ExposureAuto", "Continuous");
+  EXPECT_THROW(camera.memory().revert({"ExposureTime"}), SettingsError);
+  camera.memory().revert({"ExposureAuto"});
+  EXPECT_THAT(unsaved(camera), ElementsAre("ExposureTime"));
+  camera.memory().revert({"ExposureTime"});
+  EXPECT_EQ(camera.value("ExposureTime"), 1000);
+}
+
+TEST(ControlMemory, OneThatWasSetIsRememberedAlsoWhenItCannotBeRead) {
+  MeasuringCamera camera;
+  camera.answer_only(2);  // before it is set
+  EXPECT_ANY_THROW(camera.memory().set_unsaved("ExposureTime", 2000.0));
+  camera.answer_only(-1);
+  EXPECT_EQ(camera.value("ExposureTime"), 2000);
+  EXPECT_THAT(unsaved(camera), ElementsAre("ExposureTime"));
+  camera.memory().revert({});
+  EXPECT_EQ(camera.value("ExposureTime"), 1000);
+}
+
+/// The camera was closed and opened again with its saved controls, and has the values of `before` else.
+void reopen(MeasuringCamera& camera, MeasuringCamera& before, const Json& saved) {
+  for (const Control& control : before.list()) {
+    if (control.kind != ControlKind::kAction && control.name != "Width" && control.writable)
+      camera.put(control.name, control.value);
+  }
+  EXPECT_THAT(apply_controls(camera, saved), IsEmpty());
+  camera.memory().inherit(before.memory());
+}
+
+TEST(ControlMemory, ACameraThatIsReopenedAndKeptItsValuesHasThemUnsavedStill) {
+  MeasuringCamera first, second;
+  first.memory().set_unsaved("Gain", 9);
+  reopen(second, first, kNothing);
+  EXPECT_THAT(unsaved(second), ElementsAre("Gain", "GainAuto"));
+  second.memory().revert({});
+  EXPECT_EQ(second.value("Gain"), 4);
+  EXPECT_EQ(second.value("GainAuto"), true);
+}
+
+TEST(ControlMemory, ACameraThatLostItsValuesHasNothingUnsaved) {
+  MeasuringCamera first, second;
+  first.memory().set_unsaved("Gain", 9);
+  second.memory().inherit(first.memory());
+  EXPECT_THAT(unsaved(second), IsEmpty());
+  EXPECT_EQ(second.value("Gain"), 4);
+}
+
+TEST(ControlMemory, KnowsWhatTheCameraHadBeforeItWasSavedAtAnEarlierOpening) {
+  MeasuringCamera first, second, reset;
+  first.set("ExposureTime", 2000.0);
+  reopen(second, first, {{"ExposureTime", 2000.0}});
+  EXPECT_EQ(second.memory().when_opened("ExposureTime"), Json(1000.0));
+  reset.put("ExposureTime", 500.0);  // it lost its power
+  EXPECT_THAT(apply_controls(reset, {{"ExposureTime", 2000.0}}), IsEmpty());
+  reset.memory().inherit(second.memory());
+  EXPECT_EQ(reset.memory().when_opened("ExposureTime"), Json(500.0));
 }
 
 TEST(ControlMemory, ActionsAndWhatGoesOnByItselfAreNeverUnsaved) {

@@ -38,6 +38,21 @@ TEST(Cameras, BackendThatWasNotBuiltNamesItsPackage) {
             "install libmycam-dev and build again; known: files, simulator");
 }
 
+TEST(Cameras, ACameraHasAllNamesOfTheOneThatIsFound) {
+  using ::testing::UnorderedElementsAre;
+  const std::vector<FoundCamera> found{
+      {"a webcam", {{"backend", "v4l2"}, {"camera", "/dev/video0"}}},
+      {.name = "left", .source = {{"backend", "aravis"}, {"camera", "SN1"}}, .other_names = {"192.0.2.7"}},
+      {.name = "right", .source = {{"backend", "aravis"}, {"camera", "SN2"}}, .other_names = {"192.0.2.8"}}};
+  const auto names = [&](const char* camera) {
+    return names_of_camera({{"backend", "aravis"}, {"camera", camera}}, found);
+  };
+  EXPECT_THAT(names("192.0.2.8"), UnorderedElementsAre("SN2", "192.0.2.8"));
+  EXPECT_THAT(names("SN1"), UnorderedElementsAre("SN1", "192.0.2.7"));
+  EXPECT_THAT(names(""), UnorderedElementsAre("SN1", "192.0.2.7")) << "it opens the first one";
+  EXPECT_THAT(names("192.0.2.9"), UnorderedElementsAre("192.0.2.9"));
+}
+
 TEST(Cameras, EveryBackendIsEitherKnownOrMissing) {
   bool known = false, missing = false;
   for (const Backend& backend : backend_table()) known |= backend.name == "dc1394";

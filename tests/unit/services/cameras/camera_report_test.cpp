@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/camera_report.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace sslv {
 namespace {
@@ -49,6 +49,28 @@ TEST(Missing, HasALineForEachThing) {
             "camera 0 is lost: unplugged\n"
             "camera 2 is opening\n"
             "camera 3 is ended\n");
+}
+
+TEST(CameraReport, OthersThanRealCamerasBesideOneAreNoGo) {
+  const auto alerts_with = [](ImageOrigin first, ImageOrigin second) {
+    std::vector<CameraFacts> cameras(2);
+    cameras[0].origin = first;
+    cameras[1].id = 1;
+    cameras[1].origin = second;
+    HealthReport report;
+    report_cameras(cameras, report);
+    std::vector<std::string> titles;
+    for (const Alert& alert : report.alerts)
+      if (alert.id == "camera_not_real") titles.push_back(alert.title);
+    return titles;
+  };
+  using enum ImageOrigin;
+  EXPECT_THAT(alerts_with(kCamera, kSimulation),
+              testing::ElementsAre("Camera 1 is simulated beside real cameras"));
+  EXPECT_THAT(alerts_with(kRecording, kCamera),
+              testing::ElementsAre("Camera 0 is a recording beside real cameras"));
+  for (const ImageOrigin all : {kCamera, kRecording, kSimulation})
+    EXPECT_THAT(alerts_with(all, all), testing::IsEmpty());
 }
 
 }  // namespace
