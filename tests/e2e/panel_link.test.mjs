@@ -19,7 +19,7 @@ const troubles = (page) => page.locator(byId('picture-trouble')).allTextContents
 
 /** A camera from a file that is not there (yet). */
 const picture = join(service.folder, 'camera.jpg');
-const noFiles = () => service.patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: picture, loop: true, frame_rate_hz: 20 } });
+const noFiles = (camera = 1, path = picture) => service.patch({ op: 'replace', path: `/cameras/${camera}/source`, value: { backend: 'files', path, loop: true, frame_rate_hz: 20 } });
 /** The history, which is written once a second. */
 const events = async () => (await (await fetch(service.address('api/events'))).json()).entries;
 const isLost = () => service.statusBecomes(({ cameras }) => cameras[1].state === 'lost');
@@ -182,7 +182,15 @@ describe('panel that nobody looks at', () => {
     window.heard = { tones: 0, notes: [] };
     const start = OscillatorNode.prototype.start;
     OscillatorNode.prototype.start = function count(...when) { window.heard.tones++; return start.apply(this, when); };
-    window.Notification = class { constructor(title, { body }) { window.heard.notes.push(`${title}: ${body}`); } close() {} };
+    const shown = new Set();
+    window.Notification = class {
+      constructor(title, { body, tag, renotify }) {
+        // As in a browser: one takes the place of another with the same tag without a word, unless told otherwise.
+        if (!tag || !shown.has(tag) || renotify) window.heard.notes.push(`${title}: ${body}`);
+        shown.add(tag);
+      }
+      close() {}
+    };
     window.Notification.permission = 'default';
     window.Notification.requestPermission = async () => { window.Notification.permission = 'granted'; return 'granted'; };
     window.leave = () => { Object.defineProperty(document, 'visibilityState', { get: () => 'hidden' }); };
@@ -223,8 +231,37 @@ describe('panel that nobody looks at', () => {
       await service.statusBecomes(({ cameras }) => cameras[1].state === 'running');
       await page.waitForSelector(byId('reopen-1'), { state: 'detached' });
       await becomes(events, (entries) => entries.some(({ title }) => title === 'Asked to open camera 1 again'));
+
+      // The next one is told as well, and so is the same one once more.
+      await noFiles(1, join(service.folder, 'none.jpg'));
+      await page.waitForFunction(() => window.heard.tones === 4 && window.heard.notes.length === 2);
+      await noFiles(0, join(service.folder, 'none.jpg'));
+      await page.waitForFunction(() => window.heard.tones === 6 && window.heard.notes.length === 3);
+      const lost = (id) => `${service.settings.site}: Camera ${id} lost`;
+      assert.deepEqual(await page.evaluate(() => window.heard.notes), [lost(1), lost(1), lost(0)]);
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
+
+  it('does not save up the sounds of a page that may not sound yet', () => onPage('', async (page) => {
+    await live(page);
+    await page.evaluate(() => { window.leave(); });
+    await noFiles();
+    await isLost();
+    await page.waitForFunction(() => window.heard.notes.length === 1);
+    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 1000); }));
+    await page.mouse.click(2, 2);
+    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 1000); }));
+    assert.equal(await page.evaluate(() => window.heard.tones), 0);
+  }, {
+    options: { serviceWorkers: 'block' },
+    async prepare(page) {
+      await listen(page);
+      await page.addInitScript(() => {
+        window.Notification.permission = 'granted';
+        for (const way of ['sound', 'notification']) localStorage.setItem(`away-${way}`, 'on');
+      });
+    },
+  }));
 
   for (const { name, viewport, options, it } of views) it(`offers to reopen on the Camera page of a ${name}, and says what came of it`, () => onPage('#/camera/1', async (page) => {
     await live(page);
