@@ -192,6 +192,30 @@ describe('tools', () => {
       }));
     }
 
+    it('says which keys it has, in full screen, too', withPage(DESKTOP, '#/kiosk', {}, async (page) => {
+      const dialog = page.locator(byId('shortcuts-dialog'));
+      await page.waitForSelector(byId('kiosk'));
+      for (const isFull of [false, true]) {
+        if (isFull) await page.click(byId('full-screen'));
+        await page.waitForFunction((full) => (document.fullscreenElement !== null) === full, isFull);
+        await page.keyboard.press('?');
+        await dialog.waitFor();
+        assert.deepEqual(await page.$$eval(byId('shortcut'), (all) => all.map((one) => one.textContent)), ['?Show this list of shortcuts', 'EscLeave the kiosk']);
+        await page.click(`${byId('shortcuts-dialog')} [aria-label="Close"]`);
+        await dialog.waitFor({ state: 'hidden' });
+      }
+      await page.evaluate(() => document.exitFullscreen());
+      // Escape closes what is open first.
+      await page.keyboard.press('?');
+      await dialog.waitFor();
+      await page.keyboard.press('Escape');
+      await dialog.waitFor({ state: 'hidden' });
+      assert.match(page.url(), /#\/kiosk$/);
+      await page.keyboard.press('Escape');
+      await page.waitForURL(/#\/overview$/);
+      await page.waitForSelector(byId('camera-tile-0'));
+    }));
+
     it('works for those who may only look', async () => {
       const answer = await fetch(address('api/passwords/admin'), { method: 'PUT', body: JSON.stringify({ password: 'only for admins' }) });
       assert.ok(answer.ok, await answer.text());
