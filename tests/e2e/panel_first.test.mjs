@@ -190,9 +190,11 @@ describe('the first set-up', { timeout: 540_000 }, () => {
       await held;
       await route.continue().catch(() => {}); // it was cancelled
     });
+    const isImage = (request) => request.url().includes('/api/images?');
     const begin = async () => {
+      const begun = page.waitForRequest(isImage);
       await page.setInputFiles(byId('upload-images'), [photo]);
-      await page.waitForSelector(byId('upload-cancel'));
+      await begun;
     };
     await page.click(byId('way-upload'));
     await begin();
@@ -201,7 +203,7 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     await textBecomes(page, 'upload-error', /^Cancelled\. Nothing was uploaded\.$/);
 
     await begin();
-    const failed = page.waitForEvent('requestfailed', { predicate: (request) => request.url().includes('/api/images?') });
+    const failed = page.waitForEvent('requestfailed', isImage);
     await page.evaluate(() => { location.hash = '#/diagnostics'; });
     await failed;
 

@@ -4,7 +4,7 @@
 import { ref, watch, watchEffect } from 'vue';
 import type { Status } from '../api/types';
 import { page } from '../router';
-import { headline, newTrouble, sign } from './headline';
+import { headline, moodOf, newTrouble, sign } from './headline';
 import { isStale, knownStatus, liveStatus } from './live';
 
 type Way = 'sound' | 'notification';
@@ -107,7 +107,7 @@ function showSign(href: string): void {
 export function tellAway(): void {
   watchEffect(() => {
     document.title = headline(liveStatus.value, isStale.value, page.value.title, knownStatus.value?.site || 'ssl-visiond');
-    showSign(sign(liveStatus.value ? (liveStatus.value.go ? 'go' : 'nogo') : 'unknown'));
+    showSign(sign(moodOf(liveStatus.value)));
   });
   let before: Status | null = null;
   watch(liveStatus, (now) => {
