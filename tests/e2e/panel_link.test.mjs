@@ -6,6 +6,7 @@ import { copyFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, afterEach, beforeEach, describe, it } from 'node:test';
 import { accessible, byId, createBrowser, DESKTOP, live, PHONE, phone, picturesGoOn, textBecomes, views } from './browser.mjs';
+import { layoutFaults } from './layout.mjs';
 import { becomes, createService, root, upgradePanel } from './service.mjs';
 import { createLink } from './slow_link.mjs';
 
@@ -168,6 +169,8 @@ describe('panel over a bad link', () => {
     await kept(page);
     await withUpgrade(async () => {
       await page.waitForSelector(byId('new-panel'));
+      const faults = await layoutFaults(page, { isTouch: true });
+      assert.deepEqual(faults.filter(({ at }) => /new-panel|connection|theme/.test(at)), [], 'the bar has room for it');
       // The browser's own cache may have it for a while.
       await page.route(/DiagnosticsPage-[\w-]*(?<!-upgraded)\.js$/, (route) => route.fulfill({ status: 404 }));
       await page.evaluate(async () => {
@@ -180,7 +183,7 @@ describe('panel over a bad link', () => {
       await isUpgraded(page);
       await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
     });
-  }));
+  }, { viewport: PHONE, options: phone }));
 
   it('is at most 120 kB on its way to the Camera page', () => onPage('#/camera/0', async (page) => {
     await picturesGoOn(page, 0, 1);
