@@ -6,6 +6,7 @@ import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { transformWithEsbuild, type Plugin } from 'vite';
+import { CACHE_PREFIX } from './src/cachePrefix';
 
 const PACKED = /\.(html|js|css|svg|webmanifest)$/;
 /** What is not the panel's own: the interface's description, which the service answers itself. */
@@ -25,6 +26,7 @@ export function panelFiles(): Plugin {
       const { code } = await transformWithEsbuild(readFileSync(source, 'utf8'), 'sw.ts', {
         format: 'iife', minify: true, sourcemap: false, target: 'es2022',
         define: {
+          PREFIX: JSON.stringify(CACHE_PREFIX),
           FILES: JSON.stringify(kept.map((file) => (file === 'index.html' ? './' : file))),
           VERSION: JSON.stringify(version.digest('hex').slice(0, 16)),
         },

@@ -158,8 +158,10 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   const CONTROLS = 'a[href], button, input, select, textarea, summary, [role="button"], [role="slider"], [role="tab"], [role="checkbox"], [role="switch"], [role="radio"]';
   // An open dialog is all there is.
   const all = document.querySelector('dialog:modal') ?? document.body;
+  // A link in a sentence has a box a line.
+  const boxesOf = (element) => (styleOf(element).display === 'inline' ? [...element.getClientRects()] : [element.getBoundingClientRect()]);
   const controls = [...all.querySelectorAll(CONTROLS)].filter((element) => isShown(element) && element.type !== 'hidden')
-    .map((element) => ({ element, box: element.getBoundingClientRect(), isControl: true }))
+    .flatMap((element) => boxesOf(element).map((box) => ({ element, box, isControl: true })))
     .filter(({ box }) => box.width > 1 && box.height > 1);
   const texts = [];
   const walker = document.createTreeWalker(all, NodeFilter.SHOW_TEXT);
@@ -249,9 +251,8 @@ function look({ isTouch, exceptions, finger, leastImage }) {
       if (told.has(key) || isMeant('overlap', p.element, q.element)) continue;
       p.element.scrollIntoView({ block: 'center', inline: 'nearest', behavior: 'instant' });
       const [a, b] = [p, q].map(({ element, isControl, box }) => {
-        if (isControl) return element.getBoundingClientRect();
         range.selectNodeContents(element);
-        return [...range.getClientRects()].find((one) => Math.abs(one.width - box.width) < 1) ?? element.getBoundingClientRect();
+        return (isControl ? boxesOf(element) : [...range.getClientRects()]).find((one) => Math.abs(one.width - box.width) < 1) ?? element.getBoundingClientRect();
       });
       const still = meet(a, b);
       if (still.x < 2 || still.y < 2) continue; // what stands still over what scrolls
@@ -265,10 +266,15 @@ function look({ isTouch, exceptions, finger, leastImage }) {
 
   // ---- texts that something lies on
 
-  /** What lies on a text where it is now; null: nothing, or it cannot be told. */
-  function whatCovers({ element, way, box, node }) {
+  /** Where a line of text is now; undefined: it cannot be told. */
+  function lineOf({ box, node }) {
     range.selectNodeContents(node);
-    const now = [...range.getClientRects()].find((one) => Math.abs(one.width - box.width) < 1 && Math.abs(one.height - box.height) < 1);
+    return [...range.getClientRects()].find((one) => Math.abs(one.width - box.width) < 1 && Math.abs(one.height - box.height) < 1);
+  }
+  /** What lies on a text where it is now; null: nothing, or it cannot be told. */
+  function whatCovers(item) {
+    const { element, way } = item;
+    const now = lineOf(item);
     if (!now) return null;
     const y = (now.top + now.bottom) / 2;
     const right = now.left + Math.min(now.width, way.kept.right - way.kept.left);
@@ -288,6 +294,9 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     if (top >= 0 && bottom <= height && !whatCovers(item)) continue;
     // What stands still covers what scrolls below it, but not for ever.
     item.element.scrollIntoView({ block: 'center', inline: 'nearest', behavior: 'instant' });
+    // Of a text that is higher than the window this line.
+    const line = lineOf(item);
+    if (line && bottom - top > height / 2) scrollBy({ top: line.top - height / 2, behavior: 'instant' });
     const above = whatCovers(item);
     if (above) tell('overlap', item.element, `its text "${shorten(item.text)}" is covered by ${placeOf(above)}`, above);
   }
@@ -300,8 +309,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     if (style.pointerEvents === 'none') continue;
     if (way.fault) continue;
     element.scrollIntoView({ block: 'center', inline: 'nearest', behavior: 'instant' });
-    const boxes = style.display === 'inline' ? [...element.getClientRects()] : [element.getBoundingClientRect()];
-    const [box] = boxes;
+    const [box] = boxesOf(element);
     if (!box || isMeant('overlap', element)) continue;
     const inset = Math.min(5 + 0.3 * (parseFloat(style.borderTopLeftRadius) || 0), box.width / 3, box.height / 3);
     const points = [[(box.left + box.right) / 2, (box.top + box.bottom) / 2],

@@ -86,6 +86,13 @@ describe('the eye for layout', () => {
     assert.deepEqual(found.map(({ kind, at }) => [kind, /Two/.test(at)]), [['small', true]]);
   });
 
+  it('lets two links of one sentence wrap', async () => {
+    for (let width = 120; width <= 320; width += 20) {
+      const found = await see({ body: `<p style="width: ${width}px">Read <a href="#one">the whole first description</a> or <a href="#two">the second one</a>.</p>` });
+      assert.deepEqual(found, [], `${width} px`);
+    }
+  });
+
   it('lets a menu that a button opened cover what is below', async () => {
     const look = (isOpen) => see({ body: `<button class="btn" aria-expanded="${isOpen}" aria-controls="menu">Menu</button>
       <div id="menu" style="position: absolute; top: 60px; left: 0; width: 300px; height: 120px; background: #fff"><button class="btn">Choice</button></div>` });

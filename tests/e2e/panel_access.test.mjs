@@ -151,7 +151,7 @@ describe('who may do what, in the panel', () => {
           await textBecomes(page, 'lock-line', /Settings are locked while the game runs/);
           assert.ok(await page.isVisible(byId('lock-line')));
           const reason = await page.locator(field).locator('xpath=ancestor::fieldset[1]').evaluate(({ title, ariaDescription }) => ({ title, ariaDescription }));
-          assert.match(reason.title, /a match runs.*unlock them/);
+          assert.match(reason.title, /a match is running.*unlock them/);
           assert.equal(reason.ariaDescription, reason.title);
           await accessibleInThemes(page, `locked settings on a ${name}`);
 

@@ -275,7 +275,7 @@ describe('panel: Diagnostics', () => {
       await page.click('button:has-text("1 min")');
       await pageReaches(page, time_s.at(-1));
       await page.keyboard.press('ArrowLeft');
-      await page.waitForSelector(`${byId('tip')}:has-text("Camera 1 did not run")`);
+      await page.waitForSelector(`${byId('tip')}:has-text("Camera 1 was not running")`);
       await compareAtCursor(page);
       // Beside the other camera's curves there is nothing but the shade in camera 1's colour.
       const { shade } = await page.evaluate(measureGraph, ['latency', CURVES]);

@@ -75,8 +75,8 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     panel.errorsExpected = true; // the browser calls the camera that is not there one
     // What is plugged into this computer nobody knows: the list is made up, all else is real.
     const source = { backend: 'files', path: photo, loop: true };
-    await page.route('**/api/sources', (route) => route.fulfill({ json: { sources: [
-      { backend: 'files', name: 'Photo', model: 'Photo', serial: '17', formats: [], source, camera: null },
+    await page.route('**/api/sources', async (route) => route.fulfill({ json: { sources: [
+      { backend: 'files', name: 'Photo', model: 'Photo', serial: '17', formats: [], source, camera: (await cameras()).length ? 0 : null },
       { backend: 'files', name: 'Broken', model: 'Broken', serial: '', formats: [], source: { backend: 'files', path: join(golden, 'none') }, camera: null },
     ] } }));
     await page.click(byId('find-cameras'));
@@ -91,6 +91,10 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     await good.locator('button:has-text("Add")').click();
     await becomes(cameras, (list) => list.length === 1 && list[0].source.path === photo);
     await page.waitForSelector(byId('camera-entry'));
+    // A second press would make a second camera of the same one.
+    const again = page.locator(byId('found-camera')).first();
+    await again.locator('text=in use: camera 0').waitFor();
+    assert.equal(await again.locator('button:has-text("Add")').count(), 0);
   }));
 
   it('adds a GigE camera by its address', withPage(DESKTOP, '', {}, async (page) => {
@@ -178,6 +182,39 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     }));
   }
 
+  it('lets nothing come between images and their camera, and can be cancelled', withPage(DESKTOP, '', {}, async (page, panel) => {
+    panel.errorsExpected = true; // the browser calls an upload that was cancelled one
+    let goOn;
+    const held = new Promise((resolve) => { goOn = resolve; });
+    await page.route('**/api/images?*', async (route) => {
+      await held;
+      await route.continue().catch(() => {}); // it was cancelled
+    });
+    const isImage = (request) => request.url().includes('/api/images?');
+    const begin = async () => {
+      const begun = page.waitForRequest(isImage);
+      await page.setInputFiles(byId('upload-images'), [photo]);
+      await begun;
+    };
+    await page.click(byId('way-upload'));
+    await begin();
+    for (const other of ['way-address', 'way-files', 'way-upload', 'add-simulator']) assert.ok(await page.isDisabled(byId(other)), other);
+    await page.click(byId('upload-cancel'));
+    await textBecomes(page, 'upload-error', /^Cancelled\. Nothing was uploaded\.$/);
+
+    await begin();
+    const failed = page.waitForEvent('requestfailed', isImage);
+    await page.evaluate(() => { location.hash = '#/diagnostics'; });
+    await failed;
+
+    await page.evaluate(() => { location.hash = '#/'; });
+    await page.click(byId('way-upload'));
+    await begin();
+    goOn();
+    await page.waitForSelector(byId('camera-tile-0'));
+    assert.equal((await cameras()).length, 1);
+  }));
+
   it('keeps uploaded images as long as a camera shows them', withPage(DESKTOP, '#/settings/cameras', {}, async (page, panel) => {
     await page.click(byId('way-upload'));
     await page.setInputFiles(byId('upload-images'), [photo]);
@@ -187,11 +224,21 @@ describe('the first set-up', { timeout: 540_000 }, () => {
     await page.click(byId('way-upload'));
     const entry = page.locator(byId('uploaded-folder')).filter({ hasText: folder });
     panel.errorsExpected = true; // the browser calls a refusal one
-    await entry.locator(`[aria-label="Remove ${folder}"]`).click();
+    const remove = async () => {
+      await entry.locator(`[aria-label="Remove ${folder}"]`).click();
+      await entry.locator('text=Remove these images?').waitFor();
+    };
+    await remove();
+    await page.keyboard.press('Enter');
+    await entry.locator('text=Remove these images?').waitFor({ state: 'detached' });
+    assert.deepEqual(panel.errors, [], 'nothing is removed unasked');
+    await remove();
+    await page.click(byId('remove-images'));
     await textBecomes(page, 'upload-error', /\/cameras\/0\/source\/path names these images/);
     await page.click('[aria-label="Remove camera 0"]');
     await becomes(cameras, (list) => list.length === 0);
-    await entry.locator(`[aria-label="Remove ${folder}"]`).click();
+    await remove();
+    await page.click(byId('remove-images'));
     await entry.waitFor({ state: 'detached' });
   }));
 

@@ -6,6 +6,7 @@ import { copyFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, afterEach, beforeEach, describe, it } from 'node:test';
 import { accessible, byId, createBrowser, DESKTOP, live, PHONE, phone, picturesGoOn, textBecomes, views } from './browser.mjs';
+import { layoutFaults } from './layout.mjs';
 import { becomes, createService, root, upgradePanel } from './service.mjs';
 import { createLink } from './slow_link.mjs';
 
@@ -19,7 +20,7 @@ const troubles = (page) => page.locator(byId('picture-trouble')).allTextContents
 
 /** A camera from a file that is not there (yet). */
 const picture = join(service.folder, 'camera.jpg');
-const noFiles = () => service.patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: picture, loop: true, frame_rate_hz: 20 } });
+const noFiles = (camera = 1, path = picture) => service.patch({ op: 'replace', path: `/cameras/${camera}/source`, value: { backend: 'files', path, loop: true, frame_rate_hz: 20 } });
 /** The history, which is written once a second. */
 const events = async () => (await (await fetch(service.address('api/events'))).json()).entries;
 const isLost = () => service.statusBecomes(({ cameras }) => cameras[1].state === 'lost');
@@ -70,7 +71,7 @@ describe('panel over a bad link', () => {
   it('says "Slow link" beside the verdict on other pages, on a phone, too', browser.withPage(PHONE, '#/camera/0', phone, async (page) => {
     await picturesGoOn(page, 0, 1);
     link.limit(200);
-    await textBecomes(page, 'connection', /GO.*Slow link$/);
+    await textBecomes(page, 'connection', /GO\s*simulated.*Slow link$/);
     await accessible(page, 'a slow link');
     const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wide <= 0, `the page is ${wide} px too wide`);
@@ -132,28 +133,57 @@ describe('panel over a bad link', () => {
     }, { prepare: (page) => page.addInitScript(prepare) }));
   }
 
+  /** While `work` goes on the service has another panel. */
+  async function withUpgrade(work) {
+    const built = service.panelFolder;
+    const upgraded = join(service.folder, 'upgraded');
+    upgradePanel(built, upgraded);
+    await service.stop();
+    service.panelFolder = upgraded;
+    try {
+      await service.start();
+      await work();
+    } finally {
+      await service.stop();
+      service.panelFolder = built;
+      rmSync(upgraded, { recursive: true });
+    }
+  }
+  const isUpgraded = (page) => page.waitForSelector('script[src$="index-upgraded.js"]', { state: 'attached' });
+
   for (const hasWorker of [false, true]) {
     it(`takes the panel of an upgraded service by itself, in a browser that keeps ${hasWorker ? 'files' : 'none'}`, () => onPage('', async (page) => {
       await live(page);
       if (hasWorker) await kept(page);
-      const built = service.panelFolder;
-      const upgraded = join(service.folder, 'upgraded');
-      upgradePanel(built, upgraded);
-      await service.stop();
-      service.panelFolder = upgraded;
-      try {
-        await service.start();
-        await page.waitForSelector('script[src$="index-upgraded.js"]', { state: 'attached' });
+      await withUpgrade(async () => {
+        await isUpgraded(page);
         await live(page);
         await page.click('nav a:has-text("Diagnostics")');
         await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
-      } finally {
-        await service.stop();
-        service.panelFolder = built;
-        rmSync(upgraded, { recursive: true });
-      }
+      });
     }, { options: { serviceWorkers: hasWorker ? 'allow' : 'block' } }));
   }
+
+  it('opens a page whose files went with an upgrade, even where a reload did not help before', () => onPage('#/settings', async (page) => {
+    await live(page);
+    await kept(page);
+    await withUpgrade(async () => {
+      await page.waitForSelector(byId('new-panel'));
+      const faults = await layoutFaults(page, { isTouch: true });
+      assert.deepEqual(faults.filter(({ at }) => /new-panel|connection|theme/.test(at)), [], 'the bar has room for it');
+      // The browser's own cache may have it for a while.
+      await page.route(/DiagnosticsPage-[\w-]*(?<!-upgraded)\.js$/, (route) => route.fulfill({ status: 404 }));
+      await page.evaluate(async () => {
+        sessionStorage.setItem('reloaded-for', 'assets/index-upgraded.js');
+        const taken = new Promise((resolve) => { navigator.serviceWorker.addEventListener('controllerchange', resolve); });
+        await (await navigator.serviceWorker.getRegistration()).update();
+        await taken;
+        location.hash = '#/diagnostics';
+      });
+      await isUpgraded(page);
+      await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
+    });
+  }, { viewport: PHONE, options: phone }));
 
   it('is at most 120 kB on its way to the Camera page', () => onPage('#/camera/0', async (page) => {
     await picturesGoOn(page, 0, 1);
@@ -182,7 +212,15 @@ describe('panel that nobody looks at', () => {
     window.heard = { tones: 0, notes: [] };
     const start = OscillatorNode.prototype.start;
     OscillatorNode.prototype.start = function count(...when) { window.heard.tones++; return start.apply(this, when); };
-    window.Notification = class { constructor(title, { body }) { window.heard.notes.push(`${title}: ${body}`); } close() {} };
+    const shown = new Set();
+    window.Notification = class {
+      constructor(title, { body, tag, renotify }) {
+        // As in a browser: one takes the place of another with the same tag without a word, unless told otherwise.
+        if (!tag || !shown.has(tag) || renotify) window.heard.notes.push(`${title}: ${body}`);
+        shown.add(tag);
+      }
+      close() {}
+    };
     window.Notification.permission = 'default';
     window.Notification.requestPermission = async () => { window.Notification.permission = 'granted'; return 'granted'; };
     window.leave = () => { Object.defineProperty(document, 'visibilityState', { get: () => 'hidden' }); };
@@ -223,8 +261,44 @@ describe('panel that nobody looks at', () => {
       await service.statusBecomes(({ cameras }) => cameras[1].state === 'running');
       await page.waitForSelector(byId('reopen-1'), { state: 'detached' });
       await becomes(events, (entries) => entries.some(({ title }) => title === 'Asked to open camera 1 again'));
+
+      // The next one is told as well, and so is the same one once more.
+      await noFiles(1, join(service.folder, 'none.jpg'));
+      await page.waitForFunction(() => window.heard.tones === 4 && window.heard.notes.length === 2);
+      await noFiles(0, join(service.folder, 'none.jpg'));
+      await page.waitForFunction(() => window.heard.tones === 6 && window.heard.notes.length === 3);
+      const lost = (id) => `${service.settings.site}: Camera ${id} lost`;
+      assert.deepEqual(await page.evaluate(() => window.heard.notes), [lost(1), lost(1), lost(0)]);
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
+
+  it('does not save up the sounds of a page that may not sound yet', () => onPage('', async (page) => {
+    await live(page);
+    await page.evaluate(() => { window.leave(); });
+    await noFiles();
+    await isLost();
+    await page.waitForFunction(() => window.heard.notes.length === 1);
+    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 1000); }));
+    await page.mouse.click(2, 2);
+    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 1000); }));
+    assert.equal(await page.evaluate(() => window.heard.tones), 0);
+  }, {
+    options: { serviceWorkers: 'block' },
+    async prepare(page) {
+      await listen(page);
+      await page.addInitScript(() => {
+        // A browser without a window lets every page sound; others begin with the first click.
+        let mayStart = () => {};
+        const isAllowed = new Promise((resolve) => { mayStart = resolve; });
+        let state = 'suspended';
+        Object.defineProperty(AudioContext.prototype, 'state', { get: () => state });
+        AudioContext.prototype.resume = () => isAllowed;
+        addEventListener('pointerdown', () => { state = 'running'; mayStart(); }, { capture: true });
+        window.Notification.permission = 'granted';
+        for (const way of ['sound', 'notification']) localStorage.setItem(`away-${way}`, 'on');
+      });
+    },
+  }));
 
   for (const { name, viewport, options, it } of views) it(`offers to reopen on the Camera page of a ${name}, and says what came of it`, () => onPage('#/camera/1', async (page) => {
     await live(page);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every page of the panel at every size of screen, with one to eight cameras: nothing cut, nothing overlapping, targets
-// for fingers, images that can be used, axe clean. layout.mjs says what is looked for, and what is meant to be as it is.
-//   SSLV_WALK=all          every size, number of cameras and theme; else a part of them, which takes less than a minute
+// Every page of the panel at every size of screen, with none to eight cameras, and in a match: nothing cut, nothing
+// overlapping, targets for fingers, images that can be used, axe clean. layout.mjs says what is looked for, and what is
+// meant to be as it is.
+//   SSLV_WALK=all          every size, number of cameras and theme; else a part of them, which takes two minutes
 //   SSLV_WALK_PAGES=a,b    only addresses that begin with one of these
 //   SSLV_WALK_SIZES=WxH,…  only these sizes
 //   SSLV_WALK_SHOTS=DIR    also keeps an image of all that is looked at
@@ -9,10 +10,10 @@
 import assert from 'node:assert/strict';
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { describe, it } from 'node:test';
+import { after, describe, it } from 'node:test';
 import { axeFaults, chooseTheme, createBrowser, live, phone } from './browser.mjs';
 import { layoutFaults } from './layout.mjs';
-import { cameraCounts, findPaths, lookAround, nameOfSize, serviceWith, settled, sizes } from './walk.mjs';
+import { cameraCounts, findPaths, lookAround, matchFor, nameOfSize, serviceWith, settled, sizes } from './walk.mjs';
 
 const isAll = process.env.SSLV_WALK === 'all';
 const list = (name) => process.env[name]?.split(',') ?? null;
@@ -20,6 +21,9 @@ const [onlyPages, onlySizes] = [list('SSLV_WALK_PAGES'), list('SSLV_WALK_SIZES')
 const shots = process.env.SSLV_WALK_SHOTS;
 
 const counts = list('SSLV_WALK_CAMERAS')?.map(Number) ?? (isAll ? cameraCounts : [1, 4]);
+/** What only changes a little on each page: the pages themselves, without what their switches show. */
+const others = list('SSLV_WALK_CAMERAS') ? [] : [{ count: 0 }, { count: 1, isMatch: true }];
+const states = [...counts.map((count) => ({ count, isWhole: true })), ...others];
 const usual = ['1366x650', '800x360', '360x780'];
 const wanted = sizes.filter((size) => (onlySizes ?? (isAll ? sizes.map(nameOfSize) : usual)).includes(nameOfSize(size)));
 
@@ -36,13 +40,16 @@ function summary(faults) {
   return `${places.size} faults:\n${lines.slice(0, 60).join('\n')}${lines.length > 60 ? `\n… ${lines.length - 60} more` : ''}`;
 }
 
-for (const [n, count] of counts.entries()) {
-  const service = await serviceWith(count, `239.255.77.${110 + count}`);
+for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
+  const service = await serviceWith(count, `239.255.77.${110 + n}`);
   const { address, statusBecomes } = service;
+  const endMatch = isMatch ? await matchFor(service) : () => {};
+  const stateName = `${count} camera${count === 1 ? '' : 's'}${isMatch ? ' in a match' : ''}`;
 
-  describe(`the panel with ${count} camera${count > 1 ? 's' : ''}`, () => {
+  describe(`the panel with ${stateName}`, () => {
     const { aroundTests, openPage } = createBrowser(service, { webgl: true });
-    aroundTests(() => statusBecomes(({ cameras }) => cameras.length === count && cameras.every(({ state }) => state === 'running')));
+    aroundTests(() => statusBecomes(({ cameras, referee }) => cameras.length === count && cameras.every(({ state }) => state === 'running') && (!isMatch || referee.game_is_running)));
+    after(endMatch);
     /** Found once: they are the same at all sizes. */
     let paths;
 
@@ -62,11 +69,12 @@ for (const [n, count] of counts.entries()) {
           for (const [p, path] of paths.filter((one) => !onlyPages || onlyPages.some((start) => one.startsWith(start))).entries()) {
             // Unless all is asked for: places within a page are alike, so each at one size with one number of cameras;
             // what a page's switches show at one size with each.
-            const isWhole = isAll || onlyPages !== null;
+            const isWhole = isWholeState && (isAll || onlyPages !== null);
+            if (!isWholeState && path.includes('/')) continue;
             if (!isWhole && path.includes('/') && (p + m + n * wanted.length) % (wanted.length * counts.length)) continue;
-            const isDeep = isWhole || (!path.includes('/') && (p + m + n) % wanted.length === 0);
+            const isDeep = isWhole || (isWholeState && !path.includes('/') && (p + m + n) % wanted.length === 0);
             await lookAround(page, path, isDeep, async (what) => {
-              const where = `#/${path}${what ? `, ${what}` : ''}, ${nameOfSize(size)}, ${count} camera${count > 1 ? 's' : ''}, ${theme}`;
+              const where = `#/${path}${what ? `, ${what}` : ''}, ${nameOfSize(size)}, ${stateName}, ${theme}`;
               if (shots) {
                 mkdirSync(shots, { recursive: true });
                 await page.screenshot({ path: join(shots, `${where.replace(/[^\w.-]+/g, '_')}.png`) });

@@ -6,7 +6,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -56,17 +56,21 @@ export async function freeUdpPort() {
   return port;
 }
 
-/** A copy of a built panel in `to` as another version would be: its entry is `assets/index-upgraded.js`. */
+/**
+ * A copy of a built panel in `to` as another version would be: all scripts have other names, as they name each other; its
+ * entry is `assets/index-upgraded.js`.
+ */
 export function upgradePanel(built, to) {
   cpSync(built, to, { recursive: true });
-  const entry = readdirSync(join(to, 'assets')).find((name) => /^index-.*\.js$/.test(name));
+  const scripts = readdirSync(join(to, 'assets')).filter((name) => name.endsWith('.js'));
+  const names = scripts.map((name) => [name, /^index-/.test(name) ? 'index-upgraded.js' : name.replace(/\.js$/, '-upgraded.js')]);
   for (const file of readdirSync(to, { recursive: true })) {
     if (file.endsWith('.gz')) rmSync(join(to, file));
     if (!/\.(html|js)$/.test(file)) continue;
-    writeFileSync(join(to, file), readFileSync(join(to, file), 'utf8').replaceAll(entry, 'index-upgraded.js').replace(/"[0-9a-f]{16}"/, '"0123456789abcdef"'));
+    const text = names.reduce((now, [old, name]) => now.replaceAll(old, name), readFileSync(join(to, file), 'utf8'));
+    writeFileSync(join(to, file), text.replace(/"[0-9a-f]{16}"/, '"0123456789abcdef"'));
   }
-  copyFileSync(join(to, 'assets', entry), join(to, 'assets/index-upgraded.js'));
-  rmSync(join(to, 'assets', entry));
+  for (const [old, name] of names) renameSync(join(to, 'assets', old), join(to, 'assets', name));
 }
 
 /** The demo with packets to `group`; nothing runs yet. `settings` may be changed before the start. */

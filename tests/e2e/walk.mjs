@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A walk through the whole panel: every page of webui/src/router.ts, every address that their links lead to, and in each
 // all that its switches, tabs, steps and menus show. New pages are found by themselves.
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { createService, root } from './service.mjs';
+import { gameController } from './league_messages.mjs';
+import { createService, freeUdpPort, root } from './service.mjs';
 
 export const sizes = [
   { width: 1366, height: 650 }, { width: 1280, height: 720 }, { width: 1024, height: 768 },
@@ -60,6 +63,23 @@ export async function serviceWith(count, group) {
   const service = await createService(group);
   service.settings.cameras = camerasOver(count, service.settings.cameras);
   return service;
+}
+
+/** A match that locks the settings, for a service that has not started. Gives what ends it. */
+export async function matchFor(service) {
+  const port = await freeUdpPort();
+  const group = '224.5.23.103';
+  service.settings.network.referee = { enabled: true, group, port, interface: 'lo' };
+  const socket = createSocket('udp4').bind(0, '127.0.0.1');
+  await once(socket, 'listening');
+  socket.setMulticastInterface('127.0.0.1');
+  const timeLeft = Buffer.from([0x18, 0x80, 0xc9, 0xfe, 0x3d]); // 65 s
+  const said = Buffer.concat([gameController({ yellow: ['RoboTeam Twente'], blue: ['TIGERs Mannheim'], stage: 1, command: 2 }), timeLeft]);
+  const timer = setInterval(() => socket.send(said, port, group), 200);
+  return () => {
+    clearInterval(timer);
+    socket.close();
+  };
 }
 
 /** Waits until nothing of what is shown is still on its way. */

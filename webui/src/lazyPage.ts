@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A page that loads when it is opened. Without the service it waits for it and then loads by itself.
 import { defineAsyncComponent, type Component } from 'vue';
+import { page } from './router';
 import PageLoading from './shell/PageLoading.vue';
 import { isOutdated, loadNewPanel, lookForPanel } from './state/panelVersion';
 
@@ -9,8 +10,14 @@ const RELOAD_KEY = 'reloaded-page-at';
 const RELOAD_EVERY_MS = 30_000;
 
 const nextTry = () => new Promise<void>((resolve) => {
-  setTimeout(resolve, AGAIN_MS);
-  addEventListener('online', () => resolve(), { once: true });
+  const listening = new AbortController();
+  const end = () => {
+    listening.abort();
+    clearTimeout(timer);
+    resolve();
+  };
+  const timer = setTimeout(end, AGAIN_MS);
+  addEventListener('online', end, { signal: listening.signal });
 });
 
 /** Of a sheet that did not come, browsers have none, or one that nobody may read. */
@@ -43,16 +50,25 @@ function reload(): void {
   location.reload();
 }
 
-export const lazyPage = (load: () => Promise<Component>): Component => defineAsyncComponent({
-  loader: load,
-  loadingComponent: PageLoading,
-  delay: 150,
-  async onError(_error, retry, _fail, attempts) {
-    while (!await lookForPanel()) await nextTry();
-    if (isOutdated.value) return void loadNewPanel(false);
-    if (attempts > 1) reload();
-    await loadStylesAgain();
-    if (attempts > 1) await nextTry();
-    retry();
-  },
-});
+export function lazyPage(load: () => Promise<Component>): Component {
+  let openedOn = '';
+  return defineAsyncComponent({
+    loader() {
+      openedOn = page.value.name;
+      return load();
+    },
+    loadingComponent: PageLoading,
+    delay: 150,
+    async onError(_error, retry, fail, attempts) {
+      const isLeft = () => page.value.name !== openedOn;
+      while (!isLeft() && !await lookForPanel()) await nextTry();
+      if (!isLeft() && isOutdated.value && await loadNewPanel(false, () => !isLeft())) return;
+      // The next visit begins from the start.
+      if (isLeft()) return fail();
+      if (attempts > 1) reload();
+      await loadStylesAgain();
+      if (attempts > 1) await nextTry();
+      retry();
+    },
+  });
+}

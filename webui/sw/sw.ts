@@ -7,20 +7,39 @@ declare const FILES: readonly string[];
 /** Another one for every other content of these files. */
 declare const VERSION: string;
 
-const PREFIX = 'ssl-visiond-panel-';
+/** Of the panel's caches; src/cachePrefix.ts has it. */
+declare const PREFIX: string;
+
 const NAME = PREFIX + VERSION;
 const BASE = new URL('./', self.location.href);
 
-/** One file after the other: the panel's images share the link. What fails leaves all as it was. */
-async function keepAll(): Promise<void> {
-  const cache = await caches.open(NAME);
+/** An upgrade between two fetches gives the page of another panel than the files that are listed here. */
+async function checkPage(page: Response): Promise<void> {
+  const entry = /<script[^>]*src="[^"]*?(assets\/[^"]+)"/.exec(await page.text())?.[1] ?? '';
+  if (!FILES.includes(entry)) throw new Error(`the page wants ${entry}, which is not among the files`);
+}
+
+/** One file after the other: the panel's images share the link. */
+async function fill(cache: Cache): Promise<void> {
   for (const file of FILES) {
     const url = new URL(file, BASE).href;
     const isHashed = file.startsWith('assets/');
     const known = isHashed ? await caches.match(url) : undefined;
     const answer = known ?? await fetch(url, { cache: isHashed ? 'default' : 'no-cache' });
     if (!answer.ok) throw new Error(`${file}: ${answer.status}`);
+    if (file === './') await checkPage(answer.clone());
     await cache.put(url, answer);
+  }
+}
+
+/** What fails leaves all as it was; browsers try again. */
+async function keepAll(): Promise<void> {
+  const isNew = !await caches.has(NAME);
+  try {
+    await fill(await caches.open(NAME));
+  } catch (error) {
+    if (isNew) await caches.delete(NAME);
+    throw error;
   }
 }
 
@@ -46,6 +65,9 @@ self.addEventListener('fetch', (event) => {
   const isPage = path === '' && request.mode === 'navigate';
   if (isPage || FILES.includes(path)) event.respondWith(fromCache(new URL(path || './', BASE).href, request));
 });
+
+/** A page asks which panel it would get from here. */
+self.addEventListener('message', ({ data, ports }) => ports[0]?.postMessage(FILES.includes(data)));
 
 /** An alert leads back to the panel. */
 self.addEventListener('notificationclick', (event) => {

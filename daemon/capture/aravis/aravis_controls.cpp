@@ -85,6 +85,7 @@ class AravisControls final : public Controls {
     const std::lock_guard lock(camera_->mutex);
     std::vector<Control> out;
     std::set<std::string> seen;  // a feature may be in several categories
+    find_selectors_once();
     add_category(genicam(), "Root", "", seen, out);
     return out;
   }
@@ -106,6 +107,7 @@ class AravisControls final : public Controls {
   };
 
   Place place_of(const std::string& name) {
+    find_selectors_once();
     const std::size_t open = name.ends_with(']') ? name.find('[') : std::string::npos;
     if (open == std::string::npos) return {node_of(name), nullptr, ""};
     const std::string choice = name.substr(open + 1, name.size() - open - 2);
@@ -118,13 +120,15 @@ class AravisControls final : public Controls {
     throw SettingsError(fmt::format("{}: the camera has no such control", name));
   }
 
+  /// Not while a category's features are gone through: Aravis makes a new list of them whenever it is asked.
+  void find_selectors_once() {
+    if (std::exchange(knows_selectors_, true)) return;
+    std::set<std::string> seen;
+    find_selectors(genicam(), "Root", seen);
+  }
+
   /// The selector that chooses what a feature is of; null: none.
-  ArvGcFeatureNode* selector_of(ArvGcFeatureNode* node) {
-    if (!knows_selectors_) {
-      std::set<std::string> seen;
-      find_selectors(genicam(), "Root", seen);
-      knows_selectors_ = true;
-    }
+  ArvGcFeatureNode* selector_of(ArvGcFeatureNode* node) const {
     const auto found = selectors_.find(text_or_empty(arv_gc_feature_node_get_name(node)));
     return found == selectors_.end() ? nullptr : found->second;
   }
@@ -155,13 +159,13 @@ class AravisControls final : public Controls {
   }
 
   /// The selector whose choices have a control each of this feature; null: it is one control.
-  ArvGcEnumeration* splitting(ArvGcFeatureNode* node) {
+  ArvGcEnumeration* splitting(ArvGcFeatureNode* node) const {
     ArvGcFeatureNode* selector = ARV_IS_GC_COMMAND(node) ? nullptr : selector_of(node);
     return selector != nullptr && is_split(selector) ? ARV_GC_ENUMERATION(selector) : nullptr;
   }
 
   /// A feature that is a control by itself. With one choice only its selector does not matter.
-  Control whole_control_of(ArvGcFeatureNode* node, const std::string& category) {
+  Control whole_control_of(ArvGcFeatureNode* node, const std::string& category) const {
     Control out = control_of(node, category);
     ArvGcFeatureNode* selector = selector_of(node);
     const bool is_selected = selector != nullptr && !(ARV_IS_GC_ENUMERATION(selector) &&
@@ -179,7 +183,7 @@ class AravisControls final : public Controls {
     return out;
   }
 
-  void add_feature(ArvGcFeatureNode* node, const std::string& category, std::vector<Control>& out) {
+  void add_feature(ArvGcFeatureNode* node, const std::string& category, std::vector<Control>& out) const {
     if (is_split(node)) return;
     ArvGcEnumeration* selector = splitting(node);
     if (selector == nullptr) {
@@ -219,7 +223,7 @@ class AravisControls final : public Controls {
   }
 
   void add_category(ArvGc* genicam, const char* name, const std::string& title, std::set<std::string>& seen,
-                    std::vector<Control>& out) {
+                    std::vector<Control>& out) const {
     ArvGcNode* node = arv_gc_get_node(genicam, name);
     if (node == nullptr || !seen.insert(name).second) return;
     if (ARV_IS_GC_CATEGORY(node)) {

@@ -72,10 +72,22 @@ export const api = {
   }, [])).blob(),
   /** What is no JSON: an image, a table. */
   blob: async (path: string) => (await ask(path, {})).blob(),
-  /** Sends a file as it is. */
-  upload: async <T>(path: string, file: Blob, headers: Record<string, string> = {}) => await (await ask(path, {
-    method: 'POST', headers: { 'Content-Type': 'application/octet-stream', ...headers }, body: file, signal: AbortSignal.timeout(UPLOAD_PATIENCE_MS),
-  })).json() as T,
+  /** Sends a file as it is; `signal` ends that. */
+  async upload<T>(path: string, file: Blob, headers: Record<string, string> = {}, signal?: AbortSignal): Promise<T> {
+    // AbortSignal.any() is too young for the browsers of some fields.
+    const either = new AbortController();
+    const end = () => either.abort();
+    const timer = setTimeout(end, UPLOAD_PATIENCE_MS);
+    signal?.addEventListener('abort', end);
+    try {
+      signal?.throwIfAborted();
+      const answer = await ask(path, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream', ...headers }, body: file, signal: either.signal });
+      return await answer.json() as T;
+    } finally {
+      clearTimeout(timer);
+      signal?.removeEventListener('abort', end);
+    }
+  },
 };
 
 /** What to tell somebody about whatever was thrown. */

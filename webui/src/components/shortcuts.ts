@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The keys that do something now. What is listed here is both what the keyboard does and what the dialog shows.
-import { shallowReactive } from 'vue';
+import { ref, shallowReactive } from 'vue';
 
 export interface Shortcut {
   /** As KeyboardEvent.key says, letters in lower case. Several mean the same, or the action looks which it is. */
@@ -21,6 +21,9 @@ export interface ShortcutGroup {
   title: string;
   shortcuts: readonly Shortcut[];
 }
+
+/** The dialog that lists them is shown. */
+export const isListOpen = ref(false);
 
 const groups = shallowReactive<ShortcutGroup[]>([]);
 

@@ -4,7 +4,7 @@
 import { ref, watch, watchEffect } from 'vue';
 import type { Status } from '../api/types';
 import { page } from '../router';
-import { headline, newTrouble, sign } from './headline';
+import { headline, moodOf, newTrouble, sign } from './headline';
 import { isStale, knownStatus, liveStatus } from './live';
 
 type Way = 'sound' | 'notification';
@@ -38,10 +38,17 @@ function readyAudio(): void {
   void audio.resume();
 }
 
-/** Two falling tones. */
-export function playSound(): void {
+/** Where the page may sound, that takes a moment at most. */
+const AUDIO_MS = 500;
+async function canSound(): Promise<boolean> {
   readyAudio();
-  if (!audio) return;
+  await Promise.race([audio?.resume(), new Promise((resolve) => { setTimeout(resolve, AUDIO_MS); })]);
+  return audio?.state === 'running';
+}
+
+/** Two falling tones, or nothing: those of an alert long ago would all sound with the next click. */
+export async function playSound(): Promise<void> {
+  if (!await canSound()) return;
   [880, 587].forEach((hertz, i) => {
     const tone = audio!.createOscillator();
     const volume = audio!.createGain();
@@ -57,7 +64,7 @@ export function playSound(): void {
 
 export function chooseSound(on: boolean): void {
   choose('sound', on);
-  if (on) playSound();
+  if (on) void playSound();
 }
 
 /** Why this browser shows no notifications; empty: it does, or asks. */
@@ -68,7 +75,8 @@ export function notificationProblem(): string {
 }
 
 async function notify(text: string): Promise<void> {
-  const options = { body: text, tag: 'ssl-visiond', icon: 'icon-192.png' };
+  // One for each trouble, and told again each time: a browser changes one with the same tag silently otherwise.
+  const options = { body: text, tag: `ssl-visiond ${text}`, renotify: true, icon: 'icon-192.png' };
   const title = knownStatus.value?.site || 'ssl-visiond';
   try {
     const registration = await navigator.serviceWorker?.getRegistration();
@@ -99,7 +107,7 @@ function showSign(href: string): void {
 export function tellAway(): void {
   watchEffect(() => {
     document.title = headline(liveStatus.value, isStale.value, page.value.title, knownStatus.value?.site || 'ssl-visiond');
-    showSign(sign(liveStatus.value ? (liveStatus.value.go ? 'go' : 'nogo') : 'unknown'));
+    showSign(sign(moodOf(liveStatus.value)));
   });
   let before: Status | null = null;
   watch(liveStatus, (now) => {
@@ -107,7 +115,7 @@ export function tellAway(): void {
     const trouble = before && newTrouble(before, now);
     before = now;
     if (!trouble || isLookedAt()) return;
-    if (chosen.sound.value) playSound();
+    if (chosen.sound.value) void playSound();
     if (chosen.notification.value) void notify(trouble);
   });
   for (const kind of ['pointerdown', 'keydown']) addEventListener(kind, readyAudio, { once: true, capture: true });

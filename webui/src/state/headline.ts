@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a browser's tab says while its page is not looked at: verdict, what is wrong, where.
 import type { Status } from '../api/types';
+import { unrealWord } from './verdict';
 
-export type Mood = 'go' | 'nogo' | 'unknown';
+/** `unreal`: GO, but no camera looks at the field. */
+export type Mood = 'go' | 'unreal' | 'nogo' | 'unknown';
+
+export function moodOf(status: Status | null): Mood {
+  if (!status) return 'unknown';
+  if (!status.go) return 'nogo';
+  return unrealWord(status.cameras) ? 'unreal' : 'go';
+}
 
 export const lostCameras = (status: Status): number[] => status.cameras.filter(({ state }) => state === 'lost').map(({ id }) => id);
 
@@ -16,7 +24,8 @@ export function whatIsWrong(status: Status): string {
 
 /** `status` null: what the service says now is not known. */
 export function headline(status: Status | null, isStale: boolean, page: string, site: string): string {
-  const first = isStale ? ['No data'] : status && !status.go ? ['NO-GO', whatIsWrong(status)] : [page];
+  const mood = moodOf(status);
+  const first = isStale ? ['No data'] : mood === 'nogo' ? ['NO-GO', whatIsWrong(status!)] : [page, ...(mood === 'unreal' ? [unrealWord(status!.cameras)] : [])];
   return [...first, site].filter(Boolean).join(' · ');
 }
 
@@ -30,6 +39,7 @@ export function newTrouble(before: Status, now: Status): string | null {
 
 const shapes: Record<Mood, string> = {
   go: '<circle cx="16" cy="16" r="15" fill="#1a7f37" stroke="none"/><path d="M9 16.5l5 5L23.5 11.5"/>',
+  unreal: '<circle cx="16" cy="16" r="13.5" fill="#fff" stroke="#1a7f37"/><path stroke="#1a7f37" d="M9 16.5l5 5L23.5 11.5"/>',
   nogo: '<path d="M10 1h12l9 9v12l-9 9H10l-9-9V10z" fill="#c8102e" stroke="none"/><path d="M11 11l10 10M21 11L11 21"/>',
   unknown: '<circle cx="16" cy="16" r="15" fill="#6b7280" stroke="none"/><path d="M9 16h14"/>',
 };

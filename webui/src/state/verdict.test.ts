@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import type { Check } from '../api/types';
 import { camera } from '../testing/samples';
-import { unrealText, verdictText } from './verdict';
+import { unrealText, unrealWord, verdictText } from './verdict';
 
 const checks = (...states: Check['state'][]) => states.map((state) => ({ id: 'cameras', title: '', state, value: '', unit: '', text: '' }) satisfies Check);
 
@@ -20,5 +20,6 @@ describe('unrealText', () => {
     expect(unrealText([camera(), camera({ origin: 'recording' })])).toBe('recorded and simulated images only');
     expect(unrealText([camera(), camera({ origin: 'camera' })])).toBe('');
     expect(unrealText([])).toBe('');
+    expect(unrealWord([camera()])).toBe('simulated');
   });
 });

@@ -14,9 +14,14 @@ export function verdictText(checks: readonly Check[]): string {
 /** What images are that no camera over the field sends; empty for those of one. */
 export const originWord = (origin: CameraStatus['origin']) => ({ camera: '', recording: 'recorded', simulation: 'simulated' })[origin];
 
-/** What a verdict is not about, "simulated images": no camera looks at the field. Empty when one does. */
+/** "simulated": what all images are when no camera looks at the field, so that a verdict is not about it. Empty when one does. */
+export function unrealWord(cameras: readonly CameraStatus[]): string {
+  if (cameras.some(({ origin }) => origin === 'camera')) return '';
+  return [...new Set(cameras.map(({ origin }) => originWord(origin)))].sort().join(' and ');
+}
+
+/** The same as a sentence has it: "simulated images only". */
 export function unrealText(cameras: readonly CameraStatus[]): string {
-  if (!cameras.length || cameras.some(({ origin }) => origin === 'camera')) return '';
-  const words = [...new Set(cameras.map(({ origin }) => originWord(origin)))].sort();
-  return `${words.join(' and ')} images only`;
+  const word = unrealWord(cameras);
+  return word && `${word} images only`;
 }
