@@ -66,14 +66,17 @@ Control ControlMemory::set_unsaved(const std::string& name, const Json& value) {
   }
   if (controls_.set(name, value) == ControlEffect::kWhenOpened)
     throw NeedsReopening(fmt::format("{}: changing this reopens the camera. Save it to apply it.", name));
+  {
+    // Before it is read, which may fail.
+    const std::lock_guard lock(mutex_);
+    if (is_clean) clean_ = clean;
+    if (is_first) entries_.push_back({before, before.value});
+    find(name)->control.value = value;
+  }
   Control now = controls_.get(name);
   const std::vector<Control> all = is_first ? controls_.list() : std::vector<Control>{};
+  update_one(now);
   const std::lock_guard lock(mutex_);
-  if (is_clean) clean_ = clean;
-  if (UnsavedControl* entry = find(name))
-    entry->control = now;
-  else
-    entries_.push_back({now, before.value});
   for (const Control& other : all) {
     const auto was = clean_.find(other.name);
     if (is_mode(other) && was != clean_.end() && was->second != other.value && find(other.name) == nullptr)
@@ -109,6 +112,7 @@ void ControlMemory::revert(const std::set<std::string>& names) {
     return names.empty() || names.contains(entry.control.name);
   };
   std::vector<UnsavedControl> chosen;
+  std::vector<std::string> others;  // unsaved too, which a mode that goes back may lock or let go
   Values targets;
   {
     const std::lock_guard lock(mutex_);
@@ -116,7 +120,10 @@ void ControlMemory::revert(const std::set<std::string>& names) {
     const bool has_mode =
         std::ranges::any_of(chosen, [](const auto& entry) { return is_mode(entry.control); });
     if (has_mode) targets = clean_;
-    for (const auto& entry : entries_) targets.erase(entry.control.name);
+    for (const auto& entry : entries_) {
+      targets.erase(entry.control.name);
+      if (!is_chosen(entry)) others.push_back(entry.control.name);
+    }
   }
   for (auto entry = chosen.rbegin(); entry != chosen.rend(); ++entry) {
     targets[entry->control.name] = entry->before;
@@ -126,6 +133,7 @@ void ControlMemory::revert(const std::set<std::string>& names) {
     }
   }
   const Values refusals = set_all(targets);
+  for (const std::string& name : others) update_one(controls_.get(name));
   std::string problem;
   for (const UnsavedControl& entry : chosen) {
     const Control now = controls_.get(entry.control.name);
