@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the verdict leaves good fields alone: fields of many seeds, sizes, lights, carpets and numbers of cameras, set
 // up as an admin would, then watched. Prints a Markdown table; exit 1 when a field is not GO or warns of anything.
-//   node good_fields.mjs [--fields 50] [--first 1] [--minutes 10] [--at-once 1] [--rate 10]
+//   node good_fields.mjs [--fields 50] [--first 1] [--minutes 10] [--at-once 1] [--rate 10] [--drawn]
+// --drawn: images of the renderer of tests/halls, which the simulator does not share a line with, of one camera over one
+// half: that nobody looks at the other half is all that may be said.
 import { createSocket } from 'node:dgram';
+import { execFileSync } from 'node:child_process';
 import { once } from 'node:events';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { setTimeout as pause } from 'node:timers/promises';
 import { parseArgs } from 'node:util';
 import { gameController } from '../e2e/league_messages.mjs';
-import { becomes, createService, freeUdpPort } from '../e2e/service.mjs';
+import { becomes, createService, DAEMON, freeUdpPort } from '../e2e/service.mjs';
 
 const { values: options } = parseArgs({ options: {
   fields: { type: 'string', default: '50' }, first: { type: 'string', default: '1' }, minutes: { type: 'string', default: '10' },
-  'at-once': { type: 'string', default: '1' }, rate: { type: 'string', default: '10' },
+  'at-once': { type: 'string', default: '1' }, rate: { type: 'string', default: '10' }, drawn: { type: 'boolean', default: false },
 } });
 const [FIELDS, FIRST, MINUTES, AT_ONCE, RATE_HZ] = ['fields', 'first', 'minutes', 'at-once', 'rate'].map((name) => Number(options[name]));
 const GRIDS = { 1: [1, 1], 2: [2, 1], 3: [3, 1], 4: [2, 2], 6: [3, 2], 8: [4, 2] };
@@ -19,6 +25,8 @@ const HEIGHT_MM = 4000, MM_PER_PX = 7.5, MM_SEEN_BESIDE = 350;
 const STAGE_PLAYED = 1, NORMAL_START = 2;
 // About this computer, not about the field: packets stay on it, and it runs several services at a time.
 const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'camera_slow']);
+const CHECKS_OF_THE_COMPUTER = new Set(['network', 'computer', 'clock', 'pictures', 'latency', 'cameras']);
+const DRAWN_FRAMES = 120;
 
 /** Numbers by chance that are the same for the same seed (mulberry32). */
 function chances(seed) {
@@ -66,10 +74,52 @@ function camerasOf(chance, count, field, source, classes) {
   });
 }
 
-const tell = ({ alerts, checks }) => [...alerts.map(({ title }) => title), ...checks.filter(({ state }) => state !== 'pass').map(({ id, state, text }) => `${id} ${state}: ${text}`)].join('; ');
+/** From a service of one field: its answers, its colours learnt, what its verdict says. */
+function adminOf(service) {
+  const ask = async (path) => (await fetch(service.address(`api/${path}`))).json();
+  return {
+    ask,
+    async learnColors(id) {
+      const learning = async (method, path = '') => (await fetch(service.address(`api/cameras/${id}/colors/learning${path}`), { method })).json();
+      await learning('POST');
+      await becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
+      await learning('POST', '/accept');
+    },
+    /** What is said against it from GO on, or from when an admin would wait no longer for it: `said`, with how often. */
+    async watch(isExpected = () => false) {
+      const until = Date.now() + 15_000;
+      while (Date.now() < until && (await ask('status')).checks.some(({ state }) => state === 'fail')) await pause(500);
+      await pause(8000);
+      const said = new Map(), busy = new Set();
+      const count = (what) => said.set(what, (said.get(what) ?? 0) + 1);
+      let looks = 0;
+      for (const end = Date.now() + MINUTES * 60e3; Date.now() < end; await pause(1000)) {
+        const { alerts, checks } = await ask('status');
+        ++looks;
+        for (const { id, title, severity } of alerts) {
+          if (OF_THE_COMPUTER.has(id)) busy.add(id);
+          else if (severity !== 'info' && !isExpected(id)) count(title);
+        }
+        for (const { id, state, text } of checks) {
+          if (state === 'pass' || CHECKS_OF_THE_COMPUTER.has(id) || alerts.some(({ check, title }) => check === id || text.startsWith(title))) continue;
+          count(`${id} ${state}: ${text}`);
+        }
+      }
+      return { said, busy, looks };
+    },
+  };
+}
 
-/** One field; what the verdict said against it. */
-async function watch(seed) {
+function row(text, { said, busy, looks }) {
+  const against = [...said].map(([what, times]) => `${what} (${times} of ${looks})`).join('; ');
+  console.log(`| ${text} | ${looks} | ${against || 'nothing'}${busy.size ? ` (computer: ${[...busy].join(', ')})` : ''} |`);
+  return said.size === 0;
+}
+
+const notSetUp = (error) => ({ said: new Map([[`not set up: ${error.message.slice(0, 300)}`, 1]]), busy: new Set(), looks: 0 });
+
+/** A field of the simulator; whether nothing was said against it. */
+async function watchSimulated(seed) {
   const chance = chances(seed);
   const service = await createService(`239.255.78.${seed % 250}`);
   const count = chance.one(Object.keys(GRIDS).map(Number));
@@ -83,18 +133,16 @@ async function watch(seed) {
   service.settings.network.referee = { enabled: match !== 'nobody', group: `239.255.79.${seed % 250}`, port: gcPort, interface: 'lo' };
   service.settings.cameras = [];
   const text = `${seed} | ${count} | ${preset.at(-1).toUpperCase()} | ${kind} | ${light.toFixed(2)} | ${robots} + ${robots} | ${match}`;
-  const said = new Map(); // what, how often
-  const busy = new Set();
-  let looks = 0;
   const socket = createSocket('udp4').bind(0, '127.0.0.1');
   await once(socket, 'listening');
   socket.setMulticastInterface('127.0.0.1');
   const team = ['', robots];
   const packet = gameController({ yellow: team, blue: team, ...(match === 'played' ? { stage: STAGE_PLAYED, command: NORMAL_START } : {}) });
   const sending = match === 'nobody' ? null : setInterval(() => socket.send(packet, gcPort, service.settings.network.referee.group), 100);
+  let seen;
   try {
     await service.start();
-    const ask = async (path) => (await fetch(service.address(`api/${path}`))).json();
+    const { ask, learnColors, watch } = adminOf(service);
     const { field } = (await ask('field/presets')).find(({ name }) => name === preset);
     const source = {
       backend: 'simulator', pixel_format: chance.one(['uyvy', 'bayer_rg8', 'rgb24']), frame_rate_hz: RATE_HZ, robots_yellow: robots, robots_blue: robots, balls: 1, seed,
@@ -104,41 +152,45 @@ async function watch(seed) {
     await service.patch({ op: 'replace', path: '/field', value: field }, { op: 'replace', path: '/cameras', value: cameras });
     await service.statusBecomes((now) => now.cameras.length === count && now.cameras.every(({ frames }) => frames > 5));
     if (kind !== 'plain') {
-      for (const { id } of cameras) {
-        const learning = async (method, path = '') => (await fetch(service.address(`api/cameras/${id}/colors/learning${path}`), { method })).json();
-        await learning('POST');
-        await becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
-        await learning('POST', '/accept');
-      }
+      for (const { id } of cameras) await learnColors(id);
     }
-    // As long as an admin would wait for GO after the last change.
-    const until = Date.now() + 15_000;
-    while (Date.now() < until && (await ask('status')).checks.some(({ state }) => state === 'fail')) await pause(500);
-    await pause(8000);
-    const end = Date.now() + MINUTES * 60e3;
-    while (Date.now() < end) {
-      const now = await ask('status');
-      ++looks;
-      for (const { id, title, severity } of now.alerts) {
-        if (OF_THE_COMPUTER.has(id)) busy.add(id);
-        else if (severity !== 'info') said.set(title, (said.get(title) ?? 0) + 1);
-      }
-      for (const { id, state, text: why } of now.checks) {
-        const isOfComputer = ['network', 'computer', 'clock', 'pictures', 'latency', 'cameras'].includes(id);
-        if (state !== 'pass' && !isOfComputer && !now.alerts.some(({ title }) => why.startsWith(title))) said.set(`${id} ${state}: ${why}`, (said.get(`${id} ${state}: ${why}`) ?? 0) + 1);
-      }
-      await pause(1000);
-    }
+    seen = await watch();
   } catch (error) {
-    said.set(`not set up: ${error.message.slice(0, 300)}`, 1);
+    seen = notSetUp(error);
   } finally {
     clearInterval(sending);
     socket.close();
     await service.end();
   }
-  const against = [...said].map(([what, times]) => `${what} (${times} of ${looks})`).join('; ');
-  console.log(`| ${text} | ${looks} | ${against || 'nothing'}${busy.size ? ` (computer: ${[...busy].join(', ')})` : ''} |`);
-  return said.size === 0;
+  return row(text, seen);
+}
+
+/** A hall of the other renderer; whether nothing was said against it but that half of it is not looked at. */
+async function watchDrawn(seed) {
+  const chance = chances(seed);
+  const [kind, size, format] = [chance.one(['usual', 'usual', 'hard']), chance.one(['A', 'B']), chance.one(['uyvy', 'rgb24', 'bayer_rg8'])];
+  const robots = chance.whole(3, 8);
+  const folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-hall.'));
+  const service = await createService(`239.255.78.${seed % 250}`);
+  let seen;
+  try {
+    execFileSync(join(DAEMON, '../draw_halls'), ['--kind', kind, '--size', size, '--format', format, '--seed', seed, '--robots', robots, '--placement', 'paths', '--frames', DRAWN_FRAMES, '--output', folder]);
+    const { field, teams, cameras: [camera] } = JSON.parse(readFileSync(join(folder, 'settings.json'), 'utf8'));
+    const [{ colors: { classes } }] = service.settings.cameras;
+    Object.assign(service.settings, { field, teams });
+    service.settings.cameras = [{ ...camera, source: { ...camera.source, path: folder, frame_rate_hz: RATE_HZ, loop: true }, colors: { classes } }];
+    await service.start();
+    const { learnColors, watch } = adminOf(service);
+    await service.statusBecomes((now) => now.cameras.every(({ frames }) => frames > 5));
+    await learnColors(0);
+    seen = await watch((id) => id === 'field_uncovered');
+  } catch (error) {
+    seen = notSetUp(error);
+  } finally {
+    await service.end();
+    rmSync(folder, { recursive: true });
+  }
+  return row(`${seed} | 1 | ${size} | drawn, ${kind}, ${format} | | ${robots} + ${robots} | nobody`, seen);
 }
 
 console.log('| seed | cameras | field | hall | light | robots | game controller | looks | said against it |');
@@ -146,7 +198,7 @@ console.log('|---:|---:|---|---|---:|---|---|---:|---|');
 const seeds = Array.from({ length: FIELDS }, (_, i) => FIRST + i);
 let bad = 0;
 await Promise.all(Array.from({ length: AT_ONCE }, async () => {
-  for (let seed = seeds.shift(); seed !== undefined; seed = seeds.shift()) if (!(await watch(seed))) ++bad;
+  for (let seed = seeds.shift(); seed !== undefined; seed = seeds.shift()) if (!(await (options.drawn ? watchDrawn : watchSimulated)(seed))) ++bad;
 }));
 console.log(`\n${FIELDS} fields, ${MINUTES} min each: ${bad} of them not left alone`);
 process.exitCode = bad ? 1 : 0;
