@@ -332,7 +332,7 @@ describe('calibration page', () => {
     await page.waitForSelector('text=Must be at least 100');
     await page.getByLabel('Height above the floor in mm').fill('4000');
     await page.keyboard.press('Enter');
-    await page.getByLabel('Field sizes are measured to the lines').selectOption('middle');
+    await page.getByRole('radiogroup', { name: 'Field sizes are measured to the lines' }).getByText('Middle').click();
     await page.click(byId('find'));
     await page.waitForSelector(byId('progress'));
     await verdict(page);

@@ -507,13 +507,13 @@ TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
     set(store, "cameras/1/x", 5);
     write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
     EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }),
-                AllOf(HasSubstr("/cameras/1/x"), HasSubstr("/cameras/1/id was 1, which is 0 there")));
+                AllOf(HasSubstr("/cameras/1/x"), HasSubstr("/cameras/1/id was 1, which is now 0")));
     write(admin_file_, R"({"cameras": [{"id": 0, "x": 1}]})");
     EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }),
                 HasSubstr("together with what was changed in the panel"));
   }
   write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
-  EXPECT_THAT(with_cameras().problem(), HasSubstr("which is 0 there"));
+  EXPECT_THAT(with_cameras().problem(), HasSubstr("which is now 0"));
   write(admin_file_, R"({"cameras": [{"id": 0, "x": 2}, {"id": 1, "x": 1}, {"id": 2, "x": 1}]})");
   std::filesystem::rename(saved_.string() + ".rejected", saved_);
   EXPECT_EQ(with_cameras().current().settings["cameras"],

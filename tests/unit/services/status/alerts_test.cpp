@@ -167,6 +167,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.missing_labels = {"orange"};
   camera.sends = false;
   camera.controls_unsaved = 2;
+  input_.cameras[1].origin = ImageOrigin::kSimulation;
   input_.cameras[1].calibration.reset();
   input_.teams.yellow.ids = {9};
   input_.card_unused = "eth0";
