@@ -53,7 +53,9 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
     /** Found once: they are the same at all sizes. */
     let paths;
 
+    // What these states change of a page is found where there is least room.
     for (const [m, size] of wanted.entries()) {
+      if (!isWholeState && !isAll && m < wanted.length - 1) continue;
       const { width, height, isPhone } = size;
       // Themes differ in colours, not in places: one each, by turns.
       const theme = (n + m) % 2 ? 'light' : 'dark';
