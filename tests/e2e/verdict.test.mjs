@@ -65,7 +65,7 @@ const faults = [
   { name: 'far too much light', check: 'robots', alerts: ['robots_lost', 'ball_lost'], fails: 3, strengths: [2.2, 2.6, 3].map((light) => forAll('light', light)) },
   { name: 'a colour erased', always: true, check: 'colors', alerts: ['colors_missing'], fails: 0, strengths: [without('orange'), without('yellow', 'blue'), without('orange', 'yellow', 'blue', 'pink', 'green')] },
   { name: 'no pink or no green', check: 'colors', alerts: ['colors_missing'], fails: 0, strengths: [without('pink'), without('green'), without('pink', 'green')] },
-  { name: 'two colours swapped', check: 'robots', alerts: ['robots_lost'], fails: 0, strengths: [swapped('pink', 'green'), swapped('yellow', 'green'), swapped('blue', 'pink')] },
+  { name: 'two colours swapped', always: true, check: ['colors', 'robots'], alerts: ['colors_swapped', 'robots_lost'], fails: 0, strengths: [swapped('yellow', 'green'), swapped('blue', 'pink'), swapped('pink', 'green')] },
   { name: 'colours of another lamp', check: 'robots', alerts: ['robots_lost', 'ball_lost'], fails: 0, strengths: [-25, -35, -40].map((by) => recolored(({ hue_deg: [low, high] }) => ({ hue_deg: [low + by, high + by] }))) },
   { name: 'colours that want more light', check: 'robots', alerts: ['robots_lost'], fails: 0, strengths: [200, 225, 250].map((luma) => recolored(({ luma: [, high] }) => ({ luma: [luma, high] }))) },
   { name: 'orange that is yellow', check: 'robots', alerts: ['ball_lost'], fails: 3, strengths: [[148, 150], [160, 170], [200, 210]].map((hue) => recolored(({ label, hue_deg }) => ({ hue_deg: label === 'orange' ? hue : hue_deg }))) },

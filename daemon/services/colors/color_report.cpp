@@ -32,6 +32,19 @@ void add_empty_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
        .camera = camera.camera_id});
 }
 
+void add_swapped_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
+  if (camera.swapped_labels.empty()) return;
+  alerts.push_back(
+      {.id = "colors_swapped",
+       .check = "colors",
+       .severity = Severity::kBad,
+       .title = fmt::format("Camera {}: the colour table takes {}", camera.camera_id,
+                            fmt::join(camera.swapped_labels, " and ")),
+       .fix = "Robots get other ids or teams: learn the colours again, import a table, or undo the change.",
+       .page = fmt::format("#/colours/{}", camera.camera_id),
+       .camera = camera.camera_id});
+}
+
 Check check_colors(std::span<const ColorFacts> cameras) {
   const ColorFacts::Margin* least = nullptr;
   for (const ColorFacts& camera : cameras) {
@@ -52,6 +65,7 @@ Check check_colors(std::span<const ColorFacts> cameras) {
 void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::string>& lost_tables,
                    HealthReport& report) {
   for (const ColorFacts& camera : cameras) add_empty_alert(report.alerts, camera);
+  for (const ColorFacts& camera : cameras) add_swapped_alert(report.alerts, camera);
   for (const ColorFacts& camera : cameras) add_margin_alert(report.alerts, camera);
   for (const std::string& problem : lost_tables) {
     report.alerts.push_back(

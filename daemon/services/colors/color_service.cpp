@@ -5,6 +5,7 @@
 #include "base/params_json.h"
 #include "colors/lut_file.h"
 #include "colors/pixel_figures.h"
+#include "colors/swapped_labels.h"
 #include "services/cameras/camera_routes.h"
 #include "services/colors/color_commands.h"
 #include "services/colors/color_report.h"
@@ -53,17 +54,6 @@ ColorMargins::Hooks margin_hooks(Cameras& cameras) {
     return out;
   };
   return hooks;
-}
-
-/// Labels of the ball and of the league's patterns that no colour has.
-std::vector<std::string> missing_labels(const Lut& lut, const LabelSet& labels) {
-  std::array<bool, label::kMaxCount> has{};
-  for (const Label label : lut.color_table().labels) has[label] = true;
-  std::vector<std::string> out;
-  for (const Label label : {label::kOrange, label::kYellow, label::kBlue, label::kPink, label::kGreen}) {
-    if (!has[label]) out.push_back(labels.name(label));
-  }
-  return out;
 }
 
 Response file_response(Response response, int camera_id, const char* ending) {
@@ -325,22 +315,36 @@ Response ColorService::keep_light(const Request& request) {
   return json_response(state_json(at));
 }
 
+ColorService::TableFaults ColorService::faults_of(const std::shared_ptr<const Lut>& lut,
+                                                  const LabelSet& labels) {
+  TableFaults out{lut, {}, {}};
+  const ColorTable table = lut->color_table();
+  std::array<bool, label::kMaxCount> has{};
+  for (const Label label : table.labels) has[label] = true;
+  for (const Label label : {label::kOrange, label::kYellow, label::kBlue, label::kPink, label::kGreen}) {
+    if (!has[label]) out.missing.push_back(labels.name(label));
+  }
+  for (const SwappedLabel& one : swapped_labels(table))
+    out.swapped.push_back(fmt::format("{} for {}", labels.name(one.looks_like), labels.name(one.label)));
+  return out;
+}
+
 void ColorService::each_second() {
-  const auto known = missing_.load();
-  std::map<int, Missing> now;
+  const auto known = faults_.load();
+  std::map<int, TableFaults> now;
   for (const CameraNow& camera : cameras_.all()) {
     const auto& lut = camera.context().accepted_lut;
     const auto before = known->find(camera.id);
     now[camera.id] = before != known->end() && before->second.lut == lut
                          ? before->second
-                         : Missing{lut, missing_labels(*lut, *camera.context().labels)};
+                         : faults_of(lut, *camera.context().labels);
   }
-  missing_.store(std::move(now));
+  faults_.store(std::move(now));
 }
 
 void ColorService::report(HealthReport& report) const {
   std::vector<ColorFacts> facts;
-  const auto missing = missing_.load();
+  const auto faults = faults_.load();
   std::vector<std::string> lost;
   for (const CameraNow& camera : cameras_.all()) {
     ColorFacts one{camera.id};
@@ -352,8 +356,10 @@ void ColorService::report(HealthReport& report) const {
                                                               labels.name(least->label), least->change)}
                              : ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
     }
-    if (const auto found = missing->find(camera.id); found != missing->end())
-      one.missing_labels = found->second.labels;
+    if (const auto found = faults->find(camera.id); found != faults->end()) {
+      one.missing_labels = found->second.missing;
+      one.swapped_labels = found->second.swapped;
+    }
     facts.push_back(std::move(one));
     if (auto problem = saved_.lost(camera.settings->colors.table); !problem.empty())
       lost.push_back(std::move(problem));

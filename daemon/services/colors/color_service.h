@@ -37,11 +37,13 @@ class ColorService final : public Service, public CameraObserver {
   void each_second() override;
 
  private:
-  /// Of a camera's accepted table.
-  struct Missing {
+  /// What is wrong with a camera's accepted table; see ColorFacts.
+  struct TableFaults {
     std::shared_ptr<const Lut> lut;
-    std::vector<std::string> labels;  // see ColorFacts
+    std::vector<std::string> missing, swapped;
   };
+  static TableFaults faults_of(const std::shared_ptr<const Lut>& lut, const LabelSet& labels);
+
   Json state_json(const ColorTables::AtDesk& at);
   TableEdit read_command(const ColorTables::AtDesk& at, const Json& json, const std::string& path);
   TableEdit read_pick(const ColorTables::AtDesk& at, const Json& json, const std::string& path);
@@ -58,7 +60,7 @@ class ColorService final : public Service, public CameraObserver {
   Pictures& pictures_;
   ColorTables& tables_;
   SavedTables& saved_;
-  Snapshot<std::map<int, Missing>> missing_{std::map<int, Missing>{}};  // by camera id
+  Snapshot<std::map<int, TableFaults>> faults_{std::map<int, TableFaults>{}};  // by camera id
   FollowLight follow_light_;  // this and the next: last, they ask the others
   ColorMargins margins_;
 };

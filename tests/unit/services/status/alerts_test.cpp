@@ -28,7 +28,7 @@ struct AnyCamera : CameraFacts {
   std::optional<CameraCalibration> calibration;
   bool field_changed_since_calibrated = false;
   std::optional<ColorFacts::Margin> min_margin;
-  std::vector<std::string> missing_labels;
+  std::vector<std::string> missing_labels, swapped_labels;
 };
 
 struct Input {
@@ -59,7 +59,7 @@ HealthReport report_of(const Input& input) {
     cameras.push_back(camera);
     calibrations.push_back({camera.id, camera.health.width, camera.health.height, camera.calibration,
                             camera.field_changed_since_calibrated});
-    colors.push_back({camera.id, camera.min_margin, camera.missing_labels});
+    colors.push_back({camera.id, camera.min_margin, camera.missing_labels, camera.swapped_labels});
     config->cameras.emplace_back().id = camera.id;
   }
   config->teams = input.teams;
@@ -165,6 +165,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.field_changed_since_calibrated = true;
   camera.min_margin = ColorFacts::Margin{0.2, "carpet becomes green at +20 %"};
   camera.missing_labels = {"orange"};
+  camera.swapped_labels = {"green for pink"};
   camera.sends = false;
   camera.controls_unsaved = 2;
   input_.cameras[1].origin = ImageOrigin::kSimulation;
