@@ -27,6 +27,7 @@ const STAGE_PLAYED = 1, NORMAL_START = 2;
 const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'camera_slow']);
 const CHECKS_OF_THE_COMPUTER = new Set(['network', 'computer', 'clock', 'pictures', 'latency', 'cameras']);
 const DRAWN_FRAMES = 120;
+const MINUTE_MS = 60e3;
 
 /** Numbers by chance that are the same for the same seed (mulberry32). */
 function chances(seed) {
@@ -77,9 +78,11 @@ function camerasOf(chance, count, field, source, classes) {
 /** From a service of one field: its answers, its colours learnt, what its verdict says. */
 function adminOf(service) {
   const ask = async (path) => (await fetch(service.address(`api/${path}`))).json();
+  let hasLearnt = false;
   return {
     ask,
     async learnColors(id) {
+      hasLearnt = true;
       const learning = async (method, path = '') => (await fetch(service.address(`api/cameras/${id}/colors/learning${path}`), { method })).json();
       await learning('POST');
       await becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
@@ -87,13 +90,15 @@ function adminOf(service) {
     },
     /** What is said against it from GO on, or from when an admin would wait no longer for it: `said`, with how often. */
     async watch(isExpected = () => false) {
+      // What was wrong with the colours before they were learnt is told of the last minute's images.
+      if (hasLearnt) await pause(MINUTE_MS);
       const until = Date.now() + 15_000;
       while (Date.now() < until && (await ask('status')).checks.some(({ state }) => state === 'fail')) await pause(500);
       await pause(8000);
       const said = new Map(), busy = new Set();
       const count = (what) => said.set(what, (said.get(what) ?? 0) + 1);
       let looks = 0;
-      for (const end = Date.now() + MINUTES * 60e3; Date.now() < end; await pause(1000)) {
+      for (const end = Date.now() + MINUTES * MINUTE_MS; Date.now() < end; await pause(1000)) {
         const { alerts, checks } = await ask('status');
         ++looks;
         for (const { id, title, severity } of alerts) {
@@ -138,8 +143,9 @@ async function watchSimulated(seed) {
   socket.setMulticastInterface('127.0.0.1');
   const team = ['', robots];
   const packet = gameController({ yellow: team, blue: team, ...(match === 'played' ? { stage: STAGE_PLAYED, command: NORMAL_START } : {}) });
-  const sending = match === 'nobody' ? null : setInterval(() => socket.send(packet, gcPort, service.settings.network.referee.group), 100);
-  let seen;
+  // Settings are locked once it is played.
+  const beginMatch = () => match === 'nobody' ? null : setInterval(() => socket.send(packet, gcPort, service.settings.network.referee.group), 100);
+  let seen, sending = null;
   try {
     await service.start();
     const { ask, learnColors, watch } = adminOf(service);
@@ -154,6 +160,7 @@ async function watchSimulated(seed) {
     if (kind !== 'plain') {
       for (const { id } of cameras) await learnColors(id);
     }
+    sending = beginMatch();
     seen = await watch();
   } catch (error) {
     seen = notSetUp(error);
