@@ -264,11 +264,12 @@ describe('panel that nobody looks at', () => {
 
       // The next one is told as well, and so is the same one once more.
       await noFiles(1, join(service.folder, 'none.jpg'));
-      await page.waitForFunction(() => window.heard.tones === 4 && window.heard.notes.length === 2);
+      await page.waitForFunction(() => window.heard.notes.length >= 2 && window.heard.tones === 2 * window.heard.notes.length);
+      const before = await page.evaluate(() => window.heard.notes.length);
       await noFiles(0, join(service.folder, 'none.jpg'));
-      await page.waitForFunction(() => window.heard.tones === 6 && window.heard.notes.length === 3);
-      const lost = (id) => `${service.settings.site}: Camera ${id} lost`;
-      assert.deepEqual(await page.evaluate(() => window.heard.notes), [lost(1), lost(1), lost(0)]);
+      // Robots that go with the cameras may be told first, and both cameras together.
+      await page.waitForFunction((from) => window.heard.notes.slice(from).some((note) => /Cameras? 0\b.* lost$/.test(note)), before);
+      assert.equal((await page.evaluate(() => window.heard.notes))[0], `${service.settings.site}: Camera 1 lost`);
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
 
