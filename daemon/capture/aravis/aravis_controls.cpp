@@ -33,7 +33,7 @@ constexpr std::array<std::string_view, 5> kOurs{"AcquisitionStart", "Acquisition
                                                 "AcquisitionMode", "TLParamsLocked"};
 
 /// Their choices have values of their own at the same time, as red and blue have for the white balance. Each
-/// is a control by itself, "BalanceRatio[Red]", which can be saved and set back. What other selectors choose
+/// is a control of its own, "BalanceRatio[Red]", which can be saved and set back. What other selectors choose
 /// is shown for the choice that is set.
 constexpr std::array<std::string_view, 3> kSplit{"BalanceRatioSelector", "GainSelector",
                                                  "BlackLevelSelector"};
@@ -164,7 +164,7 @@ class AravisControls final : public Controls {
     return selector != nullptr && is_split(selector) ? ARV_GC_ENUMERATION(selector) : nullptr;
   }
 
-  /// A feature that is a control by itself. With one choice only its selector does not matter.
+  /// A feature that is one control. With one choice only its selector does not matter.
   Control whole_control_of(ArvGcFeatureNode* node, const std::string& category) const {
     Control out = control_of(node, category);
     ArvGcFeatureNode* selector = selector_of(node);

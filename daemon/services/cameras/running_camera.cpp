@@ -2,6 +2,7 @@
 #include "services/cameras/running_camera.h"
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "base/params_json.h"
 #include "capture/control_memory.h"
 #include "config/backends.h"
@@ -33,9 +34,18 @@ Json camera_of(const Json& source) {
 
 void RunningCamera::LastOpened::hand_over(const Json& source, const std::shared_ptr<Controls>& opened) {
   if (!opened) return;
-  const std::lock_guard lock(mutex);
   const Json now = camera_of(source);
-  if (controls && camera == now) opened->memory().inherit(controls->memory());
+  std::shared_ptr<Controls> before;
+  {
+    const std::lock_guard lock(mutex);
+    if (camera == now) before = controls;
+  }
+  try {
+    if (before) opened->memory().inherit(before->memory());
+  } catch (const CaptureError& error) {
+    log::warning("camera controls: what was not saved is forgotten: {}", error.what());
+  }
+  const std::lock_guard lock(mutex);
   camera = now;
   controls = opened;
 }

@@ -101,11 +101,11 @@ class RunningCamera {
 
   /// The camera that was opened last, and its controls: what they remember goes on when it is reopened.
   struct LastOpened {
-    std::mutex mutex;  // of threads that open; a status does not wait for it
+    std::mutex mutex;  // never held while the camera is asked: a thread that hangs there is left behind
     Json camera;
     std::shared_ptr<Controls> controls;
 
-    /// `opened`: none: it has no controls. Throws CaptureError.
+    /// `opened`: none: it has no controls.
     void hand_over(const Json& source, const std::shared_ptr<Controls>& opened);
   };
 

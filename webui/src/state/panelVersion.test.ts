@@ -50,7 +50,7 @@ beforeEach(() => {
 afterEach(() => { vi.useRealTimers(); });
 
 describe('the panel of an upgraded service', () => {
-  it('is loaded once the service worker has it, and by itself only once', async () => {
+  it('is loaded once the service worker has it, and automatically only once', async () => {
     registration.active = worker(NEW);
     const { loadNewPanel } = await outdated();
     expect(await inTime(loadNewPanel(false))).toBe(true);

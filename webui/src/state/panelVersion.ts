@@ -77,7 +77,7 @@ function prepare(isAsked: boolean): Promise<boolean> {
 }
 
 /**
- * For the button; by itself only once for each panel, whatever a proxy may keep, and if it still `may` once the new panel
+ * For the button; automatically only once for each panel, whatever a proxy may keep, and if it still `may` once the new panel
  * is there. Says whether it is being loaded.
  */
 export async function loadNewPanel(isAsked = true, may = () => true): Promise<boolean> {
