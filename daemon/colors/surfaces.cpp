@@ -434,14 +434,14 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
   return out;
 }
 
-std::optional<MinMargin> min_of(std::span<const LabelMargin> margins) {
+std::optional<MinMargin> min_to_carpet(std::span<const LabelMargin> margins) {
   std::optional<MinMargin> least;
   for (const LabelMargin& margin : margins) {
+    if (margin.surface != SurfaceKind::kCarpet) continue;
     for (const auto& factor : {margin.brighter, margin.darker}) {
       if (!factor) continue;
       const double change = *factor - 1;
-      if (!least || std::abs(change) < std::abs(least->change))
-        least = {margin.label, margin.surface, change};
+      if (!least || std::abs(change) < std::abs(least->change)) least = {margin.label, change};
     }
   }
   return least;

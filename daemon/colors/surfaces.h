@@ -132,14 +132,15 @@ inline constexpr double kWantedMargin = 0.30;
 /// Lamps flicker and age by so much: what is nearer floods during a match.
 inline constexpr double kMinMargin = 0.10;
 
-/// Where a table is nearest to a surface.
+/// Where a table is nearest to the carpet.
 struct MinMargin {
   Label label;
-  SurfaceKind surface;
   double change;  // of the light, as a share of it: 0.09 is brighter, -0.09 darker
 };
-/// Nothing when no margin has a limit.
-std::optional<MinMargin> min_of(std::span<const LabelMargin> margins);
+/// Nothing when no margin to the carpet has a limit. Those to the floor do not count: robots and balls stand
+/// on the carpet, so a floor that has a label hides none of them, and learning keeps colours of dots that
+/// the floor has too.
+std::optional<MinMargin> min_to_carpet(std::span<const LabelMargin> margins);
 /// "carpet becomes green at +9 %", or "carpet is green now".
 std::string margin_text(std::string_view surface, std::string_view label, double change);
 

@@ -63,7 +63,7 @@ std::string margins_text(const Json& margins) {
   if (margins.is_null()) return "  margins: carpet and floor were not seen yet\n";
   if (margins.empty()) return "";
   std::string out =
-      fmt::format("  margins to carpet and floor, at least {:.0f} % are wanted:\n", 100 * kWantedMargin);
+      fmt::format("  margins, to the carpet at least {:.0f} % are wanted:\n", 100 * kWantedMargin);
   for (const Json& margin : margins) {
     const std::string label = margin.at("label").get<std::string>(),
                       surface = margin.at("surface").get<std::string>();
@@ -72,7 +72,7 @@ std::string margins_text(const Json& margins) {
     for (const auto& [key, sign] : {std::pair{"brighter", 1}, std::pair{"darker", -1}}) {
       if (!margin.at(key).is_number()) continue;
       const double share = margin.at(key).get<double>();
-      is_thin = is_thin || share < kWantedMargin;
+      is_thin = is_thin || (share < kWantedMargin && surface == name_of(SurfaceKind::kCarpet));
       text += (text.empty() ? "" : ", ") + margin_text(surface, label, sign * share);
     }
     if (text.empty()) text = surface + " never does";

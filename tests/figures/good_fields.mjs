@@ -95,19 +95,19 @@ function adminOf(service) {
       const until = Date.now() + 15_000;
       while (Date.now() < until && (await ask('status')).checks.some(({ state }) => state === 'fail')) await pause(500);
       await pause(8000);
-      const said = new Map(), busy = new Set();
-      const count = (what) => said.set(what, (said.get(what) ?? 0) + 1);
+      const said = new Map(), busy = new Set();  // said: what by which alert, of which camera
+      const count = (which, what) => said.set(which, { what, times: (said.get(which)?.times ?? 0) + 1 });
       let looks = 0;
       for (const end = Date.now() + MINUTES * MINUTE_MS; Date.now() < end; await pause(1000)) {
         const { alerts, checks } = await ask('status');
         ++looks;
-        for (const { id, title, severity } of alerts) {
+        for (const { id, camera, title, severity } of alerts) {
           if (OF_THE_COMPUTER.has(id)) busy.add(id);
-          else if (severity !== 'info' && !isExpected(id)) count(title);
+          else if (severity !== 'info' && !isExpected(id)) count(`${id} ${camera}`, title);
         }
         for (const { id, state, text } of checks) {
           if (state === 'pass' || CHECKS_OF_THE_COMPUTER.has(id) || alerts.some(({ check, title }) => check === id || text.startsWith(title))) continue;
-          count(`${id} ${state}: ${text}`);
+          count(id, `${id} ${state}: ${text}`);
         }
       }
       return { said, busy, looks };
@@ -116,12 +116,12 @@ function adminOf(service) {
 }
 
 function row(text, { said, busy, looks }) {
-  const against = [...said].map(([what, times]) => `${what} (${times} of ${looks})`).join('; ');
+  const against = [...said.values()].map(({ what, times }) => `${what} (${times} of ${looks})`).join('; ');
   console.log(`| ${text} | ${looks} | ${against || 'nothing'}${busy.size ? ` (computer: ${[...busy].join(', ')})` : ''} |`);
   return said.size === 0;
 }
 
-const notSetUp = (error) => ({ said: new Map([[`not set up: ${error.message.slice(0, 300)}`, 1]]), busy: new Set(), looks: 0 });
+const notSetUp = (error) => ({ said: new Map([['', { what: `not set up: ${error.message.slice(0, 300)}`, times: 1 }]]), busy: new Set(), looks: 0 });
 
 /** A field of the simulator; whether nothing was said against it. */
 async function watchSimulated(seed) {

@@ -51,12 +51,12 @@ Check check_colors(std::span<const ColorFacts> cameras) {
     if (camera.min_margin && (!least || camera.min_margin->share < least->share)) least = &*camera.min_margin;
   }
   Check check{"colors",  "Colours", CheckState::kPass,
-              kNoFigure, "",        "margins to carpet and floor are not known yet"};
+              kNoFigure, "",        "margins to the carpet are not known yet"};
   if (!least) return check;
   const bool is_limited = least->share < ColorFacts::Margin::kMax;
   check.value = fmt::format("{}{:.0f}", is_limited ? "" : "> ", 100 * least->share);
   check.unit = "% margin";
-  check.text = least->text.empty() ? "carpet and floor stay clear" : least->text;
+  check.text = least->text.empty() ? "the carpet stays clear" : least->text;
   return check;
 }
 

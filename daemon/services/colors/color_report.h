@@ -14,7 +14,7 @@ namespace sslv {
 /// What is known of a camera's colours.
 struct ColorFacts {
   int camera_id = 0;
-  /// Of its colour table to carpet and floor; empty: not known.
+  /// Of its colour table to the carpet; empty: not known.
   struct Margin {
     double share;      // of the light, at most kMax
     std::string text;  // "carpet becomes green at +9 %"; empty: nothing does

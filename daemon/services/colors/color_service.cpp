@@ -349,10 +349,10 @@ void ColorService::report(HealthReport& report) const {
   for (const CameraNow& camera : cameras_.all()) {
     ColorFacts one{camera.id};
     if (const auto margins = margins_.newest_margins(camera.id)) {
-      const auto least = min_of(*margins);
+      const auto least = min_to_carpet(*margins);
       const LabelSet& labels = *camera.context().labels;
       one.min_margin = least ? ColorFacts::Margin{std::abs(least->change),
-                                                  margin_text(name_of(least->surface),
+                                                  margin_text(name_of(SurfaceKind::kCarpet),
                                                               labels.name(least->label), least->change)}
                              : ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
     }

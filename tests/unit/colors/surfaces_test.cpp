@@ -256,16 +256,17 @@ TEST(Surfaces, TheCarpetIsWhatIsCommonestOnTheField) {
   EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kFloor)));
 }
 
-TEST(Surfaces, TheLeastMarginIsTheNearestEitherWay) {
-  EXPECT_FALSE(min_of({}));
+TEST(Surfaces, TheLeastMarginIsTheNearestToTheCarpetEitherWay) {
+  EXPECT_FALSE(min_to_carpet({}));
   std::vector<LabelMargin> margins{{label::kPink, SurfaceKind::kCarpet, {}, {}}};
-  EXPECT_FALSE(min_of(margins));
-  margins.push_back({label::kGreen, SurfaceKind::kFloor, 1.4, 0.7});
+  EXPECT_FALSE(min_to_carpet(margins));
+  margins.push_back({label::kPink, SurfaceKind::kFloor, 1.08, 0.95});
+  EXPECT_FALSE(min_to_carpet(margins)) << "no robot stands on the floor";
+  margins.push_back({label::kGreen, SurfaceKind::kCarpet, 1.4, 0.7});
   margins.push_back({label::kBlue, SurfaceKind::kCarpet, 1.31, {}});
-  const auto least = min_of(margins);
+  const auto least = min_to_carpet(margins);
   ASSERT_TRUE(least);
   EXPECT_EQ(least->label, label::kGreen);
-  EXPECT_EQ(least->surface, SurfaceKind::kFloor);
   EXPECT_NEAR(least->change, -0.3, 1e-9);
 }
 

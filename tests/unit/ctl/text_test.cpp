@@ -31,11 +31,11 @@ TEST(Margins, AreALineForEachLabelAndSurface) {
     return Json{{"label", label}, {"surface", surface}, {"brighter", brighter}, {"darker", darker}};
   };
   EXPECT_EQ(margins_text({margin("green", "carpet", 0.09, nullptr),
-                          margin("pink", "carpet", nullptr, nullptr), margin("green", "floor", 0.5, 0.31)}),
-            "  margins to carpet and floor, at least 30 % are wanted:\n"
+                          margin("pink", "carpet", nullptr, nullptr), margin("green", "floor", 0.5, 0.05)}),
+            "  margins, to the carpet at least 30 % are wanted:\n"
             "    green      carpet becomes green at +9 %  THIN\n"
             "    pink       carpet never does\n"
-            "    green      floor becomes green at +50 %, floor becomes green at \u221231 %\n");
+            "    green      floor becomes green at +50 %, floor becomes green at \u22125 %\n");
 }
 
 TEST(Refusal, SaysWhoChangedWhatSince) {

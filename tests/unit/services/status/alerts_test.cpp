@@ -283,10 +283,10 @@ TEST_F(Alerts, OfThinMarginsNameTheirSurfaceAndLabel) {
   input_.cameras[0].min_margin = ColorFacts::Margin{0.30, "carpet becomes green at +30 %"};
   input_.cameras[1].min_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
   EXPECT_THAT(kinds(), IsEmpty());
-  input_.cameras[1].min_margin = ColorFacts::Margin{0.29, "floor becomes orange at \u221229 %"};
+  input_.cameras[1].min_margin = ColorFacts::Margin{0.29, "carpet becomes orange at \u221229 %"};
   const Alert thin = only_alert();
   EXPECT_EQ(thin.id, "margin_thin");
-  EXPECT_EQ(thin.title, "Camera 1: floor becomes orange at \u221229 %");
+  EXPECT_EQ(thin.title, "Camera 1: carpet becomes orange at \u221229 %");
   EXPECT_EQ(thin.page, "#/colours/1");
   EXPECT_EQ(thin.severity, Severity::kWarn);
   input_.cameras[1].min_margin->share = 0.099;
@@ -427,7 +427,7 @@ TEST_F(Checks, OfColoursAreTheLeastMarginOfAllCameras) {
   EXPECT_THAT(check("colors").text, HasSubstr("not known"));
   input_.cameras[0].min_margin = ColorFacts::Margin{ColorFacts::Margin::kMax, ""};
   EXPECT_EQ(check("colors").value, "> 150");
-  EXPECT_EQ(check("colors").text, "carpet and floor stay clear");
+  EXPECT_EQ(check("colors").text, "the carpet stays clear");
   input_.cameras[1].min_margin = ColorFacts::Margin{0.45, "carpet becomes green at +45 %"};
   EXPECT_EQ(check("colors").value, "45");
   EXPECT_EQ(check("colors").text, "carpet becomes green at +45 %");

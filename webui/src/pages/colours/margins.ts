@@ -5,10 +5,9 @@ import { decimal } from '../../format';
 
 export type MarginKind = 'ok' | 'warn' | 'bad';
 
-/** Where one label is nearest to a surface. */
+/** Where one label is nearest to the carpet. */
 export interface MarginRow {
   label: string;
-  surface: ColorMargin['surface'];
   /** Of the light, as a share of it: 0.09 is brighter, -0.09 darker; null: it is nowhere near. */
   change: number | null;
   kind: MarginKind;
@@ -17,7 +16,7 @@ export interface MarginRow {
 
 /** "carpet becomes green at +9 %" */
 export function marginText(surface: string, label: string, change: number | null): string {
-  if (change === null) return `carpet and floor never become ${label}`;
+  if (change === null) return `${surface} never becomes ${label}`;
   const percent = Math.round(100 * Math.abs(change));
   if (percent === 0) return `${surface} is ${label} now`;
   return `${surface} becomes ${label} at ${change < 0 ? decimal(-percent, 0) : `+${percent}`} %`;
@@ -29,17 +28,20 @@ export function kindOf(change: number | null, { wanted_margin, least_margin }: J
   return margin < least_margin ? 'bad' : margin < wanted_margin ? 'warn' : 'ok';
 }
 
-/** A row for each label, the least margin first. */
+const distance = (change: number | null) => Math.abs(change ?? Infinity);
+/** Where a label is nearest to its surface; null: nowhere. */
+const nearest = ({ brighter, darker }: ColorMargin) => (distance(darker) < distance(brighter) ? -darker! : brighter);
+const ofSurface = (margins: readonly ColorMargin[], surface: ColorMargin['surface']) =>
+  margins.filter((one) => one.surface === surface).map((one) => ({ label: one.label, change: nearest(one) })).sort((a, b) => (distance(a.change) < distance(b.change) ? -1 : distance(a.change) > distance(b.change) ? 1 : 0));
+
+/** The carpet's row for each label, the least margin first. */
 export function marginRows(margins: readonly ColorMargin[], judged: Judged): MarginRow[] {
-  const rows = new Map<string, MarginRow>();
-  for (const { label, surface, brighter, darker } of margins) {
-    for (const change of [brighter, darker === null ? null : -darker]) {
-      const before = rows.get(label);
-      const nearer = before === undefined || (change !== null && Math.abs(change) < Math.abs(before.change ?? Infinity));
-      if (nearer) rows.set(label, { label, surface, change, kind: kindOf(change, judged), text: marginText(surface, label, change) });
-    }
-  }
-  return [...rows.values()].sort((a, b) => Math.abs(a.change ?? Infinity) - Math.abs(b.change ?? Infinity) || 0);
+  return ofSurface(margins, 'carpet').map(({ label, change }) => ({ label, change, kind: kindOf(change, judged), text: marginText('carpet', label, change) }));
+}
+
+/** "floor becomes pink at +8 %" for each label that is near the floor beside the carpet, where it hides no robot. */
+export function floorTexts(margins: readonly ColorMargin[], judged: Judged): string[] {
+  return ofSurface(margins, 'floor').filter(({ change }) => kindOf(change, judged) !== 'ok').map(({ label, change }) => marginText('floor', label, change));
 }
 
 /** The thinnest of them that is too thin; null while none is, or nothing is known. */
