@@ -76,6 +76,25 @@ std::optional<Color3> commonest(std::span<const Place> places,
   return Color3(sum / count);
 }
 
+/// Of normally distributed values, from how many differ from the mean by 0, 1, ... levels; at least half a
+/// level.
+double sigma_of(const std::array<std::size_t, 256>& differences, std::size_t count) {
+  // So much of a normal distribution lies within one sigma. A difference of n levels is one of n - 1/2 to n +
+  // 1/2: whole levels would jump from image to image, and a margin with them.
+  const double wanted = 0.683 * static_cast<double>(count);
+  double below = 0;
+  for (std::size_t level = 0; level < differences.size(); ++level) {
+    const auto here = static_cast<double>(differences[level]);
+    if (here > 0 && below + here >= wanted) {
+      const double from = level == 0 ? 0 : static_cast<double>(level) - 0.5,
+                   to = static_cast<double>(level) + 0.5;
+      return std::max(0.5, from + (to - from) * (wanted - below) / here);
+    }
+    below += here;
+  }
+  return 0.5;
+}
+
 std::vector<Place> find_places(const SurfaceSearch& search) {
   std::vector<Place> out;
   for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
@@ -241,16 +260,17 @@ class Hue {
     for (std::size_t c = 0; c < 2; ++c)
       texture_[c] = std::sqrt(std::max(0.0, squares[c] - kBinVariance)) / mean_luma_;
   }
-  /// So many sigmas of its texture and of a pixel's noise lie between a colour and the surface in whatever
-  /// light; 0 where light changes hues.
-  double sigmas_from(Yuv color) const {
+  /// So many sigmas of its texture and of a pixel's noise lie between the surface in whatever light and a
+  /// colour, or what lies `within_levels` of it; 0 where light changes hues.
+  double sigmas_from(Yuv color, double within_levels) const {
     if (mean_luma_ <= 0 || is_clipped(color)) return 0;
     const auto chroma = chroma_of(color);
     double sigmas2 = 0;
     for (std::size_t c = 0; c < 2; ++c) {
       const double variance = square(noise_sigma_[c + 1]) + square(per_luma_[c] * noise_sigma_[0]) +
                               square(texture_[c] * color.y);
-      sigmas2 += square(chroma[c] - per_luma_[c] * color.y) / variance;
+      const double away = std::abs(chroma[c] - per_luma_[c] * color.y) - within_levels;
+      sigmas2 += square(std::max(0.0, away)) / variance;
     }
     return std::sqrt(sigmas2);
   }
@@ -357,16 +377,7 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
     ++differences[1][static_cast<std::size_t>(std::abs(pixel.u - around.u))];
     ++differences[2][static_cast<std::size_t>(std::abs(pixel.v - around.v))];
   }
-  for (std::size_t c = 0; c < 3; ++c) {
-    // Two thirds of a normal distribution lie within one sigma.
-    constexpr double kWithinSigma = 0.683;
-    double below = 0;
-    std::size_t difference = 0;
-    while (difference < 255 && below + static_cast<double>(differences[c][difference]) <
-                                   kWithinSigma * static_cast<double>(places.size()))
-      below += static_cast<double>(differences[c][difference++]);
-    out.noise_sigma[c] = static_cast<double>(difference) + 0.5;
-  }
+  for (std::size_t c = 0; c < 3; ++c) out.noise_sigma[c] = sigma_of(differences[c], places.size());
   return out;
 }
 
@@ -376,8 +387,9 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
               floor = taken_by(surfaces, SurfaceKind::kFloor, range),
               other = taken_by(surfaces, SurfaceKind::kOther, range);
   const Hue carpet_hue(surfaces, SurfaceKind::kCarpet);
-  // Six pixels in a thousand lie beyond, whatever their hue: fewer than make a flood have the label's.
-  constexpr double kOtherHueSigmas = 3.2;
+  // Three pixels in a thousand lie beyond, whatever their hue: fewer than make a flood.
+  constexpr double kOtherHueSigmas = 3.4;
+  const double half_cell_levels = 128.0 / table.side();
   std::size_t changed = 0;
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
     Label& label = table.labels[cell];
@@ -385,7 +397,9 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
     const Yuv color = table.color_of(cell);
     const bool in_carpet = carpet.has(color);
     if (!in_carpet && !floor.has(color) && !other.has(color)) continue;
-    if ((!in_carpet || carpet_hue.sigmas_from(color) > kOtherHueSigmas) && keep(label, color)) continue;
+    if ((!in_carpet || carpet_hue.sigmas_from(color, half_cell_levels) > kOtherHueSigmas) &&
+        keep(label, color))
+      continue;
     label = label::kClear;
     ++changed;
   }

@@ -79,7 +79,9 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
     dots_height_mm = height_mm;
     search_from_centers(params, frame, team, height_mm, mask, regions);
   }
-  // Whatever side dots are left: robots whose centre dot no region shows.
+  search_from_memory(params, frame, scene, mask);
+  // Whatever side dots are left: robots whose centre dot no region shows. Last, as a board beside the carpet
+  // may have so many of their colours that no work is left after them.
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const double height_mm = scene.height_of(team);
     if (team == Team::kBlue && height_mm == scene.height_of(Team::kYellow)) break;
@@ -87,7 +89,6 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
     dots_height_mm = height_mm;
     search_from_side_dots(params, frame, height_mm);
   }
-  search_from_memory(params, frame, scene, mask);
   choose(params, frame, scene, out);
   out.capped = !time_left(params);
   if (params.memory_ms == 0) return;
@@ -229,18 +230,23 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
                                        const Mask& mask, const RegionList& regions) {
   const Label color = frame.patterns.team_colors[static_cast<std::size_t>(team)];
   const double area_mm2 = disc_area_mm2(frame.patterns.center_diameter_mm);
-  const auto search = [&](Label label, int min_matched) {
+  const auto search = [&](Label label) {
     for (const Region& region : regions.of(label)) {
       const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
       if (!place) continue;
       if (!time_left(params)) return;
+      // A wooden floor may be full of what could be centre dots: blobs that have no side dots beside them get
+      // a part of the work only, so that robots, wherever they come in the list, get the rest.
+      constexpr double kShareOfBlobsAlone = 0.5;
+      constexpr int kFewDots = 2;
+      const int min_matched = work_done() < kShareOfBlobsAlone * params.max_work ? 0 : kFewDots;
       search_around(params, frame, place->x(), place->y(), height_mm, min_matched);
     }
   };
-  search(color, 0);
+  search(color);
   // In dim light yellow reads as orange, and where a channel is clipped. So does every ball, but that is no
   // disc on black. Regions of side dots need not be there: in the shade green ones are as dark as carpet.
-  if (color == label::kYellow) search(label::kOrange, 0);
+  if (color == label::kYellow) search(label::kOrange);
 }
 
 void DetectRobots::search_around(const Params& params, const Frame& frame, double x_mm, double y_mm,

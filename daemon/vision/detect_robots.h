@@ -114,7 +114,8 @@ class DetectRobots {
                      int min_matched);
   void search_from_side_dots(const Params& params, const Frame& frame, double height_mm);
   void search_from_memory(const Params& params, const Frame& frame, const Scene& scene, const Mask& mask);
-  bool time_left(const Params& params) const { return fitter_.work() + work_ < params.max_work; }
+  double work_done() const { return fitter_.work() + work_; }
+  bool time_left(const Params& params) const { return work_done() < params.max_work; }
 
   /// A robot of the last images where the row that shows it should see it now.
   struct Expected {

@@ -146,8 +146,13 @@ TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
   AnyCamera& camera = input_.cameras[1];
   camera.last_minute = {60, 3600, 0, 0, 120};
   EXPECT_EQ(only_alert().title, "Camera 1: too much to process, in 120 of 3600 images of the last minute");
+  EXPECT_EQ(only_alert().severity, Severity::kInfo);
+  camera.last_minute.capped = 1800;
+  EXPECT_EQ(only_alert().severity, Severity::kWarn);
+  camera.last_minute.capped = 120;
   camera.flood = "green floods the image between (0, 64) and (1279, 511) px";
   EXPECT_EQ(only_alert().id, "frames_capped");
+  EXPECT_EQ(only_alert().severity, Severity::kWarn);
   EXPECT_EQ(
       only_alert().title,
       "Camera 1: green floods the image between (0, 64) and (1279, 511) px, in 120 of 3600 images of the "
