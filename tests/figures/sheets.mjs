@@ -14,11 +14,11 @@ const folder = join(root, 'docs/images/sheets');
 
 /** Besides the pages of the router: what their links and switches show. */
 const besides = [
-  { path: 'overview', cameras: 1 }, { path: 'overview', cameras: 2 }, { path: 'overview', cameras: 8 }, { path: 'camera', cameras: 8 },
+  { path: 'overview', cameras: 0 }, { path: 'camera', cameras: 0 }, { path: 'overview', cameras: 1 }, { path: 'overview', cameras: 2 }, { path: 'overview', cameras: 8 }, { path: 'camera', cameras: 8 },
   { path: 'calibration', press: 'mode-together' }, { path: 'calibration', press: 'mode-masks' },
   { path: 'colours', press: 'show-light' }, { path: 'colours', press: 'show-margins' },
   { path: 'settings/~profiles' }, { path: 'settings/~history' }, { path: 'settings/cameras' }, { path: 'settings/cameras/0' },
-  { path: 'settings/cameras/0/stack' }, { path: 'settings/cameras/0/stages/detect_robots' }, { path: 'field/network' },
+  { path: 'settings/cameras/0/stack' }, { path: 'settings/cameras/0/stages/detect_robots' }, { path: 'field/network' }, { path: 'field/packets' },
 ];
 const wanted = process.argv.slice(2);
 const views = [...pageNames().map((path) => ({ path })), ...besides]
@@ -82,7 +82,7 @@ for (const { name } of all) {
 }
 await browser.close();
 
-const title = ({ path, press, cameras }) => `${[path, press?.replace(/^(mode|show)-/, '')].filter(Boolean).join(', ')}${cameras === CAMERAS ? '' : `, ${cameras} camera${cameras > 1 ? 's' : ''}`}`;
+const title = ({ path, press, cameras }) => `${[path, press?.replace(/^(mode|show)-/, '')].filter(Boolean).join(', ')}${cameras === CAMERAS ? '' : `, ${cameras || 'no'} camera${cameras === 1 ? '' : 's'}`}`;
 const everything = views.filter(({ name }) => readdirSync(folder).includes(`${name}.jpg`));
 writeFileSync(join(root, 'docs/screens.md'), `# Every page at every size of screen
 With ${CAMERAS} simulated cameras where nothing else is said. \`./run sheets\` makes these images and this page.
