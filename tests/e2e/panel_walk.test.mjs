@@ -56,6 +56,8 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
     // What these states change of a page is found where there is least room.
     for (const [m, size] of wanted.entries()) {
       if (!isWholeState && !isAll && m < wanted.length - 1) continue;
+      // With one camera there is more room than with four.
+      if (count === 1 && isWholeState && !isAll && !onlySizes && m === 0) continue;
       const { width, height, isPhone } = size;
       // Themes differ in colours, not in places: one each, by turns.
       const theme = (n + m) % 2 ? 'light' : 'dark';
@@ -81,7 +83,14 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
                 mkdirSync(shots, { recursive: true });
                 await page.screenshot({ path: join(shots, `${where.replace(/[^\w.-]+/g, '_')}.png`) });
               }
-              for (const fault of await layoutFaults(page, { isTouch: isPhone })) faults.push({ ...fault, where });
+              // What a busy computer has not laid out yet is no fault; what is one stays.
+              let found = [];
+              for (let looks = 0; looks < 10; looks++) {
+                found = await layoutFaults(page, { isTouch: isPhone });
+                if (!found.length) break;
+                await settled(page);
+              }
+              for (const fault of found) faults.push({ ...fault, where });
               // The other tests do it with every page, too; here for what a size or a number of cameras changes.
               if (isAll || (!what && !path.includes('/') && (p + m) % wanted.length === 0)) {
                 for (const fault of await axeFaults(page)) faults.push({ kind: 'axe', at: '', what: fault, where });
