@@ -58,6 +58,13 @@ describe('the first set-up', { timeout: 540_000 }, () => {
         assert.equal(await step.$$eval('.btn', (all) => all.length), 1, `${id} has one action`);
       }
       await textBecomes(page, 'steps-done', /^0 of 7 done$/);
+
+      // Whoever looks for a camera on its own pages is led back.
+      for (const name of ['camera', 'colours', 'calibration']) {
+        await page.goto(address(`#/${name}`));
+        await page.click('main a:has-text("Add a camera")');
+        await page.waitForSelector(byId('add-camera'));
+      }
       const [steps, add] = await Promise.all([byId('first-steps'), byId('add-camera')].map((one) => page.locator(one).boundingBox()));
       assert.ok(steps.height > 150 && steps.y + steps.height <= add.y, 'the steps have their own room');
       // It looked for cameras by itself: there is an answer, whatever is plugged in.

@@ -48,7 +48,8 @@ void report_calibrations(std::span<const CalibrationFacts> cameras, HealthReport
     return camera.calibration.has_value();
   });
   report.checks.push_back({"calibration", "Calibration", CheckState::kPass, std::to_string(count),
-                           fmt::format("of {}", cameras.size()), "all calibrated"});
+                           fmt::format("of {}", cameras.size()),
+                           cameras.empty() ? "there is no camera" : "all calibrated"});
 }
 
 }  // namespace sslv
