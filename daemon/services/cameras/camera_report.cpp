@@ -240,9 +240,17 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
 Check check_latency(std::span<const CameraFacts> cameras) {
   Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera is running"};
   if (running(cameras) == 0) return check;
+  constexpr std::uint64_t kMinImages = 100;
   double worst_ms = 0;
+  bool is_known = false;
   for (const CameraFacts& camera : cameras) {
-    if (is_running(camera)) worst_ms = std::max(worst_ms, camera.latency_p99_ms);
+    if (!is_running(camera) || camera.latency_images < kMinImages) continue;
+    is_known = true;
+    worst_ms = std::max(worst_ms, camera.latency_p99_ms);
+  }
+  if (!is_known) {
+    check.text = fmt::format("known after {} images", kMinImages);
+    return check;
   }
   check.value = fmt::format("{:.2f}", worst_ms);
   check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);

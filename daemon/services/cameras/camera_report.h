@@ -31,7 +31,8 @@ struct CameraFacts {
   std::string backend;
   std::optional<double> wanted_fps;  // as its settings ask for
   CameraHealth health;
-  double latency_p99_ms = 0;
+  double latency_p99_ms = 0;                // of the last images
+  std::uint64_t latency_images = 0;         // since its start: of fewer than 100, one late image is the p99
   Timeline::Sum last_minute, last_seconds;  // kLastSeconds
   std::optional<Exposure> exposure;         // of the newest frame
   std::size_t controls_unsaved = 0;         // that are set and not saved

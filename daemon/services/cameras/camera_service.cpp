@@ -69,6 +69,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
                    .wanted_fps = wanted_fps(settings->source),
                    .health = camera->health(),
                    .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
+                   .latency_images = camera->latency().count(),
                    .last_minute = last_minute,
                    .last_seconds = watch_.timeline().sum(id, CameraFacts::kLastSeconds),
                    .exposure = watch_.exposure(id),

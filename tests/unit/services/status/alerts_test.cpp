@@ -111,6 +111,7 @@ class Alerts : public ::testing::Test {
       camera.calibration->pixel_image_width = 780;
       camera.calibration->pixel_image_height = 580;
       camera.latency_p99_ms = 0.9;
+      camera.latency_images = 100;
       camera.last_minute = {60, 3600, 0, 0, 0};
       camera.last_seconds = {10, 600, 0, 0, 0};
       camera.exposure = Exposure{0.005, 0.01, 90};
@@ -425,6 +426,14 @@ TEST_F(Checks, LinesThatSuitTheOtherDivisionAreNoGo) {
   EXPECT_EQ(only_alert().title,
             "Camera 1: the painted lines suit Division A, 2026 (12 x 9 m), not the field's sizes (9 x 6 m)");
   EXPECT_FALSE(is_go());
+}
+
+TEST_F(Checks, OfLatencyWaitForImagesOfWhichOneIsNoPercentile) {
+  for (AnyCamera& camera : input_.cameras) camera.latency_p99_ms = 20;
+  EXPECT_EQ(check("latency").state, CheckState::kFail);
+  for (AnyCamera& camera : input_.cameras) camera.latency_images = 99;
+  EXPECT_EQ(check("latency").text, "known after 100 images");
+  EXPECT_EQ(check("latency").state, CheckState::kPass);
 }
 
 TEST_F(Checks, OfColoursAreTheLeastMarginOfAllCameras) {
