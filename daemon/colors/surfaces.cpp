@@ -214,8 +214,9 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
       std::max<std::uint32_t>(2, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
   // The few places that shine are not what the range is about.
   constexpr double kShine = 0.01, kShineMore = 1.06;
-  // Over-exposed carpet looks like dots: where a channel is clipped, no more than the margin that is wanted.
-  constexpr double kBrightestClipped = 1 + kWantedMargin + 0.02;
+  // Over-exposed carpet looks like dots: where a channel is clipped, little more than the margin that is
+  // wanted, so that noise of the next images takes none of it.
+  constexpr double kBrightestClipped = 1 + kWantedMargin + 0.1;
   const double bright = std::max(1, brightness_above(colors, total, kShine));
   for (const auto& [color, count] : colors) {
     if (count < least) continue;
