@@ -22,6 +22,8 @@ const { values: options } = parseArgs({ options: {
 const [FIELDS, FIRST, MINUTES, AT_ONCE, RATE_HZ] = ['fields', 'first', 'minutes', 'at-once', 'rate'].map((name) => Number(options[name]));
 const GRIDS = { 1: [1, 1], 2: [2, 1], 3: [3, 1], 4: [2, 2], 6: [3, 2], 8: [4, 2] };
 const HEIGHT_MM = 4000, MM_PER_PX = 7.5, MM_SEEN_BESIDE = 350;
+// A usual hall's own lamps are a third darker or brighter in each image, for learning to be tried with: no good field.
+const LAMPS = { flicker_low: 0.95, flicker_high: 1.05 };
 const STAGE_PLAYED = 1, NORMAL_START = 2;
 // About this computer, not about the field: packets stay on it, and it runs several services at a time.
 const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'camera_slow']);
@@ -153,7 +155,7 @@ async function watchSimulated(seed) {
     const { field } = (await ask('field/presets')).find(({ name }) => name === preset);
     const source = {
       backend: 'simulator', pixel_format: chance.one(['uyvy', 'bayer_rg8', 'rgb24']), frame_rate_hz: RATE_HZ, robots_yellow: robots, robots_blue: robots, balls: 1, seed,
-      noise_sigma: chance.between(1, 4), vignette: chance.between(0, 0.2), gradient: chance.between(0, 0.25), light, speed: chance.one([0.3, 0.6, 1]), hall: { kind, seed },
+      noise_sigma: chance.between(1, 4), vignette: chance.between(0, 0.2), gradient: chance.between(0, 0.25), light, speed: chance.one([0.3, 0.6, 1]), hall: { kind, seed, lamps: LAMPS },
     };
     const cameras = camerasOf(chance, count, field, source, first.colors.classes);
     await service.patch({ op: 'replace', path: '/field', value: field }, { op: 'replace', path: '/cameras', value: cameras });
