@@ -59,7 +59,7 @@ describe('the first set-up', { timeout: 540_000 }, () => {
       }
       await textBecomes(page, 'steps-done', /^0 of 7 done$/);
 
-      // Whoever looks for a camera on its own pages is led back.
+      // The pages of a camera lead to adding one.
       for (const name of ['camera', 'colours', 'calibration']) {
         await page.goto(address(`#/${name}`));
         await page.click('main a:has-text("Add a camera")');
