@@ -738,6 +738,42 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
   }
 }
 
+/// Discs of one colour, row by row, as high as robots are.
+void cover_with_discs(DrawnScene& drawn, double from_x_mm, double to_x_mm, double apart_mm,
+                      double diameter_mm, std::span<const Label> colors) {
+  std::size_t count = 0;
+  for (double x_mm = from_x_mm; x_mm < to_x_mm; x_mm += apart_mm) {
+    for (double y_mm = -1600; y_mm < 1600; y_mm += apart_mm)
+      drawn.cover(x_mm, y_mm, kHeightMm, diameter_mm / 2, paint_color(colors[count++ % colors.size()]));
+  }
+}
+
+TEST(DetectRobots, ABoardFullOfTheSideDotsColoursTakesNoWorkFromARobotThatIsRemembered) {
+  DrawnScene before, after;
+  for (DrawnScene* drawn : {&before, &after}) drawn->add_robot(Team::kBlue, 5, 2600, 300, 0.7);
+  cover_on_top(after, after.things().robots[0], 0, 0, 26, kTopColor);
+  constexpr std::array kSideColors{label::kPink, label::kGreen, label::kGreen};
+  cover_with_discs(after, -700, 1700, 75, 40, kSideColors);
+  DetectRobots detector;
+  expect_all(before.robots_by(detector, 5).robots, before, 0.5, 0.5);
+  const RobotList found = after.robots_by(detector, 5.016);
+  EXPECT_TRUE(found.capped) << "the picture is not as the test needs it";
+  EXPECT_NE(find(found.robots, Team::kBlue, 5), nullptr);
+  expect_nothing_wrong(found.robots, after, 1, 1);
+}
+
+TEST(DetectRobots, BlobsOfATeamsColourWithoutSideDotsTakeNoWorkFromRobots) {
+  constexpr std::array kYellow{label::kYellow};
+  DrawnScene drawn;
+  cover_with_discs(drawn, -700, 2000, 95, 50, kYellow);
+  for (int i = 0; i < 6; ++i) {
+    drawn.add_robot(i % 2 == 0 ? Team::kYellow : Team::kBlue, i, 2400 + 300 * (i / 4), -1200 + 600 * (i % 4),
+                    0.9 * i);
+  }
+  ASSERT_GT(drawn.regions().of(label::kYellow).size(), 800U) << "the picture is not as the test needs it";
+  expect_all(drawn.robots().robots, drawn, 0.5, 0.5);
+}
+
 TEST(DetectRobots, AnOrdinaryPictureIsNotCapped) {
   std::mt19937 random(12);
   DrawnScene drawn;
