@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -369,14 +370,18 @@ class Learner {
       for (const Color3& one : all) mean += one / static_cast<double>(all.size());
       double square = 0;
       for (const Color3& one : all) square += (one - mean).squaredNorm() / static_cast<double>(all.size());
-      // Robots of other makers are not among those that taught.
+      // Robots of other makers are not among those that taught. Where none taught, those to come differ from
+      // the usual maker's as much again.
       const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls shine and are shaded
+      const bool is_seen =
+          std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label) == sightings_.unseen.end();
+      const double unknown = is_seen ? other_makers : std::numbers::sqrt2 * other_makers;
       PrintColor print{};
       for (int c = 0; c < 3; ++c)
         print.chromaticity[static_cast<std::size_t>(c)] =
             static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * std::max(0.0, mean[c]) / mean.sum()));
-      print.spread = static_cast<std::uint16_t>(
-          std::lround(PrintColor::kUnit * std::hypot(std::sqrt(square), other_makers)));
+      print.spread =
+          static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * std::hypot(std::sqrt(square), unknown)));
       out[label] = print;
     }
     return out;

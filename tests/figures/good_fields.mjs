@@ -21,7 +21,9 @@ const { values: options } = parseArgs({ options: {
 } });
 const [FIELDS, FIRST, MINUTES, AT_ONCE, RATE_HZ] = ['fields', 'first', 'minutes', 'at-once', 'rate'].map((name) => Number(options[name]));
 const GRIDS = { 1: [1, 1], 2: [2, 1], 3: [3, 1], 4: [2, 2], 6: [3, 2], 8: [4, 2] };
-const HEIGHT_MM = 4000, MM_PER_PX = 7.5, MM_SEEN_BESIDE = 350;
+const HEIGHT_MM = 4000, MM_SEEN_BESIDE = 350;
+// Of the coarser fields of the league. Two pixels of a Bayer image on each side make one of a colour.
+const MM_PER_PX = { uyvy: 7.5, rgb24: 7.5, bayer_rg8: 3.75 };
 // A usual hall's own lamps are a third darker or brighter in each image, for learning to be tried with: no good field.
 const LAMPS = { flicker_low: 0.95, flicker_high: 1.05 };
 const STAGE_PLAYED = 1, NORMAL_START = 2;
@@ -57,8 +59,9 @@ function camerasOf(chance, count, field, source, classes) {
   const length = field.field_length + 2 * field.boundary_width_goal_line, width = field.field_width + 2 * field.boundary_width;
   const seen = [length / columns + 2 * MM_SEEN_BESIDE, width / rows + 2 * MM_SEEN_BESIDE];
   // Even numbers, as formats of two pixels want.
-  const [high, wide] = seen.map((mm) => 2 * Math.round(mm / MM_PER_PX / 2));
-  const [height, pixelsPerMm] = [HEIGHT_MM * chance.between(0.95, 1.1), 1 / MM_PER_PX];
+  const mmPerPx = MM_PER_PX[source.pixel_format];
+  const [high, wide] = seen.map((mm) => 2 * Math.round(mm / mmPerPx / 2));
+  const height = HEIGHT_MM * chance.between(0.95, 1.1);
   return Array.from({ length: count }, (_, id) => {
     const place = [((id % columns) + 0.5) * (length / columns) - length / 2, (Math.floor(id / columns) + 0.5) * (width / rows) - width / 2, height];
     // Down, with the image's x along the field's y, and a little crooked, as cameras hang.
@@ -69,7 +72,7 @@ function camerasOf(chance, count, field, source, classes) {
     return {
       id, name: `camera ${id}`, source: { ...source, width: wide, height: high },
       calibration: {
-        focal_length: pixelsPerMm * height, principal_point_x: wide / 2 + chance.between(-4, 4), principal_point_y: high / 2 + chance.between(-4, 4), distortion: chance.between(0, 0.1),
+        focal_length: height / mmPerPx, principal_point_x: wide / 2 + chance.between(-4, 4), principal_point_y: high / 2 + chance.between(-4, 4), distortion: chance.between(0, 0.1),
         q0: unit[0], q1: unit[1], q2: unit[2], q3: unit[3], tx, ty, tz, pixel_image_width: wide, pixel_image_height: high,
       },
       colors: { classes },

@@ -143,6 +143,23 @@ TEST(LearnColors, PredictsTheTeamThatIsNotThere) {
   expect_finds_others(learnt, plain_options());
 }
 
+TEST(LearnColors, TheTeamThatIsNotThereMayHaveDotsOfAnotherMaker) {
+  DrawnScene drawn;
+  add_teams(drawn, 0, 6, 0);
+  drawn.add_ball(1000, 600);
+  const LearntColors learnt = learn_colors(task_of(drawn));
+  ASSERT_EQ(learnt.problem, "");
+  ASSERT_EQ(learnt.robots_of(Team::kBlue), 0u);
+
+  constexpr Rgb kTheirBlue{50, 120, 160};
+  DrawnScene other;
+  add_teams(other, 1, 0, 4);
+  for (const SimulatedRobot& robot : other.things().robots)
+    other.cover(robot.x_mm, robot.y_mm, robot.height_mm, 25, kTheirBlue);
+  other.use_lut(learnt.lut);
+  EXPECT_EQ(other.robots().robots.size(), 4u);
+}
+
 TEST(LearnColors, PredictsOrangeWithoutABall) {
   DrawnScene drawn;
   add_teams(drawn, 0);
