@@ -95,6 +95,12 @@ export const views = [
   { name: 'phone', viewport: PHONE, options: phone, it: byTurns('phone', 1) },
 ];
 
+/**
+ * A test that takes long for what it finds beyond what others do: only ./run test-long does it. Such are those that only
+ * ask whether a page is accessible, which panel_walk asks of all pages.
+ */
+export const itLong = process.env.SSLV_VIEWS === 'all' ? it : () => {};
+
 /** `webgl`: with a drawing machine made of software. */
 export const launch = ({ webgl = false } = {}) => chromium.launch({
   executablePath: CHROMIUM,

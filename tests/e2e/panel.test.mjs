@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, chooseTheme, createBrowser, DESKTOP, frameNumber, freezePicture, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, chooseTheme, createBrowser, DESKTOP, frameNumber, freezePicture, itLong, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
 import { createService, root } from './service.mjs';
 
 const service = await createService('239.255.77.78');
@@ -360,9 +360,9 @@ describe('panel', () => {
     assert.match(await text(page, 'robot-strip'), /mm.*°.*confidence/s);
   }));
 
-  for (const { name: view, viewport, options, it } of views) {
+  for (const { name: view, viewport, options } of views) {
     for (const { name, path, ready } of pages) {
-      it(`is accessible: ${name} on a ${view}`, withPage(viewport, path, options, async (page) => {
+      itLong(`is accessible: ${name} on a ${view}`, withPage(viewport, path, options, async (page) => {
         await page.waitForSelector(ready, { state: 'attached' });
         await accessibleInThemes(page, `${name} on a ${view}`);
       }));

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, PHONE, phone, picturesGoOn, saved, text, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, picturesGoOn, saved, text, views } from './browser.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const service = await createService('239.255.77.80');
@@ -306,7 +306,7 @@ describe('calibration page', () => {
     }));
 
     for (const mode of ['calibrate', 'together', 'masks']) {
-      it(`is accessible: ${mode} on a ${view}`, withPage(viewport, '#/calibration/0', options, async (page) => {
+      itLong(`is accessible: ${mode} on a ${view}`, withPage(viewport, '#/calibration/0', options, async (page) => {
         await page[press(view)](byId(`mode-${mode}`));
         await picturesGoOn(page, 0, 1);
         const states = mode === 'calibrate' ? ['step-points', 'step-known', 'step-history'] : mode === 'masks' ? ['add-exclude'] : ['mode-together'];

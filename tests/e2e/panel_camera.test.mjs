@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, freezePicture, picturesGoOn, saved, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, freezePicture, itLong, picturesGoOn, saved, views } from './browser.mjs';
 import { join } from 'node:path';
 import { becomes, createService, eventually } from './service.mjs';
 
@@ -199,7 +199,7 @@ describe('the camera page', () => {
       }
     }));
 
-    it(`is accessible with all it has open on a ${name}`, withPage(viewport, '#/camera/0', options, async (page) => {
+    itLong(`is accessible with all it has open on a ${name}`, withPage(viewport, '#/camera/0', options, async (page) => {
       await picturesGoOn(page, 0);
       await page.click(byId('layers-explained'));
       await page.click(byId('controls-all'));

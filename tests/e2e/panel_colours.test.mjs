@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, live, PHONE, phone, saved, text, views } from './browser.mjs';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, itLong, live, PHONE, phone, saved, text, views } from './browser.mjs';
 import { createService, PATIENCE_MS } from './service.mjs';
 
 const service = await createService('239.255.77.83');
@@ -448,7 +448,7 @@ describe('colours page', () => {
     }));
 
     for (const theme of ['dark', 'light']) {
-      it(`is accessible on a ${view}, ${theme}`, withPage(viewport, '#/colours/0', options, async (page) => {
+      itLong(`is accessible on a ${view}, ${theme}`, withPage(viewport, '#/colours/0', options, async (page) => {
         await chooseTheme(page, theme);
         await ready(page);
         await freeze(page, view);
@@ -519,7 +519,7 @@ describe('colours page', () => {
     assert.deepEqual(await tableFile(), before);
   }));
 
-  it('loses nothing when two people edit at once', withPage(DESKTOP, '#/colours/0', {}, async (page) => {
+  itLong('loses nothing when two people edit at once', withPage(DESKTOP, '#/colours/0', {}, async (page) => {
     await ready(page);
     const other = await page.context().newPage();
     await other.goto(address('#/colours/0'));

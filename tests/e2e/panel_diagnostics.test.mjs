@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, PHONE, phone, text, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, text, textBecomes, views } from './browser.mjs';
 import { becomes, createService, eventually } from './service.mjs';
 
 const service = await createService('239.255.77.85');
@@ -347,15 +347,15 @@ describe('panel: Diagnostics', () => {
     await page.waitForSelector(`${byId('support')}:enabled`);
   }));
 
-  for (const { name, viewport, options, it } of views) {
-    it(`is accessible on a ${name}`, withPage(viewport, PATH, options, async (page) => {
+  for (const { name, viewport, options } of views) {
+    itLong(`is accessible on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await drawn(page);
       await page.waitForSelector(byId('stage-histogram'));
       await accessibleInThemes(page, `Diagnostics on a ${name}`);
     }));
   }
 
-  it('says that the service is gone, and goes on when it is back', withPage(DESKTOP, PATH, {}, async (page, panel) => {
+  itLong('says that the service is gone, and goes on when it is back', withPage(DESKTOP, PATH, {}, async (page, panel) => {
     await drawn(page);
     panel.errorsExpected = true;
     await service.stop();

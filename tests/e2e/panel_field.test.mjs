@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, saved, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, saved, views } from './browser.mjs';
 import { fieldsOf } from './protobuf.mjs';
 import { createService, eventually, freeUdpPort, PATIENCE_MS } from './service.mjs';
 
@@ -229,7 +229,7 @@ describe('panel: field and network', () => {
       await patch({ op: 'replace', path: '/teams/blue/robot_height', value: 140 });
     }));
 
-    it(`is accessible and fits on a ${name}`, withPage(viewport, '#/field', options, async (page) => {
+    itLong(`is accessible and fits on a ${name}`, withPage(viewport, '#/field', options, async (page) => {
       const fits = async (what) => {
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
         assert.ok(wide <= 0, `${what} is ${wide} px too wide on a ${name}`);

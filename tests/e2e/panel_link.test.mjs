@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { copyFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, afterEach, beforeEach, describe, it } from 'node:test';
-import { accessible, byId, createBrowser, DESKTOP, live, PHONE, phone, picturesGoOn, textBecomes, views } from './browser.mjs';
+import { accessible, byId, createBrowser, DESKTOP, itLong, live, PHONE, phone, picturesGoOn, textBecomes, views } from './browser.mjs';
 import { layoutFaults } from './layout.mjs';
 import { becomes, createService, root, upgradePanel } from './service.mjs';
 import { createLink } from './slow_link.mjs';
@@ -68,7 +68,7 @@ describe('panel over a bad link', () => {
     }, { prepare: () => link.limit(kbps) }));
   }
 
-  it('says "Slow link" beside the verdict on other pages, on a phone, too', browser.withPage(PHONE, '#/camera/0', phone, async (page) => {
+  itLong('says "Slow link" beside the verdict on other pages, on a phone, too', browser.withPage(PHONE, '#/camera/0', phone, async (page) => {
     await picturesGoOn(page, 0, 1);
     link.limit(200);
     await textBecomes(page, 'connection', /GO\s*simulated.*Slow link$/);
@@ -152,7 +152,7 @@ describe('panel over a bad link', () => {
   const isUpgraded = (page) => page.waitForSelector('script[src$="index-upgraded.js"]', { state: 'attached' });
 
   for (const hasWorker of [false, true]) {
-    it(`takes the panel of an upgraded service by itself, in a browser that keeps ${hasWorker ? 'files' : 'none'}`, () => onPage('', async (page) => {
+    (hasWorker ? it : itLong)(`takes the panel of an upgraded service by itself, in a browser that keeps ${hasWorker ? 'files' : 'none'}`, () => onPage('', async (page) => {
       await live(page);
       if (hasWorker) await kept(page);
       await withUpgrade(async () => {

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, PHONE, phone, saved, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, saved, textBecomes, views } from './browser.mjs';
 import { becomes, createService } from './service.mjs';
 
 const service = await createService('239.255.77.79');
@@ -429,8 +429,8 @@ describe('settings page', { timeout: 540_000 }, () => {
     { name: 'history', path: '#/settings/~history', ready: '.inline' },
     { name: 'tree', path: '#/settings', ready: byId('settings-search') },
   ];
-  for (const { name: view, viewport, options, it } of views) {
-    it(`is accessible on a ${view}`, withPage(viewport, '', options, async (page) => {
+  for (const { name: view, viewport, options } of views) {
+    itLong(`is accessible on a ${view}`, withPage(viewport, '', options, async (page) => {
       for (const { name, path, ready } of looks) {
         await page.goto(address(path));
         await page.waitForSelector(ready);

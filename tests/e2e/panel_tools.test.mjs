@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import { userInfo } from 'node:os';
 import { promisify } from 'node:util';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, frameNumber, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, frameNumber, itLong, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
 import { textOfPdf } from './pdf.mjs';
 import { detectionOf, geometryOf } from './protobuf.mjs';
 import { becomes, createService, root, upgradePanel } from './service.mjs';
@@ -401,7 +401,7 @@ describe('tools', () => {
       }));
     }
 
-    it('have no hole after a lost connection', withPage(DESKTOP, '#/camera/0', {}, async (page, panel) => {
+    itLong('have no hole after a lost connection', withPage(DESKTOP, '#/camera/0', {}, async (page, panel) => {
       panel.errorsExpected = true; // of the connection that is refused
       const open = new Set();
       let isBlocked = false;

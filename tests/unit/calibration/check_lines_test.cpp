@@ -4,6 +4,10 @@
 #include "calibration/publish.h"
 #include "support/painted_floor.h"
 
+#include <array>
+#include <string>
+#include <vector>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,27 +28,27 @@ struct Case {
   PaintedFloor floor;
 };
 
-std::vector<Case> cases() {
+std::vector<Case> cases_of(FloorView view) {
   std::vector<Case> out;
   for (const int size : {0, 1}) {
-    for (const FloorView view : {FloorView::kWhole, FloorView::kHalf, FloorView::kQuarter}) {
-      for (const double dim_to : {1.0, 0.5}) {
-        Case one{{.size = size, .view = view}, {}};
-        one.floor.field = floor_field(size);
-        one.floor.dim_to = dim_to;
-        one.floor.robots_on_lines = true;
-        one.floor.wavy_mm = 3;
-        one.floor.seed = static_cast<unsigned>(out.size() + 1);
-        out.push_back(one);
-      }
+    for (const double dim_to : {1.0, 0.5}) {
+      Case one{{.size = size, .view = view}, {}};
+      one.floor.field = floor_field(size);
+      one.floor.dim_to = dim_to;
+      one.floor.robots_on_lines = true;
+      one.floor.wavy_mm = 3;
+      one.floor.seed = static_cast<unsigned>(out.size() + 1);
+      out.push_back(one);
     }
   }
   return out;
 }
 
+class CheckLinesOf : public ::testing::TestWithParam<FloorView> {};
+
 // One test, as drawing takes most of its time.
-TEST(CheckLines, FindsThemWhereAGoodCalibrationPutsThemAndSaysByHowMuchACameraWasMoved) {
-  for (const Case& one : cases()) {
+TEST_P(CheckLinesOf, FindsThemWhereAGoodCalibrationPutsThemAndSaysByHowMuchACameraWasMoved) {
+  for (const Case& one : cases_of(GetParam())) {
     SCOPED_TRACE(fmt::format("size {}, dim to {}", one.setting.size, one.floor.dim_to));
     const LensCamera truth = floor_camera(one.setting);
     const FloorPicture picture = draw_floor(one.floor, truth);
@@ -72,26 +76,36 @@ TEST(CheckLines, MissThoseOfAFieldOfOtherSizes) {
   }
 }
 
-TEST(CheckLines, KnowTheDivisionThatTheLinesAreOf) {
+class DivisionFrom : public ::testing::TestWithParam<FloorView> {};
+
+TEST_P(DivisionFrom, TheLinesItSees) {
   const FieldSize& small = field_preset("division-b", "");
   const FieldSize& large = field_preset("division-a", "");
-  for (const FloorView view : {FloorView::kWhole, FloorView::kHalf}) {
-    for (const auto* painted : {&small, &large}) {
-      PaintedFloor floor;
-      floor.field = *painted;
-      const LensCamera lens = floor_camera({.size = painted == &small ? 1 : 2, .view = view});
-      const CameraModel camera(publish(lens).calibration);
-      const FloorPicture picture = draw_floor(floor, lens);
-      const auto better_than = [&](const FieldSize& told) {
-        return find_better_size(picture.view, camera, told, looked_for(picture, lens, told), kWindowMm);
-      };
-      EXPECT_EQ(better_than(*painted), nullptr);
-      const FieldPreset* better = better_than(painted == &small ? large : small);
-      ASSERT_NE(better, nullptr) << (painted == &small ? "division B" : "division A");
-      EXPECT_EQ(&better->size, painted);
-    }
+  for (const auto* painted : {&small, &large}) {
+    PaintedFloor floor;
+    floor.field = *painted;
+    const LensCamera lens = floor_camera({.size = painted == &small ? 1 : 2, .view = GetParam()});
+    const CameraModel camera(publish(lens).calibration);
+    const FloorPicture picture = draw_floor(floor, lens);
+    const auto better_than = [&](const FieldSize& told) {
+      return find_better_size(picture.view, camera, told, looked_for(picture, lens, told), kWindowMm);
+    };
+    EXPECT_EQ(better_than(*painted), nullptr);
+    const FieldPreset* better = better_than(painted == &small ? large : small);
+    ASSERT_NE(better, nullptr) << (painted == &small ? "division B" : "division A");
+    EXPECT_EQ(&better->size, painted);
   }
 }
+
+std::string name_of_view(const ::testing::TestParamInfo<FloorView>& view) {
+  constexpr std::array<const char*, 3> kNames{"whole", "half", "quarter"};
+  return kNames[static_cast<std::size_t>(view.param)];
+}
+INSTANTIATE_TEST_SUITE_P(Views, CheckLinesOf,
+                         ::testing::Values(FloorView::kWhole, FloorView::kHalf, FloorView::kQuarter),
+                         name_of_view);
+INSTANTIATE_TEST_SUITE_P(Views, DivisionFrom, ::testing::Values(FloorView::kWhole, FloorView::kHalf),
+                         name_of_view);
 
 TEST(CheckLines, JudgeNothingWhereNoLineIsInTheImage) {
   PaintedFloor floor;
