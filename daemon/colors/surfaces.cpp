@@ -212,8 +212,8 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
   // What is rarer is an edge, or some small thing.
   const auto least =
       std::max<std::uint32_t>(2, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
-  // The few places that shine are not what the range is about.
-  constexpr double kShine = 0.01, kShineMore = 1.06;
+  // The few places that shine are not what the range is about: too few for a flood.
+  constexpr double kShine = kFloodShare / 2, kShineMore = 1.06;
   // Over-exposed carpet looks like dots: where a channel is clipped, little more than the margin that is
   // wanted, so that noise of the next images takes none of it.
   constexpr double kBrightestClipped = 1 + kWantedMargin + 0.1;

@@ -165,6 +165,19 @@ TEST(Surfaces, StayClearInTheLightOfTheRange) {
   }
 }
 
+TEST(Surfaces, CarpetThatShinesKeepsTheMarginWhereItIsEnoughForAFlood) {
+  for (int side = 14; side <= 40; side += 2) {
+    Hall hall;
+    hall.add_box(100, 100, 100 + side, 100 + side, {87, 188, 102});  // carpet in 1.45 times the light
+    const SurfaceColors surfaces = see(hall);
+    ColorTable table = table_of([](Yuv) { return label::kGreen; });
+    clear_surfaces(table, surfaces, {}, [](Label, Yuv) { return false; });
+    const auto least = min_to_carpet(table_margins(Lut(table), surfaces));
+    ASSERT_TRUE(least);
+    EXPECT_GT(std::abs(least->change), kWantedMargin) << side << " px: " << least->change;
+  }
+}
+
 TEST(Surfaces, TheCarpetTakesFromAnyLabelOthersNoneThatIsToBeKept) {
   Hall hall;
   hall.add_box(20, 20, 120, 100, kOrange);  // an advertising board
