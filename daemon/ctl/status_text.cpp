@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace sslv {
 namespace {
@@ -37,6 +39,8 @@ std::string status_text(const Json& status) {
                   network.at("port").get<int>(),
                   network.at("interface") == "" ? "" : " on " + network.at("interface").get<std::string>(),
                   network.at("packets_per_s").get<double>(), network.at("send_errors").get<std::uint64_t>());
+  if (const Json& addresses = status.at("panel").at("addresses"); !addresses.empty())
+    out += fmt::format("panel: {}\n", fmt::join(addresses.get<std::vector<std::string>>(), "  "));
   out += fmt::format("{:>6}  {:<14} {:<8} {:>10} {:>6} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "camera", "name",
                      "state", "image", "fps", "p50 ms", "p99 ms", "frames", "robots", "balls");
   for (const Json& camera : status.at("cameras")) {

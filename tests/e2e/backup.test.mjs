@@ -261,6 +261,7 @@ describe('a backup', () => {
     const restored = ctl(spare, 'restore', file);
     assert.deepEqual([restored.status, restored.stderr], [0, '']);
     assert.match(restored.stdout, new RegExp(`restored, revision ${revision + 1}; \`ssl-visionctl undo ${revision + 1}\``));
+    await becomes(() => get(spare, 'api/events'), ({ entries }) => entries.some(({ id, title }) => id === 'backup_restored' && title.startsWith('Backup of Hall 3, Bordeaux restored: ')));
     spare.settings.panel.port = port; // it is where the first one was
     const isTheSame = async () => {
       assert.equal(await settingsText(spare), wanted.settings);

@@ -2,7 +2,7 @@
 // Every page of the panel at every size of screen, with none to eight cameras, and in a match: nothing cut, nothing
 // overlapping, targets for fingers, images that can be used, axe clean. layout.mjs says what is looked for, and what is
 // meant to be as it is.
-//   SSLV_WALK=all          every size, number of cameras and theme; else a part of them, which takes two minutes
+//   SSLV_WALK=all          every size, number of cameras and theme; else a part of them, which takes a minute
 //   SSLV_WALK_PAGES=a,b    only addresses that begin with one of these
 //   SSLV_WALK_SIZES=WxH,…  only these sizes
 //   SSLV_WALK_SHOTS=DIR    also keeps an image of all that is looked at
@@ -26,6 +26,14 @@ const others = list('SSLV_WALK_CAMERAS') ? [] : [{ count: 0 }, { count: 1, isMat
 const states = [...counts.map((count) => ({ count, isWhole: true })), ...others];
 const usual = ['1366x650', '800x360', '360x780'];
 const wanted = sizes.filter((size) => (onlySizes ?? (isAll ? sizes.map(nameOfSize) : usual)).includes(nameOfSize(size)));
+
+/**
+ * Whether a state is looked at on a size. What the others change of a page is found where there is least room, and with
+ * one camera there is more room than with four.
+ */
+const isWalked = ({ count, isWhole }, m) => isAll || onlySizes !== null || m === wanted.length - 1 || (isWhole && (count > 1 || counts.length === 1));
+/** Where a place within a page is looked at, by turns. */
+const turns = states.flatMap((state, n) => wanted.map((_, m) => `${n} ${m}`).filter((_, m) => state.isWhole && isWalked(state, m)));
 
 /** The same fault of many places is told once, with the places. */
 function summary(faults) {
@@ -53,11 +61,8 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
     /** Found once: they are the same at all sizes. */
     let paths;
 
-    // What these states change of a page is found where there is least room.
     for (const [m, size] of wanted.entries()) {
-      if (!isWholeState && !isAll && m < wanted.length - 1) continue;
-      // With one camera there is more room than with four.
-      if (count === 1 && isWholeState && !isAll && !onlySizes && m === 0) continue;
+      if (!isWalked(states[n], m)) continue;
       const { width, height, isPhone } = size;
       // Themes differ in colours, not in places: one each, by turns.
       const theme = (n + m) % 2 ? 'light' : 'dark';
@@ -72,11 +77,11 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
           paths ??= await findPaths(page);
           for (const [p, path] of paths.filter((one) => !onlyPages || onlyPages.some((start) => one.startsWith(start))).entries()) {
             // Unless all is asked for: places within a page are alike, so each at one size with one number of cameras;
-            // what a page's switches show at one size with each.
+            // what a page's switches show at one size with the most cameras.
             const isWhole = isWholeState && (isAll || onlyPages !== null);
             if (!isWholeState && path.includes('/')) continue;
-            if (!isWhole && path.includes('/') && (p + m + n * wanted.length) % (wanted.length * counts.length)) continue;
-            const isDeep = isWhole || (isWholeState && !path.includes('/') && (p + m + n) % wanted.length === 0);
+            if (!isWhole && path.includes('/') && turns[p % turns.length] !== `${n} ${m}`) continue;
+            const isDeep = isWhole || (isWholeState && !path.includes('/') && n === counts.length - 1 && (p + m) % wanted.length === 0);
             await lookAround(page, path, isDeep, async (what) => {
               const where = `#/${path}${what ? `, ${what}` : ''}, ${nameOfSize(size)}, ${stateName}, ${theme}`;
               if (shots) {

@@ -54,6 +54,9 @@ Event event_of(const SettingsStep& step) {
   } else if (is("profile ")) {
     event.id = "profile_applied";
     event.title = fmt::format("P{} applied: {}", what.substr(1), places);
+  } else if (is("backup of ")) {
+    event.id = "backup_restored";
+    event.title = fmt::format("B{} restored: {}", what.substr(1), places);
   } else if (is("undo of ")) {
     event.id = "settings_undone";
     event.title = fmt::format("U{} of the settings: {}", what.substr(1), places);

@@ -23,6 +23,7 @@ TEST(SettingsEvents, SayWhatWasDoneWhereAndByWhom) {
       {"calibration accepted", "calibration_saved", "Calibration accepted: /site"},
       {"colours", "colors_saved", "Colour table saved: /site"},
       {"profile Night", "profile_applied", "Profile Night applied: /site"},
+      {"backup of Hall 2", "backup_restored", "Backup of Hall 2 restored: /site"},
       {"undo of revision 6", "settings_undone", "Undo of revision 6 of the settings: /site"},
       {"reload of /etc/a.json", "settings_reloaded", "Settings file read again: /site"},
       {"restored", "settings_changed", "Settings changed, restored: /site"},
