@@ -89,8 +89,11 @@ function adminOf(service) {
     async learnColors(id) {
       hasLearnt = true;
       const learning = async (method, path = '') => (await fetch(service.address(`api/cameras/${id}/colors/learning${path}`), { method })).json();
-      await learning('POST');
-      await becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
+      // Again, as an admin would, until there are robots before this camera.
+      await becomes(async () => {
+        await learning('POST');
+        return becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
+      }, ({ state, report }) => state === 'done' && report.learnt);
       await learning('POST', '/accept');
     },
     /** What is said against it from GO on, or from when an admin would wait no longer for it: `said`, with how often. */
