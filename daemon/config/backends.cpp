@@ -104,6 +104,12 @@ const Json& camera_source(const Json& source) {
   return source.at("backend") == "tile" ? camera_source(source.at("of")) : source;
 }
 
+std::string device_of(const Json& source) {
+  const Json& camera = camera_source(source);
+  return fmt::format("{} {}{}", camera.at("backend").get<std::string>(), camera.value("camera", ""),
+                     camera.value("path", ""));
+}
+
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context) {
   Json options = source;
   options.erase("backend");

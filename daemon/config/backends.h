@@ -32,6 +32,9 @@ Json complete_source(const Json& source, const std::string& path);
 /// The camera of a complete "source": itself, or that of which a tile shows a part.
 const Json& camera_source(const Json& source);
 
+/// What tells the camera or folder of a complete "source" from others; one of its controls does not.
+std::string device_of(const Json& source);
+
 /// Opens what a complete "source" says. Throws CaptureError.
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
 

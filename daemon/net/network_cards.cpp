@@ -5,6 +5,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
@@ -25,6 +27,7 @@ std::vector<NetworkCard> network_cards() {
       card = cards.insert(cards.end(), {.name = entry->ifa_name,
                                         .addresses = {},
                                         .is_up = (entry->ifa_flags & IFF_UP) != 0,
+                                        .has_link = (entry->ifa_flags & IFF_RUNNING) != 0,
                                         .is_loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0,
                                         .has_multicast = (entry->ifa_flags & IFF_MULTICAST) != 0});
     }
@@ -42,6 +45,18 @@ std::string network_cards_text() {
       cards += " " + card.name + " (" + address.to_string() + ")";
   }
   return cards.empty() ? "no card has an IPv4 address at present" : "there are" + cards;
+}
+
+address_v4 address_towards(const address_v4& destination) {
+  using boost::asio::ip::udp;
+  constexpr std::uint16_t kAnyPort = 9;
+  boost::asio::io_context io;
+  udp::socket socket(io);
+  boost::system::error_code error;
+  socket.open(udp::v4(), error);
+  socket.connect({destination, kAnyPort}, error);  // sends nothing
+  const udp::endpoint from = socket.local_endpoint(error);
+  return from.address().is_v4() ? from.address().to_v4() : address_v4();
 }
 
 address_v4 find_network_card(const std::string& name_or_address) {

@@ -57,6 +57,12 @@ std::optional<MatchState> match_of(const Referee& referee) {
 
 }  // namespace
 
+bool RefereeStatus::is_in_match() const {
+  constexpr int kBeforeFirstHalf = 0, kFinished = 13;
+  return match && match->stage > kBeforeFirstHalf && match->stage < kFinished &&
+         silent_s.value_or(1e9) < kMatchOverAfter_s;
+}
+
 RefereeListener::RefereeListener(std::function<void()> on_new_names)
     : on_new_names_(std::move(on_new_names)),
       receiver_("referee", [this](std::span<const std::byte> datagram, const udp::endpoint& sender) {

@@ -60,6 +60,14 @@ struct RefereeStatus {
   bool stage_is_played = false;                      // the same, or a HALT in between
   std::array<std::optional<int>, 2> robots_allowed;  // by Team; none: it does not say
   std::optional<MatchState> match;                   // none before a message with a stage
+
+  /// A game controller that falls silent for a while does not end a match; one that was switched off long ago
+  /// does.
+  static constexpr double kMatchOverAfter_s = 600;
+  /// A stage is played.
+  bool match_runs() const { return stage_is_played && silent_s.value_or(1e9) < kMatchOverAfter_s; }
+  /// It has begun and is not over: a stage is played, or there is a break.
+  bool is_in_match() const;
 };
 
 /// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are

@@ -85,4 +85,9 @@ std::optional<double> team_height_mm(std::string_view name) {
   return found == teams.end() ? std::nullopt : std::optional(found->height_mm);
 }
 
+bool is_same_team(std::string_view name, std::string_view other) {
+  const std::u32string key = key_of(name);
+  return name == other || (!key.empty() && key == key_of(other));
+}
+
 }  // namespace sslv

@@ -10,4 +10,7 @@ namespace sslv {
 /// differ from the team's own spelling in case, spaces, punctuation, accents and Unicode form.
 std::optional<double> team_height_mm(std::string_view name);
 
+/// Whether two names are the same but for what team_height_mm() allows.
+bool is_same_team(std::string_view name, std::string_view other);
+
 }  // namespace sslv

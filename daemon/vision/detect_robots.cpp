@@ -58,6 +58,7 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
                            const Lut& lut, const Mask& mask, const FrameInfo& info, const Image& image,
                            const RegionList& regions, RobotList& out) noexcept {
   out.robots.clear();
+  out.second_robots.clear();
   candidates_.clear();
   explained_.assign(regions.regions.size(), 0);
   fitter_.reset_work();
@@ -448,18 +449,30 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
     // The plane of the other team's height would give another place.
     if (candidate->height_mm != scene.height_of(team)) continue;
     const auto id = static_cast<int>(possible._Find_first());
-    double confidence = candidate->confidence;
+    const PatternFit& fit = candidate->fit;
+    Robot robot{team,
+                id,
+                fit.pose.x_mm,
+                fit.pose.y_mm,
+                fit.pose.angle_rad,
+                candidate->height_mm,
+                fit.pixel_x,
+                fit.pixel_y,
+                candidate->confidence};
     if (taken[team_index].test(static_cast<std::size_t>(id))) {
-      if (params.duplicates == Duplicates::kDrop) continue;
-      confidence *= kDuplicateShare;
-    } else if (confidence < params.min_confidence) {
+      if (params.duplicates == Duplicates::kDrop) {
+        // One with an unproven dot may well be of another id.
+        const bool is_proven = candidate->proven_dots == static_cast<int>(sides) + 1;
+        if (is_proven && robot.confidence >= params.min_confidence) out.second_robots.push_back(robot);
+        continue;
+      }
+      robot.confidence *= kDuplicateShare;
+    } else if (robot.confidence < params.min_confidence) {
       continue;
     }
     taken[team_index].set(static_cast<std::size_t>(id));
     chosen_.push_back(candidate);
-    const PatternFit& fit = candidate->fit;
-    out.robots.push_back({team, id, fit.pose.x_mm, fit.pose.y_mm, fit.pose.angle_rad, candidate->height_mm,
-                          fit.pixel_x, fit.pixel_y, confidence});
+    out.robots.push_back(robot);
   }
   std::sort(out.robots.begin(), out.robots.end(),
             [](const Robot& a, const Robot& b) { return a.confidence > b.confidence; });

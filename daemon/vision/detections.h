@@ -29,7 +29,8 @@ struct Ball {
 /// Both sorted by falling confidence. Distinct types, so that each is a part of a frame by itself.
 struct RobotList {
   std::vector<Robot> robots;
-  bool capped = false;  // there was more to look at than the time allows: the frame is flagged
+  bool capped = false;                 // there was more to look at than the time allows: the frame is flagged
+  std::vector<Robot> second_robots{};  // left out, because each has the id of one of `robots`
 };
 struct BallList {
   std::vector<Ball> balls;

@@ -33,6 +33,19 @@ try {
   await service.set('/network/vision/interface', 'field0');
   await service.alertGoes('only_this_computer');
 
+  // Somebody pulls the cable: the card itself is still up, and takes every packet.
+  ip('link', 'set', 'switch0', 'down');
+  assert.match((await service.alertComes('card_no_link')).title, /field0/);
+  assert.equal((await service.status()).network.error, '');
+  await service.set('/network/vision/interface', 'lo');
+  await service.alertGoes('card_no_link');
+  await service.set('/network/vision/interface', '');
+  ip('route', 'add', '224.0.0.0/4', 'dev', 'field0');
+  await service.alertComes('card_no_link');
+  ip('link', 'set', 'switch0', 'up');
+  await service.alertGoes('card_no_link');
+  await service.set('/network/vision/interface', 'field0');
+
   const rounds = tries(4, 50);
   const times = [];
   let frames = 0, refused = 0, lost = 0;

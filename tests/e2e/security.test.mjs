@@ -510,7 +510,7 @@ describe('names that settings give', () => {
 describe('the match lock', () => {
   const group = '224.5.23.101';
   let port, socket, timer;
-  const says = Object.fromEntries(Object.entries({ running: 2, halted: 0 }).map(([what, command]) => [what, Buffer.from([0x10, 1, 0x20, command, 0x3a, 2, 0x0a, 0, 0x42, 2, 0x0a, 0])])); // stage, command, both teams
+  const says = Object.fromEntries(Object.entries({ running: [1, 2], halted: [1, 0], halfTime: [2, 0], over: [13, 0] }).map(([what, [stage, command]]) => [what, Buffer.from([0x10, stage, 0x20, command, 0x3a, 2, 0x0a, 0, 0x42, 2, 0x0a, 0])])); // stage, command, both teams
 
   const hears = (what) => {
     clearInterval(timer);
@@ -518,6 +518,7 @@ describe('the match lock', () => {
     send();
     timer = setInterval(send, 50);
   };
+  const gameRuns = (wanted) => becomes(() => ask('GET', 'api/session'), ({ json }) => json.match_lock.game_is_running === wanted, ({ text }) => text);
   const lockBecomes = (wanted) => becomes(() => ask('GET', 'api/session'), ({ json }) => json.match_lock.locked === wanted, ({ text }) => text);
 
   before(async () => {
@@ -529,7 +530,7 @@ describe('the match lock', () => {
     await once(socket, 'listening');
     socket.setMulticastInterface('127.0.0.1');
   });
-  beforeEach(() => hears('halted'));
+  beforeEach(() => hears('over'));
   after(async () => {
     clearInterval(timer);
     socket.close();
@@ -551,8 +552,22 @@ describe('the match lock', () => {
     const opened = await ask('POST', 'api/match_lock', { body: { opened: true } });
     assert.deepEqual(opened.json, { game_is_running: true, opened: true, locked: false });
     assert.equal((await ask('PATCH', 'api/settings', { body: rename('Played') })).status, 200);
+    for (const pause of ['halted', 'halfTime']) {
+      hears(pause);
+      await gameRuns(false);
+      hears('running');
+      await gameRuns(true);
+      assert.equal((await ask('GET', 'api/session')).json.match_lock.locked, false, `after ${pause} it is still this match`);
+    }
+    // In a HALT, too, it can be locked again.
     hears('halted');
-    await becomes(() => ask('GET', 'api/session'), ({ json }) => !json.match_lock.game_is_running, ({ text }) => text);
+    await gameRuns(false);
+    assert.equal((await ask('POST', 'api/match_lock', { body: { opened: false } })).status, 200);
+    hears('running');
+    await lockBecomes(true);
+    assert.equal((await ask('POST', 'api/match_lock', { body: { opened: true } })).status, 200);
+    hears('over');
+    await gameRuns(false);
     hears('running');
     await lockBecomes(true);
   });

@@ -85,11 +85,12 @@ const faults = [
   { name: 'penalty areas of other years', check: 'agreement', alerts: ['lines_off', 'lines_missing'], fails: 1, strengths: [{ penalty_area_depth: 1040 }, { penalty_area_depth: 1100, penalty_area_width: 2150 }, { penalty_area_depth: 1200, penalty_area_width: 2400 }].map(sizes) },
   { name: 'a field a little larger or smaller', check: 'agreement', alerts: ['lines_off', 'lines_missing'], fails: 1, strengths: [{ field_length: 9080 }, { field_length: 8800 }, { field_width: 6300, field_length: 9300 }].map(sizes) },
   { name: 'a stack that sends nothing', always: true, check: 'network', alerts: ['not_published'], fails: 0, strengths: one.map((all) => all.map((i) => replace(`/cameras/${i}/stack`, stack.slice(0, 3)))) },
-  { name: 'a camera that looks at black and white', check: 'robots', alerts: ['robots_lost'], fails: 0, strengths: one.map((all) => all.map((i) => source(i, 'pixel_format', 'mono8'))) },
+  { name: 'a camera that looks at black and white', always: true, check: 'colors', alerts: ['images_grey'], fails: 0, strengths: one.map((all) => all.map((i) => source(i, 'pixel_format', 'mono8'))) },
   { name: 'robots that vanish', always: true, check: 'robots', alerts: ['robots_lost'], fails: 1, strengths: [7, 5, 0].map((count) => CAMERAS.flatMap((i) => ['yellow', ...(count ? [] : ['blue'])].map((color) => source(i, `robots_${color}`, count)))) },
   { name: 'robots that nobody can read', check: 'robots', alerts: ['robots_lost'], fails: 1, strengths: [1, 4, 12].map((count) => forAll('covered_dots', count)) },
   { name: 'no ball', check: 'robots', alerts: ['ball_lost'], fails: 3, strengths: [forAll('balls', 0), [...forAll('balls', 0), ...forAll('distractors', 10)], [...forAll('balls', 0), ...forAll('distractors', 20)]] },
   { name: 'one id in two places', always: true, check: 'robots', alerts: ['robot_twice'], fails: 0, strengths: [2, 3, 4].map((seed) => [source(1, 'seed', seed)]) },
+  { name: 'two robots with one pattern', always: true, check: 'robots', alerts: ['robot_twice'], fails: 0, strengths: [1, 2, 3].map((count) => forAll('twins', count)) },
   { name: 'a roster that is not there', check: 'robots', alerts: ['robots_missing'], fails: 3, strengths: [[0, 9], [0, 9, 10], [11, 12, 13]].map((ids) => [replace('/teams/yellow/ids', ids)]) },
   { name: 'fewer robots than may play', check: 'robots', alerts: ['robots_few'], fails: 3, sent: [9, 10, 11].map((count) => toReferee(gameController({ ...GC, yellow: ['', count] }))) },
   { name: 'more robots than may play', check: 'robots', alerts: ['robots_many'], fails: 3, sent: [7, 6, 0].map((count) => toReferee(gameController({ ...GC, blue: ['', count] }))) },
@@ -187,4 +188,21 @@ describe('the verdict', () => {
       await becomesGood();
     });
   }
+
+  it('passes no field whose robots and ball nobody has ever seen', async () => {
+    await service.stop();
+    for (const { source: to } of service.settings.cameras) Object.assign(to, { robots_yellow: 0, robots_blue: 0, balls: 0 });
+    await service.start();
+    const robotsCheck = (now) => now.checks.find(({ id }) => id === 'robots');
+    await becomes(status, (now) => now.cameras.every(({ frames }) => frames > 10) && robotsCheck(now).state === 'warn' && /nothing is seen/.test(robotsCheck(now).text), tell);
+    extra = toReferee(gameController({ ...GC, stage: 1 }));
+    const missed = await becomes(status, (now) => now.alerts.some(({ id, severity }) => id === 'robots_none' && severity === 'bad'), tell);
+    assert.equal(missed.go, false);
+    extra = null;
+    await becomes(status, (now) => !now.alerts.some(({ id }) => id === 'robots_none'), tell);
+    for (const { source: to } of service.settings.cameras) Object.assign(to, { robots_yellow: ROBOTS, robots_blue: ROBOTS });
+    await service.stop();
+    await service.start();
+    await becomes(status, (now) => robotsCheck(now).state === 'warn' && /no ball is seen/.test(robotsCheck(now).text), tell);
+  });
 });

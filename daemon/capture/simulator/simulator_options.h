@@ -40,6 +40,7 @@ struct SimulatorOptions {
   double hidden_share = 0.5;
   double ball_gloss = 0;
   int covered_dots = 0;
+  int twins = 0;
   int distractors = 0;
   double speed = 1;
   int seed = 1;
@@ -82,6 +83,7 @@ struct SimulatorOptions {
                "shine of the balls under a lamp at one side: 0: dull, lit evenly from above; 1: with an "
                "overexposed spot, a dark side and a shadow"),
         number("covered_dots", &O::covered_dots, 0, 32, "", "robots with one side dot painted over"),
+        number("twins", &O::twins, 0, 15, "", "robots of each team that wear the pattern of its first one"),
         number("distractors", &O::distractors, 0, 60, "",
                "coloured things on the carpet that are neither robots nor balls"),
         number("speed", &O::speed, 0.0, 10.0, "", "factor on all motion; 0: nothing moves"),

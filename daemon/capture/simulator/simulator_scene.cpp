@@ -63,9 +63,11 @@ const std::array<Eigen::Vector2d, 256>& points_of_disc() {
 
 SimulatedRoster roster_of(const SimulatorOptions& options) {
   SimulatedRoster roster;
-  for (int i = 0; i < options.robots_yellow; ++i)
-    roster.emplace_back(Team::kYellow, options.first_yellow_id + i);
-  for (int i = 0; i < options.robots_blue; ++i) roster.emplace_back(Team::kBlue, options.first_blue_id + i);
+  const auto add = [&](Team team, int robots, int first_id) {
+    for (int i = 0; i < robots; ++i) roster.emplace_back(team, i <= options.twins ? first_id : first_id + i);
+  };
+  add(Team::kYellow, options.robots_yellow, options.first_yellow_id);
+  add(Team::kBlue, options.robots_blue, options.first_blue_id);
   return roster;
 }
 

@@ -13,12 +13,14 @@ MatchLock::State MatchLock::state() {
   const RefereeStatus referee = referee_.status(steady_s());
   const bool running = config_.load()->panel.match_lock && referee.game_is_running &&
                        referee.silent_s.value_or(0) < kMaxSilence_s;
-  if (!running) opened_ = false;
+  // A HALT in between, half time, or a controller that is started again does not end the match.
+  if (!config_.load()->panel.match_lock || !referee.is_in_match()) opened_ = false;
   return {running, opened_};
 }
 
 MatchLock::State MatchLock::set_opened(bool opened, const std::string& who) {
-  if (!state().game_is_running) throw HttpError(409, "no match is running: nothing is locked");
+  const State now = state();
+  if (!now.game_is_running && !now.opened) throw HttpError(409, "no match is running: nothing is locked");
   opened_ = opened;
   log::warning("the settings were {} for this match by {}", opened ? "unlocked" : "locked again", who);
   return state();

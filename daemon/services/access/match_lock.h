@@ -11,7 +11,7 @@
 namespace sslv {
 
 /// While a match runs, as the game controller says, nothing is changed unless an admin has unlocked it for
-/// this match. May be used from any thread.
+/// this match, with its HALTs and breaks. May be used from any thread.
 class MatchLock {
  public:
   struct State {

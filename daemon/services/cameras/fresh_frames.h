@@ -24,6 +24,7 @@ struct LentFrame {
   WholePicture whole{};
   std::uint32_t number = 0;
   std::span<const Ball> balls{};
+  std::span<const Robot> second_robots{};  // see RobotList
 };
 
 /// The newest frame once its version is newer than the given one (0: any); nothing after the timeout. Throws

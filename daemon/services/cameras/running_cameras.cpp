@@ -99,8 +99,15 @@ std::optional<LentFrame> RunningCameras::wait_frame(int camera_id, std::uint64_t
   const auto held = hold_frame(std::move(camera), newer_than, timeout);
   if (!held) return std::nullopt;
   const Frame& frame = *held->hold->frame;
-  return LentFrame{held->version,       held->hold,       frame.image.view(), frame.info.times.t_capture_s,
-                   frame.robots.robots, frame.info.whole, frame.info.number,  frame.balls.balls};
+  return LentFrame{.version = held->version,
+                   .hold = held->hold,
+                   .image = frame.image.view(),
+                   .t_capture_s = frame.info.times.t_capture_s,
+                   .robots = frame.robots.robots,
+                   .whole = frame.info.whole,
+                   .number = frame.info.number,
+                   .balls = frame.balls.balls,
+                   .second_robots = frame.robots.second_robots};
 }
 
 bool RunningCameras::change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,

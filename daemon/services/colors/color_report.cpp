@@ -45,6 +45,19 @@ void add_swapped_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
        .camera = camera.camera_id});
 }
 
+void add_grey_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
+  if (camera.grey_format.empty()) return;
+  alerts.push_back(
+      {.id = "images_grey",
+       .check = "colors",
+       .severity = Severity::kBad,
+       .title =
+           fmt::format("Camera {} sends images without colours ({})", camera.camera_id, camera.grey_format),
+       .fix = "No robot and no ball can be found: choose a format with colours in its source (pixel_format).",
+       .page = "#/settings/cameras",
+       .camera = camera.camera_id});
+}
+
 Check check_colors(std::span<const ColorFacts> cameras) {
   const ColorFacts::Margin* least = nullptr;
   for (const ColorFacts& camera : cameras) {
@@ -64,6 +77,7 @@ Check check_colors(std::span<const ColorFacts> cameras) {
 
 void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::string>& lost_tables,
                    HealthReport& report) {
+  for (const ColorFacts& camera : cameras) add_grey_alert(report.alerts, camera);
   for (const ColorFacts& camera : cameras) add_empty_alert(report.alerts, camera);
   for (const ColorFacts& camera : cameras) add_swapped_alert(report.alerts, camera);
   for (const ColorFacts& camera : cameras) add_margin_alert(report.alerts, camera);

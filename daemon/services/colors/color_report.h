@@ -23,6 +23,7 @@ struct ColorFacts {
   std::optional<Margin> min_margin{};
   std::vector<std::string> missing_labels{};  // that the league's patterns and ball need: no colour has them
   std::vector<std::string> swapped_labels{};  // "green for pink": those that have the hue of another
+  std::string grey_format{};                  // its images have no colours, and its stack labels them
 };
 
 /// Adds their alerts and the check "colors". `lost_tables`: why saved tables could not be used at start.

@@ -69,7 +69,9 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                       .severity = Severity::kWarn,
                       .title = fmt::format("Unknown team \"{}\": its robots are assumed to be {:g} mm high",
                                            team.name, team.robot_height_mm),
-                      .fix = "Measure the pattern's height and set robot_height in teams.",
+                      .fix =
+                          "Measure the height of its pattern. Then set robot_height and name of this team: "
+                          "the name tells that the height is this team's.",
                       .page = "#/field",
                       .about = team.name});
   }
@@ -96,14 +98,23 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                       .page = "#/settings/network/vision"});
     return;  // that says what to do about those below too
   }
-  if (!facts.card_unused.empty()) {
+  if (const std::string& card = facts.cards.without_link; !card.empty()) {
+    alerts.push_back(
+        {.id = "card_no_link",
+         .check = "network",
+         .severity = Severity::kBad,
+         .title = fmt::format("Network card {} has no link: no packet reaches the teams", card),
+         .fix = "Check its cable and the switch, or set network/vision/interface to another card.",
+         .page = "#/settings/network/vision"});
+  }
+  if (!facts.cards.unused.empty()) {
     alerts.push_back(
         {.id = "only_this_computer",
          .check = "network",
          .severity = Severity::kWarn,
          .title = "Packets reach only programs on this computer",
          .fix = fmt::format("Set network/vision/interface to the card of the teams' network, such as {}.",
-                            facts.card_unused),
+                            facts.cards.unused),
          .page = "#/settings/network/vision"});
   }
   const auto add = [&](const char* check, const std::string& error, const char* group) {

@@ -17,14 +17,20 @@
 
 namespace sslv {
 
+/// What is wrong with the network card that packets leave by; names of cards, empty: nothing.
+struct CardsUsed {
+  std::string unused;        // one that other computers may be on, while packets go to this computer only
+  std::string without_link;  // the one that packets go to, with its cable pulled out
+};
+
 /// What is known of the network, read once, so that alerts, checks and figures agree.
 struct NetworkFacts {
   std::shared_ptr<const Config> config;
   MulticastStatus multicast;
   std::shared_ptr<const Geometry> geometry;  // what is sent
   std::vector<OtherVision> other_visions;
-  bool another_host_sends = false;    // one of them is on another computer
-  std::string card_unused;            // a network card that is up while packets go to this computer only
+  bool another_host_sends = false;  // one of them is on another computer
+  CardsUsed cards{};
   std::string listening_error;        // why the vision group cannot be heard
   std::uint64_t refused_packets = 0;  // that came to the vision group
   RefereeStatus referee;

@@ -4,7 +4,6 @@
 #include "base/clock.h"
 #include "health/metrics_text.h"
 #include "net/network_cards.h"
-#include "services/network/network_report.h"
 #include "services/network/packet_report.h"
 
 #include <algorithm>
@@ -56,20 +55,23 @@ bool is_of_another_host(const std::vector<OtherVision>& visions, const std::vect
                      [&](const OtherVision& other) { return !ours.contains(other.address); });
 }
 
-/// A card that other computers may be on, while packets go out where there are none. Empty: none, or they do
-/// not.
-std::string card_unused(const std::string& interface, const std::vector<NetworkCard>& cards) {
+CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkCard>& cards) {
+  const std::string by_route =
+      vision.interface.empty() ? address_towards(boost::asio::ip::make_address_v4(vision.group)).to_string()
+                               : "";
+  const std::string& interface = vision.interface.empty() ? by_route : vision.interface;
   const auto is_named = [&](const NetworkCard& card) {
     return card.name == interface || std::ranges::any_of(card.addresses, [&](const auto& address) {
              return address.to_string() == interface;
            });
   };
   const auto used = std::ranges::find_if(cards, is_named);
-  if (used == cards.end() || !used->is_loopback) return "";
+  if (used == cards.end()) return {};
+  if (!used->is_loopback) return {.unused = {}, .without_link = used->has_link ? "" : used->name};
   const auto other = std::ranges::find_if(cards, [](const NetworkCard& card) {
-    return card.is_up && card.has_multicast && !card.is_loopback && !card.addresses.empty();
+    return card.has_link && card.has_multicast && !card.is_loopback && !card.addresses.empty();
   });
-  return other == cards.end() ? "" : other->name;
+  return {.unused = other == cards.end() ? "" : other->name, .without_link = {}};
 }
 
 Json interfaces_json() {
@@ -80,6 +82,7 @@ Json interfaces_json() {
     interfaces.push_back({{"name", card.name},
                           {"addresses", addresses},
                           {"is_up", card.is_up},
+                          {"has_link", card.has_link},
                           {"is_loopback", card.is_loopback},
                           {"multicast", card.has_multicast}});
   }
@@ -138,7 +141,7 @@ NetworkFacts NetworkService::facts() const {
           .geometry = geometry_.load(),
           .other_visions = other_visions_.seen(steady_s()),
           .another_host_sends = another_host_sends_,
-          .card_unused = *card_unused_.load(),
+          .cards = *cards_used_.load(),
           .listening_error = other_visions_.error(),
           .refused_packets = other_visions_.refused(),
           .referee = referee_.status(steady_s())};
@@ -161,7 +164,7 @@ void NetworkService::write_metrics(MetricsText& out) const {
 void NetworkService::each_second() {
   const std::vector<NetworkCard> cards = network_cards();
   another_host_sends_ = is_of_another_host(other_visions_.seen(steady_s()), cards);
-  card_unused_.store(card_unused(config_.load()->network.vision.interface, cards));
+  cards_used_.store(cards_used(config_.load()->network.vision, cards));
 }
 
 std::string NetworkService::summary() const {

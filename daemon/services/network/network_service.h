@@ -9,6 +9,7 @@
 #include "net/packets.h"
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
+#include "services/network/network_report.h"
 #include "services/service.h"
 
 #include <atomic>
@@ -42,7 +43,7 @@ class NetworkService final : public Service {
   std::string missing() const;
 
  private:
-  struct NetworkFacts facts() const;
+  NetworkFacts facts() const;
 
   const Snapshot<Config>& config_;
   MulticastSender& multicast_;
@@ -55,7 +56,7 @@ class NetworkService final : public Service {
   OtherVisions other_visions_;
   // As they were seen last: they ask the system for our addresses.
   std::atomic<bool> another_host_sends_ = false;
-  Snapshot<std::string> card_unused_{std::string()};
+  Snapshot<CardsUsed> cards_used_{CardsUsed{}};
 };
 
 }  // namespace sslv

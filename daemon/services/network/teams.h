@@ -13,7 +13,8 @@ struct TeamNow {
   std::string name;
   double robot_height_mm = 0;
   bool height_is_known = false;  // the height of this name; otherwise the one of the settings
-  bool name_is_unknown = false;  // the game controller names a team that has no known height
+  bool name_is_unknown = false;  // the game controller names a team of no known height, which
+                                 // the settings do not name either
 };
 
 /// The settings and what the game controller says (empty: nothing) together; by Team, as the names.

@@ -14,12 +14,26 @@ namespace {
 /// A line that is farther off than this is not found.
 constexpr double kWindowMm = 250;
 
-/// Of two looks at the same lines: the better one. A single image may be spoilt, by a hand or a lamp that
-/// goes on.
+/// Of two looks at the same lines: the better one.
 LinesNow better(const LinesNow& a, const LinesNow& b) {
   if (a.verdict.missing_share != b.verdict.missing_share)
     return a.verdict.missing_share < b.verdict.missing_share ? a : b;
   return a.verdict.worst_mm <= b.verdict.worst_mm ? a : b;
+}
+
+/// Nothing when no line can be judged. What the field's sizes were measured to nobody has said: what suits
+/// better is right, as it is for calibration.
+std::optional<LinesNow> lines_in(const ImageView& image, const Scene& scene, const FieldCurves& curves) {
+  std::optional<LinesNow> best;
+  for (const LinesMeasured to : {LinesMeasured::kToOuterEdge, LinesMeasured::kToMiddle}) {
+    const auto measured = curves.measured(to);
+    const LinesVerdict verdict = judge_lines(check_lines(image, *scene.camera, measured, kWindowMm));
+    if (verdict.lines == 0) continue;
+    const LinesNow now{verdict, measured[verdict.worst].name};
+    best = best ? better(*best, now) : now;
+  }
+  if (best) best->better_size = find_better_size(image, *scene.camera, scene.field, best->verdict, kWindowMm);
+  return best;
 }
 
 }  // namespace
@@ -30,10 +44,10 @@ FieldWatch::FieldWatch(Cameras& cameras, Pace pace)
         serve(ending);
       }) {}
 
-FieldWatch::Seen FieldWatch::seen() const {
+FieldWatch::Seen FieldWatch::seen(std::optional<double> match_since_s) const {
   const double now_s = steady_s();
   const std::lock_guard lock(mutex_);
-  return {sightings_.now(now_s), lines_, now_s - started_s_};
+  return {sightings_.now(now_s, match_since_s), lines_, now_s - started_s_};
 }
 
 void FieldWatch::forget(const std::set<int>& camera_ids) {
@@ -43,6 +57,11 @@ void FieldWatch::forget(const std::set<int>& camera_ids) {
     lines_.erase(id);
   }
   to_forget_.insert(camera_ids.begin(), camera_ids.end());
+}
+
+void FieldWatch::expect_nothing_of(const std::set<int>& camera_ids) {
+  const std::lock_guard lock(mutex_);
+  for (const int id : camera_ids) sightings_.expect_nothing_of(id);
 }
 
 void FieldWatch::serve(const std::stop_token& ending) {
@@ -74,7 +93,7 @@ void FieldWatch::look_at(const CameraNow& camera, Watched& watched) {
       const double now_s = steady_s();
       const std::lock_guard lock(mutex_);
       if (to_forget_.contains(camera.id)) return;
-      sightings_.add(camera.id, now_s, frame->t_capture_s, frame->robots, frame->balls);
+      sightings_.add(camera.id, now_s, frame->t_capture_s, frame->robots, frame->balls, frame->second_robots);
     }
     if (const auto now = Clock::now(); now >= watched.lines_due) {
       watched.lines_due = now + pace_.between_lines;
@@ -88,20 +107,15 @@ void FieldWatch::look_at_lines(const CameraNow& camera, const LentFrame& frame, 
   const std::shared_ptr<const Scene>& scene = camera.context().scene;
   if (watched.scene != scene) {
     watched.scene = scene;
-    watched.curves = painted_curves(scene->field, LinesMeasured::kToOuterEdge);
+    watched.curves.emplace(scene->field);
     watched.before.reset();
   }
   std::optional<LinesNow> now;
   const ImageView& image = frame.image;
   if (scene->camera && image.width == scene->camera->calibration().pixel_image_width &&
-      image.height == scene->camera->calibration().pixel_image_height) {
-    const auto lines = check_lines(image, *scene->camera, watched.curves, kWindowMm);
-    const LinesVerdict verdict = judge_lines(lines);
-    if (verdict.lines > 0) {
-      now = LinesNow{verdict, watched.curves[verdict.worst].name,
-                     find_better_size(image, *scene->camera, scene->field, verdict, kWindowMm)};
-    }
-  }
+      image.height == scene->camera->calibration().pixel_image_height)
+    now = lines_in(image, *scene, *watched.curves);
+  // A single image may be spoilt, by a hand or a lamp that goes on.
   const std::optional<LinesNow> before = std::exchange(watched.before, now);
   const std::lock_guard lock(mutex_);
   if (to_forget_.contains(camera.id)) return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "calibration/check_lines.h"
+#include "calibration/choose_model.h"
 #include "services/cameras/cameras.h"
 #include "services/verdict/sightings.h"
 
@@ -44,9 +45,12 @@ class FieldWatch {
   explicit FieldWatch(Cameras& cameras, Pace pace);
   explicit FieldWatch(Cameras& cameras) : FieldWatch(cameras, Pace{}) {}
 
-  Seen seen() const;
+  /// `match_since_s`: see Sightings::now().
+  Seen seen(std::optional<double> match_since_s) const;
   /// Of cameras that show something else from now on, or are gone.
   void forget(const std::set<int>& camera_ids);
+  /// Of cameras that are gone, or whose place another one took.
+  void expect_nothing_of(const std::set<int>& camera_ids);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -55,8 +59,8 @@ class FieldWatch {
     std::uint64_t version = 0;  // of the frame that was looked at last
     Clock::time_point lines_due{};
     std::shared_ptr<const Scene> scene;  // that the next two are of
-    std::vector<PaintedCurve> curves;
-    std::optional<LinesNow> before;  // what was seen of the lines the last time
+    std::optional<FieldCurves> curves;   // of its field
+    std::optional<LinesNow> before;      // what was seen of the lines the last time
   };
   void serve(const std::stop_token& ending);
   void look_at(const CameraNow& camera, Watched& watched);

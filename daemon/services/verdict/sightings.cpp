@@ -26,18 +26,13 @@ constexpr double kMaxSpeedMm_s = 1500;
 }  // namespace
 
 void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<const Robot> robots,
-                    std::span<const Ball> balls) {
+                    std::span<const Ball> balls, std::span<const Robot> second_robots) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const Robot& robot = robots[i];
     const Identity identity{robot.team, robot.id};
     Robots& known = robots_[identity];
     Seen seen{t_capture_s, {robot.x_mm, robot.y_mm}, {0, 0}};
-    // Twice in one image.
-    for (std::size_t k = 0; k < i; ++k) {
-      if (robots[k].team != robot.team || robots[k].id != robot.id) continue;
-      const Eigen::Vector2d other(robots[k].x_mm, robots[k].y_mm);
-      known.doubles.push_back({t_s, {robot.team, robot.id, {camera_id, camera_id}, {other, seen.place_mm}}});
-    }
+    add_doubles(camera_id, t_s, robots.subspan(i, 1), robots.first(i));
     if (const auto before = known.by_camera.find(camera_id); before != known.by_camera.end()) {
       const double passed_s = t_capture_s - before->second.t_capture_s;
       if (passed_s > 0 && passed_s < kGap_s)
@@ -48,19 +43,41 @@ void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<con
     const double gone_s = t_s - known.last_s.value_or(-1e9);
     if (gone_s > kGap_s) known.since_s = t_s;
     // One that comes back after it was expected no longer is a new one.
-    if (gone_s > kExpected_s) known.is_steady = false;
+    if (gone_s > kExpected_s) {
+      known.is_steady = false;
+      known.came_s = t_s;
+    }
     known.last_s = t_s;
+    known.last_camera = camera_id;
     known.place_mm = seen.place_mm;
     if (t_s - known.since_s >= kSteady_s) known.is_steady = true;
     while (!known.doubles.empty() && t_s - known.doubles.front().first > kDoubles_s)
       known.doubles.pop_front();
   }
+  add_doubles(camera_id, t_s, second_robots, robots);
   if (balls.empty()) return;
   const double gone_s = t_s - ball_s_.value_or(-1e9);
   if (gone_s > kGap_s) ball_since_s_ = t_s;
   if (gone_s > kExpected_s) ball_is_steady_ = false;
   ball_s_ = t_s;
+  ball_camera_ = camera_id;
   if (t_s - ball_since_s_ >= kSteady_s) ball_is_steady_ = true;
+}
+
+/// Twice in one image.
+void Sightings::add_doubles(int camera_id, double t_s, std::span<const Robot> robots,
+                            std::span<const Robot> others) {
+  for (const Robot& robot : robots) {
+    for (const Robot& other : others) {
+      if (other.team != robot.team || other.id != robot.id) continue;
+      robots_[{robot.team, robot.id}].doubles.push_back(
+          {t_s,
+           {robot.team,
+            robot.id,
+            {camera_id, camera_id},
+            {Eigen::Vector2d(other.x_mm, other.y_mm), Eigen::Vector2d(robot.x_mm, robot.y_mm)}}});
+    }
+  }
 }
 
 void Sightings::compare(const Identity& identity, Robots& robots, int camera_id, double t_s,
@@ -93,19 +110,56 @@ void Sightings::forget(int camera_id) {
       apart_, [&](const auto& one) { return one.first.first == camera_id || one.first.second == camera_id; });
 }
 
-FieldSeen Sightings::now(double t_s) const {
+void Sightings::expect_nothing_of(int camera_id) {
+  forget(camera_id);
+  std::erase_if(robots_, [&](const auto& one) { return one.second.last_camera == camera_id; });
+  if (ball_camera_ == camera_id) ball_is_steady_ = false;
+}
+
+void Sightings::count_at_once(std::vector<LostRobot>& lost) const {
+  for (LostRobot& robot : lost) {
+    robot.at_once = static_cast<std::size_t>(std::ranges::count_if(
+        lost, [&](const LostRobot& other) { return std::abs(other.gone_s - robot.gone_s) <= kAtOnce_s; }));
+  }
+}
+
+/// Of those that are expected because many went at once: as many as have come since are not missed.
+void Sightings::drop_replaced(std::vector<LostRobot>& lost, double t_s) const {
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    const auto lasts = [&](const LostRobot& robot) {
+      return robot.team == team && robot.gone_s > kExpected_s;
+    };
+    double longest_s = 0;
+    for (const LostRobot& robot : lost) {
+      if (lasts(robot)) longest_s = std::max(longest_s, robot.gone_s);
+    }
+    const auto came = std::ranges::count_if(robots_, [&](const auto& one) {
+      const auto& [identity, robots] = one;
+      return identity.first == team && t_s - *robots.last_s <= kNow_s && t_s - robots.came_s < longest_s;
+    });
+    const auto went = std::ranges::count_if(lost, lasts);
+    if (went - came < static_cast<std::ptrdiff_t>(kMany)) std::erase_if(lost, lasts);
+  }
+}
+
+FieldSeen Sightings::now(double t_s, std::optional<double> match_since_s) const {
   FieldSeen out;
   for (const auto& [identity, robots] : robots_) {
     const double gone_s = t_s - *robots.last_s;
     if (gone_s <= kNow_s) {
       out.ids[static_cast<std::size_t>(identity.first)].push_back(identity.second);
-    } else if (robots.is_steady && gone_s <= kExpected_s) {
+    } else if (robots.is_steady &&
+               (gone_s <= kExpected_s || (match_since_s && *robots.last_s >= *match_since_s))) {
       out.lost.push_back({identity.first, identity.second, gone_s, robots.place_mm});
     }
     const auto recent = std::count_if(robots.doubles.begin(), robots.doubles.end(),
                                       [&](const auto& one) { return t_s - one.first <= kDoubles_s; });
     if (static_cast<std::size_t>(recent) >= kMinDoubles) out.doubles.push_back(robots.doubles.back().second);
   }
+  count_at_once(out.lost);
+  std::erase_if(out.lost,
+                [](const LostRobot& robot) { return robot.gone_s > kExpected_s && robot.at_once < kMany; });
+  drop_replaced(out.lost, t_s);
   for (const auto& [cameras, apart] : apart_) {
     std::vector<double> distances;
     for (auto one = apart.samples.rbegin(); one != apart.samples.rend(); ++one) {

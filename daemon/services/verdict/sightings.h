@@ -22,6 +22,8 @@ struct LostRobot {
   int id;
   double gone_s;  // since it was seen last
   Eigen::Vector2d place_mm;
+  std::size_t at_once =
+      1;  // of the lost ones, those that went within the same few seconds; itself among them
 };
 
 /// One id in two places at the same time.
@@ -42,7 +44,7 @@ struct Overlap {
 /// What all cameras together have seen lately.
 struct FieldSeen {
   std::array<std::vector<int>, 2> ids;  // by Team: of the robots seen now, ascending
-  std::vector<LostRobot> lost;          // within the last minute
+  std::vector<LostRobot> lost;          // within the last minute; in a match: see now()
   std::vector<DoubleRobot> doubles;
   std::vector<Overlap> overlaps;
   bool ball = false;  // one is seen now
@@ -55,18 +57,25 @@ struct FieldSeen {
 class Sightings {
  public:
   /// `t_s` is the time of the look on a monotonic clock; `t_capture_s` that of the image, on the cameras'
-  /// clock.
+  /// clock. `second_robots`: robots in the image that have the id of one of `robots`.
   void add(int camera_id, double t_s, double t_capture_s, std::span<const Robot> robots,
-           std::span<const Ball> balls);
-  /// This camera shows something else from now on.
+           std::span<const Ball> balls, std::span<const Robot> second_robots = {});
+  /// This camera shows its part of the field otherwise from now on: nothing of before is compared with it.
+  /// What it saw is still expected.
   void forget(int camera_id);
-  /// At a time on the clock of the looks.
-  FieldSeen now(double t_s) const;
+  /// This camera is gone, or another one took its place: what it saw last is no longer expected either.
+  void expect_nothing_of(int camera_id);
+  /// At a time on the clock of the looks. `match_since_s`: since when a match runs, on the same clock. Many
+  /// robots that were lost at once since then are expected until they, or others of their team, are there.
+  FieldSeen now(double t_s, std::optional<double> match_since_s = {}) const;
 
   /// Seen for so long without a longer gap than kGap_s, a robot is expected to stay.
   static constexpr double kSteady_s = 5, kGap_s = 1;
   /// So long after it was seen last, a steady robot is expected no longer.
   static constexpr double kExpected_s = 60;
+  /// Nobody takes so many robots off the field within kAtOnce_s.
+  static constexpr std::size_t kMany = 3;
+  static constexpr double kAtOnce_s = 5;
 
  private:
   using Identity = std::pair<Team, int>;
@@ -75,11 +84,13 @@ class Sightings {
     Eigen::Vector2d place_mm, velocity_mm_s;
   };
   struct Robots {
-    std::map<int, Seen> by_camera;                       // each camera's newest
-    std::optional<double> last_s;                        // when it was seen
-    double since_s = 0;                                  // of the present streak
-    bool is_steady = false;                              // it once was
-    Eigen::Vector2d place_mm{0, 0};                      // the newest
+    std::map<int, Seen> by_camera;   // each camera's newest
+    std::optional<double> last_s;    // when it was seen
+    int last_camera = -1;            // and by which camera
+    double came_s = 0;               // seen for the first time, or when it was not expected
+    double since_s = 0;              // of the present streak
+    bool is_steady = false;          // it once was
+    Eigen::Vector2d place_mm{0, 0};  // the newest
     std::deque<std::pair<double, DoubleRobot>> doubles;  // with their times
   };
   struct Apart {
@@ -87,10 +98,14 @@ class Sightings {
   };
 
   void compare(const Identity& identity, Robots& robots, int camera_id, double t_s, const Seen& seen);
+  void add_doubles(int camera_id, double t_s, std::span<const Robot> robots, std::span<const Robot> others);
+  void count_at_once(std::vector<LostRobot>& lost) const;
+  void drop_replaced(std::vector<LostRobot>& lost, double t_s) const;
 
   std::map<Identity, Robots> robots_;
   std::map<std::pair<int, int>, Apart> apart_;  // by the cameras' ids, the smaller first
   std::optional<double> ball_s_;
+  int ball_camera_ = -1;         // that saw it then
   double ball_since_s_ = 0;      // of the present streak
   bool ball_is_steady_ = false;  // it once was
 };

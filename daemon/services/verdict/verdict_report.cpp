@@ -19,8 +19,6 @@ constexpr double kWarnMm = 25, kBadMm = 60;
 constexpr double kMissingShare = 0.4;
 /// Of the field's places.
 constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
-/// Nobody takes so many robots off the field at once.
-constexpr std::size_t kManyLost = 3;
 /// Robots hide a ball for a moment, and in a match for longer; people take it off the field.
 constexpr double kBallGone_s = 3, kBallHidden_s = 15;
 /// From the service's start; by then every robot in view was seen.
@@ -57,23 +55,47 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
   if (field.lost.empty()) return;
   const std::size_t seen = field.ids[0].size() + field.ids[1].size();
   const LostRobot& newest = *std::ranges::min_element(field.lost, {}, &LostRobot::gone_s);
+  const std::size_t at_once = std::ranges::max(field.lost, {}, &LostRobot::at_once).at_once;
   const bool is_one = field.lost.size() == 1;
+  const bool are_many = at_once >= Sightings::kMany;
   add(report,
       {.id = "robots_lost",
        .check = "robots",
        // One may have been taken off. Many at once were not.
-       .severity = field.lost.size() >= kManyLost || (field.lost.size() >= 2 && field.lost.size() >= seen)
-                       ? Severity::kBad
-                       : Severity::kWarn,
+       .severity = are_many || (at_once >= 2 && at_once >= seen) ? Severity::kBad : Severity::kWarn,
        .title = fmt::format("{} {} no longer seen, the last at {}", names_of(field.lost),
                             is_one ? "is" : "are", place_text(newest.place_mm)),
        .fix =
            is_one
                ? "Look at its pattern and at the light there. If it was taken off the field, this goes away "
                  "after a minute."
-               : "Look at light, colours and cameras. If they were taken off the field, this goes away after "
-                 "a minute.",
+               : fmt::format(
+                     "Look at light, colours and cameras. If they were taken off the field, this goes "
+                     "away {}.",
+                     are_many && facts.match_runs ? "when as many are back, or when the half ends"
+                                                  : "after a minute"),
        .page = "#/"});
+}
+
+/// Before a match teams may be late. While one is played, nobody plays without robots.
+void report_none(const VerdictFacts& facts, HealthReport& report) {
+  if (!facts.match_runs || facts.seen.watched_s < kWatched_s) return;
+  const FieldSeen& field = facts.seen.field;
+  std::vector<Team> none;
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    const auto index = static_cast<std::size_t>(team);
+    if (field.ids[index].empty() && facts.robots_allowed[index] != 0) none.push_back(team);
+  }
+  if (none.empty()) return;
+  const bool is_one = none.size() == 1;
+  add(report, {.id = "robots_none",
+               .check = "robots",
+               .severity = is_one ? Severity::kWarn : Severity::kBad,
+               .title = fmt::format("No {}robot is seen while a match is played",
+                                    is_one ? fmt::format("{} ", name_of(none[0])) : ""),
+               .fix = "Look at the images: at light, colours and cameras. If the robots were taken off the "
+                      "field, this goes away when they are back, or when the half ends.",
+               .page = "#/"});
 }
 
 void report_ball(const VerdictFacts& facts, HealthReport& report) {
@@ -249,11 +271,14 @@ Check check_robots(const VerdictFacts& facts) {
   if (facts.robots_allowed[0] && facts.robots_allowed[1])
     check.text += fmt::format("; {} / {} may play", *facts.robots_allowed[0], *facts.robots_allowed[1]);
   if (facts.match_runs) return check;
+  const bool is_ball_seen = facts.seen.field.ball || facts.seen.field.ball_gone_s;  // hidden for a moment
   if (ids[0].empty() && ids[1].empty()) {
     check.state = CheckState::kWarn;
-    check.text = facts.seen.field.ball
-                     ? "a ball, but no robot: put some on the field to see that they are found"
-                     : "nothing is seen: put robots on the field to see that they are found";
+    check.text = is_ball_seen ? "a ball, but no robot: put some on the field to see that they are found"
+                              : "nothing is seen: put robots on the field to see that they are found";
+  } else if (!is_ball_seen) {
+    check.state = CheckState::kWarn;
+    check.text = "no ball is seen: put one on the field to see that it is found";
   }
   return check;
 }
@@ -293,8 +318,8 @@ Check check_coverage(const VerdictFacts& facts) {
 }  // namespace
 
 void report_verdict(const VerdictFacts& facts, HealthReport& report) {
-  for (const auto part : {report_lost, report_ball, report_roster, report_allowed, report_doubles,
-                          report_size, report_lines, report_overlaps, report_coverage})
+  for (const auto part : {report_lost, report_none, report_ball, report_roster, report_allowed,
+                          report_doubles, report_size, report_lines, report_overlaps, report_coverage})
     part(facts, report);
   for (const auto check : {check_robots, check_agreement, check_coverage})
     report.checks.push_back(check(facts));

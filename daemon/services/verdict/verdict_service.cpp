@@ -2,6 +2,7 @@
 #include "services/verdict/verdict_service.h"
 
 #include "base/clock.h"
+#include "config/backends.h"
 #include "services/verdict/verdict_report.h"
 
 #include <utility>
@@ -16,6 +17,19 @@ VerdictService::VerdictService(const Snapshot<Config>& config, Cameras& cameras,
 
 void VerdictService::cameras_changed(const std::set<int>& camera_ids) noexcept {
   watch_.forget(camera_ids);
+  expect_nothing_of_replaced_cameras();
+}
+
+void VerdictService::expect_nothing_of_replaced_cameras() {
+  std::map<int, std::string> now;
+  for (const CameraNow& camera : cameras_.all()) now[camera.id] = device_of(camera.settings->source);
+  const std::lock_guard lock(devices_mutex_);
+  std::set<int> replaced;
+  for (const auto& [id, device] : std::exchange(devices_, now)) {
+    const auto still = now.find(id);
+    if (still == now.end() || still->second != device) replaced.insert(id);
+  }
+  watch_.expect_nothing_of(replaced);
 }
 
 void VerdictService::report(HealthReport& report) const {
@@ -23,27 +37,28 @@ void VerdictService::report(HealthReport& report) const {
   const auto coverage = coverage_.load();
   const RefereeStatus referee = referee_.status(steady_s());
   const bool is_heard = referee.silent_s.value_or(1e9) <= RefereeListener::kForgottenAfter_s;
-  const double match_since_s = match_since_s_;
+  const auto match_since = *match_since_.load();
   report_verdict({.config = *config,
-                  .seen = watch_.seen(),
+                  .seen = watch_.seen(match_since ? std::optional(match_since->steady_s) : std::nullopt),
                   .coverage = *coverage,
                   .robots_allowed = is_heard ? referee.robots_allowed : decltype(referee.robots_allowed){},
-                  .match_runs = match_since_s > 0},
+                  .match_runs = match_since.has_value()},
                  report);
   if (!report.status) return;
   Json uncovered = Json::array();
   for (const Eigen::Vector2d& place : coverage->uncovered_mm) uncovered.push_back({place.x(), place.y()});
-  (*report.status)["match_since"] = match_since_s > 0 ? Json(match_since_s) : Json(nullptr);
+  (*report.status)["match_since"] = match_since ? Json(match_since->unix_s) : Json(nullptr);
   (*report.status)["coverage"] = {{"grid_mm", Coverage::kGridMm}, {"uncovered", std::move(uncovered)}};
 }
 
 void VerdictService::each_second() {
   const RefereeStatus referee = referee_.status(steady_s());
-  // A game controller that falls silent does not end a match; one that was switched off long ago does.
-  constexpr double kMaxSilence_s = 600;
-  const bool match_runs = referee.stage_is_played && referee.silent_s.value_or(1e9) < kMaxSilence_s;
-  if (match_runs != (match_since_s_ > 0)) match_since_s_ = match_runs ? unix_time_s() : 0;
+  if (referee.match_runs() != match_since_.load()->has_value()) {
+    match_since_.store(referee.match_runs() ? std::optional(MatchSince{unix_time_s(), steady_s()})
+                                            : std::nullopt);
+  }
 
+  expect_nothing_of_replaced_cameras();
   const std::vector<CameraNow> cameras = cameras_.all();
   std::vector<std::shared_ptr<const void>> covered_by;
   for (const CameraNow& camera : cameras) {

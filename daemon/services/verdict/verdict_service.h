@@ -7,9 +7,12 @@
 #include "services/verdict/coverage.h"
 #include "services/verdict/field_watch.h"
 
-#include <atomic>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace sslv {
@@ -27,10 +30,19 @@ class VerdictService final : public Service, public CameraObserver {
   void each_second() override;
 
  private:
+  void expect_nothing_of_replaced_cameras();
+
   const Snapshot<Config>& config_;
   Cameras& cameras_;
   const RefereeListener& referee_;
-  std::atomic<double> match_since_s_ = 0;  // Unix time; 0: none runs
+  /// Since when a match runs; none does: nothing.
+  struct MatchSince {
+    double unix_s = 0, steady_s = 0;
+  };
+
+  Snapshot<std::optional<MatchSince>> match_since_{std::optional<MatchSince>()};
+  std::mutex devices_mutex_;
+  std::map<int, std::string> devices_;  // by camera id: see device_of()
   Snapshot<Coverage> coverage_{Coverage{}};
   std::vector<std::shared_ptr<const void>>
       covered_by_;    // what it was computed of; of the thread of each_second()

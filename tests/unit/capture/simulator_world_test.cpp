@@ -207,6 +207,19 @@ TEST(SimulatedScatter, IsAFunctionOfOptionsAndSlot) {
   EXPECT_NE(a.distractors[7].x_mm, next.distractors[7].x_mm);
 }
 
+TEST(SimulatedScatter, TwinsWearThePatternOfTheirTeamsFirst) {
+  SimulatorOptions options = scattered_options();
+  options.first_blue_id = 3;
+  options.twins = 2;
+  std::map<std::pair<Team, int>, int> counts;
+  for (const auto& robot : SimulatedWorld(options, FieldSize{}, kHeightsMm).at(0).robots)
+    ++counts[{robot.team, robot.id}];
+  EXPECT_EQ((counts[{Team::kYellow, 0}]), 3);
+  EXPECT_EQ((counts[{Team::kBlue, 3}]), 3);
+  EXPECT_EQ((counts[{Team::kBlue, 13}]), 1);
+  EXPECT_EQ(counts.size(), 18U);
+}
+
 TEST(SimulatedScatter, KeepsThingsApartButForThoseThatTouch) {
   for (const double gap_mm : {0.0, 1.0, 20.0}) {
     SimulatorOptions options = scattered_options();

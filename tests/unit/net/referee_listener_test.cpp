@@ -191,6 +191,22 @@ TEST(RefereeListener, AHaltIsPartOfTheStage) {
   EXPECT_TRUE(listener.referee.status(100).stage_is_played);
 }
 
+TEST(RefereeListener, AMatchLastsFromItsFirstHalfToItsEndWithAllBreaks) {
+  Listener listener;
+  EXPECT_FALSE(listener.referee.status(100).is_in_match());
+  Referee referee;
+  referee.ParseFromString(message("MRL", "KIKS"));
+  for (int stage = 0; stage <= 13; ++stage) {
+    referee.set_stage(stage);
+    listener.receive(referee.SerializeAsString());
+    EXPECT_EQ(listener.referee.status(100).is_in_match(), stage != 0 && stage != 13) << stage;
+  }
+  listener.receive(message("MRL", "KIKS"));
+  EXPECT_TRUE(listener.referee.status(100).match_runs());
+  EXPECT_FALSE(listener.referee.status(1000).match_runs()) << "the game controller is off";
+  EXPECT_FALSE(listener.referee.status(1000).is_in_match());
+}
+
 TEST(RefereeListener, HearsHowManyRobotsMayPlay) {
   const auto allows = [](int yellow, int blue) {
     Referee referee;

@@ -50,5 +50,12 @@ TEST(TeamHeight, UnknownNamesHaveNone) {
   EXPECT_EQ(team_height_mm(std::string(60'000, 'M')), std::nullopt);
 }
 
+TEST(TeamHeight, NamesAreTheSameWhenSpellingIsAllThatDiffers) {
+  EXPECT_TRUE(is_same_team("Nobody Knows Us", "nobody-knows us"));
+  EXPECT_TRUE(is_same_team("---", "---"));
+  EXPECT_FALSE(is_same_team("---", "!!!"));
+  EXPECT_FALSE(is_same_team("Nobody", ""));
+}
+
 }  // namespace
 }  // namespace sslv

@@ -597,7 +597,13 @@ TEST(DetectRobots, AnIdIsReportedOncePerTeam) {
   drawn.add_robot(Team::kBlue, 5, 500, 500, 1.0);
   drawn.add_robot(Team::kBlue, 5, 1500, 500, 1.0);
   drawn.add_robot(Team::kYellow, 5, 1500, -500, 1.0);
-  EXPECT_THAT(drawn.robots().robots, SizeIs(2));
+  const RobotList found = drawn.robots();
+  EXPECT_THAT(found.robots, SizeIs(2));
+  // The other one is known all the same: somebody must be told.
+  ASSERT_THAT(found.second_robots, SizeIs(1));
+  EXPECT_EQ(found.second_robots[0].team, Team::kBlue);
+  EXPECT_EQ(found.second_robots[0].id, 5);
+  EXPECT_GT(found.second_robots[0].confidence, 0.9);
 
   DetectRobots::Params params;
   params.duplicates = DetectRobots::Duplicates::kKeep;

@@ -34,7 +34,7 @@ function network(status: Status, alerts: Alert[]): Step {
   const card = status.network.interface;
   const base = { id: 'network' as const, title: 'The teams’ network', action: { text: 'Choose the card', href: link('field', 'network') }, lasts: true };
   if (isThisComputer(card)) return { ...base, state: 'todo', text: 'Packets stay on this computer: no team receives them' };
-  const alert = alerts.find(({ id }) => id === 'not_sending' || id === 'only_this_computer');
+  const alert = alerts.find(({ id }) => ['not_sending', 'only_this_computer', 'card_no_link'].includes(id));
   if (alert) return { ...base, state: 'trouble', text: alert.title };
   return { ...base, state: 'done', text: `Packets go out on ${card || 'the card that the system chooses'}` };
 }
@@ -96,7 +96,7 @@ export function firstSteps(status: Status, access: Session | null): Step[] {
     camera(real, status.cameras),
     network(status, alerts),
     field(status, checks, alerts, onlyTried || !real.length),
-    ofCameras({ id: 'colours', title: 'Colours' }, 'colours', 'Learn the colours', 'Every colour is known', cameras, alerts, onlyTried, ['colors_missing'], ['margin_thin']),
+    ofCameras({ id: 'colours', title: 'Colours' }, 'colours', 'Learn the colours', 'Every colour is known', cameras, alerts, onlyTried, ['images_grey', 'colors_missing'], ['colors_swapped', 'margin_thin']),
     ofCameras({ id: 'calibration', title: 'Calibration' }, 'calibration', 'Calibrate', 'Every camera is calibrated', cameras, alerts, onlyTried, ['not_calibrated'], ['calibration_other_size', 'calibration_stale', 'lines_off', 'lines_missing']),
     robots(cameras, checks, onlyTried),
     password(access, status.panel.addresses),

@@ -29,6 +29,7 @@ struct AnyCamera : CameraFacts {
   bool field_changed_since_calibrated = false;
   std::optional<ColorFacts::Margin> min_margin;
   std::vector<std::string> missing_labels, swapped_labels;
+  std::string grey_format;
 };
 
 struct Input {
@@ -41,7 +42,7 @@ struct Input {
   std::vector<std::string> lost_tables;
   ComputerFigures computer;
   std::optional<ClockFigures> clock;
-  std::string card_unused;
+  CardsUsed cards;
   std::vector<AnyCamera> cameras;
   TeamsSettings teams;
   FieldWatch::Seen seen;
@@ -59,7 +60,8 @@ HealthReport report_of(const Input& input) {
     cameras.push_back(camera);
     calibrations.push_back({camera.id, camera.health.width, camera.health.height, camera.calibration,
                             camera.field_changed_since_calibrated});
-    colors.push_back({camera.id, camera.min_margin, camera.missing_labels, camera.swapped_labels});
+    colors.push_back(
+        {camera.id, camera.min_margin, camera.missing_labels, camera.swapped_labels, camera.grey_format});
     config->cameras.emplace_back().id = camera.id;
   }
   config->teams = input.teams;
@@ -73,7 +75,7 @@ HealthReport report_of(const Input& input) {
                   .geometry = std::make_shared<const Geometry>(),
                   .other_visions = input.other_visions,
                   .another_host_sends = input.another_host_sends,
-                  .card_unused = input.card_unused,
+                  .cards = input.cards,
                   .listening_error = input.listening_error,
                   .referee = input.referee},
                  report);
@@ -177,7 +179,8 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.cameras[1].origin = ImageOrigin::kSimulation;
   input_.cameras[1].calibration.reset();
   input_.teams.yellow.ids = {9};
-  input_.card_unused = "eth0";
+  camera.grey_format = "mono8";
+  input_.cards = {"eth0", "eth1"};
   input_.seen.field.lost = {{Team::kYellow, 7, 3, {0, 0}}};
   input_.seen.field.doubles = {{Team::kYellow, 8, {0, 1}, {Eigen::Vector2d(0, 0), Eigen::Vector2d(900, 0)}}};
   input_.seen.field.overlaps[0].apart_mm = 40;
@@ -207,6 +210,8 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.lost_tables = {"no such table"};
   std::vector<Alert> all = alerts();
   input_.network.error = "no card";
+  input_.match_runs = true;
+  input_.seen.field.ids = {};
   for (Alert& alert : alerts()) all.push_back(std::move(alert));
   std::set<std::string> found;
   for (const Alert& alert : all) found.insert(alert.id);
@@ -408,6 +413,67 @@ TEST_F(Checks, BeforeAMatchAsManyRobotsAsMayPlayAreExpected) {
   EXPECT_EQ(only_alert().id, "robots_many");
   input_.match_runs = true;  // robots leave within some seconds after a card
   EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Checks, InAMatchATeamThatNobodySeesIsNoPass) {
+  input_.match_runs = true;
+  input_.seen.field.ids[1].clear();
+  EXPECT_EQ(only_alert().title, "No blue robot is seen while a match is played");
+  EXPECT_EQ(check("robots").state, CheckState::kWarn);
+  input_.robots_allowed = {3, 0};
+  EXPECT_THAT(kinds(), IsEmpty()) << "they all have cards";
+  input_.robots_allowed = {};
+  input_.seen.field.ids[0].clear();
+  EXPECT_EQ(only_alert().title, "No robot is seen while a match is played");
+  EXPECT_FALSE(is_go());
+  input_.seen.watched_s = 3;
+  EXPECT_THAT(kinds(), IsEmpty()) << "the service was just started";
+  input_.seen.watched_s = 60;
+  input_.match_runs = false;
+  EXPECT_THAT(kinds(), IsEmpty());
+  EXPECT_EQ(check("robots").state, CheckState::kWarn);
+}
+
+TEST_F(Checks, ManyRobotsThatVanishAtOnceAreNoGo) {
+  for (int id = 6; id < 10; ++id) input_.seen.field.lost.push_back({Team::kYellow, id, 3.0 * id, {0, 0}, 1});
+  EXPECT_EQ(only_alert().severity, Severity::kWarn) << "one after the other";
+  for (LostRobot& lost : input_.seen.field.lost) lost.at_once = 3;
+  EXPECT_EQ(only_alert().severity, Severity::kBad);
+  EXPECT_THAT(only_alert().fix, HasSubstr("after a minute"));
+  input_.match_runs = true;
+  EXPECT_THAT(only_alert().fix, HasSubstr("as many are back"));
+}
+
+TEST_F(Checks, BeforeAMatchABallIsWanted) {
+  input_.seen.field.ball = false;
+  EXPECT_EQ(check("robots").state, CheckState::kWarn);
+  EXPECT_THAT(check("robots").text, HasSubstr("no ball is seen"));
+  EXPECT_TRUE(is_go());
+  input_.seen.field.ball_gone_s = 2;
+  EXPECT_EQ(check("robots").state, CheckState::kPass) << "hidden for a moment";
+  input_.seen.field.ball_gone_s.reset();
+  input_.match_runs = true;
+  EXPECT_EQ(check("robots").state, CheckState::kPass) << "robots hide it";
+}
+
+TEST_F(Checks, ATeamsHeightIsKnownOnceTheSettingsNameTheTeam) {
+  input_.referee.team_names = {"Nobody knows us", ""};
+  EXPECT_EQ(only_alert().id, "team_unknown");
+  input_.teams.yellow.name = "nobody knows US";
+  EXPECT_THAT(kinds(), IsEmpty());
+  EXPECT_EQ(check("teams").state, CheckState::kPass);
+}
+
+TEST_F(Checks, ACardWithoutLinkIsNoGo) {
+  input_.cards.without_link = "eth0";
+  EXPECT_EQ(only_alert().title, "Network card eth0 has no link: no packet reaches the teams");
+  EXPECT_FALSE(is_go());
+}
+
+TEST_F(Checks, ImagesWithoutColoursAreNoGo) {
+  input_.cameras[1].grey_format = "mono8";
+  EXPECT_EQ(only_alert().title, "Camera 1 sends images without colours (mono8)");
+  EXPECT_FALSE(is_go());
 }
 
 TEST_F(Checks, ABallThatVanishesWarns) {

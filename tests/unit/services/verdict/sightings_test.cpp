@@ -52,6 +52,47 @@ TEST_F(SightingsTest, MissesForAMinuteWhatWasSteady) {
   EXPECT_THAT(now().lost, IsEmpty());
 }
 
+std::vector<Robot> team_of(Team team, std::initializer_list<int> ids) {
+  std::vector<Robot> robots;
+  for (const int id : ids) robots.push_back(robot(team, id, 300.0 * id, 0));
+  return robots;
+}
+
+TEST_F(SightingsTest, CountsThoseThatWentAtOnce) {
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5}), {});
+  look_for(10, team_of(Team::kYellow, {2, 3, 4, 5}), {});  // one after the other, each after 10 s
+  look_for(10, team_of(Team::kYellow, {3, 4, 5}), {});
+  look_for(10, team_of(Team::kYellow, {4, 5}), {});
+  ASSERT_EQ(now().lost.size(), 3U);
+  for (const LostRobot& lost : now().lost) EXPECT_EQ(lost.at_once, 1U) << lost.id;
+  look_for(3, team_of(Team::kYellow, {4}), {});
+  look_for(2, {}, {});
+  for (const LostRobot& lost : now().lost) EXPECT_EQ(lost.at_once, lost.id >= 4 ? 2U : 1U) << lost.id;
+}
+
+TEST_F(SightingsTest, InAMatchMissesManyUntilAsManyAreBack) {
+  const double match_since_s = t_s_;
+  const auto missed = [&] { return sightings_.now(t_s_, match_since_s).lost.size(); };
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), team_of(Team::kBlue, {7}));
+  look_for(90, {}, {});
+  EXPECT_EQ(missed(), 4U) << "the other team's one may have been taken off";
+  EXPECT_EQ(now().lost.size(), 0U) << "before a match teams go for a break";
+  EXPECT_EQ(sightings_.now(t_s_, t_s_ - 30).lost.size(), 0U) << "or between two halves";
+  look_for(2, team_of(Team::kYellow, {8}), {});
+  EXPECT_EQ(missed(), 4U) << "three of four are still missing";
+  look_for(2, team_of(Team::kYellow, {8, 9}), {});
+  EXPECT_EQ(missed(), 0U) << "two of four: as after a change of robots";
+}
+
+TEST_F(SightingsTest, InAMatchOneThatWentIsMissedForAMinute) {
+  const double match_since_s = t_s_;
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), {});
+  look_for(50, team_of(Team::kYellow, {3, 4}), {});
+  EXPECT_EQ(sightings_.now(t_s_, match_since_s).lost.size(), 2U);
+  look_for(15, team_of(Team::kYellow, {3, 4}), {});
+  EXPECT_THAT(sightings_.now(t_s_, match_since_s).lost, IsEmpty());
+}
+
 TEST_F(SightingsTest, DoesNotMissWhatWasSeenForAMomentOnly) {
   look_for(2, {robot(Team::kBlue, 7, 0, 0)}, {});
   look_for(3, {}, {});
@@ -78,6 +119,16 @@ TEST_F(SightingsTest, NamesOneIdTwiceInOneImage) {
   look_for(2, {robot(Team::kYellow, 5, -2000, 0), robot(Team::kYellow, 5, 100, 0)}, {});
   ASSERT_EQ(now().doubles.size(), 1U);
   EXPECT_EQ(now().doubles[0].cameras, (std::array{0, 0}));
+}
+
+TEST_F(SightingsTest, NamesASecondRobotThatIsNotPublished) {
+  const Robot first[] = {robot(Team::kYellow, 5, -2000, 0)}, second[] = {robot(Team::kYellow, 5, 100, 0)};
+  for (int i = 0; i < 5; ++i, t_s_ += kPeriod_s) sightings_.add(0, t_s_, 1e6 + t_s_, first, {}, second);
+  ASSERT_EQ(now().doubles.size(), 1U);
+  EXPECT_EQ(now().doubles[0].places_mm[0], Eigen::Vector2d(-2000, 0));
+  EXPECT_EQ(now().doubles[0].places_mm[1], Eigen::Vector2d(100, 0));
+  look_for(4, {first[0]}, {});
+  EXPECT_THAT(now().doubles, IsEmpty());
 }
 
 TEST_F(SightingsTest, ASingleWrongIdIsNoSecondRobot) {
@@ -126,10 +177,25 @@ TEST_F(SightingsTest, ARobotThatDrivesIsNotApart) {
 }
 
 TEST_F(SightingsTest, ForgetsWhatAnotherViewWillShow) {
-  look_for(5, {robot(Team::kYellow, 5, 0, 0)}, {robot(Team::kYellow, 5, 100, 0)});
+  look_for(6, {robot(Team::kYellow, 5, 0, 0)}, {robot(Team::kYellow, 5, 100, 0)});
   sightings_.forget(1);
   EXPECT_THAT(now().overlaps, IsEmpty());
   EXPECT_THAT(now().ids[0], ElementsAre(5));
+  look_for(2, {}, {});
+  EXPECT_EQ(now().lost.size(), 1U) << "its camera, with another exposure, should still see it";
+}
+
+TEST_F(SightingsTest, ExpectsNothingOfACameraThatIsGone) {
+  const Ball balls[1] = {};
+  for (int i = 0; i < 40; ++i, t_s_ += kPeriod_s) {
+    sightings_.add(0, t_s_, 1e6 + t_s_, team_of(Team::kYellow, {3}), {});
+    sightings_.add(1, t_s_, 1e6 + t_s_, team_of(Team::kBlue, {1, 2}), balls);
+  }
+  sightings_.expect_nothing_of(1);
+  look_for(3, {}, {});
+  EXPECT_FALSE(now().ball_gone_s);
+  ASSERT_EQ(now().lost.size(), 1U) << "the other camera's";
+  EXPECT_EQ(now().lost[0].id, 3);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ export interface InterfaceChoice {
 
 function factOf(card: NetworkInterface): string {
   if (!card.is_up) return 'down';
+  if (!card.has_link) return 'no link: check the cable';
   if (!card.addresses.length) return 'no IPv4 address';
   const addresses = card.addresses.join(', ');
   if (card.is_loopback) return `${addresses}, this computer only`;
@@ -16,7 +17,7 @@ function factOf(card: NetworkInterface): string {
 
 /** The cards to choose from, those that can send first, and what is set even if it is not there. */
 export function interfaceChoices(cards: NetworkInterface[], set: string, none: string): InterfaceChoice[] {
-  const canSend = (card: NetworkInterface) => card.is_up && card.addresses.length > 0;
+  const canSend = (card: NetworkInterface) => card.has_link && card.addresses.length > 0;
   const choices = [...cards].sort((one, other) => Number(canSend(other)) - Number(canSend(one)))
     .map((card) => ({ value: card.name, text: `${card.name} (${factOf(card)})` }));
   const byAddress = cards.find(({ addresses }) => addresses.includes(set));
