@@ -144,6 +144,25 @@ Json SettingsStore::check(const Json& patch,
   return changes_between(before, after.tree);
 }
 
+bool SettingsStore::are_same_cameras(const SettingsStep& step) const {
+  try {
+    Json then = version_.settings;  // as the step left it
+    for (const SettingsStep& newer : history_.newer_than(step.at("revision").get<std::uint64_t>()))
+      then.patch_inplace(backward_patch(newer.at("changes")));
+    const auto id_at = [](const Json& tree, std::size_t i) {
+      return tree.value(Json::json_pointer(fmt::format("/cameras/{}/id", i)), Json());
+    };
+    const std::size_t count = then.value("cameras", Json::array()).size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool is_touched = !changes_below(step.at("changes"), {fmt::format("/cameras/{}", i)}).empty();
+      if (is_touched && id_at(then, i) != id_at(version_.settings, i)) return false;
+    }
+    return true;
+  } catch (const Json::exception&) {  // they do not fit together
+    return false;
+  }
+}
+
 SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const SettingsEdit& edit,
                                            const Prepare& prepare) {
   const std::lock_guard lock(edits_);
@@ -152,15 +171,17 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
     throw SettingsError(fmt::format("revision: {} is not allowed; expected one of the history", revision));
   const Json& changes = step->at("changes");
   // What it changed is as it left it when taking it back and making it again leads here.
-  bool is_as_left = false;
-  try {
-    const Json there_and_back =
-        checked(version_.settings.patch(backward_patch(changes)).patch(forward_patch(changes))).tree;
-    is_as_left = Json::diff(there_and_back, version_.settings).empty();  // whatever the order of keys
-  } catch (const Json::exception&) {                                     // a place is no longer there
-  } catch (const SettingsError&) {                                       // or is none of this version
-  }
-  if (!is_as_left) {
+  const auto is_as_left = [&] {
+    try {
+      const Json there_and_back =
+          checked(version_.settings.patch(backward_patch(changes)).patch(forward_patch(changes))).tree;
+      return Json::diff(there_and_back, version_.settings).empty();  // whatever the order of keys
+    } catch (const Json::exception&) {                               // a place is no longer there
+    } catch (const SettingsError&) {                                 // or is none of this version
+    }
+    return false;
+  };
+  if (!are_same_cameras(*step) || !is_as_left()) {
     throw StaleRevision(fmt::format("what revision {} changed was changed again since", revision),
                         version_.revision, history_.newer_than(revision));
   }

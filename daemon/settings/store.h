@@ -114,6 +114,9 @@ class SettingsStore {
   Version reload_now(const Prepare& prepare);
   /// Throws StaleRevision.
   void check_revision(const SettingsEdit& edit) const;
+  /// What a step changed of cameras it changed of these that stand there now: the list is another one once
+  /// one of them is added or removed.
+  bool are_same_cameras(const SettingsStep& step) const;
   Version apply(Json tree, const SettingsEdit& edit, const Prepare& prepare);
   /// On top of this history, as a revision after `revision`.
   Version apply(Json tree, SettingsHistory history, std::uint64_t revision, const SettingsEdit& edit,

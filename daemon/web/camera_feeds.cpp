@@ -30,6 +30,11 @@ CameraFeed& CameraFeeds::of(std::uint32_t camera_id) {
   return *feeds_.emplace(camera_id, std::move(made)).first->second;
 }
 
+CameraFeed* CameraFeeds::find(std::uint32_t camera_id) {
+  const auto feed = feeds_.find(camera_id);
+  return feed == feeds_.end() ? nullptr : feed->second.get();
+}
+
 void CameraFeeds::stop_previews(CameraFeed::ViewerId viewer) {
   for (const auto& [camera_id, feed] : feeds_) feed->stop_preview(viewer);
 }

@@ -23,6 +23,9 @@ class CameraFeeds {
   /// thread cannot start.
   CameraFeed& of(std::uint32_t camera_id);
 
+  /// Of a camera that somebody has watched, even if there is none any more; null: nobody has.
+  CameraFeed* find(std::uint32_t camera_id);
+
   /// Of every camera.
   void stop_previews(CameraFeed::ViewerId viewer);
   void stop_detections(CameraFeed::ViewerId viewer);

@@ -37,6 +37,7 @@ struct Response {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers{};
   std::optional<StreamWish> stream{};  // images follow, of a route that streams; `type` is kStreamType
+  bool only_tried = false;             // nothing was changed, whatever the method: no line of the audit log
 };
 
 /// Thrown by a handler to answer {"error": what()} with this status, and with what stands in `more` beside.

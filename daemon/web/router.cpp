@@ -114,9 +114,12 @@ void admit(Gate& gate, const Route& route, const Request& request) {
 thread_local std::optional<StreamWish> wanted_stream;
 /// The answer is the packed file, or could have been.
 thread_local bool is_sent_packed = false, may_be_packed = false;
+/// See Response.
+thread_local bool only_tried = false;
 
 void set_response(httplib::Response& to, Response&& from) {
   to.status = from.status;
+  only_tried = from.only_tried;
   for (const auto& [name, value] : from.headers) to.set_header(name, value);
   if (!from.stream) {
     to.body = std::move(from.body);
@@ -228,7 +231,8 @@ Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
 
 /// Whatever was to change something, also when it was refused.
 void write_down(AuditLog& audit, const httplib::Request& request, const httplib::Response& response) {
-  if (!is_read(request)) audit.add(request.remote_addr, request.method, request.target, response.status);
+  if (!is_read(request) && !std::exchange(only_tried, false))
+    audit.add(request.remote_addr, request.method, request.target, response.status);
 }
 
 /// What a packed file is.

@@ -200,10 +200,11 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
           sink({Slot::Kind::kPreview, camera}));
     } else if (key == "ack") {
       const auto ack = read_message<AckParams>(value, path);
-      hub_.feeds_.of(static_cast<std::uint32_t>(ack.camera)).acknowledge(id_, ack.frame);
+      if (CameraFeed* feed = hub_.feeds_.find(static_cast<std::uint32_t>(ack.camera)))
+        feed->acknowledge(id_, ack.frame);
     } else if (key == "stop_preview") {
       const int camera = read_number<int>(value, path, 0, kMaxCameraId, "");
-      hub_.feeds_.of(static_cast<std::uint32_t>(camera)).stop_preview(id_);
+      if (CameraFeed* feed = hub_.feeds_.find(static_cast<std::uint32_t>(camera))) feed->stop_preview(id_);
     } else {
       throw HttpError(400,
                       path + ": no such message; known: subscribe, unsubscribe, preview, ack, stop_preview");

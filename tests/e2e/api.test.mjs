@@ -87,7 +87,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('get', '/api/sources');
     const { interfaces } = await ask('get', '/api/network/interfaces');
     const lo = interfaces.find(({ name }) => name === 'lo');
-    assert.deepEqual({ ...lo, multicast: false }, { name: 'lo', addresses: ['127.0.0.1'], is_up: true, is_loopback: true, multicast: false });
+    assert.deepEqual({ ...lo, multicast: false }, { name: 'lo', addresses: ['127.0.0.1'], is_up: true, has_link: true, is_loopback: true, multicast: false });
   });
 
   it('tells what teams get and who listens on its computer', async () => {

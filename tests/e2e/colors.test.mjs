@@ -95,6 +95,7 @@ describe('colour tables', () => {
     const tried = await post('colors/edits', { commands: [{ op: 'pick', label: 'cyan', still, ...place }], try: true });
     assert.ok(tried.cells > 0);
     assert.equal((await labelsOf(still)).count(CYAN), 0, 'trying changes nothing');
+    assert.doesNotMatch(service.log(), /audit: .*colors\/edits/, 'and is written down nowhere');
 
     const done = await edit({ op: 'pick', label: 'cyan', still, ...place });
     assert.equal(done.cells, tried.cells);

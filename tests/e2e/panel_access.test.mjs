@@ -102,6 +102,12 @@ describe('who may do what, in the panel', () => {
           assert.equal(await site(), 'By an admin');
           await page.waitForSelector(`${byId('access')}[data-may="change"]`);
           await page.click(byId('access'));
+          // A wrong password is refused where it was typed.
+          await page.fill('label:has-text("New password") + div input', 'battery staple');
+          await page.fill('label:has-text("again") + div input', 'battery staple');
+          await page.fill('label:has-text("Current admin password") + div input', 'wrong horse');
+          await page.click('button:has-text("Set password")');
+          await page.waitForSelector(`${dialog} [role="alert"]:has-text("wrong password")`);
           await page.click(byId('sign-out'));
           await page.waitForSelector(`${byId('access')}[data-may="look"]`);
           await renameTo(page, 'By nobody');
@@ -202,6 +208,22 @@ describe('who may do what, in the panel', () => {
       });
     });
   }
+
+  it('asks nobody for a password who only looks', async () => {
+    await startAfresh('admin');
+    await withPage(DESKTOP, '#/colours/0', {}, async (page) => {
+      const refused = [];
+      page.on('response', (answer) => { if (answer.status() === 401) refused.push(answer.url()); });
+      await page.waitForSelector(`${byId('access')}[data-may="look"]`);
+      const box = await page.locator(byId('picture')).boundingBox();
+      for (const share of [0.3, 0.5, 0.7]) {
+        await page.mouse.move(box.x + box.width * share, box.y + box.height * share);
+        await page.waitForSelector(byId('pickout'));
+      }
+      assert.equal(await page.isVisible(dialog), false);
+      assert.deepEqual(refused, []);
+    })();
+  });
 
   it('disables on every page what a match locks, and nothing else', async () => {
     await startAfresh();

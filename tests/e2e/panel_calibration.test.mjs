@@ -280,8 +280,17 @@ describe('calibration page', () => {
       await click(byId('delete-polygon'));
       await untilSaved(async () => (await mask()).exclude.length === 0);
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
+      // Undo takes back what was done here, and leaves what others changed meanwhile.
+      const beyond = async (value) => {
+        await service.patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value });
+        await page.waitForFunction((text) => document.querySelector('[data-testid="setting-/cameras/0/mask/beyond_boundary"] input[inputmode]').value === text, String(value));
+      };
+      const { beyond_boundary: unset } = await mask();
+      await beyond(250);
       await click(byId('mask-undo'));
       await untilSaved(async () => (await mask()).exclude.length === 1);
+      assert.equal((await mask()).beyond_boundary, 250);
+      await beyond(unset);
       await click(byId('delete-polygon'));
       await click(byId('add-around'));
       await untilSaved(async () => (await mask()).include.length === 1 && (await mask()).exclude.length === 0);

@@ -122,6 +122,71 @@ describe('settings page', { timeout: 540_000 }, () => {
     await treeBecomes(({ cameras }) => cameras[0].stages.detect_balls.max_balls === 31);
   }));
 
+  it('makes one step of the history of one move of a slider', withPage(DESKTOP, '#/settings/cameras/0/source', {}, async (page) => {
+    const pointer = '/cameras/0/source/light';
+    const steps = async () => (await ask('settings/history')).length;
+    const before = await steps();
+    const range = page.locator(`${row(pointer)} input[type="range"]`);
+    await range.scrollIntoViewIfNeeded();
+    const slider = await range.boundingBox();
+    const at = (share) => [slider.x + slider.width * share, slider.y + slider.height / 2];
+    await page.mouse.move(...at(0.32));
+    await page.mouse.down();
+    for (let share = 0.34; share < 0.7; share += 0.04) {
+      const last = (await tree()).cameras[0].source.light;
+      await page.mouse.move(...at(share));
+      await treeBecomes(({ cameras }) => cameras[0].source.light !== last);
+    }
+    await page.mouse.up();
+    await saved(page);
+    assert.equal(await steps(), before + 1);
+    const [step] = await ask('settings/history');
+    assert.deepEqual(step.changes.map(({ path, before: from }) => [path, from]), [[pointer, 1]]);
+    await page.keyboard.press('Control+z');
+    await treeBecomes(({ cameras }) => cameras[0].source.light === 1);
+    await page.waitForSelector(`${byId('notice')}:has-text("undone: camera 0 / source / light")`);
+
+    // Who gives up what was typed has changed nothing.
+    const now = await steps();
+    const field = page.locator(`${row(pointer)} input[type="text"]`);
+    await field.fill('2.5');
+    await field.press('Escape');
+    assert.equal(await field.inputValue(), '1');
+    await typeInto(page, pointer, '1.5');
+    await treeBecomes(({ cameras }) => cameras[0].source.light === 1.5);
+    assert.equal(await steps(), now + 1);
+  }));
+
+  it('stays with a camera whose place in the list another admin changes', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_balls', {}, async (page, panel) => {
+    panel.errorsExpected = true; // the browser calls a refusal one
+    await page.waitForSelector(row('/cameras/1/stages/detect_balls/max_balls'));
+    const [gone] = (await tree()).cameras;
+    await patch({ op: 'remove', path: '/cameras/0' });
+    await page.waitForSelector(row('/cameras/0/stages/detect_balls/max_balls'));
+    assert.match(page.url(), /#\/settings\/cameras\/0\/stages\/detect_balls$/);
+    await page.waitForSelector('.crumbs:has-text("Camera 1")');
+    await page.waitForSelector(`${byId('notice')}:has-text("Another admin added or removed a camera")`);
+    // A change that was made before the page knows of it is not for the camera that stands there now.
+    let isBack = false;
+    await page.route('**/api/settings', async (route) => {
+      if (route.request().method() !== 'PATCH' || isBack) return route.continue();
+      isBack = true;
+      await patch({ op: 'add', path: '/cameras/0', value: gone });
+      return route.continue();
+    });
+    await typeInto(page, '/cameras/0/stages/detect_balls/max_balls', '17');
+    await page.waitForSelector(row('/cameras/1/stages/detect_balls/max_balls'));
+    assert.deepEqual((await tree()).cameras.map(({ stages }) => stages.detect_balls.max_balls), first.cameras.map(({ stages }) => stages.detect_balls.max_balls));
+
+    // What was changed of a camera is not undone at another one.
+    await patch({ op: 'replace', path: '/cameras/1/stages/detect_balls/max_balls', value: 21 });
+    const [{ revision }] = await ask('settings/history');
+    await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/max_balls', value: 21 });
+    await patch({ op: 'add', path: '/cameras/0', value: { ...gone, id: 7 } });
+    const undone = await fetch(address('api/settings/undo'), { method: 'POST', body: JSON.stringify({ revision }) });
+    assert.equal(undone.status, 409);
+  }));
+
   it('checks a stack before it is applied', withPage(DESKTOP, '#/settings/cameras/0/stack', {}, async (page, panel) => {
     const stack = async () => (await tree()).cameras[0].stack;
     const orderBecomes = (wanted) => page.waitForFunction(([selector, names]) => [...document.querySelectorAll(selector)].map((name) => name.textContent).join() === names,
@@ -294,7 +359,8 @@ describe('settings page', { timeout: 540_000 }, () => {
     await treeBecomes(({ cameras }) => !('paused' in cameras[2].source.controls));
   }));
 
-  it('saves, shows, applies and deletes profiles', withPage(DESKTOP, '#/settings/~profiles', {}, async (page) => {
+  it('saves, shows, applies and deletes profiles', withPage(DESKTOP, '#/settings/~profiles', {}, async (page, panel) => {
+    panel.errorsExpected = true; // the browser calls a refusal one
     await page.fill(byId('profile-name'), 'Evening');
     await page.click(byId('profile-save'));
     await page.waitForSelector(byId('profile-Evening'));
@@ -305,6 +371,20 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.click(byId('apply-changes'));
     const now = await treeBecomes(({ site }) => site === 'Demo field');
     assert.equal(now.cameras[1].calibration.tx, 77, 'calibrations stay unless ticked');
+    await page.waitForSelector(byId('changes'), { state: 'detached' });
+
+    // What was reviewed is applied, or nothing: also when the page has heard of what was changed since.
+    await patch({ op: 'replace', path: '/site', value: 'Hall 4' });
+    await page.click(`${byId('profile-Evening')} button:has-text("Review and apply")`);
+    await page.waitForSelector(byId('section-/site'));
+    await patch({ op: 'replace', path: '/site', value: 'Hall 5' });
+    await page.waitForFunction(() => document.querySelector('[aria-label="History"]')?.textContent.includes('Hall 5'));
+    await page.click(byId('apply-changes'));
+    await page.waitForSelector('[role="alert"]:has-text("Nothing was applied. Check the changes again.")');
+    assert.equal((await tree()).site, 'Hall 5');
+    await page.waitForSelector(`${byId('section-/site')}:has-text("Hall 5")`);
+    await page.click(byId('apply-changes'));
+    await treeBecomes(({ site }) => site === 'Demo field');
     await page.waitForSelector(byId('changes'), { state: 'detached' });
 
     await page.click(`${byId('profile-Evening')} button:has-text("Review and apply")`);

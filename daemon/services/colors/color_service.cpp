@@ -225,7 +225,9 @@ Response ColorService::edit(const Request& request) {
     throw;
   }
   out["state"] = state_json(at);
-  return json_response(out);
+  Response response = json_response(out);
+  response.only_tried = wanted.only_try;
+  return response;
 }
 
 Response ColorService::undo_or_redo(const Request& request, bool undo) {
@@ -281,7 +283,9 @@ Response ColorService::import(const Request& request) {
                       request.address);
   }
   out["state"] = state_json(at);
-  return json_response(out);
+  Response response = json_response(out);
+  response.only_tried = only_try;
+  return response;
 }
 
 Response ColorService::export_table(const Request& request) {

@@ -158,14 +158,18 @@ std::vector<Route> SettingsService::routes() {
 
 Response SettingsService::patch_settings(const Request& request) {
   const Json json = parse_json(request.body);
-  const auto version = patch(json, {request.address, if_match_of(request)});
+  const bool joins = query_flag(request, "joins");
+  const auto version =
+      patch(json, {.who = request.address, .if_revision = if_match_of(request), .joins = joins});
   log::info("settings revision {} saved, changed by {}: {}", version.revision, request.address,
             in_short(json));
   return json_response(saved_json(version));
 }
 
 Response SettingsService::check_settings(const Request& request) {
-  return json_response({{"changes", check(parse_json(request.body))}});
+  Response response = json_response({{"changes", check(parse_json(request.body))}});
+  response.only_tried = true;
+  return response;
 }
 
 Response SettingsService::undo_settings(const Request& request) {

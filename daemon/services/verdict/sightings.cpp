@@ -123,7 +123,8 @@ void Sightings::count_at_once(std::vector<LostRobot>& lost) const {
   }
 }
 
-/// Of those that are expected because many went at once: as many as have come since are not missed.
+/// Robots that are expected because many went at once are not missed when as many of their team have come
+/// since.
 void Sightings::drop_replaced(std::vector<LostRobot>& lost, double t_s) const {
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const auto lasts = [&](const LostRobot& robot) {

@@ -620,6 +620,24 @@ TEST_F(ServerTest, MessagesThatAreNotUnderstoodAreAnsweredWithAnError) {
   viewer.synchronise();  // it is still served
 }
 
+TEST_F(ServerTest, APictureOnItsWayIsAcknowledgedEvenWhenItsCameraIsGone) {
+  std::atomic<bool> is_there = true;
+  ViewsOf views(daemon_,
+                [&] { return is_there ? std::vector<std::uint32_t>{0} : std::vector<std::uint32_t>(); });
+  WebServer server({daemon_, views, {&daemon_}, daemon_.routes()}, options(), counters_);
+  Viewer viewer(server.port());
+  viewer.send(R"({"preview": {"camera": 0}})");
+  daemon_.publish(5);
+  viewer.read_picture();
+  is_there = false;
+  viewer.acknowledge(5);
+  viewer.send(R"({"stop_preview": 0})");
+  viewer.synchronise();
+  is_there = true;
+  viewer.send(R"({"preview": {"camera": 0}})");
+  EXPECT_EQ(viewer.read_picture().header.at("frame"), 5);
+}
+
 TEST_F(ServerTest, TooLargeMessagesEndTheirViewerOnly) {
   Viewer viewer(server_.port()), other(server_.port());
   viewer.send(std::string(20'000, ' '));

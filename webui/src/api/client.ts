@@ -48,14 +48,14 @@ async function ask(path: string, init: RequestInit, doors = [401, 423]): Promise
   throw new ApiError(answer.status, errorText(parsed, answer.status), parsed);
 }
 
-async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<T> {
+async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}, doors?: number[]): Promise<T> {
   // Where one may insist, the page itself asks whether to do so in a match.
   const mayInsist = typeof body === 'object' && body !== null && 'force' in body;
   const answer = await ask(path, {
     method,
     headers: body === undefined ? headers : { 'Content-Type': 'application/json', ...headers },
     body: body === undefined ? undefined : JSON.stringify(body),
-  }, mayInsist ? [401] : undefined);
+  }, doors ?? (mayInsist ? [401] : undefined));
   return await answer.json().catch(() => null) as T;
 }
 
@@ -64,6 +64,10 @@ export const api = {
   get: <T>(path: string) => request<T>('GET', path),
   post: <T>(path: string, body?: unknown, headers: Record<string, string> = {}) => request<T>('POST', path, body, headers),
   put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
+  /** As put, for a form that asks for the password itself: a wrong one is refused there. */
+  putWithPassword: <T>(path: string, body: unknown) => request<T>('PUT', path, body, {}, []),
+  /** What a change would do. Asks for no password and no leave: nobody pressed a button for it. */
+  tryOut: <T>(path: string, body: unknown) => request<T>('POST', path, body, {}, []),
   patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
   delete: <T>(path: string) => request<T>('DELETE', path),
   /** An image that is made for this request. Asks for no password and no leave: nobody pressed a button for it. */

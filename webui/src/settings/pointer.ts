@@ -33,7 +33,8 @@ export const isEqual = (a: Json | undefined, b: Json | undefined): boolean => {
 };
 
 export interface Operation {
-  op: 'add' | 'remove' | 'replace';
+  /** `test` refuses the whole patch unless the value stands there. */
+  op: 'add' | 'remove' | 'replace' | 'test';
   path: string;
   value?: Json;
 }

@@ -2,7 +2,7 @@
 // One value of the settings on its way from a control to the disk.
 import { computed, ref, shallowRef, watch, type ShallowRef } from 'vue';
 import type { SettingsStep } from '../api/types';
-import { newestStepAt, saveValue, schema, settings } from '../state/settings';
+import { newestStepAt, saveValue, schema, settings, type Outcome } from '../state/settings';
 import { isEqual, valueAt, type Json } from './pointer';
 import { nodeAt, valueOr } from './schema';
 
@@ -29,7 +29,14 @@ export function useSetting(pointer: () => string) {
 
   watch(pointer, () => { draft.value = null; error.value = ''; stale.value = null; base = undefined; });
 
-  async function set(next: Json): Promise<void> {
+  function show(outcome: Outcome): void {
+    error.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text : '';
+    stale.value = outcome.kind === 'stale' ? outcome.step : null;
+  }
+
+  /** `joins`: see saveValue(). What became of it; nothing when it was not sent. */
+  async function set(next: Json, joins = false): Promise<Outcome | null> {
+    if (!draft.value && isEqual(next, saved.value)) { error.value = ''; return null; }
     const sent: Draft = { value: next };
     isRefused = false;
     draft.value = sent;
@@ -38,14 +45,16 @@ export function useSetting(pointer: () => string) {
     base = undefined;
     if (somebodyElse) {
       stale.value = await newestStepAt(path);
-      if (stale.value) return;
+      if (stale.value) return null;
     }
-    const outcome = await saveValue(path, next);
+    const outcome = await saveValue(path, next, joins);
     const isNewest = draft.value === sent && path === pointer();
-    if (!isNewest) return; // another value is on its way
-    if (!isRefused) error.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text : '';
-    stale.value = outcome.kind === 'stale' ? outcome.step : null;
+    if (!isNewest) return outcome; // another value is on its way
+    const typedSince = isRefused ? error.value : null;
+    show(outcome);
+    if (typedSince !== null) error.value = typedSince;
     if (outcome.kind === 'saved') draft.value = null;
+    return outcome;
   }
 
   return {
@@ -53,10 +62,12 @@ export function useSetting(pointer: () => string) {
     /** Typing begins: what others save from now on is not overwritten unasked. */
     begin() { base = saved.value; },
     set,
+    /** What became of a change of this value that was made in another way. */
+    show,
     reset: () => set(node.value!.default!),
     /** After a stale edit: what the other one saved stays, or ours is saved over it. */
     keepTheirs() { draft.value = null; stale.value = null; },
-    useMine: () => (draft.value ? set(draft.value.value) : Promise.resolve()),
+    useMine: () => (draft.value ? set(draft.value.value) : Promise.resolve(null)),
     /** What is typed and is no value at all: the field keeps it, the service keeps its own. */
     refuse(text: string) {
       isRefused = true;

@@ -7,6 +7,7 @@ import { connection, liveStatus } from './live';
 
 /** null until the service has said so. */
 export const access = shallowRef<Session | null>(null);
+export const mayChange = computed(() => access.value?.may === 'change');
 export const isLocked = computed(() => access.value?.match_lock.locked ?? false);
 export const isUnlocked = computed(() => access.value?.match_lock.opened ?? false);
 /** For controls that are locked: why, and what to do. */
@@ -69,7 +70,7 @@ export async function signOut(): Promise<void> {
 }
 
 export async function setPassword(role: 'admin' | 'viewer', password: string, adminPassword: string): Promise<void> {
-  access.value = await api.put<Session>(`passwords/${role}`, { password, admin_password: adminPassword });
+  access.value = await api.putWithPassword<Session>(`passwords/${role}`, { password, admin_password: adminPassword });
 }
 
 export async function openMatchLock(opened: boolean): Promise<void> {
@@ -80,7 +81,8 @@ export async function openMatchLock(opened: boolean): Promise<void> {
 export function followAccess(): void {
   onClosedDoor(async (status) => {
     await loadAccess();
-    if (status === 401) return await askAbout('sign-in') && access.value?.may === 'change';
+    // Somebody may have signed in meanwhile, in another tab.
+    if (status === 401) return mayChange.value || (await askAbout('sign-in') && mayChange.value);
     return isLocked.value && await askAbout('match');
   });
   void loadAccess();

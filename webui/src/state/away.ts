@@ -97,6 +97,9 @@ export async function chooseNotification(on: boolean): Promise<string> {
   return problem;
 }
 
+/** So long without any data, and it is told. */
+const SILENCE_MS = 10_000;
+
 const isLookedAt = () => document.visibilityState === 'visible' && document.hasFocus();
 
 function showSign(href: string): void {
@@ -109,14 +112,23 @@ export function tellAway(): void {
     document.title = headline(liveStatus.value, isStale.value, page.value.title, knownStatus.value?.site || 'ssl-visiond');
     showSign(sign(moodOf(liveStatus.value)));
   });
+  const tell = (trouble: string) => {
+    if (isLookedAt()) return;
+    if (chosen.sound.value) void playSound();
+    if (chosen.notification.value) void notify(trouble);
+  };
   let before: Status | null = null;
   watch(liveStatus, (now) => {
     if (!now) return;
     const trouble = before && newTrouble(before, now);
     before = now;
-    if (!trouble || isLookedAt()) return;
-    if (chosen.sound.value) void playSound();
-    if (chosen.notification.value) void notify(trouble);
+    if (trouble) tell(trouble);
+  });
+  // Once for each silence. A service that is started again is back sooner.
+  let silence: ReturnType<typeof setTimeout> | undefined;
+  watch(isStale, (stale) => {
+    clearTimeout(silence);
+    if (stale && before) silence = setTimeout(() => tell('No data from the service'), SILENCE_MS);
   });
   for (const kind of ['pointerdown', 'keydown']) addEventListener(kind, readyAudio, { once: true, capture: true });
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The settings tree as the service has it, and changes on their way to it. A change counts once the service says that
 // it is on disk; one that was made on an older revision is only sent again when nobody else touched the same.
-import { computed, ref, shallowRef, watch } from 'vue';
+import { ref, shallowRef, watch } from 'vue';
 import { api, ApiError, messageOf } from '../api/client';
 import type { RestoredBackup, SettingsChange, SettingsRevision, SettingsStep, Stale } from '../api/types';
-import { overlap, setOperations, valueAt, type Json, type Operation } from '../settings/pointer';
+import { isEqual, overlap, setOperations, valueAt, type Json, type Operation } from '../settings/pointer';
 import type { SchemaNode } from '../settings/schema';
 import { knownStatus } from './live';
 
@@ -25,7 +25,8 @@ export type SaveState =
 export const saveState = ref<SaveState>({ kind: 'idle' });
 
 export type Outcome =
-  | { kind: 'saved' }
+  /** `revision`: of the step that it made, if it made one. */
+  | { kind: 'saved'; revision?: number }
   /** Not allowed; `text` says why. The old settings stay. */
   | { kind: 'refused'; text: string }
   /** Somebody else changed the same meanwhile: the newest such step. */
@@ -78,9 +79,17 @@ watch(knownStatus, (status, before) => {
   if (newest > revision.value || newest !== before?.settings_revision) void loadSettings();
 });
 
+interface OwnStep {
+  revision: number;
+  /** Where something was changed. */
+  paths: string[];
+}
 /** Steps that this browser made and that can be taken back, newest last. */
-const ownSteps = ref<number[]>([]);
-export const canUndo = computed(() => ownSteps.value.length > 0);
+const ownSteps = ref<OwnStep[]>([]);
+const isBelow = (places: string[]) => ({ paths }: OwnStep) => paths.every((path) => places.some((place) => path === place || path.startsWith(`${place}/`)));
+/** The newest of those that changed nothing but what stands at or below these places. */
+const lastOwn = (places: string[]) => ownSteps.value.filter(isBelow(places)).at(-1);
+export const canUndo = (places = ['']) => lastOwn(places) !== undefined;
 
 /** Changes go one after the other, so that each is made on what the one before left. */
 let queue: Promise<unknown> = Promise.resolve();
@@ -122,56 +131,87 @@ const touches = (step: SettingsStep, operations: Operation[]) =>
 
 const sameRevision = () => ({ 'If-Match': String(revision.value) });
 
-function takeOwn(answer: SettingsRevision): Outcome {
-  if (answer.revision !== revision.value) ownSteps.value.push(answer.revision);
+function takeOwn(answer: SettingsRevision, paths: string[], joins = false): Outcome {
+  const isNew = answer.revision !== revision.value;
+  if (isNew) {
+    // The service has joined it to the step before, which is no longer there.
+    if (joins && ownSteps.value.at(-1)?.revision === revision.value) ownSteps.value.pop();
+    ownSteps.value.push({ revision: answer.revision, paths });
+  }
   take(answer);
-  return { kind: 'saved' };
+  return isNew ? { kind: 'saved', revision: answer.revision } : { kind: 'saved' };
 }
 
-async function patch(operations: Operation[]): Promise<Outcome> {
+/**
+ * Cameras are addressed by their place in the list, where another one may stand by the time that a change arrives:
+ * the change is only for the camera that stands there in this tree.
+ */
+function sameCameras(tree: Json | null, paths: string[]): Operation[] {
+  const places = new Set(paths.flatMap((path) => /^\/cameras\/\d+(?=\/|$)/.exec(path) ?? []));
+  return [...places].flatMap((place) => {
+    const id = valueAt(tree ?? undefined, `${place}/id`);
+    return id === undefined ? [] : [{ op: 'test' as const, path: `${place}/id`, value: id }];
+  });
+}
+
+async function patch(operations: Operation[], tests: Operation[], joins: boolean): Promise<Outcome> {
+  const paths = operations.map(({ path }) => path);
   for (;;) {
+    const moved = tests.find(({ path, value }) => !isEqual(valueAt(settings.value ?? undefined, path), value));
+    const step = moved && await newestStepAt(moved.path);
+    if (step) return { kind: 'stale', step };
     try {
-      return takeOwn(await api.patch<SettingsRevision>('settings', operations, sameRevision()));
+      return takeOwn(await api.patch<SettingsRevision>(joins ? 'settings?joins=true' : 'settings', [...tests, ...operations], sameRevision()), paths, joins);
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 409) throw error;
       const { changed_since } = error.body as Stale;
       await loadSettings();
-      const step = changed_since.find((one) => touches(one, operations));
-      if (step) return { kind: 'stale', step };
+      const overtaking = changed_since.find((one) => touches(one, [...tests, ...operations]));
+      if (overtaking) return { kind: 'stale', step: overtaking };
     }
   }
 }
 
-/** Saves a JSON Patch. `operations` is asked for when its turn comes, on the newest tree. */
-export const save = (operations: Operation[] | ((tree: Json) => Operation[])): Promise<Outcome> => inTurn(() => attempt(async () => {
+async function saveNow(operations: Operation[] | ((tree: Json) => Operation[]), tests: Operation[], joins = () => false): Promise<Outcome> {
   if (!settings.value) await loadSettings();
   if (!settings.value) throw new ApiError(0, loadError.value);
   const list = typeof operations === 'function' ? operations(settings.value) : operations;
-  return list.length ? patch(list) : { kind: 'saved' };
-}));
+  return list.length ? patch(list, tests.length ? tests : sameCameras(settings.value, list.map(({ path }) => path)), joins()) : { kind: 'saved' };
+}
 
-const waiting = new Map<string, { value: Json; outcome: Promise<Outcome> }>();
+/** Saves a JSON Patch. `operations` is asked for when its turn comes, on the newest tree. */
+export function save(operations: Operation[] | ((tree: Json) => Operation[])): Promise<Outcome> {
+  const tests = typeof operations === 'function' ? [] : sameCameras(settings.value, operations.map(({ path }) => path));
+  return inTurn(() => attempt(() => saveNow(operations, tests)));
+}
 
-/** Saves one value. While one is on its way, only the newest of those that follow is sent: a slider may be dragged. */
-export function saveValue(pointer: string, value: Json): Promise<Outcome> {
+const waiting = new Map<string, { value: Json; joins: boolean; outcome: Promise<Outcome> }>();
+
+/**
+ * Saves one value. While one is on its way, only the newest of those that follow is sent: a slider may be dragged.
+ * `joins`: it is one step of the history with the value saved before, if nothing else was changed in between.
+ */
+export function saveValue(pointer: string, value: Json, joins = false): Promise<Outcome> {
   const before = waiting.get(pointer);
   if (before) {
     before.value = value;
+    before.joins &&= joins;
     return before.outcome;
   }
-  const entry = { value, outcome: Promise.resolve<Outcome>({ kind: 'saved' }) };
+  const entry = { value, joins, outcome: Promise.resolve<Outcome>({ kind: 'saved' }) };
+  const tests = sameCameras(settings.value, [pointer]);
   waiting.set(pointer, entry);
-  entry.outcome = save((tree) => {
+  entry.outcome = inTurn(() => attempt(() => saveNow((tree) => {
     waiting.delete(pointer);
     return setOperations(tree, pointer, entry.value);
-  });
+  }, tests, () => entry.joins)));
   return entry.outcome;
 }
 
-/** Applies the parts of a profile that lie at `paths`. */
-export const applyProfile = (name: string, paths: string[]): Promise<Outcome> => inTurn(() => attempt(async () => {
+/** What was looked at before it was done, on the settings of `lookedAt`: refused when they are others by now. */
+const reviewed = (work: (headers: Record<string, string>) => Promise<SettingsRevision>, lookedAt: number, paths: string[]): Promise<Outcome> => inTurn(() => attempt(async () => {
   try {
-    return takeOwn(await api.post<SettingsRevision>(`profiles/${encodeURIComponent(name)}/apply`, { paths }, sameRevision()));
+    return takeOwn(await work({ 'If-Match': String(lookedAt) }), paths);
   } catch (error) {
     if (!(error instanceof ApiError) || error.status !== 409) throw error;
     await loadSettings();
@@ -180,17 +220,17 @@ export const applyProfile = (name: string, paths: string[]): Promise<Outcome> =>
   }
 }));
 
-/** Takes a backup for everything that is kept, if the settings are still at the revision it was compared with. */
-export const restoreBackup = (file: Blob, comparedWith: number): Promise<Outcome> => inTurn(() => attempt(async () => {
-  try {
-    return takeOwn(await api.upload<RestoredBackup>('backup/restore', file, { 'If-Match': String(comparedWith) }));
-  } catch (error) {
-    if (!(error instanceof ApiError) || error.status !== 409) throw error;
-    await loadSettings();
-    const [newest] = (error.body as Stale).changed_since;
-    return newest ? { kind: 'stale', step: newest } : { kind: 'refused', text: error.message };
-  }
-}));
+/** Applies the parts of a profile that lie at `paths`. */
+export const applyProfile = (name: string, paths: string[], lookedAt: number): Promise<Outcome> =>
+  reviewed((headers) => api.post<SettingsRevision>(`profiles/${encodeURIComponent(name)}/apply`, { paths }, headers), lookedAt, paths);
+
+/** Makes changes that were chosen from a file. */
+export const importChanges = (operations: Operation[], lookedAt: number): Promise<Outcome> =>
+  reviewed((headers) => api.patch<SettingsRevision>('settings', operations, headers), lookedAt, operations.map(({ path }) => path));
+
+/** Takes a backup for everything that is kept. */
+export const restoreBackup = (file: Blob, lookedAt: number): Promise<Outcome> =>
+  reviewed((headers) => api.upload<RestoredBackup>('backup/restore', file, headers), lookedAt, ['']);
 
 /** What a change would do, or why it would be refused. Nothing is changed. */
 export async function checkChange(operations: Operation[]): Promise<{ changes: SettingsChange[] } | { error: string }> {
@@ -201,18 +241,22 @@ export async function checkChange(operations: Operation[]): Promise<{ changes: S
   }
 }
 
+const forgetOwn = (step: number): void => { ownSteps.value = ownSteps.value.filter((own) => own.revision !== step); };
+
 /** `pick` is asked for the step when its turn comes. */
 const undo = (pick: () => number | undefined): Promise<Outcome> => inTurn(() => attempt(async () => {
   const step = pick();
   if (step === undefined) return { kind: 'saved' };
   try {
     take(await api.post<SettingsRevision>('settings/undo', { revision: step }));
-    ownSteps.value = ownSteps.value.filter((own) => own !== step);
+    forgetOwn(step);
     return { kind: 'saved' };
   } catch (error) {
+    // 422: the history has it no longer.
+    if (error instanceof ApiError && error.status === 422) forgetOwn(step);
     if (!(error instanceof ApiError) || error.status !== 409) throw error;
     const [newest] = (error.body as Stale).changed_since;
-    ownSteps.value = ownSteps.value.filter((own) => own !== step);
+    forgetOwn(step);
     return newest ? { kind: 'stale', step: newest } : { kind: 'refused', text: error.message };
   }
 }));
@@ -226,8 +270,13 @@ export async function newestStepAt(pointer: string): Promise<SettingsStep | null
   return steps.find((step) => step.changes.some(({ path }) => overlap(path, pointer))) ?? null;
 }
 
-/** Takes this browser's last change back. */
-export const undoLast = (): Promise<Outcome> | null => (canUndo.value ? undo(() => ownSteps.value.at(-1)) : null);
+/** Takes this browser's last change at or below these places back, and says where it was. */
+export async function undoLast(places = ['']): Promise<{ outcome: Outcome; paths: string[] } | null> {
+  if (!canUndo(places)) return null;
+  let step: OwnStep | undefined;
+  const outcome = await undo(() => (step = lastOwn(places))?.revision);
+  return { outcome, paths: step?.paths ?? [] };
+}
 
 /** The place of a camera in the list of the settings; -1 when it is not there. */
 export function cameraIndex(id: number): number {

@@ -2,8 +2,8 @@
 // A camera's mask while it is being drawn: shown at once, saved when a move is over, and taken back step by step.
 import { computed, ref, shallowRef } from 'vue';
 import { useSetting } from '../../settings/useSetting';
-import { cameraIndex, useSettings } from '../../state/settings';
-import type { Json } from '../../settings/pointer';
+import { cameraIndex, newestStepAt, save, undoStep, useSettings, type Outcome } from '../../state/settings';
+import { isEqual, type Json } from '../../settings/pointer';
 import type { Point } from '../../geometry/cameraModel';
 import { shifted, spliced, withCorner, withInserted, withoutCorner, type Kind, type Mask, type Polygon } from './polygon';
 
@@ -17,45 +17,62 @@ export const samePlace = (a: Place | null, b: Place | null) => a?.kind === b?.ki
 export function useMask(camera: number) {
   const { settings, loadError } = useSettings();
   const setting = useSetting(() => `/cameras/${cameraIndex(camera)}/mask`);
-  const saved = computed(() => (setting.value.value ?? { include: [], exclude: [] }) as unknown as Mask);
-  /** While a corner is dragged. */
+  const saved = computed(() => (setting.saved.value ?? { include: [], exclude: [] }) as unknown as Mask);
+  /** While a corner is dragged, and until it is saved. */
   const draft = shallowRef<Mask | null>(null);
   const mask = computed(() => draft.value ?? saved.value);
   const selected = ref<Place | null>(null);
-  const before = ref<Mask[]>([]);
+  /** The steps of the settings that were made here, the newest last. */
+  const steps = ref<number[]>([]);
 
   const polygonAt = ({ kind, index }: Place): Polygon | undefined => mask.value[kind][index];
   const replaced = ({ kind, index }: Place, ...by: Polygon[]): Mask => ({ ...mask.value, [kind]: spliced(mask.value[kind], index, 1, ...by) });
 
-  async function put(next: Mask): Promise<void> {
-    await setting.set(next as unknown as Json);
+  /** What was saved when a drag began. */
+  let began: Mask | null = null;
+  function drag(next: Mask): void {
+    began ??= saved.value;
+    draft.value = next;
   }
-  /** Saves what is shown; `next` if something else. */
+  /** Saves what is shown, `next` if something else: the lists that it changes, and nothing that others set besides. */
   async function commit(next: Mask | null = draft.value): Promise<void> {
     if (!next) return;
-    before.value.push(saved.value);
-    draft.value = null;
-    await put(next);
+    const from = began ?? saved.value;
+    began = null;
+    draft.value = next;
+    const is = (kind: Kind, one: Mask, other: Mask) => isEqual(one[kind] as unknown as Json, other[kind] as unknown as Json);
+    const changed = (['include', 'exclude'] as const).filter((kind) => !is(kind, next, from));
+    const path = (kind: Kind) => `/cameras/${cameraIndex(camera)}/mask/${kind}`;
+    const overtaken = changed.find((kind) => !is(kind, saved.value, from));
+    const step = overtaken && await newestStepAt(path(overtaken));
+    const outcome: Outcome = step ? { kind: 'stale', step }
+      : await save(changed.map((kind) => ({ op: 'replace' as const, path: path(kind), value: next[kind] as unknown as Json })));
+    setting.show(outcome);
+    if (outcome.kind !== 'saved') return;
+    if (draft.value === next) draft.value = null;
+    if (outcome.revision !== undefined) steps.value.push(outcome.revision);
   }
 
   return {
     mask, selected, polygonAt,
     loaded: computed(() => settings.value !== null),
     loadError,
-    error: setting.error, stale: setting.stale, keepTheirs: setting.keepTheirs, useMine: setting.useMine,
-    canUndo: computed(() => before.value.length > 0),
+    error: setting.error, stale: setting.stale,
+    keepTheirs() { draft.value = null; setting.keepTheirs(); },
+    useMine: () => commit(),
+    canUndo: computed(() => steps.value.length > 0),
     async undo(): Promise<void> {
-      const last = before.value.pop();
-      if (!last) return;
+      const last = steps.value.pop();
+      if (last === undefined) return;
       selected.value = null;
       draft.value = null;
-      await put(last);
+      setting.show(await undoStep(last));
     },
     moveCorner(place: Place, corner: number, to: Point) {
       const polygon = polygonAt(place);
-      if (polygon) draft.value = replaced(place, withCorner(polygon, corner, to));
+      if (polygon) drag(replaced(place, withCorner(polygon, corner, to)));
     },
-    shift(place: Place, from: Polygon, dx: number, dy: number) { draft.value = replaced(place, shifted(from, dx, dy)); },
+    shift(place: Place, from: Polygon, dx: number, dy: number) { drag(replaced(place, shifted(from, dx, dy))); },
     commit,
     add(kind: Kind, polygon: Polygon): Promise<void> {
       selected.value = { kind, index: mask.value[kind].length };

@@ -60,7 +60,7 @@ export function useLook(camera: number, still: () => number | null) {
 
   const trials = newestOnly<ColorCommand>(async (_, command) => {
     try {
-      const text = await api.post<ColorEdited>(`cameras/${camera}/colors/edits`, { commands: [command], try: true });
+      const text = await api.tryOut<ColorEdited>(`cameras/${camera}/colors/edits`, { commands: [command], try: true });
       if (wanted) trial.value = { text, command };
     } catch {
       trial.value = null;

@@ -212,5 +212,11 @@ export function placeText(tree: Json | null, pointer: string): string {
   return keys.length ? keys.join(' / ') : 'everything';
 }
 
+/** Those of a step in a line, the first ones of many. */
+export function placesText(tree: Json | null, paths: string[]): string {
+  const texts = [...new Set(paths.map((path) => placeText(tree, path)))];
+  return texts.length > 2 ? `${texts[0]} and ${texts.length - 1} more` : texts.join(' and ');
+}
+
 /** The address of a place. */
 export const addressOf = (pointer: string) => (pointer === '' ? GENERAL : pointer.startsWith('/') ? pointer.slice(1) : pointer);
