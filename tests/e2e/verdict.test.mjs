@@ -17,7 +17,7 @@ const GC_GROUP = '239.255.77.98';
 const gcPort = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
 // Enough that some are always where both cameras look.
-const ROBOTS = 8;
+const ROBOTS = 11;
 for (const { source: to } of service.settings.cameras) Object.assign(to, { robots_yellow: ROBOTS, robots_blue: ROBOTS });
 
 const replace = (path, value) => ({ op: 'replace', path, value });
@@ -86,14 +86,14 @@ const faults = [
   { name: 'a field a little larger or smaller', check: 'agreement', alerts: ['lines_off', 'lines_missing'], fails: 1, strengths: [{ field_length: 9080 }, { field_length: 8800 }, { field_width: 6300, field_length: 9300 }].map(sizes) },
   { name: 'a stack that sends nothing', always: true, check: 'network', alerts: ['not_published'], fails: 0, strengths: one.map((all) => all.map((i) => replace(`/cameras/${i}/stack`, stack.slice(0, 3)))) },
   { name: 'a camera that looks at black and white', always: true, check: 'colors', alerts: ['images_grey'], fails: 0, strengths: one.map((all) => all.map((i) => source(i, 'pixel_format', 'mono8'))) },
-  { name: 'robots that vanish', always: true, check: 'robots', alerts: ['robots_lost'], fails: 1, strengths: [7, 5, 0].map((count) => CAMERAS.flatMap((i) => ['yellow', ...(count ? [] : ['blue'])].map((color) => source(i, `robots_${color}`, count)))) },
+  { name: 'robots that vanish', always: true, check: 'robots', alerts: ['robots_lost'], fails: 1, strengths: [ROBOTS - 1, ROBOTS - 3, 0].map((count) => CAMERAS.flatMap((i) => ['yellow', ...(count ? [] : ['blue'])].map((color) => source(i, `robots_${color}`, count)))) },
   { name: 'robots that nobody can read', check: 'robots', alerts: ['robots_lost'], fails: 1, strengths: [1, 4, 12].map((count) => forAll('covered_dots', count)) },
   { name: 'no ball', check: 'robots', alerts: ['ball_lost'], fails: 3, strengths: [forAll('balls', 0), [...forAll('balls', 0), ...forAll('distractors', 10)], [...forAll('balls', 0), ...forAll('distractors', 20)]] },
   { name: 'one id in two places', always: true, check: 'robots', alerts: ['robot_twice'], fails: 0, strengths: [2, 3, 4].map((seed) => [source(1, 'seed', seed)]) },
   { name: 'two robots with one pattern', always: true, check: 'robots', alerts: ['robot_twice'], fails: 0, strengths: [1, 2, 3].map((count) => forAll('twins', count)) },
-  { name: 'a roster that is not there', check: 'robots', alerts: ['robots_missing'], fails: 3, strengths: [[0, 9], [0, 9, 10], [11, 12, 13]].map((ids) => [replace('/teams/yellow/ids', ids)]) },
-  { name: 'fewer robots than may play', check: 'robots', alerts: ['robots_few'], fails: 3, sent: [9, 10, 11].map((count) => toReferee(gameController({ ...GC, yellow: ['', count] }))) },
-  { name: 'more robots than may play', check: 'robots', alerts: ['robots_many'], fails: 3, sent: [7, 6, 0].map((count) => toReferee(gameController({ ...GC, blue: ['', count] }))) },
+  { name: 'a roster that is not there', check: 'robots', alerts: ['robots_missing'], fails: 3, strengths: [[0, 11], [0, 11, 12], [13, 14, 15]].map((ids) => [replace('/teams/yellow/ids', ids)]) },
+  { name: 'fewer robots than may play', check: 'robots', alerts: ['robots_few'], fails: 3, sent: [12, 13, 14].map((count) => toReferee(gameController({ ...GC, yellow: ['', count] }))) },
+  { name: 'more robots than may play', check: 'robots', alerts: ['robots_many'], fails: 3, sent: [10, 9, 0].map((count) => toReferee(gameController({ ...GC, blue: ['', count] }))) },
   { name: 'a robot height that is not true', check: 'agreement', alerts: ['cameras_disagree'], fails: 2, strengths: [70, 240, 20].map((mm) => ['yellow', 'blue'].map((color) => replace(`/teams/${color}/robot_height`, mm))) },
   { name: 'a camera that is lost', always: true, check: 'cameras', alerts: ['camera_lost'], fails: 0, strengths: one.map((all) => all.map((i) => replace(`/cameras/${i}/source`, { backend: 'files', path: lost }))) },
   { name: 'a camera that was taken out of the settings', check: 'coverage', alerts: ['field_uncovered'], fails: 0, strengths: [1, 0, 1].map((i) => [{ op: 'remove', path: `/cameras/${i}` }]) },

@@ -21,7 +21,9 @@ constexpr std::uint64_t kFewPictures = 3;
 constexpr double kClippedShare = 0.02;
 // Of 255. Below, the camera's noise is as large as what tells dark colours apart.
 constexpr double kDarkLuma = 25;
-constexpr double kSlowShare = 0.9;  // of the rate that was asked for
+/// Of the rate that was asked for: over the last seconds, and over the newest few, of which a short break is
+/// more.
+constexpr double kSlowShare = 0.9, kNewestSlowShare = 0.85;
 /// Late by more than this, a packet is late by as much as a ball at 6 m/s takes for 30 mm.
 constexpr double kLateAfter_ms = 5;
 /// Later than a frame at 60 Hz, what teams get is of the frame before.
@@ -80,9 +82,13 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .camera = camera.id});
   }
   // What the camera itself sends, whatever becomes of it here.
-  const Timeline::Sum& sum = camera.last_seconds;
-  if (camera.wanted_fps && sum.seconds >= CameraFacts::kLastSeconds &&
-      static_cast<double>(sum.all()) < kSlowShare * *camera.wanted_fps * sum.seconds) {
+  const auto is_slow = [&](const Timeline::Sum& sum, std::size_t seconds, double share) {
+    return camera.wanted_fps && sum.seconds >= seconds &&
+           static_cast<double>(sum.all() + kFewPictures) < share * *camera.wanted_fps * sum.seconds;
+  };
+  const bool is_slow_now = is_slow(camera.newest_seconds, CameraFacts::kNewestSeconds, kNewestSlowShare);
+  const Timeline::Sum& sum = is_slow_now ? camera.newest_seconds : camera.last_seconds;
+  if (is_slow_now || is_slow(sum, CameraFacts::kLastSeconds, kSlowShare)) {
     alerts.push_back(
         {.id = "camera_slow",
          .check = "cameras",

@@ -34,13 +34,14 @@ struct CameraFacts {
   double latency_p99_ms = 0;                // of the last images
   std::uint64_t latency_images = 0;         // since its start: of fewer than 100, one late image is the p99
   Timeline::Sum last_minute, last_seconds;  // kLastSeconds
+  Timeline::Sum newest_seconds;             // kNewestSeconds
   std::optional<Exposure> exposure;         // of the newest frame
   std::size_t controls_unsaved = 0;         // that are set and not saved
   bool sends = true;                        // its stack ends in the stage that sends
   ImageOrigin origin = ImageOrigin::kCamera;
   std::string flood{};  // in the last minute: "green floods the image between ..."; empty: none
 
-  static constexpr std::size_t kLastSeconds = 10;
+  static constexpr std::size_t kLastSeconds = 10, kNewestSeconds = 3;
 };
 
 /// Adds their alerts and the checks `cameras`, `pictures` and `latency`.

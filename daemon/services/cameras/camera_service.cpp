@@ -62,6 +62,11 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
     const int id = settings->id;
     const auto last_minute = watch_.timeline().sum(id, 60);
     const auto counters = camera->pipeline().counters();
+    // Not those of before: it may have been another camera, and asked for another rate.
+    const auto newest = [&](std::size_t seconds) {
+      const auto whole_s = static_cast<std::size_t>(steady_s() - camera->reopened_s());
+      return watch_.timeline().sum(id, std::min(seconds, std::max<std::size_t>(whole_s, 1) - 1));
+    };
     const bool is_flooded = counters.flood.blocks > 0 && counters.frames_since_flood <= last_minute.frames;
     const auto labels = camera->pipeline().setup()->context.labels;
     out.push_back({.id = id,
@@ -71,7 +76,8 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
                    .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
                    .latency_images = camera->latency().count(),
                    .last_minute = last_minute,
-                   .last_seconds = watch_.timeline().sum(id, CameraFacts::kLastSeconds),
+                   .last_seconds = newest(CameraFacts::kLastSeconds),
+                   .newest_seconds = newest(CameraFacts::kNewestSeconds),
                    .exposure = watch_.exposure(id),
                    .controls_unsaved = camera->unsaved_controls().size(),
                    .sends = std::ranges::find(settings->stack, "publish") != settings->stack.end(),

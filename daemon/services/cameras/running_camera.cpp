@@ -131,6 +131,7 @@ bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_he
   change.controls.keep();
   if (!change.thread) return false;
   ++reopenings_;
+  reopened_s_ = steady_s();
   const std::lock_guard lock(thread_mutex_);
   // One thread at a time feeds the pipeline: the new one waits for the old one's end, nobody else does.
   change.thread->start(std::move(thread_));

@@ -79,6 +79,8 @@ class RunningCamera {
   const RecentDurations& age() const { return sink_.age; }
   /// Times that commit() reopened it.
   std::uint64_t reopenings() const { return reopenings_; }
+  /// When that was last, on the steady clock; 0: never.
+  double reopened_s() const { return reopened_s_; }
   /// Lives as long as this.
   const CameraTotals& totals() const { return *totals_; }
 
@@ -114,6 +116,7 @@ class RunningCamera {
   const std::shared_ptr<LastOpened> last_opened_;
   const std::shared_ptr<CameraTotals> totals_;
   const DriverCalls driver_calls_;
+  std::atomic<double> reopened_s_{0};
   std::atomic<std::uint64_t> reopenings_{0};
   Sink sink_;
   CameraPipeline pipeline_;

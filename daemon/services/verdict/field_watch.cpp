@@ -93,6 +93,9 @@ void FieldWatch::look_at(const CameraNow& camera, Watched& watched) {
       const double now_s = steady_s();
       const std::lock_guard lock(mutex_);
       if (to_forget_.contains(camera.id)) return;
+      // With another calibration, or other heights of robots, they are elsewhere.
+      if (std::exchange(watched.seen_with, camera.context().scene) != camera.context().scene)
+        sightings_.forget(camera.id);
       sightings_.add(camera.id, now_s, frame->t_capture_s, frame->robots, frame->balls, frame->second_robots);
     }
     if (const auto now = Clock::now(); now >= watched.lines_due) {

@@ -27,12 +27,12 @@ struct LinesNow {
   const FieldPreset* better_size = nullptr;  // see find_better_size()
 };
 
-/// Looks at each camera's newest finished frame a few times a second, in one thread of low priority: at what
+/// Looks at each camera's newest finished frame ten times a second, in one thread of low priority: at what
 /// was found in it, and every few looks at its painted lines. May be used from any thread.
 class FieldWatch {
  public:
   struct Pace {
-    std::chrono::milliseconds between_looks = std::chrono::milliseconds(200);
+    std::chrono::milliseconds between_looks = std::chrono::milliseconds(100);
     std::chrono::milliseconds between_lines = std::chrono::milliseconds(1500);
   };
   struct Seen {
@@ -56,7 +56,8 @@ class FieldWatch {
   using Clock = std::chrono::steady_clock;
   /// What its own thread keeps of a camera.
   struct Watched {
-    std::uint64_t version = 0;  // of the frame that was looked at last
+    std::uint64_t version = 0;               // of the frame that was looked at last
+    std::shared_ptr<const Scene> seen_with;  // what stood in that frame, where
     Clock::time_point lines_due{};
     std::shared_ptr<const Scene> scene;  // that the next two are of
     std::optional<FieldCurves> curves;   // of its field

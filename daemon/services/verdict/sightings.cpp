@@ -15,11 +15,11 @@ constexpr double kNow_s = 1;
 constexpr double kTwoRobotsMm = 400;
 /// One id in two places is named when it was seen so often within kDoubles_s: a robot that is carried, or a
 /// single wrong id, is not.
-constexpr std::size_t kMinDoubles = 3;
+constexpr std::size_t kMinDoubles = 5;
 constexpr double kDoubles_s = 3;
 /// Cameras are compared by what they saw in the last seconds; where few robots pass, by what they saw last.
 constexpr double kApart_s = 4, kApartAtMost_s = 20;
-constexpr std::size_t kMinApart = 6, kMaxApart = 200;
+constexpr std::size_t kMinApart = 8, kMaxApart = 400;
 /// Faster than this its place at one moment is not known to a few millimetres.
 constexpr double kMaxSpeedMm_s = 1500;
 

@@ -311,6 +311,10 @@ TEST_F(Alerts, TellASlowCameraFromASlowComputer) {
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_seconds = {9, 100, 0, 0, 0};  // it has just begun
   EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[0].newest_seconds = {3, 151, 0, 0, 0};  // a short break
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.cameras[0].newest_seconds = {3, 120, 0, 0, 0};
+  EXPECT_THAT(only_alert().title, AllOf(HasSubstr("40.0"), HasSubstr("instead of 60")));
 }
 
 TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {

@@ -9,7 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr double kPeriod_s = 0.2;
+constexpr double kPeriod_s = 0.1;
 
 Robot robot(Team team, int id, double x_mm, double y_mm) {
   return {team, id, x_mm, y_mm, 0, 140, 100, 100, 1};
@@ -187,7 +187,7 @@ TEST_F(SightingsTest, ForgetsWhatAnotherViewWillShow) {
 
 TEST_F(SightingsTest, ExpectsNothingOfACameraThatIsGone) {
   const Ball balls[1] = {};
-  for (int i = 0; i < 40; ++i, t_s_ += kPeriod_s) {
+  for (int i = 0; i < 60; ++i, t_s_ += kPeriod_s) {
     sightings_.add(0, t_s_, 1e6 + t_s_, team_of(Team::kYellow, {3}), {});
     sightings_.add(1, t_s_, 1e6 + t_s_, team_of(Team::kBlue, {1, 2}), balls);
   }
