@@ -39,6 +39,13 @@ bool says_that_robots_play(const Referee& referee) {
   return says_that_stage_is_played(referee) && referee.has_command() && referee.command() != kHalt;
 }
 
+bool says_that_robots_are_handled(const Referee& referee) {
+  constexpr int kHalt = 0, kTimeouts[] = {12, 13};
+  return says_that_stage_is_played(referee) && referee.has_command() &&
+         (referee.command() == kHalt ||
+          std::find(std::begin(kTimeouts), std::end(kTimeouts), referee.command()) != std::end(kTimeouts));
+}
+
 std::optional<int> robots_allowed(const Referee::TeamInfo& team) {
   constexpr std::uint32_t kMax = 16;  // ids that there are
   if (!team.has_max_allowed_bots() || team.max_allowed_bots() > kMax) return std::nullopt;
@@ -78,7 +85,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     team_names_ = {};
     heard_s_.reset();
     other_heard_s_.reset();
-    game_is_running_ = stage_is_played_ = false;
+    game_is_running_ = stage_is_played_ = robots_are_handled_ = false;
     robots_allowed_ = {};
     match_.reset();
   }
@@ -109,6 +116,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
     heard_s_ = now_s;
     game_is_running_ = says_that_robots_play(referee);
     stage_is_played_ = says_that_stage_is_played(referee);
+    robots_are_handled_ = says_that_robots_are_handled(referee);
     robots_allowed_ = {robots_allowed(referee.yellow()), robots_allowed(referee.blue())};
     match_ = match_of(referee);
     const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
@@ -140,6 +148,7 @@ RefereeStatus RefereeListener::status(double now_s) const {
   status.refused = refused_;
   status.game_is_running = game_is_running_;
   status.stage_is_played = stage_is_played_;
+  status.robots_are_handled = robots_are_handled_;
   status.robots_allowed = robots_allowed_;
   status.match = match_;
   return status;

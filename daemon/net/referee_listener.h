@@ -50,14 +50,15 @@ struct MatchState {
 
 /// What the game controller has said.
 struct RefereeStatus {
-  std::array<std::string, 2> team_names;             // by Team; empty: not said yet
-  std::optional<double> silent_s;                    // since its last message; none: there was none
-  GameController followed;                           // who sent it
-  std::optional<GameController> other;               // heard lately too, and not followed
-  std::uint64_t refused = 0;                         // datagrams that could not be read
-  std::string error;                                 // why nothing can be heard; empty when it can
-  bool game_is_running = false;                      // robots may play
-  bool stage_is_played = false;                      // the same, or a HALT in between
+  std::array<std::string, 2> team_names;  // by Team; empty: not said yet
+  std::optional<double> silent_s;         // since its last message; none: there was none
+  GameController followed;                // who sent it
+  std::optional<GameController> other;    // heard lately too, and not followed
+  std::uint64_t refused = 0;              // datagrams that could not be read
+  std::string error;                      // why nothing can be heard; empty when it can
+  bool game_is_running = false;           // robots may play
+  bool stage_is_played = false;           // the same, or a HALT in between
+  bool robots_are_handled = false;        // meanwhile: people may take them off, in a HALT or a timeout
   std::array<std::optional<int>, 2> robots_allowed;  // by Team; none: it does not say
   std::optional<MatchState> match;                   // none before a message with a stage
 
@@ -102,7 +103,7 @@ class RefereeListener {
   GameController followed_, other_;
   std::optional<double> heard_s_, other_heard_s_;
   std::uint64_t refused_ = 0;
-  bool game_is_running_ = false, stage_is_played_ = false;
+  bool game_is_running_ = false, stage_is_played_ = false, robots_are_handled_ = false;
   std::array<std::optional<int>, 2> robots_allowed_;
   std::optional<MatchState> match_;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses

@@ -145,6 +145,7 @@ Json SettingsStore::check(const Json& patch,
 }
 
 bool SettingsStore::are_same_cameras(const SettingsStep& step) const {
+  if (changes_below(step.at("changes"), {"/cameras"}).empty()) return true;
   try {
     Json then = version_.settings;  // as the step left it
     for (const SettingsStep& newer : history_.newer_than(step.at("revision").get<std::uint64_t>()))

@@ -153,6 +153,10 @@ describe('the interface as docs/openapi.json says', () => {
   });
 
   it('remembers the last seconds', async () => {
+    const packets = await becomes('/api/network/timeline', (value) => value.packets_per_s.at(-1) > 0);
+    assert.equal(packets.time_s.length, packets.packets_per_s.length);
+    assert.equal((await ask('get', '/api/network/timeline', { query: '?seconds=1' })).time_s.length, 1);
+    await ask('get', '/api/network/timeline', { query: '?seconds=0', expect: 400 });
     const path = '/api/timeline';
     const all = await becomes(path, (value) => value.cameras.every(({ fps }) => fps.filter((one) => one > 0).length > 2));
     for (const camera of all.cameras) {

@@ -165,7 +165,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.waitForSelector(row('/cameras/0/stages/detect_balls/max_balls'));
     assert.match(page.url(), /#\/settings\/cameras\/0\/stages\/detect_balls$/);
     await page.waitForSelector('.crumbs:has-text("Camera 1")');
-    await page.waitForSelector(`${byId('notice')}:has-text("Another admin added or removed a camera")`);
+    await page.waitForSelector(`${byId('notice')}:has-text("A camera was added or removed")`);
     // A change that was made before the page knows of it is not for the camera that stands there now.
     let isBack = false;
     await page.route('**/api/settings', async (route) => {

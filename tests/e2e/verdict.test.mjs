@@ -195,7 +195,7 @@ describe('the verdict', () => {
     await service.start();
     const robotsCheck = (now) => now.checks.find(({ id }) => id === 'robots');
     await becomes(status, (now) => now.cameras.every(({ frames }) => frames > 10) && robotsCheck(now).state === 'warn' && /nothing is seen/.test(robotsCheck(now).text), tell);
-    extra = toReferee(gameController({ ...GC, stage: 1 }));
+    extra = toReferee(gameController({ ...GC, stage: 1, command: 2 }));
     const missed = await becomes(status, (now) => now.alerts.some(({ id, severity }) => id === 'robots_none' && severity === 'bad'), tell);
     assert.equal(missed.go, false);
     extra = null;

@@ -23,8 +23,9 @@ const SWITCHES = [
   '.seg button[aria-pressed="false"]', 'button[aria-expanded="false"]', '[role="tab"][aria-selected="false"]',
   '[data-testid^="step-"]:not([aria-current])', 'details:not([open]) > summary',
 ].map((selector) => `${selector}:not(:disabled):not(.change-area *)`);
-/** What stands around every page, such as its menus, is looked at on the first one. */
-const switchesOf = (path) => SWITCHES.map((selector) => (path === pageNames()[0] ? selector : `main ${selector}`)).join(', ');
+const DIALOGS = ['button[aria-haspopup="dialog"]:not(:disabled)'];
+/** What stands around every page, such as its menus and dialogs, is looked at on the first one. */
+const switchesOf = (path) => (path === pageNames()[0] ? [...SWITCHES, ...DIALOGS] : SWITCHES.map((selector) => `main ${selector}`)).join(', ');
 
 /** The names of all pages in the router, the first being where a visitor lands. */
 export function pageNames() {
@@ -125,7 +126,7 @@ function pressNext([selector, seen]) {
 
 /**
  * Looks at one address and at all that its switches show. `visit(what)` is told what was pressed, '' at first.
- * Menus are closed before the next is opened. `isDeep`: else only at the address itself.
+ * Menus and dialogs are closed before the next is opened. `isDeep`: else only at the address itself.
  */
 export async function lookAround(page, path, isDeep, visit) {
   await page.evaluate(() => { location.hash = '#/'; });
@@ -140,6 +141,7 @@ export async function lookAround(page, path, isDeep, visit) {
     await settled(page);
     await visit(name);
     await page.evaluate(() => {
+      for (const dialog of document.querySelectorAll('dialog[open]')) dialog.close();
       for (const button of document.querySelectorAll('button[aria-expanded="true"][aria-controls]')) {
         const menu = document.getElementById(button.getAttribute('aria-controls'));
         if (menu && ['absolute', 'fixed'].includes(getComputedStyle(menu).position)) button.click();

@@ -124,6 +124,12 @@ Commit NetworkService::prepare(const SettingsChange& change) {
 
 std::vector<Route> NetworkService::routes() {
   return {{"GET", "/api/network/interfaces", [](const Request&) { return json_response(interfaces_json()); }},
+          {"GET", "/api/network/timeline",
+           [this](const Request& request) {
+             constexpr int kMost = PacketTimeline::kSeconds;
+             const int seconds = query_number(request, "seconds", kMost, 1, kMost);
+             return json_response(packet_timeline_.to_json(static_cast<std::size_t>(seconds)));
+           }},
           {"GET", "/api/network/packets",
            [this](const Request&) {
              return json_response(packets_json({.sent_by = config_.load()->network.vision,
@@ -162,6 +168,7 @@ void NetworkService::write_metrics(MetricsText& out) const {
 }
 
 void NetworkService::each_second() {
+  packet_timeline_.add(unix_time_s(), multicast_.status().packets_sent);
   const std::vector<NetworkCard> cards = network_cards();
   another_host_sends_ = is_of_another_host(other_visions_.seen(steady_s()), cards);
   cards_used_.store(cards_used(config_.load()->network.vision, cards));

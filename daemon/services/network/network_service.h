@@ -10,6 +10,7 @@
 #include "net/referee_listener.h"
 #include "net/vision_sender.h"
 #include "services/network/network_report.h"
+#include "services/network/packet_timeline.h"
 #include "services/service.h"
 
 #include <atomic>
@@ -54,6 +55,7 @@ class NetworkService final : public Service {
   GroupAddress heard_at_;       // of the thread that commits settings
   HeardPackets heard_packets_;  // before other_visions_, whose thread fills it
   OtherVisions other_visions_;
+  PacketTimeline packet_timeline_;
   // As they were seen last: they ask the system for our addresses.
   std::atomic<bool> another_host_sends_ = false;
   Snapshot<CardsUsed> cards_used_{CardsUsed{}};

@@ -64,6 +64,11 @@ void FieldWatch::expect_nothing_of(const std::set<int>& camera_ids) {
   for (const int id : camera_ids) sightings_.expect_nothing_of(id);
 }
 
+void FieldWatch::robots_are_handled(bool are) {
+  const std::lock_guard lock(mutex_);
+  sightings_.robots_are_handled(are);
+}
+
 void FieldWatch::serve(const std::stop_token& ending) {
   std::map<int, Watched> watched;
   std::mutex sleep;

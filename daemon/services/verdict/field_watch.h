@@ -49,6 +49,8 @@ class FieldWatch {
   Seen seen(std::optional<double> match_since_s) const;
   /// Of cameras that show something else from now on, or are gone.
   void forget(const std::set<int>& camera_ids);
+  /// See Sightings.
+  void robots_are_handled(bool are);
   /// Of cameras that are gone, or whose place another one took.
   void expect_nothing_of(const std::set<int>& camera_ids);
 

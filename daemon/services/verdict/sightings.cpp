@@ -42,15 +42,21 @@ void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<con
     known.by_camera[camera_id] = seen;
     const double gone_s = t_s - known.last_s.value_or(-1e9);
     if (gone_s > kGap_s) known.since_s = t_s;
-    // One that comes back after it was expected no longer is a new one.
+    // One that comes back after it was expected no longer is a new one; or a lost one, of which a glimpse is
+    // not yet enough.
     if (gone_s > kExpected_s) {
+      if (known.is_steady && !known.was_handled) known.lost_s = known.last_s;
+      if (!known.lost_s) known.came_s = t_s;
       known.is_steady = false;
-      known.came_s = t_s;
     }
     known.last_s = t_s;
     known.last_camera = camera_id;
+    known.was_handled = are_handled_;
     known.place_mm = seen.place_mm;
-    if (t_s - known.since_s >= kSteady_s) known.is_steady = true;
+    if (t_s - known.since_s >= kSteady_s) {
+      known.is_steady = true;
+      known.lost_s.reset();
+    }
     while (!known.doubles.empty() && t_s - known.doubles.front().first > kDoubles_s)
       known.doubles.pop_front();
   }
@@ -112,14 +118,23 @@ void Sightings::forget(int camera_id) {
 
 void Sightings::expect_nothing_of(int camera_id) {
   forget(camera_id);
-  std::erase_if(robots_, [&](const auto& one) { return one.second.last_camera == camera_id; });
+  for (auto& [identity, robots] : robots_) {
+    if (robots.last_camera != camera_id) continue;
+    robots.is_steady = false;
+    robots.lost_s.reset();
+  }
   if (ball_camera_ == camera_id) ball_is_steady_ = false;
 }
 
 void Sightings::count_at_once(std::vector<LostRobot>& lost) const {
-  for (LostRobot& robot : lost) {
-    robot.at_once = static_cast<std::size_t>(std::ranges::count_if(
-        lost, [&](const LostRobot& other) { return std::abs(other.gone_s - robot.gone_s) <= kAtOnce_s; }));
+  for (const LostRobot& last : lost) {
+    const auto is_of_these = [&](const LostRobot& one) {
+      return one.gone_s >= last.gone_s && one.gone_s <= last.gone_s + kAtOnce_s;
+    };
+    const auto count = static_cast<std::size_t>(std::ranges::count_if(lost, is_of_these));
+    for (LostRobot& one : lost) {
+      if (is_of_these(one)) one.at_once = std::max(one.at_once, count);
+    }
   }
 }
 
@@ -147,11 +162,17 @@ FieldSeen Sightings::now(double t_s, std::optional<double> match_since_s) const 
   FieldSeen out;
   for (const auto& [identity, robots] : robots_) {
     const double gone_s = t_s - *robots.last_s;
+    auto& team_gone_s = out.team_gone_s[static_cast<std::size_t>(identity.first)];
+    team_gone_s = std::min(team_gone_s.value_or(gone_s), gone_s);
     if (gone_s <= kNow_s) {
       out.ids[static_cast<std::size_t>(identity.first)].push_back(identity.second);
-    } else if (robots.is_steady &&
-               (gone_s <= kExpected_s || (match_since_s && *robots.last_s >= *match_since_s))) {
-      out.lost.push_back({identity.first, identity.second, gone_s, robots.place_mm});
+    } else if (robots.is_steady && gone_s <= kExpected_s) {
+      out.lost.push_back({identity.first, identity.second, gone_s, robots.place_mm, 1, robots.was_handled});
+    } else if (match_since_s) {
+      const bool lasts = robots.is_steady && !robots.was_handled;
+      const auto lost_s = robots.lost_s ? robots.lost_s : lasts ? robots.last_s : std::nullopt;
+      if (lost_s && *lost_s >= *match_since_s)
+        out.lost.push_back({identity.first, identity.second, t_s - *lost_s, robots.place_mm});
     }
     const auto recent = std::count_if(robots.doubles.begin(), robots.doubles.end(),
                                       [&](const auto& one) { return t_s - one.first <= kDoubles_s; });

@@ -22,8 +22,9 @@ struct LostRobot {
   int id;
   double gone_s;  // since it was seen last
   Eigen::Vector2d place_mm;
-  std::size_t at_once =
-      1;  // of the lost ones, those that went within the same few seconds; itself among them
+  /// Of the lost ones, those that went within the same few seconds; itself among them.
+  std::size_t at_once = 1;
+  bool was_handled = false;  // it went while people may take robots off
 };
 
 /// One id in two places at the same time.
@@ -44,7 +45,9 @@ struct Overlap {
 /// What all cameras together have seen lately.
 struct FieldSeen {
   std::array<std::vector<int>, 2> ids;  // by Team: of the robots seen now, ascending
-  std::vector<LostRobot> lost;          // within the last minute; in a match: see now()
+  std::array<std::optional<double>, 2>
+      team_gone_s{};            // by Team: since one of its robots was seen; none: never
+  std::vector<LostRobot> lost;  // within the last minute; in a match: see now()
   std::vector<DoubleRobot> doubles;
   std::vector<Overlap> overlaps;
   bool ball = false;  // one is seen now
@@ -65,8 +68,11 @@ class Sightings {
   void forget(int camera_id);
   /// This camera is gone, or another one took its place: what it saw last is no longer expected either.
   void expect_nothing_of(int camera_id);
+  /// Whether people may take robots off the field from now on: in a HALT or a timeout of a match.
+  void robots_are_handled(bool are) { are_handled_ = are; }
   /// At a time on the clock of the looks. `match_since_s`: since when a match runs, on the same clock. Many
-  /// robots that were lost at once since then are expected until they, or others of their team, are there.
+  /// robots that were lost at once since then, and were not handled, are expected until they, or others of
+  /// their team, are there.
   FieldSeen now(double t_s, std::optional<double> match_since_s = {}) const;
 
   /// Seen for so long without a longer gap than kGap_s, a robot is expected to stay.
@@ -87,9 +93,11 @@ class Sightings {
     std::map<int, Seen> by_camera;   // each camera's newest
     std::optional<double> last_s;    // when it was seen
     int last_camera = -1;            // and by which camera
-    double came_s = 0;               // seen for the first time, or when it was not expected
+    bool was_handled = false;        // robots were, when it was seen
+    std::optional<double> lost_s{};  // since it was expected no longer, until it is steady again
+    double came_s = 0;               // seen for the first time, or when nobody missed it
     double since_s = 0;              // of the present streak
-    bool is_steady = false;          // it once was
+    bool is_steady = false;          // it once was, and is expected
     Eigen::Vector2d place_mm{0, 0};  // the newest
     std::deque<std::pair<double, DoubleRobot>> doubles;  // with their times
   };
@@ -108,6 +116,7 @@ class Sightings {
   int ball_camera_ = -1;         // that saw it then
   double ball_since_s_ = 0;      // of the present streak
   bool ball_is_steady_ = false;  // it once was
+  bool are_handled_ = false;
 };
 
 }  // namespace sslv

@@ -21,6 +21,8 @@ constexpr double kMissingShare = 0.4;
 constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
 /// Robots hide a ball for a moment, and in a match for longer; people take it off the field.
 constexpr double kBallGone_s = 3, kBallHidden_s = 15;
+/// Robots hide nobody's whole team.
+constexpr double kTeamGone_s = 3;
 /// From the service's start; by then every robot in view was seen.
 constexpr double kWatched_s = 5;
 
@@ -55,7 +57,11 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
   if (field.lost.empty()) return;
   const std::size_t seen = field.ids[0].size() + field.ids[1].size();
   const LostRobot& newest = *std::ranges::min_element(field.lost, {}, &LostRobot::gone_s);
-  const std::size_t at_once = std::ranges::max(field.lost, {}, &LostRobot::at_once).at_once;
+  // In a HALT or a timeout, people take as many off as they like.
+  std::size_t at_once = 0;
+  for (const LostRobot& robot : field.lost) {
+    if (!robot.was_handled) at_once = std::max(at_once, robot.at_once);
+  }
   const bool is_one = field.lost.size() == 1;
   const bool are_many = at_once >= Sightings::kMany;
   add(report,
@@ -72,19 +78,19 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
                : fmt::format(
                      "Look at light, colours and cameras. If they were taken off the field, this goes "
                      "away {}.",
-                     are_many && facts.match_runs ? "when as many are back, or when the half ends"
+                     are_many && facts.match_runs ? "when fewer than three are missing, or when the half ends"
                                                   : "after a minute"),
        .page = "#/"});
 }
 
 /// Before a match teams may be late. While one is played, nobody plays without robots.
 void report_none(const VerdictFacts& facts, HealthReport& report) {
-  if (!facts.match_runs || facts.seen.watched_s < kWatched_s) return;
-  const FieldSeen& field = facts.seen.field;
+  if (!facts.match_runs || facts.robots_are_handled || facts.seen.watched_s < kWatched_s) return;
   std::vector<Team> none;
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const auto index = static_cast<std::size_t>(team);
-    if (field.ids[index].empty() && facts.robots_allowed[index] != 0) none.push_back(team);
+    const bool is_gone = facts.seen.field.team_gone_s[index].value_or(kTeamGone_s) >= kTeamGone_s;
+    if (is_gone && facts.robots_allowed[index] != 0) none.push_back(team);
   }
   if (none.empty()) return;
   const bool is_one = none.size() == 1;
@@ -94,7 +100,7 @@ void report_none(const VerdictFacts& facts, HealthReport& report) {
                .title = fmt::format("No {}robot is seen while a match is played",
                                     is_one ? fmt::format("{} ", name_of(none[0])) : ""),
                .fix = "Look at the images: at light, colours and cameras. If the robots were taken off the "
-                      "field, this goes away when they are back, or when the half ends.",
+                      "field, this goes away when they are back, or in a HALT.",
                .page = "#/"});
 }
 

@@ -21,6 +21,7 @@ struct VerdictFacts {
   // Before a match the check is strict: all robots that may play are to be there. While one runs, robots
   // leave and come back, and only what changes is news.
   bool match_runs = false;
+  bool robots_are_handled = false;  // meanwhile: people may take them off, in a HALT or a timeout
 };
 
 /// Adds the alerts and the checks `robots`, `agreement` and `coverage`.

@@ -42,7 +42,8 @@ void VerdictService::report(HealthReport& report) const {
                   .seen = watch_.seen(match_since ? std::optional(match_since->steady_s) : std::nullopt),
                   .coverage = *coverage,
                   .robots_allowed = is_heard ? referee.robots_allowed : decltype(referee.robots_allowed){},
-                  .match_runs = match_since.has_value()},
+                  .match_runs = match_since.has_value(),
+                  .robots_are_handled = referee.robots_are_handled},
                  report);
   if (!report.status) return;
   Json uncovered = Json::array();
@@ -53,6 +54,7 @@ void VerdictService::report(HealthReport& report) const {
 
 void VerdictService::each_second() {
   const RefereeStatus referee = referee_.status(steady_s());
+  watch_.robots_are_handled(referee.match_runs() && referee.robots_are_handled);
   if (referee.match_runs() != match_since_.load()->has_value()) {
     match_since_.store(referee.match_runs() ? std::optional(MatchSince{unix_time_s(), steady_s()})
                                             : std::nullopt);

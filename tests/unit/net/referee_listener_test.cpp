@@ -207,6 +207,18 @@ TEST(RefereeListener, AMatchLastsFromItsFirstHalfToItsEndWithAllBreaks) {
   EXPECT_FALSE(listener.referee.status(1000).is_in_match());
 }
 
+TEST(RefereeListener, KnowsWhenRobotsMayBeTakenOff) {
+  Listener listener;
+  Referee referee;
+  referee.ParseFromString(message("MRL", "KIKS"));
+  for (int command = 0; command <= 17; ++command) {
+    referee.set_command(command);
+    listener.receive(referee.SerializeAsString());
+    const bool is_halt_or_timeout = command == 0 || command == 12 || command == 13;
+    EXPECT_EQ(listener.referee.status(100).robots_are_handled, is_halt_or_timeout) << command;
+  }
+}
+
 TEST(RefereeListener, HearsHowManyRobotsMayPlay) {
   const auto allows = [](int yellow, int blue) {
     Referee referee;

@@ -23,6 +23,7 @@ export type AlertId = Schemas['AlertId'];
 export type Severity = Alert['severity'];
 export type Check = Schemas['Check'];
 export type Timeline = Schemas['Timeline'];
+export type PacketTimeline = Schemas['PacketTimeline'];
 export type CameraTimeline = Schemas['CameraTimeline'];
 export type Diagnostics = Schemas['Diagnostics'];
 export type Histogram = Schemas['Histogram'];

@@ -74,8 +74,11 @@ export async function setPassword(role: 'admin' | 'viewer', password: string, ad
 }
 
 export async function openMatchLock(opened: boolean): Promise<void> {
-  await api.post('match_lock', { opened });
-  await loadAccess();
+  try {
+    await api.post('match_lock', { opened });
+  } finally {
+    await loadAccess();
+  }
 }
 
 export function followAccess(): void {
@@ -91,7 +94,7 @@ export function followAccess(): void {
   // Another admin may unlock, and a game controller that is silent for long locks nobody out until it is heard again: as
   // long as there is a match, ask.
   watch(liveStatus, (status) => {
-    const isMatch = status?.referee.game_is_running || access.value?.match_lock.game_is_running;
+    const isMatch = status?.referee.game_is_running || access.value?.match_lock.game_is_running || isUnlocked.value;
     if (isMatch && performance.now() - loadedAt > LOCK_MS) void loadAccess();
   });
 }

@@ -34,6 +34,13 @@ describe('the history', () => {
     expect(samples.filter(({ p50 }) => p50 === 7)).toHaveLength(8);
   });
 
+  it('is full of packets, too', () => {
+    const history = new History();
+    history.record({ ...status(0, 5), network: { packets_per_s: 61, send_errors: 0 } } as unknown as Status, localTime(1002));
+    history.fillPackets({ time_s: [1000, 1001, 1002], packets_per_s: [58, 59, 60] }, localTime);
+    expect(history.networkSamples()).toEqual([{ at: localTime(1000), packetsPerS: 58 }, { at: localTime(1001), packetsPerS: 59 }, { at: localTime(1002), packetsPerS: 61 }]);
+  });
+
   it('forgets what is older than a minute', () => {
     const history = new History();
     const times = Array.from({ length: 100 }, (_, i) => 1000 + i);

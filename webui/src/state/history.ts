@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The last minute of each camera's figures: gathered while the panel is open, and filled from what the service keeps.
-import type { Status, Timeline } from '../api/types';
+import type { PacketTimeline, Status, Timeline } from '../api/types';
 
 export const HISTORY_MS = 60_000;
 /** A second of the timeline that is as near to a status says nothing new. */
@@ -16,12 +16,11 @@ export interface Sample {
 export interface NetworkSample {
   at: number;
   packetsPerS: number;
-  sendErrors: number;
 }
 
 export class History {
   private readonly cameras = new Map<number, Sample[]>();
-  private readonly network: NetworkSample[] = [];
+  private network: NetworkSample[] = [];
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
@@ -32,7 +31,7 @@ export class History {
       samples.push({ at, p50: camera.latency_ms.p50, p99: camera.latency_ms.p99 });
       forget(samples, at);
     }
-    this.network.push({ at, packetsPerS: status.network.packets_per_s, sendErrors: status.network.send_errors });
+    this.network.push({ at, packetsPerS: status.network.packets_per_s });
     forget(this.network, at);
   }
 
@@ -41,19 +40,18 @@ export class History {
    * clock was, on the browser's monotonic one.
    */
   fill(timeline: Timeline, localTime: (unixSeconds: number) => number): void {
-    const newest = localTime(timeline.time_s.at(-1) ?? 0);
+    const times = timeline.time_s.map(localTime);
     for (const { id, latency_p50_ms, latency_p99_ms } of timeline.cameras) {
-      const heard = this.cameras.get(id) ?? [];
-      const missed = timeline.time_s.flatMap((time, i): Sample[] => {
+      this.cameras.set(id, filled(this.cameras.get(id) ?? [], times, (at, i) => {
         const [p50, p99] = [latency_p50_ms[i], latency_p99_ms[i]];
-        const at = localTime(time);
-        const isHeard = heard.some((sample) => Math.abs(sample.at - at) < SAME_MS);
-        return typeof p50 !== 'number' || typeof p99 !== 'number' || isHeard ? [] : [{ at, p50, p99 }];
-      });
-      const samples = [...heard, ...missed].sort((a, b) => a.at - b.at);
-      forget(samples, Math.max(newest, samples.at(-1)?.at ?? newest));
-      this.cameras.set(id, samples);
+        return typeof p50 !== 'number' || typeof p99 !== 'number' ? null : { at, p50, p99 };
+      }));
     }
+  }
+
+  /** Likewise, of the packets. */
+  fillPackets(timeline: PacketTimeline, localTime: (unixSeconds: number) => number): void {
+    this.network = filled(this.network, timeline.time_s.map(localTime), (at, i) => ({ at, packetsPerS: timeline.packets_per_s[i]! }));
   }
 
   samples(camera: number): readonly Sample[] {
@@ -63,6 +61,15 @@ export class History {
   networkSamples(): readonly NetworkSample[] {
     return this.network;
   }
+}
+
+/** What was heard, and what it lacks: `missed` is asked for the sample at each of the times. */
+function filled<Of extends { at: number }>(heard: readonly Of[], times: number[], missed: (at: number, i: number) => Of | null): Of[] {
+  const lacking = times.flatMap((at, i) => (heard.some((sample) => Math.abs(sample.at - at) < SAME_MS) ? [] : missed(at, i) ?? []));
+  const samples = [...heard, ...lacking].sort((a, b) => a.at - b.at);
+  const newest = times.at(-1) ?? -Infinity;
+  forget(samples, Math.max(newest, samples.at(-1)?.at ?? newest));
+  return samples;
 }
 
 function forget(samples: { at: number }[], now: number): void {

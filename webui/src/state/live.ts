@@ -3,7 +3,7 @@
 import { computed, ref, shallowReactive, shallowRef } from 'vue';
 import { api } from '../api/client';
 import { PanelSocket } from '../api/socket';
-import type { Detections, PreviewRequest, Status, Timeline } from '../api/types';
+import type { Detections, PacketTimeline, PreviewRequest, Status, Timeline } from '../api/types';
 import type { PreviewMessage } from '../api/messages';
 import { mergeBalls, mergeRobots, type SeenBall, type SeenRobot } from '../field/merge';
 import { History, HISTORY_MS } from './history';
@@ -107,9 +107,14 @@ let hasGap = false;
 
 /** A graph that cannot be filled fills by itself: no reason to tell anybody. */
 async function fillGap(daemonTime: number, at: number): Promise<void> {
-  const timeline = await api.get<Timeline>(`timeline?seconds=${HISTORY_MS / 1000}`).catch(() => null);
-  if (!timeline) return;
-  history.fill(timeline, (time) => at + 1000 * (time - daemonTime));
+  const seconds = HISTORY_MS / 1000;
+  const localTime = (time: number) => at + 1000 * (time - daemonTime);
+  const [timeline, packets] = await Promise.all([
+    api.get<Timeline>(`timeline?seconds=${seconds}`).catch(() => null),
+    api.get<PacketTimeline>(`network/timeline?seconds=${seconds}`).catch(() => null),
+  ]);
+  if (timeline) history.fill(timeline, localTime);
+  if (packets) history.fillPackets(packets, localTime);
   historyVersion.value++;
 }
 

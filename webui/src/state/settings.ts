@@ -134,8 +134,9 @@ const sameRevision = () => ({ 'If-Match': String(revision.value) });
 function takeOwn(answer: SettingsRevision, paths: string[], joins = false): Outcome {
   const isNew = answer.revision !== revision.value;
   if (isNew) {
-    // The service has joined it to the step before, which is no longer there.
-    if (joins && ownSteps.value.at(-1)?.revision === revision.value) ownSteps.value.pop();
+    // The service has joined it to the step before, if that changed the same: it is no longer there.
+    const last = ownSteps.value.at(-1);
+    if (joins && last?.revision === revision.value && last.paths.join() === paths.join()) ownSteps.value.pop();
     ownSteps.value.push({ revision: answer.revision, paths });
   }
   take(answer);
@@ -147,7 +148,9 @@ function takeOwn(answer: SettingsRevision, paths: string[], joins = false): Outc
  * the change is only for the camera that stands there in this tree.
  */
 function sameCameras(tree: Json | null, paths: string[]): Operation[] {
-  const places = new Set(paths.flatMap((path) => /^\/cameras\/\d+(?=\/|$)/.exec(path) ?? []));
+  // Who changes the id itself, and again before that is saved, means the place.
+  const others = paths.filter((path) => !/^\/cameras\/\d+\/id$/.test(path));
+  const places = new Set(others.flatMap((path) => /^\/cameras\/\d+(?=\/|$)/.exec(path) ?? []));
   return [...places].flatMap((place) => {
     const id = valueAt(tree ?? undefined, `${place}/id`);
     return id === undefined ? [] : [{ op: 'test' as const, path: `${place}/id`, value: id }];
@@ -203,7 +206,7 @@ export function saveValue(pointer: string, value: Json, joins = false): Promise<
   waiting.set(pointer, entry);
   entry.outcome = inTurn(() => attempt(() => saveNow((tree) => {
     waiting.delete(pointer);
-    return setOperations(tree, pointer, entry.value);
+    return isEqual(valueAt(tree, pointer), entry.value) ? [] : setOperations(tree, pointer, entry.value);
   }, tests, () => entry.joins)));
   return entry.outcome;
 }

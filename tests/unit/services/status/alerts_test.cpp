@@ -48,7 +48,7 @@ struct Input {
   FieldWatch::Seen seen;
   Coverage coverage;
   std::array<std::optional<int>, 2> robots_allowed{};
-  bool match_runs = false;
+  bool match_runs = false, robots_are_handled = false;
 };
 
 HealthReport report_of(const Input& input) {
@@ -66,7 +66,9 @@ HealthReport report_of(const Input& input) {
   }
   config->teams = input.teams;
   HealthReport report;
-  report_verdict({*config, input.seen, input.coverage, input.robots_allowed, input.match_runs}, report);
+  report_verdict(
+      {*config, input.seen, input.coverage, input.robots_allowed, input.match_runs, input.robots_are_handled},
+      report);
   report_cameras(cameras, report);
   report_calibrations(calibrations, report);
   report_colors(colors, input.lost_tables, report);
@@ -96,7 +98,10 @@ class Alerts : public ::testing::Test {
     input_.computer.memory_available_bytes = 5'000'000'000;
     input_.computer.disk = {"/var/lib/ssl-visiond", 100'000'000'000, 50'000'000'000};
     input_.clock = ClockFigures{true, 0.01, 0.5};
-    input_.seen.field = {{{{0, 1, 2}, {4, 5}}}, {}, {}, {{{0, 1}, 4, 50}}, true};
+    input_.seen.field.ids = {{{0, 1, 2}, {4, 5}}};
+    input_.seen.field.team_gone_s = {0.1, 0.1};
+    input_.seen.field.overlaps = {{{0, 1}, 4, 50}};
+    input_.seen.field.ball = true;
     input_.seen.lines = {{0, {{9, 3, 2, 0.1}, "CenterLine"}}, {1, {{8, 6, 0, 0.1}, "TopTouchLine"}}};
     input_.seen.watched_s = 60;
     input_.coverage = {true, 1000, {}, {}, {}};
@@ -211,7 +216,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   std::vector<Alert> all = alerts();
   input_.network.error = "no card";
   input_.match_runs = true;
-  input_.seen.field.ids = {};
+  input_.seen.field.team_gone_s = {};
   for (Alert& alert : alerts()) all.push_back(std::move(alert));
   std::set<std::string> found;
   for (const Alert& alert : all) found.insert(alert.id);
@@ -421,20 +426,26 @@ TEST_F(Checks, BeforeAMatchAsManyRobotsAsMayPlayAreExpected) {
 
 TEST_F(Checks, InAMatchATeamThatNobodySeesIsNoPass) {
   input_.match_runs = true;
-  input_.seen.field.ids[1].clear();
+  input_.seen.field.team_gone_s[1] = 2.5;
+  EXPECT_THAT(kinds(), IsEmpty()) << "a moment";
+  input_.seen.field.team_gone_s[1] = 3.5;
   EXPECT_EQ(only_alert().title, "No blue robot is seen while a match is played");
   EXPECT_EQ(check("robots").state, CheckState::kWarn);
   input_.robots_allowed = {3, 0};
   EXPECT_THAT(kinds(), IsEmpty()) << "they all have cards";
   input_.robots_allowed = {};
-  input_.seen.field.ids[0].clear();
+  input_.seen.field.team_gone_s[0].reset();
   EXPECT_EQ(only_alert().title, "No robot is seen while a match is played");
   EXPECT_FALSE(is_go());
+  input_.robots_are_handled = true;
+  EXPECT_THAT(kinds(), IsEmpty()) << "a timeout: they are at their teams";
+  input_.robots_are_handled = false;
   input_.seen.watched_s = 3;
   EXPECT_THAT(kinds(), IsEmpty()) << "the service was just started";
   input_.seen.watched_s = 60;
   input_.match_runs = false;
   EXPECT_THAT(kinds(), IsEmpty());
+  input_.seen.field.ids = {};
   EXPECT_EQ(check("robots").state, CheckState::kWarn);
 }
 
@@ -445,7 +456,9 @@ TEST_F(Checks, ManyRobotsThatVanishAtOnceAreNoGo) {
   EXPECT_EQ(only_alert().severity, Severity::kBad);
   EXPECT_THAT(only_alert().fix, HasSubstr("after a minute"));
   input_.match_runs = true;
-  EXPECT_THAT(only_alert().fix, HasSubstr("as many are back"));
+  EXPECT_THAT(only_alert().fix, HasSubstr("fewer than three are missing"));
+  for (LostRobot& lost : input_.seen.field.lost) lost.was_handled = true;
+  EXPECT_EQ(only_alert().severity, Severity::kWarn) << "people took them";
 }
 
 TEST_F(Checks, BeforeAMatchABallIsWanted) {

@@ -82,6 +82,65 @@ TEST_F(SightingsTest, InAMatchMissesManyUntilAsManyAreBack) {
   EXPECT_EQ(missed(), 4U) << "three of four are still missing";
   look_for(2, team_of(Team::kYellow, {8, 9}), {});
   EXPECT_EQ(missed(), 0U) << "two of four: as after a change of robots";
+  look_for(7, team_of(Team::kYellow, {8, 9, 10, 11}), {});
+  EXPECT_EQ(missed(), 0U);
+}
+
+TEST_F(SightingsTest, InAMatchThoseThatComeBackStandForThemselves) {
+  const double match_since_s = t_s_;
+  const auto missed = [&] { return sightings_.now(t_s_, match_since_s).lost.size(); };
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5, 6}), {});
+  look_for(90, {}, {});
+  EXPECT_EQ(missed(), 6U);
+  look_for(7, team_of(Team::kYellow, {1, 2}), {});
+  EXPECT_EQ(missed(), 4U);
+  look_for(7, team_of(Team::kYellow, {1, 2, 3, 4}), {});
+  EXPECT_EQ(missed(), 0U) << "two may be at their team";
+}
+
+TEST_F(SightingsTest, InAMatchAGlimpseIsNoReturn) {
+  const double match_since_s = t_s_;
+  const auto missed = [&] { return sightings_.now(t_s_, match_since_s).lost.size(); };
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5, 6}), {});
+  look_for(70, {}, {});
+  for (int id = 1; id <= 6; ++id) {
+    look_for(0.3, team_of(Team::kYellow, {id}), {});
+    look_for(2, {}, {});
+  }
+  EXPECT_EQ(missed(), 6U);
+  look_for(70, {}, {});
+  EXPECT_EQ(missed(), 6U);
+}
+
+TEST_F(SightingsTest, InAMatchNobodyMissesForLongWhatPeopleTookOff) {
+  const double match_since_s = t_s_;
+  const auto lost = [&] { return sightings_.now(t_s_, match_since_s).lost; };
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), {});
+  sightings_.robots_are_handled(true);
+  look_for(1, team_of(Team::kYellow, {1, 2, 3, 4}), {});
+  look_for(5, {}, {});
+  ASSERT_EQ(lost().size(), 4U);
+  EXPECT_TRUE(lost()[0].was_handled);
+  look_for(60, {}, {});
+  EXPECT_THAT(lost(), IsEmpty());
+}
+
+TEST_F(SightingsTest, AHaltDoesNotBringBackWhatWasLostInPlay) {
+  const double match_since_s = t_s_;
+  look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), {});
+  look_for(10, {}, {});
+  sightings_.robots_are_handled(true);
+  look_for(90, {}, {});
+  EXPECT_EQ(sightings_.now(t_s_, match_since_s).lost.size(), 4U);
+}
+
+TEST_F(SightingsTest, KnowsForHowLongATeamIsGone) {
+  look_for(6, team_of(Team::kYellow, {1, 2}), {});
+  look_for(4, team_of(Team::kYellow, {2}), {});
+  EXPECT_LT(now().team_gone_s[0].value_or(9), 0.2);
+  EXPECT_FALSE(now().team_gone_s[1]) << "never seen";
+  look_for(4, {}, {});
+  EXPECT_NEAR(now().team_gone_s[0].value_or(0), 4, 0.2);
 }
 
 TEST_F(SightingsTest, InAMatchOneThatWentIsMissedForAMinute) {

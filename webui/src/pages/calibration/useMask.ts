@@ -24,12 +24,15 @@ export function useMask(camera: number) {
   const selected = ref<Place | null>(null);
   /** The steps of the settings that were made here, the newest last. */
   const steps = ref<number[]>([]);
+  /** Saves that have not been answered. */
+  const pending = ref(0);
 
   const polygonAt = ({ kind, index }: Place): Polygon | undefined => mask.value[kind][index];
   const replaced = ({ kind, index }: Place, ...by: Polygon[]): Mask => ({ ...mask.value, [kind]: spliced(mask.value[kind], index, 1, ...by) });
 
   /** What was saved when a drag began. */
   let began: Mask | null = null;
+  const isGoingOnFrom = (mask: Mask) => began === mask;
   function drag(next: Mask): void {
     began ??= saved.value;
     draft.value = next;
@@ -45,12 +48,23 @@ export function useMask(camera: number) {
     const path = (kind: Kind) => `/cameras/${cameraIndex(camera)}/mask/${kind}`;
     const overtaken = changed.find((kind) => !is(kind, saved.value, from));
     const step = overtaken && await newestStepAt(path(overtaken));
+    pending.value++;
     const outcome: Outcome = step ? { kind: 'stale', step }
       : await save(changed.map((kind) => ({ op: 'replace' as const, path: path(kind), value: next[kind] as unknown as Json })));
+    pending.value--;
     setting.show(outcome);
     if (outcome.kind !== 'saved') return;
     if (draft.value === next) draft.value = null;
+    // A drag that began meanwhile goes on from there.
+    if (isGoingOnFrom(from)) began = { ...from, ...Object.fromEntries(changed.map((kind) => [kind, next[kind]])) };
     if (outcome.revision !== undefined) steps.value.push(outcome.revision);
+  }
+  function giveUp(): void {
+    began = null;
+    draft.value = null;
+    selected.value = null;
+    setting.keepTheirs();
+    setting.discard();
   }
 
   return {
@@ -58,15 +72,21 @@ export function useMask(camera: number) {
     loaded: computed(() => settings.value !== null),
     loadError,
     error: setting.error, stale: setting.stale,
-    keepTheirs() { draft.value = null; setting.keepTheirs(); },
-    useMine: () => commit(),
-    canUndo: computed(() => steps.value.length > 0),
+    keepTheirs: giveUp,
+    useMine: () => (draft.value ? commit() : giveUp()),
+    canUndo: computed(() => pending.value === 0 && (draft.value !== null || steps.value.length > 0)),
+    /** What is shown and was not saved is given up first. */
     async undo(): Promise<void> {
-      const last = steps.value.pop();
+      if (pending.value) return;
+      if (draft.value) return giveUp();
+      const last = steps.value.at(-1);
       if (last === undefined) return;
       selected.value = null;
-      draft.value = null;
-      setting.show(await undoStep(last));
+      pending.value++;
+      const outcome = await undoStep(last);
+      pending.value--;
+      setting.show(outcome);
+      if (outcome.kind === 'saved' || outcome.kind === 'stale') steps.value.pop();
     },
     moveCorner(place: Place, corner: number, to: Point) {
       const polygon = polygonAt(place);

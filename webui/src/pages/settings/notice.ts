@@ -2,7 +2,7 @@
 // One line on what was just done, with the way back. It stays until the next, or until it is closed.
 import { shallowRef } from 'vue';
 import { clockTime } from '../../format';
-import { revision, undoStep, type Outcome } from '../../state/settings';
+import { undoStep, type Outcome } from '../../state/settings';
 
 export interface Notice {
   text: string;
@@ -30,6 +30,6 @@ export function sayOutcome(outcome: Outcome, done: string, undo?: () => Promise<
 
 /** Says what was saved, and offers to take just that back. */
 export function saySaved(outcome: Outcome, done: string): void {
-  const step = revision.value;
-  sayOutcome(outcome, done, async () => sayOutcome(await undoStep(step), 'Undone'));
+  const step = outcome.kind === 'saved' ? outcome.revision : undefined;
+  sayOutcome(outcome, done, step === undefined ? undefined : async () => sayOutcome(await undoStep(step), 'Undone'));
 }
