@@ -3,7 +3,7 @@
 // up as an admin would, then watched. Prints a Markdown table; exit 1 when a field is not GO or warns of anything.
 //   node good_fields.mjs [--fields 50] [--first 1] [--minutes 10] [--at-once 1] [--rate 10] [--drawn]
 // --drawn: images of the renderer of tests/halls, which the simulator does not share a line with, of one camera over one
-// half: that nobody looks at the other half is all that may be said.
+// half: that nobody looks at the other half may be said, and that robots are lost which drive there.
 import { createSocket } from 'node:dgram';
 import { execFileSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -111,7 +111,7 @@ function adminOf(service) {
         ++looks;
         for (const { id, camera, title, severity } of alerts) {
           if (OF_THE_COMPUTER.has(id)) busy.add(id);
-          else if (severity !== 'info' && !isExpected(id)) count(`${id} ${camera}`, title);
+          else if (severity !== 'info' && !isExpected({ id, title })) count(`${id} ${camera}`, title);
         }
         for (const { id, state, text } of checks) {
           if (state === 'pass' || CHECKS_OF_THE_COMPUTER.has(id) || alerts.some(({ check, title }) => check === id || text.startsWith(title))) continue;
@@ -181,6 +181,14 @@ async function watchSimulated(seed) {
   return row(text, seen);
 }
 
+/** Names of robots, "yellow 8", that a drawn recording does not show all the time. */
+function leavingRobots(folder) {
+  const frames = readFileSync(join(folder, 'truth.jsonl'), 'utf8').trim().split('\n').map((line) => JSON.parse(line));
+  return new Set(frames.flatMap(({ robots }) => robots.filter(({ visible }) => !visible).map(({ team, id }) => `${team} ${id}`)));
+}
+/** "yellow 0, 3 and blue 7 are no longer seen": those that are named. */
+const namedIn = (title) => [...title.split(/ (?:is|are) /)[0].matchAll(/(yellow|blue) ([\d, ]+)/g)].flatMap(([, team, ids]) => ids.split(',').map((id) => `${team} ${Number(id)}`));
+
 /** A hall of the other renderer; whether nothing was said against it but that half of it is not looked at. */
 async function watchDrawn(seed) {
   const chance = chances(seed);
@@ -199,7 +207,8 @@ async function watchDrawn(seed) {
     const { learnColors, watch } = adminOf(service);
     await service.statusBecomes((now) => now.cameras.every(({ frames }) => frames > 5));
     await learnColors(0);
-    seen = await watch((id) => id === 'field_uncovered');
+    const leave = leavingRobots(folder);
+    seen = await watch(({ id, title }) => id === 'field_uncovered' || (id === 'robots_lost' && namedIn(title).every((name) => leave.has(name))));
   } catch (error) {
     seen = notSetUp(error);
   } finally {
