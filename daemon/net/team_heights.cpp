@@ -74,15 +74,15 @@ std::optional<double> team_height_mm(std::string_view name) {
     std::u32string key;
     double height_mm;
   };
-  static const std::vector<Known> teams = [] {
+  static const std::vector<Known> kTeams = [] {
     std::vector<Known> keyed;
     for (const TeamHeight& team : kTeamHeights) keyed.push_back({key_of(team.name), team.height_mm});
     return keyed;
   }();
   const std::u32string key = key_of(name);
   const auto found =
-      std::find_if(teams.begin(), teams.end(), [&](const Known& one) { return one.key == key; });
-  return found == teams.end() ? std::nullopt : std::optional(found->height_mm);
+      std::find_if(kTeams.begin(), kTeams.end(), [&](const Known& one) { return one.key == key; });
+  return found == kTeams.end() ? std::nullopt : std::optional(found->height_mm);
 }
 
 bool is_same_team(std::string_view name, std::string_view other) {

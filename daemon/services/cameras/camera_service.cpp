@@ -50,7 +50,7 @@ void CameraService::tell_what_became(const List& cameras) {
       line->is_end ? log::info("camera {}: {}", id, line->text)
                    : log::warning("camera {}: {}", id, line->text);
     }
-    told[id] = std::move(now);
+    told[id] = now;
   }
   told_ = std::move(told);
 }

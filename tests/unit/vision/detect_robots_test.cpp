@@ -21,6 +21,11 @@
 namespace sslv {
 namespace {
 
+/// Of things that are counted off in rows of so many.
+int row(int i, int in_a_row) {
+  return i / in_a_row;
+}
+
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -90,7 +95,7 @@ void cover_on_top(DrawnScene& drawn, const SimulatedRobot& robot, double ahead_m
 void add_all_robots(DrawnScene& drawn, std::mt19937& random, int covered_dot = -1) {
   std::uniform_real_distribution<double> angle(-kPi, kPi), off(-60, 60);
   for (int i = 0; i < 32; ++i) {
-    const double x_mm = -50 + 2600.0 / 3 * (i / 8), y_mm = -1820 + 520.0 * (i % 8);
+    const double x_mm = -50 + 2600.0 / 3 * row(i, 8), y_mm = -1820 + 520.0 * (i % 8);
     drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i / 2, x_mm + off(random), y_mm + off(random),
                     angle(random), covered_dot);
   }
@@ -152,7 +157,7 @@ TEST_P(DetectRobotsIn, TeamsOfDifferentHeight) {
 TEST_P(DetectRobotsIn, AnObliqueView) {
   DrawnScene drawn(plain_options(GetParam(), 4), oblique_camera());
   for (int i = 0; i < 16; ++i) {
-    drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i, 300.0 + 450 * (i / 4),
+    drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i, 300.0 + 450 * row(i, 4),
                     -1300.0 + 820 * (i % 4), 0.7 * i);
   }
   expect_all(drawn.robots().robots, drawn, 0.8, 0.8);
@@ -189,7 +194,7 @@ TEST_P(DetectRobotsIn, TouchingRobotsKeepTheirDots) {
   for (int a = 0; a < kHeadings; ++a) {
     for (int b = 0; b < kHeadings; ++b, ++pair) {
       const int place = pair % kPairs;
-      const double x_mm = 0 + 600.0 * (place / 2), y_mm = place % 2 == 0 ? -900 : 700;
+      const double x_mm = 0 + 600.0 * row(place, 2), y_mm = place % 2 == 0 ? -900 : 700;
       const double line = 0.37 * pair, apart_mm = reach_mm(a) + reach_mm(b) + 1;
       // Both of one team, or one of each.
       drawn.add_robot(Team::kBlue, 2 * place, x_mm, y_mm, line - a * kPi / 4);
@@ -251,7 +256,7 @@ TEST(DetectRobots, SpecksOfTheDotsColoursOnTheTopDoNoHarm) {
     SCOPED_TRACE(speck_mm);
     DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
     for (int id = 0; id < 16; ++id) {
-      drawn.add_robot(id % 2 == 0 ? Team::kBlue : Team::kYellow, id, 500.0 * (id / 4),
+      drawn.add_robot(id % 2 == 0 ? Team::kBlue : Team::kYellow, id, 500.0 * row(id, 4),
                       -1200.0 + 800 * (id % 4), 0.6 * id);
     }
     for (const SimulatedRobot& robot : drawn.things().robots) {
@@ -773,8 +778,8 @@ TEST(DetectRobots, BlobsOfATeamsColourWithoutSideDotsTakeNoWorkFromRobots) {
   DrawnScene drawn;
   cover_with_discs(drawn, -700, 2000, 95, 50, kYellow);
   for (int i = 0; i < 6; ++i) {
-    drawn.add_robot(i % 2 == 0 ? Team::kYellow : Team::kBlue, i, 2400 + 300 * (i / 4), -1200 + 600 * (i % 4),
-                    0.9 * i);
+    drawn.add_robot(i % 2 == 0 ? Team::kYellow : Team::kBlue, i, 2400 + 300 * row(i, 4),
+                    -1200 + 600 * (i % 4), 0.9 * i);
   }
   ASSERT_GT(drawn.regions().of(label::kYellow).size(), 800U) << "the picture is not as the test needs it";
   expect_all(drawn.robots().robots, drawn, 0.5, 0.5);
