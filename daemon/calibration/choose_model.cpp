@@ -48,10 +48,6 @@ struct Fitted {
 
 }  // namespace
 
-FieldCurves::FieldCurves(const FieldSize& field)
-    : to_outer_edge(painted_curves(field, LinesMeasured::kToOuterEdge)),
-      to_middle(painted_curves(field, LinesMeasured::kToMiddle)) {}
-
 CalibrationModel choose_model(std::span<const RefinedCamera> cameras, const FieldCurves& curves,
                               std::optional<LinesMeasured> given) {
   CalibrationModel out;

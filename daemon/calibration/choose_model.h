@@ -11,17 +11,6 @@
 
 namespace sslv {
 
-/// The lines of a field as they are painted, for both ways to measure its sizes.
-struct FieldCurves {
-  explicit FieldCurves(const FieldSize& field);
-
-  std::span<const PaintedCurve> measured(LinesMeasured to) const {
-    return to == LinesMeasured::kToOuterEdge ? to_outer_edge : to_middle;
-  }
-
-  std::vector<PaintedCurve> to_outer_edge, to_middle;
-};
-
 /// How to describe a field, and the lenses of the cameras over it.
 struct CalibrationModel {
   struct Lens {

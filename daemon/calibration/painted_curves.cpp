@@ -95,6 +95,10 @@ std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured m
   return out;
 }
 
+FieldCurves::FieldCurves(const FieldSize& field)
+    : to_outer_edge(painted_curves(field, LinesMeasured::kToOuterEdge)),
+      to_middle(painted_curves(field, LinesMeasured::kToMiddle)) {}
+
 bool same_turned(std::span<const PaintedCurve> curves) {
   constexpr double kSameMm = 2;
   const auto is_there = [&](const Eigen::Vector2d& place) {

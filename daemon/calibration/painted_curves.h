@@ -34,6 +34,17 @@ struct PaintedCurve {
 
 std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured measured);
 
+/// The lines of a field as they are painted, for both ways to measure its sizes.
+struct FieldCurves {
+  explicit FieldCurves(const FieldSize& field);
+
+  std::span<const PaintedCurve> measured(LinesMeasured to) const {
+    return to == LinesMeasured::kToOuterEdge ? to_outer_edge : to_middle;
+  }
+
+  std::vector<PaintedCurve> to_outer_edge, to_middle;
+};
+
 /// Whether the field looks the same from both ends.
 bool same_turned(std::span<const PaintedCurve> curves);
 

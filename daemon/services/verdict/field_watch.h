@@ -2,7 +2,7 @@
 #pragma once
 
 #include "calibration/check_lines.h"
-#include "calibration/choose_model.h"
+#include "calibration/painted_curves.h"
 #include "services/cameras/cameras.h"
 #include "services/verdict/sightings.h"
 

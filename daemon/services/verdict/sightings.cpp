@@ -23,6 +23,18 @@ constexpr std::size_t kMinApart = 8, kMaxApart = 400;
 /// Faster than this its place at one moment is not known to a few millimetres.
 constexpr double kMaxSpeedMm_s = 1500;
 
+void count_at_once(std::vector<LostRobot>& lost) {
+  for (const LostRobot& last : lost) {
+    const auto is_of_these = [&](const LostRobot& one) {
+      return one.gone_s >= last.gone_s && one.gone_s <= last.gone_s + Sightings::kAtOnce_s;
+    };
+    const auto count = static_cast<std::size_t>(std::ranges::count_if(lost, is_of_these));
+    for (LostRobot& one : lost) {
+      if (is_of_these(one)) one.at_once = std::max(one.at_once, count);
+    }
+  }
+}
+
 }  // namespace
 
 void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<const Robot> robots,
@@ -124,18 +136,6 @@ void Sightings::expect_nothing_of(int camera_id) {
     robots.lost_s.reset();
   }
   if (ball_camera_ == camera_id) ball_is_steady_ = false;
-}
-
-void Sightings::count_at_once(std::vector<LostRobot>& lost) const {
-  for (const LostRobot& last : lost) {
-    const auto is_of_these = [&](const LostRobot& one) {
-      return one.gone_s >= last.gone_s && one.gone_s <= last.gone_s + kAtOnce_s;
-    };
-    const auto count = static_cast<std::size_t>(std::ranges::count_if(lost, is_of_these));
-    for (LostRobot& one : lost) {
-      if (is_of_these(one)) one.at_once = std::max(one.at_once, count);
-    }
-  }
 }
 
 /// Robots that are expected because many went at once are not missed when as many of their team have come

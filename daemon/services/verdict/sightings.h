@@ -107,7 +107,6 @@ class Sightings {
 
   void compare(const Identity& identity, Robots& robots, int camera_id, double t_s, const Seen& seen);
   void add_doubles(int camera_id, double t_s, std::span<const Robot> robots, std::span<const Robot> others);
-  void count_at_once(std::vector<LostRobot>& lost) const;
   void drop_replaced(std::vector<LostRobot>& lost, double t_s) const;
 
   std::map<Identity, Robots> robots_;

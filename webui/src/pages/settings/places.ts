@@ -201,11 +201,14 @@ export function pageOf(schema: SchemaNode, tree: Json, pointer: string): string 
   return isPage ? pointer : pageOf(schema, tree, pointerOf(keysOf(pointer).slice(0, -1)));
 }
 
-/** "Camera 0 / detect_balls / min_area_ratio": a place of the settings in a line. */
-export function placeText(tree: Json | null, pointer: string): string {
+/**
+ * "Camera 0 / detect_balls / min_area_ratio": a place of the settings in a line. `camera`: the id of the camera there,
+ * where it is not the one that stands in the tree at that place.
+ */
+export function placeText(tree: Json | null, pointer: string, camera?: Json): string {
   const keys = keysOf(pointer);
   if (keys[0] === 'cameras' && keys.length > 1) {
-    const id = valueAt(tree ?? undefined, pointerOf([...keys.slice(0, 2), 'id']));
+    const id = camera ?? valueAt(tree ?? undefined, pointerOf([...keys.slice(0, 2), 'id']));
     keys.splice(0, 2, `camera ${id ?? `no. ${keys[1]}`}`);
     if (keys[1] === 'stages') keys.splice(1, 1);
   }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { SettingsChange, SettingsStep } from '../../api/types';
+import { keysOf, valueAt, type Json } from '../../settings/pointer';
+
+const idOf = (camera: unknown) => valueAt(camera as Json, '/id') ?? null;
+const idsOf = (cameras: unknown) => (Array.isArray(cameras) ? cameras.map(idOf) : []);
+
+/** The ids of the cameras before a change, from those after it. */
+function takenBack(change: SettingsChange, ids: (Json | null)[]): (Json | null)[] {
+  const [list, index, key, ...rest] = keysOf(change.path);
+  if (list === undefined) return idsOf(valueAt(change.before as Json, '/cameras'));
+  if (list !== 'cameras') return ids;
+  if (index === undefined) return idsOf(change.before);
+  const i = Number(index);
+  if (key === undefined && change.op === 'add') return [...ids.slice(0, i), ...ids.slice(i + 1)];
+  if (key === undefined && change.op === 'remove') return [...ids.slice(0, i), idOf(change.before), ...ids.slice(i)];
+  const was = key === undefined ? idOf(change.before) : key === 'id' && !rest.length ? change.before as Json : ids[i];
+  return ids.map((id, at) => (at === i ? was ?? null : id));
+}
+
+/**
+ * The id of the camera that each change of each step was about, from the steps (the newest first) and the settings
+ * now: a path of the settings says only where in the list it stood then. Null: of no camera.
+ */
+export function camerasOfSteps(settings: Json | null, steps: SettingsStep[]): Map<SettingsChange, Json | null> {
+  const out = new Map<SettingsChange, Json | null>();
+  let ids = idsOf(valueAt(settings ?? undefined, '/cameras'));
+  for (const step of steps) {
+    for (const change of [...step.changes].reverse()) {
+      const before = takenBack(change, ids);
+      const [list, index] = keysOf(change.path);
+      // One that was taken off the list is named as it was before.
+      out.set(change, list === 'cameras' && index !== undefined ? (change.op === 'remove' ? before : ids)[Number(index)] ?? null : null);
+      ids = before;
+    }
+  }
+  return out;
+}
