@@ -87,7 +87,7 @@ export async function matchFor(service) {
 export async function settled(page) {
   await page.waitForFunction(() => {
     const main = document.querySelector('main');
-    if (!main?.firstElementChild || /(^|\n)\s*(Connecting|Loading)\b/.test(main.innerText)) return false;
+    if (!main?.firstElementChild || !document.querySelector('h1') || /(^|\n)\s*(Connecting|Loading)\b/.test(main.innerText)) return false;
     return [...main.querySelectorAll('canvas[data-testid^="camera-picture-"]')]
       .every((canvas) => canvas.dataset.frame || canvas.parentElement.getBoundingClientRect().width === 0);
   });
