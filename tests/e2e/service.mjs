@@ -81,7 +81,7 @@ export async function createService(group) {
   const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
   Object.assign(settings.network.vision, { group, interface: 'lo', port: await freeUdpPort() });
   // More images show nothing more, and keep processors busy that other tests wait for.
-  if (!process.env.SSLV_SCREENSHOTS) for (const { source } of settings.cameras) source.frame_rate_hz = 20;
+  if (!process.env.SSLV_SCREENSHOTS) for (const { source } of settings.cameras) source.frame_rate_hz = 10;
   settings.network.referee = { enabled: false };
   settings.panel = { port: 0 };
   let daemon = null;
