@@ -11,6 +11,7 @@ rules='
   image                 base
   geometry              base
   calibration           base image geometry
+  tracking              base geometry
   vision                base image geometry
   colors                base image geometry vision
   capture               base image geometry vision/patterns.h vision/label.h
@@ -35,7 +36,7 @@ rules='
   services/verdict      engines config web services services/cameras/cameras.h
   top                   anything
 '
-engines='base image geometry calibration vision colors capture pipeline net settings health proto'
+engines='base image geometry tracking calibration vision colors capture pipeline net settings health proto'
 
 # "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service;
 # a service includes another only by the headers named here, which are its small interfaces.

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/camera_agreement.h"
+
+#include <cmath>
+
+namespace sslv {
+
+using Eigen::Vector2d;
+
+namespace {
+
+/// What is expected of calibrations, clocks and robots before anything was seen.
+constexpr double kErrorMm = 1.4, kOffset_s = 0.5e-3, kHeightMm = 4.5;
+/// Of a difference between two cameras: what no squares describe, and what robots turn between their images.
+constexpr double kDifferenceVarMm2 = 1.5;
+constexpr double kSurprise = 25;
+
+}  // namespace
+
+int CameraAgreement::add_states(int count) {
+  const auto at = static_cast<int>(states_.size());
+  states_.conservativeResize(at + count);
+  states_.tail(count).setZero();
+  taken_off_.conservativeResize(at + count);
+  taken_off_.tail(count).setZero();
+  cov_.conservativeResize(at + count, at + count);
+  cov_.rightCols(count).setZero();
+  cov_.bottomRows(count).setZero();
+  return at;
+}
+
+void CameraAgreement::forget(const Camera& camera) {
+  states_.segment(camera.at, kPerCamera).setZero();
+  cov_.middleRows(camera.at, kPerCamera).setZero();
+  cov_.middleCols(camera.at, kPerCamera).setZero();
+  cov_.diagonal().segment(camera.at, 2 * kTerms).setConstant(kErrorMm * kErrorMm);
+  cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
+}
+
+void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm, double height_mm) {
+  const auto known = cameras_.find(camera);
+  const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
+  const Camera made{center_mm, height_mm, at};
+  cameras_[camera] = made;
+  forget(made);
+}
+
+Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const Camera& camera,
+                                                                         const Vector2d& place_mm) const {
+  const double reach_mm = 0.6 * camera.center_mm.z();
+  const Vector2d q = (place_mm - camera.center_mm.head<2>()) / reach_mm;
+  Eigen::Matrix<double, kTerms, 1> out;
+  out << 1, q.x(), q.y(), q.x() * q.x(), q.x() * q.y(), q.y() * q.y();
+  return out;
+}
+
+/// How far a robot that is one millimetre higher is seen farther out (mm).
+Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_mm) const {
+  return (place_mm - camera.center_mm.head<2>()) / (camera.center_mm.z() - camera.height_mm);
+}
+
+void CameraAgreement::see(int camera, const Seen& seen) {
+  const auto here = cameras_.find(camera);
+  if (here == cameras_.end()) return;
+  auto known = tracks_.find(seen.robot);
+  if (known == tracks_.end()) {
+    const int at = add_states(1);
+    cov_(at, at) = kHeightMm * kHeightMm;
+    known = tracks_.emplace(seen.robot, Track{at, {}}).first;
+  }
+  Track& track = known->second;
+  auto& [before, now] = track.by_camera[camera];
+  before = now;
+  now = {seen.place_mm, seen.t_s};
+  const double passed_s = now.t_s - before.t_s;
+  constexpr double kNext_s = 0.03;
+  if (passed_s <= 0 || passed_s > kNext_s) return;
+  const Vector2d velocity = (now.place_mm - before.place_mm) / passed_s;
+  for (const auto& [other_camera, lasts] : track.by_camera) {
+    const Last& other = lasts.second;
+    if (other_camera == camera || other.t_s <= before.t_s || other.t_s >= now.t_s) continue;
+    const Vector2d place = before.place_mm + velocity * (other.t_s - before.t_s);
+    compare(here->second, cameras_.at(other_camera), track, place, other.place_mm, velocity);
+  }
+}
+
+void CameraAgreement::compare(const Camera& a, const Camera& b, const Track& track,
+                              const Vector2d& place_a_mm, const Vector2d& place_b_mm,
+                              const Vector2d& velocity_mm_s) {
+  const auto terms_a = terms(a, place_a_mm), terms_b = terms(b, place_b_mm);
+  const Vector2d higher = outwards(a, place_a_mm) - outwards(b, place_b_mm);
+  for (int axis = 0; axis < 2; ++axis) {
+    row_.clear();
+    for (int i = 0; i < kTerms; ++i) {
+      row_.emplace_back(a.at + axis * kTerms + i, terms_a[i]);
+      row_.emplace_back(b.at + axis * kTerms + i, -terms_b[i]);
+    }
+    // A clock that is ahead says a time at which the robot was not yet there.
+    row_.emplace_back(a.at + 2 * kTerms, -velocity_mm_s[axis]);
+    row_.emplace_back(b.at + 2 * kTerms, velocity_mm_s[axis]);
+    row_.emplace_back(track.at, higher[axis]);
+    double expected = 0, variance = kDifferenceVarMm2;
+    Eigen::VectorXd gain = Eigen::VectorXd::Zero(states_.size());
+    for (const auto& [at, weight] : row_) {
+      gain += weight * cov_.col(at);
+      expected += weight * states_[at];
+    }
+    for (const auto& [at, weight] : row_) variance += weight * gain[at];
+    const double off = place_a_mm[axis] - place_b_mm[axis] - expected;
+    if (off * off > kSurprise * variance) continue;
+    states_ += gain * (off / variance);
+    cov_.noalias() -= gain * gain.transpose() / variance;
+  }
+}
+
+void CameraAgreement::follow(double passed_s) {
+  constexpr double kFollows_s = 0.4;
+  taken_off_ += (states_ - taken_off_) * (1 - std::exp(-passed_s / kFollows_s));
+}
+
+Vector2d CameraAgreement::error_of(int camera, const Vector2d& place_mm) const {
+  const auto here = cameras_.find(camera);
+  if (here == cameras_.end()) return {0, 0};
+  const auto at = terms(here->second, place_mm);
+  const int first = here->second.at;
+  return {taken_off_.segment<kTerms>(first).dot(at), taken_off_.segment<kTerms>(first + kTerms).dot(at)};
+}
+
+Vector2d CameraAgreement::height_error_of(int camera, const RobotName& robot,
+                                          const Vector2d& place_mm) const {
+  const auto here = cameras_.find(camera);
+  const auto known = tracks_.find(robot);
+  if (here == cameras_.end() || known == tracks_.end()) return {0, 0};
+  return taken_off_[known->second.at] * outwards(here->second, place_mm);
+}
+
+double CameraAgreement::time_offset_s(int camera) const {
+  const auto here = cameras_.find(camera);
+  return here == cameras_.end() ? 0 : taken_off_[here->second.at + 2 * kTerms];
+}
+
+std::optional<CameraAgreement::Height> CameraAgreement::height_of(const RobotName& robot) const {
+  const auto known = tracks_.find(robot);
+  if (known == tracks_.end()) return {};
+  const int at = known->second.at;
+  return Height{states_[at], std::sqrt(cov_(at, at))};
+}
+
+}  // namespace sslv

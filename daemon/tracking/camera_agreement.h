@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tracking/tracks.h"
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv {
+
+/// What is left over of the cameras' calibrations and clocks, and of the robots' heights, learnt from robots
+/// that two cameras see: each camera's error as squares of the place, its time offset, each robot's own
+/// height. Only what cameras do not agree on can be learnt; what all have in common stays.
+class CameraAgreement {
+ public:
+  /// A robot as a camera sees it again and again, at that camera's time.
+  struct Seen {
+    RobotName robot;
+    Eigen::Vector2d place_mm;
+    double t_s;
+  };
+
+  /// Where the camera hangs; `height_mm` of its robots' plane. To be called before its first sighting, and
+  /// again when it was calibrated, which forgets its errors.
+  void set_camera(int camera, const Eigen::Vector3d& center_mm, double height_mm);
+
+  /// Compares with what other cameras saw just before.
+  void see(int camera, const Seen& seen);
+
+  /// Lets what is taken off follow what was learnt, slowly, so that no track jumps when something is learnt.
+  void follow(double passed_s);
+
+  /// To be taken off a robot's place as the camera has it.
+  Eigen::Vector2d error_of(int camera, const Eigen::Vector2d& place_mm) const;
+  /// Likewise, for a robot that is higher or lower than it is taken for.
+  Eigen::Vector2d height_error_of(int camera, const RobotName& robot, const Eigen::Vector2d& place_mm) const;
+  /// To be taken off the camera's times.
+  double time_offset_s(int camera) const;
+  /// A robot's own height, over that of its plane, and how sure that is.
+  struct Height {
+    double more_mm, sigma_mm;
+  };
+  std::optional<Height> height_of(const RobotName& robot) const;
+
+ private:
+  static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
+  struct Camera {
+    Eigen::Vector3d center_mm;
+    double height_mm;
+    int at;  // its first state
+  };
+  struct Last {
+    Eigen::Vector2d place_mm;
+    double t_s;
+  };
+  struct Track {
+    int at;                                          // its height's state
+    std::map<int, std::pair<Last, Last>> by_camera;  // before, now
+  };
+  using Row = std::vector<std::pair<int, double>>;
+
+  int add_states(int count);
+  void forget(const Camera& camera);
+  Eigen::Matrix<double, kTerms, 1> terms(const Camera& camera, const Eigen::Vector2d& place_mm) const;
+  Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm) const;
+  void compare(const Camera& a, const Camera& b, const Track& track, const Eigen::Vector2d& place_a_mm,
+               const Eigen::Vector2d& place_b_mm, const Eigen::Vector2d& velocity_mm_s);
+
+  std::map<int, Camera> cameras_;
+  std::map<RobotName, Track> tracks_;
+  Eigen::VectorXd states_, taken_off_;
+  Eigen::MatrixXd cov_;
+  Row row_;
+};
+
+}  // namespace sslv

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/robot_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+
+namespace sslv {
+
+using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
+
+namespace {
+
+/// Robots change their acceleration all the time: white noise of the jerk (mm2/s5, rad2/s5).
+constexpr double kJerk = 1e7, kTurnJerk = 2e4;
+/// What a manoeuvre adds to the uncertainty of the acceleration, how long ago it began, and how surprising a
+/// sighting must be for one (in squares of sigmas).
+constexpr double kManoeuvre = 1.2e7, kManoeuvreAge_s = 0.012, kSurprise = 9, kGreatSurprise = 25;
+constexpr double kTurnManoeuvre = 1500, kTurnManoeuvreAge_s = 0.02, kTurnSurprise = 25;
+constexpr double kMaxAcceleration_mm_s2 = 6500, kMaxTurnAcceleration = 80;
+constexpr double kFastest_mm_s = 6000;
+/// What calibrations still differ by from one place to the next.
+constexpr double kPlaceSigmaMm = 0.05, kAngleSigma_rad = 8e-4;
+constexpr double kGone_s = 0.5;
+
+double wrapped(double angle_rad) {
+  return std::remainder(angle_rad, 2 * std::numbers::pi);
+}
+
+/// White noise of the third derivative over this time, of one axis.
+Matrix3d jerk_noise(double passed_s) {
+  const double d = std::abs(passed_s), d2 = d * d, d3 = d2 * d;
+  Matrix3d out;
+  out << d3 * d2 / 20, d2 * d2 / 8, d3 / 6,  //
+      d2 * d2 / 8, d3 / 3, d2 / 2,           //
+      d3 / 6, d2 / 2, d;
+  return out;
+}
+
+/// What an acceleration that began so long ago makes uncertain, for each unit of its variance.
+Matrix3d manoeuvre_noise(double age_s) {
+  const Vector3d effect(age_s * age_s / 2, age_s, 1);
+  return effect * effect.transpose();
+}
+
+Matrix3d step_of(double passed_s) {
+  Matrix3d out;
+  out << 1, passed_s, passed_s * passed_s / 2, 0, 1, passed_s, 0, 0, 1;
+  return out;
+}
+
+/// How far from where it is expected a robot can be after so long.
+double reach_mm(double passed_s) {
+  constexpr double kJumpMm = 20, kLongest_s = 0.1;
+  return kFastest_mm_s * std::min(std::abs(passed_s), kLongest_s) + kJumpMm;
+}
+
+/// However surprising, as sure as if it were off by this many sigma: every robot may move as no model says.
+constexpr double kMostSigmas = 5;
+
+double likelihood(const Vector2d& off, const Matrix2d& cov, double most_sigmas) {
+  const double square = std::min(off.dot(cov.inverse() * off), most_sigmas * most_sigmas);
+  return std::exp(-0.5 * square) / std::sqrt(cov.determinant());
+}
+
+}  // namespace
+
+RobotTrack::RobotTrack(const RobotName& name, const Sighting& first) : name_(name) {
+  begin(first);
+}
+
+void RobotTrack::begin(const Sighting& first) {
+  state_.setZero();
+  state_.head<2>() = first.place_mm;
+  cov_.setZero();
+  cov_.diagonal() << 1, 1, 4e6, 4e6, 9e6, 9e6;
+  angle_ = {first.orientation_rad, 0, 0};
+  angle_cov_.setZero();
+  angle_cov_.diagonal() << 1e-6, 50, 2000;
+  t_s_ = seen_s_ = first.t_s;
+  sightings_ = 1;
+  stands_mm_ = first.place_mm;
+  stands_var_mm2_ = 1;
+  stands_share_ = 0;
+  elsewhere_ = 0;
+  borders_.clear();
+  borders_[first.camera].seen_s = first.t_s;
+}
+
+void RobotTrack::predict(double t_s) {
+  const double passed_s = t_s - t_s_;
+  if (passed_s == 0) return;
+  const Matrix3d step = step_of(passed_s), noise = kJerk * jerk_noise(passed_s);
+  Matrix6 whole = Matrix6::Zero(), more = Matrix6::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      whole.block<2, 2>(2 * i, 2 * j) = step(i, j) * Matrix2d::Identity();
+      more.block<2, 2>(2 * i, 2 * j) = noise(i, j) * Matrix2d::Identity();
+    }
+  }
+  state_ = whole * state_;
+  cov_ = whole * cov_ * whole.transpose() + more;
+  angle_ = step * angle_;
+  angle_cov_ = step * angle_cov_ * step.transpose() + kTurnJerk * jerk_noise(passed_s);
+  t_s_ = t_s;
+}
+
+Vector2d RobotTrack::left_over_at_border(const Sighting& sighting, const Vector2d& off) {
+  constexpr double kNew_s = 0.25, kMostMm = 8;
+  constexpr double kFades_s = 0.5, kLearns = 0.12;
+  Border& border = borders_[sighting.camera];
+  const double gap_s = sighting.t_s - border.seen_s;
+  if (gap_s > kNew_s) border.off_mm = off.norm() < kMostMm ? off : Vector2d(0, 0);
+  border.seen_s = sighting.t_s;
+  // Cameras that see it at the same time keep their differences; what they have in common fades.
+  constexpr double kAlso_s = 0.04;
+  Vector2d common(0, 0);
+  int count = 0;
+  for (const auto& [camera, one] : borders_) {
+    if (sighting.t_s - one.seen_s > kAlso_s) continue;
+    common += one.off_mm;
+    ++count;
+  }
+  common *= (1 - std::exp(-std::clamp(gap_s, 0.0, kAlso_s) / kFades_s)) / count;
+  for (auto& [camera, one] : borders_) {
+    if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
+  }
+  const Vector2d out = border.off_mm;
+  if (count > 1 && (off - out).norm() < kMostMm) border.off_mm += kLearns * (off - out);
+  return out;
+}
+
+bool RobotTrack::is_now_at(const Sighting& sighting) {
+  constexpr int kSure = 3;
+  const bool is_again =
+      elsewhere_ > 0 && (sighting.place_mm - elsewhere_mm_).norm() < reach_mm(sighting.t_s - elsewhere_s_);
+  elsewhere_ = is_again ? elsewhere_ + 1 : 1;
+  elsewhere_mm_ = sighting.place_mm;
+  elsewhere_s_ = sighting.t_s;
+  return elsewhere_ >= kSure;
+}
+
+bool RobotTrack::add(const Sighting& sighting) {
+  if (sighting.t_s - seen_s_ > kGone_s) {
+    begin(sighting);
+    return true;
+  }
+  const RobotTrack before = *this;
+  predict(sighting.t_s);
+  Vector2d off = sighting.place_mm - state_.head<2>();
+  off -= left_over_at_border(sighting, off);
+  if (off.norm() > reach_mm(sighting.t_s - before.seen_s_)) {
+    *this = before;
+    if (!is_now_at(sighting)) return false;
+    begin(sighting);
+    return true;
+  }
+  elsewhere_ = 0;
+  const Vector2d velocity = state_.segment<2>(2);
+  const Matrix2d noise =
+      noise_factor_ * (sighting.place_cov_mm2 + kPlaceSigmaMm * kPlaceSigmaMm * Matrix2d::Identity()) +
+      sighting.t_sigma_s * sighting.t_sigma_s * velocity * velocity.transpose();
+  Matrix2d spread = cov_.topLeftCorner<2, 2>() + noise;
+  stand(sighting, noise, likelihood(off, spread, kMostSigmas));
+  const double surprise = off.dot(spread.inverse() * off);
+  constexpr double kUsual = 1.7, kMost = 6, kLearns = 0.03, kMostNoise = 400;
+  noise_factor_ =
+      std::clamp(noise_factor_ * (1 + kLearns * (std::min(surprise, kMost) / kUsual - 1)), 1.0, kMostNoise);
+  if (surprise > kSurprise) {
+    const Matrix3d more =
+        (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) cov_.block<2, 2>(2 * i, 2 * j) += more(i, j) * Matrix2d::Identity();
+    }
+    spread = cov_.topLeftCorner<2, 2>() + noise;
+  }
+  const Eigen::Matrix<double, 6, 2> gain = cov_.leftCols<2>() * spread.inverse();
+  state_ += gain * off;
+  cov_ -= (gain * cov_.topRows<2>()).eval();
+  cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
+  const double acceleration = state_.tail<2>().norm();
+  if (acceleration > kMaxAcceleration_mm_s2) state_.tail<2>() *= kMaxAcceleration_mm_s2 / acceleration;
+  turn(sighting);
+  seen_s_ = std::max(seen_s_, sighting.t_s);
+  ++sightings_;
+  return true;
+}
+
+void RobotTrack::stand(const Sighting& sighting, const Matrix2d& noise, double moving_likelihood) {
+  constexpr double kCreeps_mm2_s = 0.02;           // what a standing robot's place drifts
+  constexpr double kStops = 0.03, kStarts = 0.02;  // from one sighting to the next
+  // Between two images at nearly the same time everything stands.
+  constexpr double kSameTime_s = 0.004, kFaster_mm_s = 300;
+  const double passed_s = sighting.t_s - stood_s_;
+  if (std::abs(passed_s) < kSameTime_s) return;
+  stood_s_ = sighting.t_s;
+  stands_var_mm2_ += kCreeps_mm2_s * std::max(0.0, passed_s);
+  const Vector2d off = sighting.place_mm - stands_mm_;
+  const Matrix2d spread = noise + stands_var_mm2_ * Matrix2d::Identity();
+  const double share = stands_share_ * (1 - kStarts) + (1 - stands_share_) * kStops;
+  const double stands = share * likelihood(off, spread, 1e3), moves = (1 - share) * moving_likelihood;
+  stands_share_ = stands + moves > 0 ? stands / (stands + moves) : 0;
+  if (stands_share_ < 0.05 ||
+      state_.segment<2>(2).norm() > kFaster_mm_s) {  // where it would stand from now on
+    stands_share_ = 0;
+    stands_mm_ = sighting.place_mm;
+    stands_var_mm2_ = noise.trace() / 2;
+    return;
+  }
+  const double gain = stands_var_mm2_ / (stands_var_mm2_ + noise.trace() / 2);
+  stands_mm_ += gain * off;
+  stands_var_mm2_ *= 1 - gain;
+}
+
+void RobotTrack::turn(const Sighting& sighting) {
+  const double off = wrapped(sighting.orientation_rad - angle_[0]);
+  const double noise =
+      std::pow(std::hypot(sighting.orientation_sigma_rad, kAngleSigma_rad), 2) * angle_noise_factor_;
+  double spread = angle_cov_(0, 0) + noise;
+  if (off * off > kTurnSurprise * spread) {
+    angle_cov_ += kTurnManoeuvre * manoeuvre_noise(kTurnManoeuvreAge_s);
+    spread = angle_cov_(0, 0) + noise;
+  }
+  const Vector3d gain = angle_cov_.col(0) / spread;
+  angle_ += gain * off;
+  angle_[0] = wrapped(angle_[0]);
+  angle_[2] = std::clamp(angle_[2], -kMaxTurnAcceleration, kMaxTurnAcceleration);
+  angle_cov_ -= (gain * angle_cov_.row(0)).eval();
+}
+
+TrackedRobot RobotTrack::at(double t_s) const {
+  const double passed_s = t_s - t_s_;
+  constexpr double kAccelerates_s = 0.05;
+  const double accelerates_s = std::clamp(passed_s, -kAccelerates_s, kAccelerates_s);
+  const Vector2d acceleration = state_.tail<2>();
+  const Vector2d velocity = state_.segment<2>(2) + acceleration * accelerates_s;
+  const Vector2d place = state_.head<2>() + state_.segment<2>(2) * passed_s +
+                         acceleration * (accelerates_s * (passed_s - accelerates_s / 2));
+  const double moves = 1 - stands_share_;
+  TrackedRobot out;
+  out.name = name_;
+  out.place_mm = stands_share_ * stands_mm_ + moves * place;
+  out.velocity_mm_s = moves * velocity;
+  out.orientation_rad = wrapped(angle_[0] + angle_[1] * passed_s + angle_[2] * passed_s * passed_s / 2);
+  out.turn_rad_s = angle_[1] + angle_[2] * accelerates_s;
+  out.place_sigma_mm = std::sqrt(std::max(0.0, cov_.topLeftCorner<2, 2>().trace() / 2)) +
+                       0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
+  out.visibility = std::clamp(1 - (t_s - seen_s_) / kGone_s, 0.0, 1.0);
+  return out;
+}
+
+}  // namespace sslv

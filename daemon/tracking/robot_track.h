@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tracking/tracks.h"
+
+#include <map>
+
+#include <Eigen/Core>
+
+namespace sslv {
+
+/// One robot, from the sightings of all cameras: a Kalman filter of place, velocity and acceleration, which
+/// allows for a manoeuvre when it is surprised, and beside it one of a robot that stands.
+class RobotTrack {
+ public:
+  /// What the calibrations' and the clocks' known errors were taken off.
+  struct Sighting {
+    int camera;
+    double t_s, t_sigma_s;
+    Eigen::Vector2d place_mm;
+    double orientation_rad;
+    Eigen::Matrix2d place_cov_mm2;
+    double orientation_sigma_rad;
+  };
+
+  RobotTrack(const RobotName& name, const Sighting& first);
+  /// False: this cannot be the same robot.
+  bool add(const Sighting& sighting);
+  TrackedRobot at(double t_s) const;
+
+  double seen_s() const { return seen_s_; }
+  int sightings() const { return sightings_; }
+  /// Without looking ahead.
+  Eigen::Vector2d velocity_mm_s() const { return state_.segment<2>(2); }
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  void begin(const Sighting& first);
+  /// Whether it was seen there again and again, and nowhere else.
+  bool is_now_at(const Sighting& sighting);
+  void predict(double t_s);
+  void turn(const Sighting& sighting);
+  void stand(const Sighting& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
+  Eigen::Vector2d left_over_at_border(const Sighting& sighting, const Eigen::Vector2d& off);
+
+  RobotName name_;
+  double t_s_ = 0, seen_s_ = 0;
+  int sightings_ = 0;
+  Vector6 state_;  // place, velocity, acceleration
+  Matrix6 cov_;
+  Eigen::Vector3d angle_;  // orientation, turn, its acceleration
+  Eigen::Matrix3d angle_cov_;
+  /// How much more noise there is than the fits say: vibration, which no model of motion explains.
+  double noise_factor_ = 1, angle_noise_factor_ = 1;
+  // A robot that stands, and how likely it does.
+  Eigen::Vector2d stands_mm_;
+  double stands_var_mm2_ = 0, stands_share_ = 0, stood_s_ = 0;
+  /// What a camera that sees it again still differs by, which fades.
+  struct Border {
+    Eigen::Vector2d off_mm{0, 0};
+    double seen_s = -1e9;
+  };
+  std::map<int, Border> borders_;
+  /// Sightings that cannot be this robot, but may be where it is now.
+  Eigen::Vector2d elsewhere_mm_{0, 0};
+  double elsewhere_s_ = 0;
+  int elsewhere_ = 0;
+};
+
+}  // namespace sslv

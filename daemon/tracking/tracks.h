@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "geometry/scene.h"
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv {
+
+/// Which robot, of all on the field.
+struct RobotName {
+  Team team = Team::kYellow;
+  int id = 0;
+  auto operator<=>(const RobotName&) const = default;
+};
+
+/// A robot at one moment, as far as is known.
+struct TrackedRobot {
+  RobotName name;
+  Eigen::Vector2d place_mm{0, 0}, velocity_mm_s{0, 0};
+  double orientation_rad = 0, turn_rad_s = 0;
+  double place_sigma_mm = 0;
+  double visibility = 0;  // 0 .. 1: falls while no camera sees it
+};
+
+/// A ball at one moment; its place is that of its centre.
+struct TrackedBall {
+  Eigen::Vector3d place_mm{0, 0, 0}, velocity_mm_s{0, 0, 0};
+  double place_sigma_mm = 0;
+  double visibility = 0;
+};
+
+/// The newest kick.
+struct TrackedKick {
+  int number = 0;  // counted from 1
+  double t_s = 0;
+  Eigen::Vector2d place_mm{0, 0};
+  Eigen::Vector3d velocity_mm_s{0, 0, 0};
+  bool is_chip = false;
+  Eigen::Vector2d landing_mm{0, 0};  // of a chip
+  std::optional<RobotName> robot;
+};
+
+}  // namespace sslv

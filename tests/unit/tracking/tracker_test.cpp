@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/tracker.h"
+
+#include "worlds/ours.h"
+#include "worlds/score.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+using worlds::Ours, worlds::Score, worlds::World, worlds::WorldOptions;
+
+WorldOptions short_world(std::uint64_t seed) {
+  WorldOptions options;
+  options.seed = seed;
+  options.duration_s = 20;
+  return options;
+}
+
+TEST(Tracker, RobotsAreWhereTheyAreWhenThePacketLeaves) {
+  const World world(short_world(21));
+  Ours ours(world);
+  const Score score = worlds::score(world, ours);
+  EXPECT_EQ(score.counts.count("robots missing (images)"), 0U);
+  EXPECT_LE(score.errors.at("robot velocity").rms(), 25);
+  EXPECT_LE(score.errors.at("robot velocity").quantile(0.5), 9);
+  EXPECT_LE(score.errors.at("robot velocity standing").quantile(0.5), 1);
+  EXPECT_LE(score.errors.at("robot orientation deg").rms(), 0.35);
+  EXPECT_LE(score.errors.at("robot turn").rms(), 0.4);
+  EXPECT_LE(score.errors.at("jump at border").quantile(0.99), 0.8);
+  EXPECT_LE(score.errors.at("set-up ms").rms(), 30);
+}
+
+TEST(Tracker, LearnsHowMuchCamerasClocksDiffer) {
+  const World world(short_world(22));
+  Ours ours(world);
+  for (const auto& image : world.images()) ours.add(image);
+  const auto& agreement = ours.tracker().agreement();
+  for (int camera = 1; camera < 4; ++camera) {
+    const auto& cameras = world.cameras();
+    const double differs_s =
+        cameras[static_cast<std::size_t>(camera)].clock_offset_s - cameras[0].clock_offset_s;
+    EXPECT_NEAR(agreement.time_offset_s(camera) - agreement.time_offset_s(0), differs_s, 0.05e-3);
+  }
+}
+
+TEST(Tracker, LearnsHowHighRobotsAre) {
+  WorldOptions options = short_world(23);
+  options.robot_height_spread_mm = 8;
+  options.robot_bias_mm = options.floor_bias_mm = 0;
+  const World world(options);
+  Ours ours(world);
+  for (const auto& image : world.images()) ours.add(image);
+  int sure = 0;
+  for (int i = 0; i < options.robots; ++i) {
+    const auto height = ours.tracker().agreement().height_of({World::team_of(i), World::id_of(i)});
+    ASSERT_TRUE(height);
+    const double truth_mm = world.height_of(i) - World::kRobotHeightMm;
+    EXPECT_NEAR(height->more_mm, truth_mm, 0.5 + 3 * height->sigma_mm) << i;
+    if (height->sigma_mm < 1.5) ++sure;
+  }
+  EXPECT_GE(sure, options.robots * 3 / 4);
+}
+
+/// One robot before one camera.
+class OneRobot : public testing::Test {
+ protected:
+  OneRobot() { tracker_.set_camera(0, {0, 0, 5000}, 145); }
+
+  void see(double x_mm) {
+    CameraSightings sightings;
+    sightings.t_capture_s = t_s_;
+    sightings.robots.push_back({Team::kBlue, 3, {x_mm, 0}, 0, 145, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    tracker_.add(sightings);
+    t_s_ += 0.0125;
+  }
+  std::optional<TrackedRobot> now() const { return tracker_.robot(kName, t_s_); }
+
+  static constexpr RobotName kName{Team::kBlue, 3};
+  Tracker tracker_;
+  double t_s_ = 1e9;
+};
+
+TEST_F(OneRobot, GoesOnWithoutBeingSeenAndIsGoneAfterHalfASecond) {
+  for (int i = 0; i < 80; ++i) see(25.0 * i);
+  const double seen = now()->visibility;
+  t_s_ += 0.2;
+  ASSERT_TRUE(now());
+  EXPECT_NEAR(now()->place_mm.x(), 25.0 * 79 + 2000 * 0.2125, 30);
+  EXPECT_LT(now()->visibility, seen - 0.3);
+  t_s_ += 0.3;
+  EXPECT_FALSE(now());
+  EXPECT_FALSE(tracker_.robot({Team::kYellow, 3}, t_s_));
+}
+
+TEST_F(OneRobot, IsNotDraggedAwayByOneWrongSighting) {
+  for (int i = 0; i < 80; ++i) see(1000);
+  see(2500);
+  EXPECT_NEAR(now()->place_mm.x(), 1000, 1);
+  EXPECT_NEAR(now()->velocity_mm_s.x(), 0, 1);
+}
+
+TEST_F(OneRobot, IsTakenToItsNewPlaceOnceItStaysThere) {
+  for (int i = 0; i < 80; ++i) see(1000);
+  for (int i = 0; i < 60; ++i) see(3000);
+  ASSERT_TRUE(now());
+  EXPECT_NEAR(now()->place_mm.x(), 3000, 1);
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tracking/tracks.h"
+#include "world.h"
+
+#include <optional>
+
+namespace sslv::worlds {
+
+/// Whoever makes tracks of a world's images: ours, or one like those that teams use today.
+class Rival {
+ public:
+  virtual ~Rival() = default;
+  virtual void add(const WorldImage& image) = 0;
+  virtual std::optional<TrackedRobot> robot(const RobotName& name, double t_s) = 0;
+  virtual std::optional<TrackedBall> ball(double t_s) = 0;
+  virtual std::optional<TrackedKick> kick() const = 0;
+};
+
+}  // namespace sslv::worlds

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "../halls/chance.h"
+#include "tracking/sightings.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv::worlds {
+
+/// What happens on the field, and how the cameras see it. The defaults are those of the table in
+/// docs/tracking.md.
+struct WorldOptions {
+  std::uint64_t seed = 1;
+  double duration_s = 60;
+  int robots = 22;
+  double rate_hz = 75;
+  double latency_s = 0.015, latency_spread_s = 0.002;  // from exposure to when the sightings are there
+  double clock_offset_sigma_s = 0.4e-3;                // of each camera's time stamps
+  double jitter_sigma_s = 0.2e-3;                      // of each time stamp
+  double floor_bias_mm = 1, robot_bias_mm = 2.5;       // rms of what calibrations are off
+  double ball_size_sigma_px = 0.08;
+  double drop_share = 0.02;           // of sightings that are missing
+  double false_ball_share = 0.02;     // of images with a ball where none is
+  double occlusions_per_s = 0.3;      // of the ball, for .05 to .3 s, from all cameras
+  double wobble_mm = 0;               // of robots, faster than they can move
+  double noise = 1;                   // of sightings, as a multiple of the usual
+  double robot_height_spread_mm = 0;  // every robot's own, evenly up to this, within its team's
+  bool only_chips = false;
+  bool robots_stand = false;
+  bool has_second_ball = false;         // that lies still
+  std::optional<double> camera_dies_s;  // camera 1 sends nothing from then on
+};
+
+struct RobotTruth {
+  Eigen::Vector2d place_mm{0, 0}, velocity_mm_s{0, 0};
+  double angle_rad = 0, turn_rad_s = 0;
+};
+
+struct BallTruth {
+  Eigen::Vector3d place_mm{0, 0, 0}, velocity_mm_s{0, 0, 0};
+  bool is_held = false;
+};
+
+struct KickTruth {
+  double t_s = 0;
+  Eigen::Vector2d place_mm{0, 0};
+  Eigen::Vector3d velocity_mm_s{0, 0, 0};
+  bool is_chip = false;
+  Eigen::Vector2d landing_mm{0, 0};
+  double landing_s = 0;    // 0: it did not
+  bool is_hidden = false;  // no camera saw the ball just before, or not twice just after
+  int robot = -1;
+};
+
+/// What turns a ball's way that is no kick.
+enum class BallTurn { kDeflection, kWall, kCatch, kBounce };
+
+struct WorldCamera {
+  Eigen::Vector3d center_mm{0, 0, 0};
+  double clock_offset_s = 0;
+  using Terms = Eigen::Matrix<double, 2, 6>;
+  Terms floor_bias = Terms::Zero(), robot_bias = Terms::Zero();
+};
+
+/// One image of one camera, with what no tracker is told.
+struct WorldImage {
+  CameraSightings sightings;
+  double t_true_s = 0, arrival_s = 0;
+  int true_balls = 0;  // the first of sightings.balls
+};
+
+/// A field of 12 x 9 m under four cameras, with robots that drive about, catch the ball, dribble and kick it;
+/// in steps of a millisecond. Nothing of it is drawn: sightings come with the errors that the detectors were
+/// measured to have.
+class World {
+ public:
+  explicit World(const WorldOptions& options);
+
+  RobotTruth robot(int robot, double t_s) const;
+  BallTruth ball(double t_s) const;
+  /// mm/s2 along the way, over the next 5 ms.
+  double ball_slows_mm_s2(double t_s) const;
+  static Team team_of(int robot) { return robot % 2 ? Team::kBlue : Team::kYellow; }
+  static int id_of(int robot) { return robot / 2; }
+  static int robot_of(Team team, int id) { return 2 * id + (team == Team::kBlue ? 1 : 0); }
+
+  const WorldOptions& options() const { return options_; }
+  const std::array<WorldCamera, 4>& cameras() const { return cameras_; }
+  const std::vector<WorldImage>& images() const { return images_; }  // by arrival
+  const std::vector<KickTruth>& kicks() const { return kicks_; }
+  const std::vector<std::pair<double, BallTurn>>& turns() const { return turns_; }
+  /// When this robot's acceleration changed by more than 5 m/s2 within 60 ms.
+  const std::vector<double>& swerves_of(int robot) const { return swerves_[static_cast<std::size_t>(robot)]; }
+  double height_of(int robot) const { return heights_mm_[static_cast<std::size_t>(robot)]; }
+
+  static constexpr double kBallRadiusMm = 21.5, kRobotHeightMm = 145, kGravityMm_s2 = 9810;
+  static constexpr double kHalfLengthMm = 6000, kHalfWidthMm = 4500;
+
+ private:
+  void place_cameras();
+  void play();
+  void look();
+  void see(int camera, long number, double t_s, struct Stray& stray);
+  Eigen::Vector2d bias_of(const WorldCamera& camera, const Eigen::Vector2d& place_mm, bool of_robots) const;
+
+  const WorldOptions options_;
+  halls::Chance chance_;
+  std::array<WorldCamera, 4> cameras_;
+  std::vector<std::vector<RobotTruth>> robots_;  // of each millisecond
+  std::vector<BallTruth> balls_;
+  std::vector<double> heights_mm_;
+  std::vector<KickTruth> kicks_;
+  std::vector<std::pair<double, BallTurn>> turns_;
+  std::vector<std::vector<double>> swerves_;
+  std::vector<std::pair<double, double>> occlusions_s_;
+  std::vector<WorldImage> images_;
+};
+
+}  // namespace sslv::worlds
