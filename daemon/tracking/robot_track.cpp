@@ -127,7 +127,7 @@ Vector2d RobotTrack::left_over_at_border(const Sighting& sighting, const Vector2
   for (auto& [camera, one] : borders_) {
     if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
   }
-  const Vector2d out = border.off_mm;
+  Vector2d out = border.off_mm;
   if (count > 1 && (off - out).norm() < kMostMm) border.off_mm += kLearns * (off - out);
   return out;
 }

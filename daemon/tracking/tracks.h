@@ -4,6 +4,7 @@
 #include "geometry/scene.h"
 
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,7 +15,8 @@ namespace sslv {
 struct RobotName {
   Team team = Team::kYellow;
   int id = 0;
-  auto operator<=>(const RobotName&) const = default;
+  bool operator==(const RobotName& other) const = default;
+  bool operator<(const RobotName& other) const { return std::tie(team, id) < std::tie(other.team, other.id); }
 };
 
 /// A robot at one moment, as far as is known.
