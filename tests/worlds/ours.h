@@ -17,8 +17,8 @@ class Ours final : public Rival {
   std::optional<TrackedRobot> robot(const RobotName& name, double t_s) override {
     return tracker_.robot(name, t_s);
   }
-  std::optional<TrackedBall> ball(double) override { return {}; }
-  std::optional<TrackedKick> kick() const override { return {}; }
+  std::optional<TrackedBall> ball(double t_s) override { return tracker_.ball(t_s); }
+  std::optional<TrackedKick> kick() const override { return tracker_.kick(); }
   const Tracker& tracker() const { return tracker_; }
 
  private:

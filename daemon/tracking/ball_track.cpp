@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/ball_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+
+namespace sslv {
+
+using Eigen::Matrix2d, Eigen::Vector2d, Eigen::Vector3d;
+
+namespace {
+
+constexpr double kKickLasts_s = 1.2;  // so long a kick's fit says where the ball is
+constexpr double kNearlyMm = 111.5;   // between the centres of a robot and a ball that touches it
+constexpr double kFlatTimeSigma_s = 0.08e-3;
+constexpr double kFreeSlides_mm_s2 = 3500;
+
+double around(double angle_rad) {
+  return std::remainder(angle_rad, 2 * std::numbers::pi);
+}
+double direction_of(const Vector2d& v) {
+  return std::atan2(v.y(), v.x());
+}
+Vector2d unit_of(const Vector2d& v) {
+  const double length = v.norm();
+  return length > 1e-9 ? Vector2d(v / length) : Vector2d(0, 0);
+}
+Vector2d turned_by(const Vector2d& v, double angle_rad) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+Vector2d left_of(const Vector2d& v) {
+  return {-v.y(), v.x()};
+}
+
+}  // namespace
+
+std::optional<TrackedRobot> RobotTracks::at(const RobotName& name, double t_s) const {
+  constexpr double kGone_s = 0.5;
+  const auto known = tracks.find(name);
+  if (known == tracks.end() || t_s - known->second.seen_s() > kGone_s) return {};
+  return known->second.at(t_s);
+}
+
+std::optional<RobotTracks::Nearest> RobotTracks::nearest(const Vector2d& place_mm, double t_s) const {
+  std::optional<Nearest> out;
+  for (const auto& [name, track] : tracks) {
+    const auto robot = at(name, t_s);
+    if (!robot) continue;
+    const Vector2d way = place_mm - robot->place_mm;
+    if (out && out->distance_mm <= way.norm()) continue;
+    out = Nearest{*robot, way.norm(), std::abs(around(direction_of(way) - robot->orientation_rad))};
+  }
+  return out;
+}
+
+BallTrack::BallTrack(const BallModel& model, const Sighting& newest, const Vector2d& velocity_mm_s)
+    : model_(model), seen_s_(newest.t_s) {
+  points_.reserve(kMaxShotPoints + 1);
+  branch_.reserve(16);
+  roll(newest, velocity_mm_s, false, velocity_mm_s.norm());
+  flat_.cov.diagonal().segment<2>(2).setConstant(1e5);
+}
+
+void BallTrack::Flat::predict(double to_s, const BallModel& model) {
+  const double passed_s = to_s - t_s;
+  if (std::abs(passed_s) < 1e-7) return;
+  const Vector2d way = unit_of(velocity());
+  const double speed = velocity().norm(), slows = speed > 1 ? state[4] : 0;
+  const double goes_s = slows > 0 && passed_s > 0 ? std::min(passed_s, speed / slows) : passed_s;
+  Matrix5 step = Matrix5::Identity();
+  step(0, 2) = step(1, 3) = passed_s;
+  constexpr double kHasDirection_mm_s = 30;
+  if (speed > kHasDirection_mm_s) {
+    step.block<2, 1>(0, 4) = -0.5 * passed_s * passed_s * way;
+    step.block<2, 1>(2, 4) = -passed_s * way;
+  }
+  state.head<2>() += velocity() * goes_s - 0.5 * slows * way * goes_s * goes_s;
+  const double after = std::max(0.0, speed - slows * passed_s);
+  state.segment<2>(2) = way * after;
+  cov = step * cov * step.transpose();
+  const double q = slides ? 3000 : 300, d = std::abs(passed_s);
+  for (int i = 0; i < 2; ++i) {
+    cov(i, i) += q * d * d * d / 3;
+    cov(i, i + 2) += q * d * d / 2;
+    cov(i + 2, i) += q * d * d / 2;
+    cov(i + 2, i + 2) += q * d;
+  }
+  cov(4, 4) += (slides ? 1e5 : 2e3) * d;
+  t_s = to_s;
+  if (!slides || after >= began_mm_s * model.rolls_from_share) return;
+  slides = false;
+  state[4] = model.rolls_mm_s2;
+  cov.row(4).setZero();
+  cov.col(4).setZero();
+  cov(4, 4) = 80 * 80;
+  cov(2, 2) += 900;
+  cov(3, 3) += 900;
+}
+
+void BallTrack::roll(const Sighting& at, const Vector2d& velocity_mm_s, bool slides, double began_mm_s) {
+  phase_ = Phase::kFree;
+  flat_ = {};
+  flat_.t_s = at.t_s;
+  flat_.state << at.place_mm, velocity_mm_s, slides ? kFreeSlides_mm_s2 : model_.rolls_mm_s2;
+  flat_.cov.diagonal() << 0.3, 0.3, 3600, 3600, slides ? 300 * 300 : 80 * 80;
+  flat_.slides = slides;
+  flat_.began_mm_s = began_mm_s;
+  held_count_ = 0;
+}
+
+Vector2d BallTrack::held_at(double t_s, const RobotTracks& robots) const {
+  const auto robot = robots.at(holder_, t_s);
+  return robot ? Vector2d(robot->place_mm + turned_by(held_mm_, robot->orientation_rad)) : flat_.place();
+}
+
+/// Where a camera sees it, as if it lay on the floor.
+Vector2d BallTrack::seen_from(const Vector3d& camera_mm, double t_s, const RobotTracks& robots) const {
+  if (phase_ == Phase::kHeld) return held_at(t_s, robots);
+  if (phase_ == Phase::kFree) {
+    Flat then = flat_;
+    then.predict(t_s, model_);
+    return then.place();
+  }
+  const BallState ball = chip_.at(t_s, model_);
+  const double farther = (camera_mm.z() - model_.radius_mm) / (camera_mm.z() - ball.place_mm.z());
+  return camera_mm.head<2>() + (ball.place_mm.head<2>() - camera_mm.head<2>()) * farther;
+}
+
+double BallTrack::gate_mm(double t_s) const {
+  const double unseen_s = t_s - seen_s_, age_s = t_s - event_s_;
+  switch (phase_) {
+    case Phase::kHeld: return 9;
+    case Phase::kFlying:
+      return 15 + 60 * std::max(0.0, 0.12 - age_s) / 0.12 + 40 * unseen_s + (age_s > 0.35 ? 25 : 0);
+    case Phase::kFree: break;
+  }
+  Flat then = flat_;
+  then.predict(t_s, model_);
+  return std::min(40.0, 4.5 * std::sqrt(std::max(then.cov(0, 0), then.cov(1, 1)) + 0.3) + 1.5);
+}
+
+void BallTrack::add(const std::vector<Sighting>& seen, const RobotTracks& robots) {
+  if (seen.empty()) return;
+  const double t_s = seen.front().t_s;
+  const Vector2d expected = seen_from(seen.front().camera_mm, t_s, robots);
+  const Sighting& nearest =
+      *std::min_element(seen.begin(), seen.end(), [&](const Sighting& a, const Sighting& b) {
+        return (a.place_mm - expected).norm() < (b.place_mm - expected).norm();
+      });
+  const double off_mm = (nearest.place_mm - expected).norm();
+  bool is_it = off_mm < gate_mm(t_s);
+  // A kick that is not yet known to be a chip leaves the floor's path.
+  constexpr double kYoung_s = 0.35, kPerPeriodMm = 90, kPeriod_s = 0.0133, kMostMm = 120;
+  if (!is_it && phase_ == Phase::kFree && is_kick_ && t_s - event_s_ < kYoung_s)
+    is_it = off_mm < gate_mm(t_s) + kPerPeriodMm * (t_s - seen_s_) / kPeriod_s && off_mm < kMostMm;
+  if (is_it) {
+    branch_.clear();
+    seen_s_ = t_s;
+    accept(nearest, robots);
+    return;
+  }
+  surprise(seen, expected, robots);
+}
+
+void BallTrack::correct(const Sighting& sighting) {
+  flat_.predict(sighting.t_s, model_);
+  const Vector2d velocity = flat_.velocity();
+  const Matrix2d noise = sighting.sigma_mm * sighting.sigma_mm * Matrix2d::Identity() +
+                         kFlatTimeSigma_s * kFlatTimeSigma_s * velocity * velocity.transpose();
+  const Vector2d off = sighting.place_mm - flat_.place();
+  Matrix2d spread = flat_.cov.topLeftCorner<2, 2>() + noise;
+  const double surprise = off.dot(spread.inverse() * off);
+  constexpr double kSurprise = 9;
+  if (surprise > kSurprise) {
+    flat_.cov.diagonal().segment<2>(2).array() += surprise * 3000;
+    flat_.cov.diagonal().head<2>().array() += surprise * 0.3;
+    flat_.cov(4, 4) += 1e6;
+    spread = flat_.cov.topLeftCorner<2, 2>() + noise;
+  }
+  const Eigen::Matrix<double, 5, 2> gain = flat_.cov.leftCols<2>() * spread.inverse();
+  flat_.state += gain * off;
+  flat_.cov -= (gain * flat_.cov.topRows<2>()).eval();
+  flat_.cov = (0.5 * (flat_.cov + flat_.cov.transpose())).eval();
+  flat_.state[4] =
+      flat_.slides ? std::clamp(flat_.state[4], 2500.0, 4500.0) : std::clamp(flat_.state[4], 150.0, 500.0);
+}
+
+void BallTrack::accept(const Sighting& sighting, const RobotTracks& robots) {
+  if (phase_ == Phase::kHeld) {
+    const auto robot = robots.at(holder_, sighting.t_s);
+    if (!robot) return;
+    const Vector2d away = sighting.place_mm - robot->place_mm;
+    held_mm_ += 0.5 * (turned_by(away, -robot->orientation_rad) - held_mm_);
+    constexpr double kLetGoMm = 150;
+    if (away.norm() > kLetGoMm) roll(sighting, robot->velocity_mm_s, false, robot->velocity_mm_s.norm());
+    return;
+  }
+  const double age_s = sighting.t_s - event_s_;
+  if (phase_ == Phase::kFree) correct(sighting);
+  if (is_kick_ && age_s < kKickLasts_s) {
+    if (points_.size() < kMaxShotPoints)
+      points_.push_back({sighting.t_s, sighting.camera_mm, sighting.place_mm, sighting.sigma_mm,
+                         sighting.height_mm, sighting.height_sigma_mm});
+    fit_shot();
+  }
+  if (phase_ == Phase::kFlying && age_s >= kKickLasts_s) {
+    const Vector2d velocity = chip_.at(sighting.t_s, model_).velocity_mm_s.head<2>();
+    roll(sighting, velocity, false, velocity.norm());
+    flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
+  }
+  may_be_held(sighting, robots);
+}
+
+void BallTrack::may_be_held(const Sighting& sighting, const RobotTracks& robots) {
+  if (phase_ != Phase::kFree) return;
+  constexpr double kNearMm = 125, kFrontRad = 0.6, kSlow_mm_s = 500, kAfterEvent_s = 0.06;
+  constexpr int kSure = 3;
+  const auto near = robots.nearest(flat_.place(), sighting.t_s);
+  if (!near || near->distance_mm >= kNearMm || near->from_front_rad >= kFrontRad) {
+    held_count_ = 0;
+    return;
+  }
+  const Vector2d away = sighting.place_mm - near->robot.place_mm;
+  const Vector2d relative =
+      flat_.velocity() - near->robot.velocity_mm_s - left_of(away) * near->robot.turn_rad_s;
+  if (relative.norm() >= kSlow_mm_s || sighting.t_s - event_s_ <= kAfterEvent_s) {
+    held_count_ = 0;
+    return;
+  }
+  if (++held_count_ < kSure) return;
+  phase_ = Phase::kHeld;
+  holder_ = near->robot.name;
+  held_mm_ = turned_by(away, -near->robot.orientation_rad);
+  is_kick_ = false;
+}
+
+void BallTrack::surprise(const std::vector<Sighting>& seen, const Vector2d& expected_mm,
+                         const RobotTracks& robots) {
+  // The likeliest to be where it went.
+  const double t_s = seen.front().t_s;
+  const Sighting* likeliest = nullptr;
+  double best = 1;
+  for (const Sighting& one : seen) {
+    const double ratio = branch_.empty() ? (one.place_mm - expected_mm).norm() / (9000 * (t_s - seen_s_) + 25)
+                                         : (one.place_mm - branch_.back().place_mm).norm() /
+                                               (7500 * (t_s - branch_.back().t_s) + 10);
+    if (ratio >= best) continue;
+    best = ratio;
+    likeliest = &one;
+  }
+  if (!likeliest) return;
+  constexpr double kLasts_s = 0.1, kApart_s = 0.003, kFastest_mm_s = 9500;
+  if (!branch_.empty() && t_s - branch_.front().t_s > kLasts_s) branch_.clear();
+  branch_.push_back(*likeliest);
+  const double passed_s = branch_.back().t_s - branch_.front().t_s;
+  if (branch_.size() < 2 || passed_s < kApart_s) return;
+  if ((branch_.back().place_mm - branch_.front().place_mm).norm() / passed_s > kFastest_mm_s) {
+    branch_.assign(1, *likeliest);
+    return;
+  }
+  explain(robots);
+}
+
+/// What happened is where the old way and the new one meet.
+void BallTrack::explain(const RobotTracks& robots) {
+  const Sighting first = branch_.front(), last = branch_.back();
+  const double passed_s = last.t_s - first.t_s;
+  const Vector2d velocity = (last.place_mm - first.place_mm) / passed_s, way = unit_of(velocity);
+  const double speed = velocity.norm(), slides = model_.slides_mm_s2;
+  const bool was_held = phase_ == Phase::kHeld;
+  const auto old_at = [&](double t_s) { return seen_from(first.camera_mm, t_s, robots); };
+  double event_s = first.t_s, best = 1e18;
+  constexpr double kBefore_s = 0.006, kLongest_s = 0.25, kStep_s = 0.0005;
+  for (double t_s = std::max(seen_s_ - kBefore_s, first.t_s - kLongest_s); t_s <= first.t_s; t_s += kStep_s) {
+    const double u = first.t_s - t_s;
+    const double off = (first.place_mm - way * (speed * u + 0.5 * slides * u * u) - old_at(t_s)).norm();
+    if (off >= best) continue;
+    best = off;
+    event_s = t_s;
+  }
+  const Vector2d event_mm = old_at(event_s);
+  const Vector2d before = was_held || phase_ == Phase::kFlying ? Vector2d(0, 0) : flat_.velocity();
+  auto near = robots.nearest(event_mm, event_s);
+  if (was_held) {
+    if (const auto holder = robots.at(holder_, event_s))
+      near = RobotTracks::Nearest{*holder, (event_mm - holder->place_mm).norm(), 0};
+  }
+  const double shot_speed = speed + slides * (first.t_s - event_s + passed_s / 2);
+  bool is_kick = false;
+  if (near) {
+    const TrackedRobot& robot = near->robot;
+    const Vector2d from_robot = velocity - 0.6 * robot.velocity_mm_s;
+    const double off_front = std::abs(around(direction_of(from_robot) - robot.orientation_rad));
+    is_kick = near->distance_mm < 150 && near->from_front_rad < 0.8 && off_front < (was_held ? 1.2 : 0.4) &&
+              (velocity - robot.velocity_mm_s).norm() > 500 &&
+              (was_held || speed > 0.75 * before.norm() + 300 || before.norm() < 700);
+  }
+  constexpr double kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
+  const bool is_inside = std::abs(event_mm.x()) < 6000 && std::abs(event_mm.y()) < 4600;
+  const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
+  if (best > kMeetsMm || (touches_nothing && is_inside && (velocity - before).norm() < kTurns_mm_s)) {
+    constexpr std::size_t kEnough = 3;
+    if (branch_.size() < kEnough) return;
+    roll(last, velocity, speed > 1500, speed);
+    seen_s_ = last.t_s;
+    branch_.clear();
+    is_kick_ = false;
+    return;
+  }
+  roll(last, velocity - way * (slides * passed_s / 2), true, shot_speed);
+  seen_s_ = last.t_s;
+  event_s_ = event_s;
+  event_mm_ = event_mm;
+  is_kick_ = is_kick;
+  is_chip_ = false;
+  points_.clear();
+  for (const Sighting& one : branch_)
+    points_.push_back(
+        {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm});
+  branch_.clear();
+  if (!is_kick) return;
+  const TrackedRobot& robot = near->robot;
+  TrackedKick kick;
+  kick.number = kick_ ? kick_->number + 1 : 1;
+  kick.t_s = event_s;
+  kick.place_mm = event_mm;
+  kick.velocity_mm_s << way * shot_speed, 0;
+  kick.robot = robot.name;
+  kick_ = kick;
+  direction_rad_ = direction_of(
+      0.8 * shot_speed * Vector2d(std::cos(robot.orientation_rad), std::sin(robot.orientation_rad)) +
+      0.5 * robot.velocity_mm_s);
+  direction_sigma_rad_ = 0.05 + 0.3 * robot.velocity_mm_s.norm() / std::max(500.0, shot_speed);
+  fit_shot();
+}
+
+void BallTrack::fit_shot() {
+  const std::size_t count = points_.size();
+  constexpr std::size_t kFewest = 3, kOften = 16;
+  if (count < kFewest || (count > kOften && count % 2) || count >= kMaxShotPoints) return;
+  const double age_s = points_.back().t_s - event_s_;
+  ShotFit guess;
+  guess.shot = {event_s_, event_mm_, kick_->velocity_mm_s};
+  guess.shot.velocity_mm_s.z() = 0;
+  guess.slides_mm_s2 = kFreeSlides_mm_s2;
+  BallModel slides = model_;
+  slides.slides_mm_s2 = kFreeSlides_mm_s2;
+  ShotPrior prior;
+  prior.direction_rad = direction_rad_;
+  prior.direction_sigma_rad = direction_sigma_rad_;
+  const ShotFit flat = fit_flat(guess, points_, slides, prior);
+  const Vector2d flat_velocity = flat.shot.velocity_mm_s.head<2>();
+  const double speed = flat_velocity.norm();
+
+  ShotFit chip_guess;
+  chip_guess.shot =
+      is_chip_
+          ? chip_
+          : BallShot{event_s_, event_mm_, {0.9 * flat_velocity.x(), 0.9 * flat_velocity.y(), 0.8 * speed}};
+  chip_guess.shot.t_s = event_s_;
+  chip_guess.shot.place_mm = event_mm_;
+  const ShotFit chip = fit_chip(chip_guess, points_, model_, prior, count < 8 ? 6 : 3);
+  is_chip_ = flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
+  chip_ = chip.shot;
+  kick_->is_chip = is_chip_;
+  if (is_chip_) {
+    phase_ = Phase::kFlying;
+    kick_->t_s = chip.shot.t_s;
+    kick_->velocity_mm_s = chip.shot.velocity_mm_s;
+    kick_->landing_mm = chip.shot.landing_mm();
+    return;
+  }
+  if (phase_ == Phase::kFlying) {
+    const ShotPoint& last = points_.back();
+    roll({last.t_s, last.camera_mm, last.place_mm, last.sigma_mm, last.height_mm, last.height_sigma_mm},
+         flat_velocity, true, speed);
+  }
+  // The kick was where its line passes the ball's place.
+  const Vector2d way = unit_of(flat_velocity);
+  constexpr double kMost_s = 0.01;
+  const double late_s =
+      std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / std::max(300.0, speed), -kMost_s, kMost_s);
+  kick_->t_s = event_s_ + late_s;
+  kick_->place_mm = flat.shot.place_mm + way * (speed * late_s);
+  const Vector2d kicked = flat_velocity - way * (flat.slides_mm_s2 * late_s);
+  kick_->velocity_mm_s << kicked, 0;
+  constexpr double kYoung_s = 0.25;
+  constexpr std::size_t kFewPoints = 14;
+  if (age_s >= kYoung_s || count > kFewPoints) return;
+  const double now = std::max(0.0, speed - flat.slides_mm_s2 * (points_.back().t_s - event_s_));
+  if (now <= speed * model_.rolls_from_share) return;
+  flat_.began_mm_s = speed;
+  flat_.slides = true;
+}
+
+TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
+  constexpr double kShown_s = 0.8;
+  TrackedBall out;
+  out.visibility = std::clamp(1 - (t_s - seen_s_ - 0.03) / kShown_s, 0.0, 1.0);
+  if (phase_ == Phase::kFlying) {
+    const BallState ball = chip_.at(t_s, model_);
+    out.place_mm = ball.place_mm;
+    out.velocity_mm_s = ball.velocity_mm_s;
+    return out;
+  }
+  Vector2d place, velocity;
+  if (phase_ == Phase::kHeld) {
+    place = held_at(t_s, robots);
+    velocity = Vector2d(0, 0);
+    if (const auto robot = robots.at(holder_, t_s))
+      velocity = robot->velocity_mm_s + left_of(place - robot->place_mm) * robot->turn_rad_s;
+  } else {
+    Flat then = flat_;
+    then.predict(t_s, model_);
+    place = then.place();
+    velocity = then.velocity();
+    constexpr double kHidden_s = 0.03;
+    const Vector2d from = flat_.place(), way = unit_of(place - from);
+    const double length = (place - from).norm();
+    for (const auto& [name, track] : robots.tracks) {
+      if (t_s - seen_s_ <= kHidden_s) break;
+      const auto robot = robots.at(name, t_s);
+      if (!robot || (from - robot->place_mm).norm() <= kNearlyMm + 0.5) continue;
+      // One that is not seen has stopped at a robot in its way.
+      const double nearest = std::clamp((robot->place_mm - from).dot(way), 0.0, length);
+      if (nearest <= 1 || (from + way * nearest - robot->place_mm).norm() >= kNearlyMm - 6.5) continue;
+      place = robot->place_mm + unit_of(from - robot->place_mm) * kNearlyMm;
+      velocity = robot->velocity_mm_s;
+      break;
+    }
+  }
+  out.place_mm << place, model_.radius_mm;
+  out.velocity_mm_s << velocity, 0;
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tracking/ball_motion.h"
+#include "tracking/kick_fit.h"
+#include "tracking/robot_track.h"
+#include "tracking/tracks.h"
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv {
+
+/// The robots that a ball may meet.
+class RobotTracks {
+ public:
+  std::optional<TrackedRobot> at(const RobotName& name, double t_s) const;
+  struct Nearest {
+    TrackedRobot robot;
+    double distance_mm, from_front_rad;
+  };
+  std::optional<Nearest> nearest(const Eigen::Vector2d& place_mm, double t_s) const;
+
+  std::map<RobotName, RobotTrack> tracks;
+};
+
+/// One ball: rolls or slides, is held by a robot, or flies. What no phase explains is kept apart until two
+/// sightings say together what happened, and when.
+class BallTrack {
+ public:
+  struct Sighting {
+    double t_s;
+    Eigen::Vector3d camera_mm;
+    Eigen::Vector2d place_mm;  // as if on the floor, without the camera's known error
+    double sigma_mm;
+    double height_mm, height_sigma_mm;
+  };
+
+  BallTrack(const BallModel& model, const Sighting& newest, const Eigen::Vector2d& velocity_mm_s);
+
+  /// What one image shows of balls; nothing is done when there are none.
+  void add(const std::vector<Sighting>& seen, const RobotTracks& robots);
+  TrackedBall at(double t_s, const RobotTracks& robots) const;
+  double seen_s() const { return seen_s_; }
+  const std::optional<TrackedKick>& kick() const { return kick_; }
+
+ private:
+  enum class Phase { kFree, kHeld, kFlying };
+  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  /// On the floor: place, velocity, deceleration.
+  struct Flat {
+    double t_s = 0;
+    Vector5 state = Vector5::Zero();
+    Matrix5 cov = Matrix5::Zero();
+    bool slides = false;
+    double began_mm_s = 0;  // to slide
+
+    void predict(double to_s, const BallModel& model);
+    Eigen::Vector2d place() const { return state.head<2>(); }
+    Eigen::Vector2d velocity() const { return state.segment<2>(2); }
+  };
+
+  void roll(const Sighting& at, const Eigen::Vector2d& velocity_mm_s, bool slides, double began_mm_s);
+  Eigen::Vector2d held_at(double t_s, const RobotTracks& robots) const;
+  Eigen::Vector2d seen_from(const Eigen::Vector3d& camera_mm, double t_s, const RobotTracks& robots) const;
+  double gate_mm(double t_s) const;
+  void accept(const Sighting& sighting, const RobotTracks& robots);
+  void correct(const Sighting& sighting);
+  void may_be_held(const Sighting& sighting, const RobotTracks& robots);
+  void surprise(const std::vector<Sighting>& seen, const Eigen::Vector2d& expected_mm,
+                const RobotTracks& robots);
+  void explain(const RobotTracks& robots);
+  void fit_shot();
+
+  BallModel model_;
+  Phase phase_ = Phase::kFree;
+  double seen_s_;
+  Flat flat_;
+  RobotName holder_;
+  Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
+  int held_count_ = 0;
+  std::vector<Sighting> branch_;  // surprising ones
+  // Since the last kick or turn.
+  double event_s_ = -9;
+  Eigen::Vector2d event_mm_{0, 0};
+  bool is_kick_ = false, is_chip_ = false;
+  std::vector<ShotPoint> points_;
+  BallShot chip_;
+  double direction_rad_ = 0, direction_sigma_rad_ = 0;
+  std::optional<TrackedKick> kick_;
+};
+
+}  // namespace sslv
