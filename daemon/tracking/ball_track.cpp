@@ -143,8 +143,8 @@ double BallTrack::gate_mm(double t_s) const {
   return std::min(40.0, 4.5 * std::sqrt(std::max(then.cov(0, 0), then.cov(1, 1)) + 0.3) + 1.5);
 }
 
-void BallTrack::add(const std::vector<Sighting>& seen, const RobotTracks& robots) {
-  if (seen.empty()) return;
+BallTrack::Saw BallTrack::add(const std::vector<Sighting>& seen, const RobotTracks& robots) {
+  if (seen.empty()) return Saw::kNothing;
   const double t_s = seen.front().t_s;
   const Vector2d expected = seen_from(seen.front().camera_mm, t_s, robots);
   const Sighting& nearest =
@@ -160,10 +160,21 @@ void BallTrack::add(const std::vector<Sighting>& seen, const RobotTracks& robots
   if (is_it) {
     branch_.clear();
     seen_s_ = t_s;
+    ++sightings_;
     accept(nearest, robots);
-    return;
+    return Saw::kBall;
   }
-  surprise(seen, expected, robots);
+  return surprise(seen, expected, robots);
+}
+
+bool BallTrack::explains(const Sighting& sighting, const RobotTracks& robots) const {
+  return (sighting.place_mm - seen_from(sighting.camera_mm, sighting.t_s, robots)).norm() <
+         gate_mm(sighting.t_s);
+}
+
+bool BallTrack::is_too_fast() const {
+  constexpr double kFastest_mm_s = 9000;
+  return phase_ == Phase::kFree && flat_.velocity().norm() > kFastest_mm_s;
 }
 
 void BallTrack::correct(const Sighting& sighting) {
@@ -238,8 +249,8 @@ void BallTrack::may_be_held(const Sighting& sighting, const RobotTracks& robots)
   is_kick_ = false;
 }
 
-void BallTrack::surprise(const std::vector<Sighting>& seen, const Vector2d& expected_mm,
-                         const RobotTracks& robots) {
+BallTrack::Saw BallTrack::surprise(const std::vector<Sighting>& seen, const Vector2d& expected_mm,
+                                   const RobotTracks& robots) {
   // The likeliest to be where it went.
   const double t_s = seen.front().t_s;
   const Sighting* likeliest = nullptr;
@@ -252,21 +263,21 @@ void BallTrack::surprise(const std::vector<Sighting>& seen, const Vector2d& expe
     best = ratio;
     likeliest = &one;
   }
-  if (!likeliest) return;
+  if (!likeliest) return Saw::kNothing;
   constexpr double kLasts_s = 0.1, kApart_s = 0.003, kFastest_mm_s = 9500;
   if (!branch_.empty() && t_s - branch_.front().t_s > kLasts_s) branch_.clear();
   branch_.push_back(*likeliest);
   const double passed_s = branch_.back().t_s - branch_.front().t_s;
-  if (branch_.size() < 2 || passed_s < kApart_s) return;
+  if (branch_.size() < 2 || passed_s < kApart_s) return Saw::kNothing;
   if ((branch_.back().place_mm - branch_.front().place_mm).norm() / passed_s > kFastest_mm_s) {
     branch_.assign(1, *likeliest);
-    return;
+    return Saw::kNothing;
   }
-  explain(robots);
+  return explain(robots);
 }
 
 /// What happened is where the old way and the new one meet.
-void BallTrack::explain(const RobotTracks& robots) {
+BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
   const Sighting first = branch_.front(), last = branch_.back();
   const double passed_s = last.t_s - first.t_s;
   const Vector2d velocity = (last.place_mm - first.place_mm) / passed_s, way = unit_of(velocity);
@@ -304,12 +315,13 @@ void BallTrack::explain(const RobotTracks& robots) {
   const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
   if (best > kMeetsMm || (touches_nothing && is_inside && (velocity - before).norm() < kTurns_mm_s)) {
     constexpr std::size_t kEnough = 3;
-    if (branch_.size() < kEnough) return;
+    if (branch_.size() < kEnough) return Saw::kNothing;
+    sightings_ = static_cast<int>(branch_.size());
     roll(last, velocity, speed > 1500, speed);
     seen_s_ = last.t_s;
     branch_.clear();
     is_kick_ = false;
-    return;
+    return Saw::kTurn;
   }
   roll(last, velocity - way * (slides * passed_s / 2), true, shot_speed);
   seen_s_ = last.t_s;
@@ -321,8 +333,9 @@ void BallTrack::explain(const RobotTracks& robots) {
   for (const Sighting& one : branch_)
     points_.push_back(
         {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm});
+  sightings_ = static_cast<int>(branch_.size());
   branch_.clear();
-  if (!is_kick) return;
+  if (!is_kick) return Saw::kTurn;
   const TrackedRobot& robot = near->robot;
   TrackedKick kick;
   kick.number = kick_ ? kick_->number + 1 : 1;
@@ -336,6 +349,7 @@ void BallTrack::explain(const RobotTracks& robots) {
       0.5 * robot.velocity_mm_s);
   direction_sigma_rad_ = 0.05 + 0.3 * robot.velocity_mm_s.norm() / std::max(500.0, shot_speed);
   fit_shot();
+  return Saw::kTurn;
 }
 
 void BallTrack::fit_shot() {

@@ -41,11 +41,19 @@ class BallTrack {
 
   BallTrack(const BallModel& model, const Sighting& newest, const Eigen::Vector2d& velocity_mm_s);
 
-  /// What one image shows of balls; nothing is done when there are none.
-  void add(const std::vector<Sighting>& seen, const RobotTracks& robots);
+  enum class Saw { kNothing, kBall, kTurn };
+  /// What one image shows of balls. kTurn: it was kicked or turned away, as two or three sightings tell; what
+  /// went before may still be true.
+  Saw add(const std::vector<Sighting>& seen, const RobotTracks& robots);
+  /// Whether this sighting is where it is expected.
+  bool explains(const Sighting& sighting, const RobotTracks& robots) const;
   TrackedBall at(double t_s, const RobotTracks& robots) const;
   double seen_s() const { return seen_s_; }
   const std::optional<TrackedKick>& kick() const { return kick_; }
+  /// Sightings since it began or turned.
+  int sightings() const { return sightings_; }
+  /// Of no ball of the league.
+  bool is_too_fast() const;
 
  private:
   enum class Phase { kFree, kHeld, kFlying };
@@ -71,14 +79,15 @@ class BallTrack {
   void accept(const Sighting& sighting, const RobotTracks& robots);
   void correct(const Sighting& sighting);
   void may_be_held(const Sighting& sighting, const RobotTracks& robots);
-  void surprise(const std::vector<Sighting>& seen, const Eigen::Vector2d& expected_mm,
-                const RobotTracks& robots);
-  void explain(const RobotTracks& robots);
+  Saw surprise(const std::vector<Sighting>& seen, const Eigen::Vector2d& expected_mm,
+               const RobotTracks& robots);
+  Saw explain(const RobotTracks& robots);
   void fit_shot();
 
   BallModel model_;
   Phase phase_ = Phase::kFree;
   double seen_s_;
+  int sightings_ = 1;
   Flat flat_;
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre

@@ -33,7 +33,9 @@ class Tracker {
  private:
   void add_robot(int camera, double t_s, const RobotSighting& sighting);
   void add_balls(const CameraSightings& sightings, double t_s);
-  void look_for_ball(const std::vector<BallTrack::Sighting>& seen);
+  void look_for_balls();
+  void choose_ball(double t_s);
+  void take_kick();
 
   std::optional<double> newest_s_;
   std::map<int, FrameClock> clocks_;
@@ -41,11 +43,18 @@ class Tracker {
   CameraAgreement agreement_;
   RobotTracks robots_;
   BallModel model_;
-  std::optional<BallTrack> ball_;
-  std::vector<BallTrack::Sighting> lately_;  // while there is no ball
+  /// All that may be the ball, the one that is shown first: others, and what it was before its last turn.
+  struct Ball {
+    BallTrack track;
+    int number;
+    bool is_past = false;  // of one that turned since
+  };
+  std::vector<Ball> balls_;
+  std::vector<BallTrack::Sighting> unexplained_;  // lately
   std::vector<BallTrack::Sighting> seen_;
   std::optional<TrackedKick> kick_;
-  int kicks_ = 0, kick_of_ball_ = 0;
+  int numbers_ = 0, kicks_ = 0;
+  std::pair<int, int> kick_of_ball_{0, 0};  // the ball's number, its kick's
 };
 
 }  // namespace sslv
