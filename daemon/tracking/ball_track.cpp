@@ -162,6 +162,8 @@ BallTrack::Saw BallTrack::add(const std::vector<Sighting>& seen, const RobotTrac
     seen_s_ = t_s;
     ++sightings_;
     accept(nearest, robots);
+    constexpr double kMoves_mm_s = 150;
+    if (phase_ != Phase::kFree || flat_.velocity().norm() > kMoves_mm_s) moved_s_ = t_s;
     return Saw::kBall;
   }
   return surprise(seen, expected, robots);

@@ -52,6 +52,8 @@ class BallTrack {
   const std::optional<TrackedKick>& kick() const { return kick_; }
   /// Sightings since it began or turned.
   int sightings() const { return sightings_; }
+  /// When it last moved, as far as was seen.
+  double moved_s() const { return moved_s_; }
   /// Of no ball of the league.
   bool is_too_fast() const;
 
@@ -88,6 +90,7 @@ class BallTrack {
   Phase phase_ = Phase::kFree;
   double seen_s_;
   int sightings_ = 1;
+  double moved_s_ = 0;
   Flat flat_;
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre

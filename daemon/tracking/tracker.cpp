@@ -98,18 +98,23 @@ void Tracker::choose_ball(double t_s) {
     return t_s - ball.track.seen_s() > kBallGone_s || ball.track.is_too_fast();
   });
   constexpr std::size_t kMost = 6;
-  constexpr double kLately_s = 0.03, kUnseen_s = 0.05;
-  constexpr int kOld = 8, kSure = 4;
+  constexpr double kLately_s = 0.03, kUnseen_s = 0.05, kHidden_s = 0.5;
+  constexpr int kOld = 8, kSure = 4, kPlayed = 6;
+  constexpr double kStill_s = 1;
   if (balls_.empty()) return;
   // One that turned was not it when what it was before is seen again, and it is not.
   std::size_t first = 0;
   for (std::size_t i = 1; i < balls_.size(); ++i) {
     const BallTrack &shown = balls_[first].track, &other = balls_[i].track;
     if (t_s - other.seen_s() > kLately_s || other.sightings() < kSure) continue;
-    const bool shown_is_unseen = other.seen_s() - shown.seen_s() > kUnseen_s;
+    // A ball that lies still elsewhere is not the one that is hidden.
+    const bool lies = t_s - other.moved_s() > kUnseen_s;
+    const bool shown_is_unseen = other.seen_s() - shown.seen_s() > (lies ? kHidden_s : kUnseen_s);
     const bool shown_is_young = shown.sightings() < kOld && other.sightings() > 2 * shown.sightings() &&
                                 other.seen_s() - shown.seen_s() > kLately_s / 2;
-    if (shown_is_unseen || shown_is_young) first = i;
+    // Balls beside the field lie still; the one that is played does not.
+    const bool is_played = other.sightings() > kPlayed && other.moved_s() > shown.moved_s() + kStill_s;
+    if (shown_is_unseen || shown_is_young || is_played) first = i;
   }
   if (first != 0) std::swap(balls_[0], balls_[first]);
   balls_[0].is_past = false;

@@ -166,7 +166,6 @@ class Scorer {
     const bool is_flying = truth.place_mm.z() > World::kBallRadiusMm + 1;
     if (is_seen) {
       out_.counts["ball seen (s)"] += passed_s;
-      if (error_mm > 300 && getenv("BIG")) printf("BIG %.4f err %.0f truth %.0f %.0f z %.0f v %.0f held %d est %.0f %.0f %.0f v %.0f vis %.2f\n", now_s, error_mm, truth.place_mm.x(), truth.place_mm.y(), truth.place_mm.z(), speed, truth.is_held, ball->place_mm.x(), ball->place_mm.y(), ball->place_mm.z(), ball->velocity_mm_s.norm(), ball->visibility);
       if (error_mm > 300) out_.counts["ball off while seen (s)"] += passed_s;
       if (!turns_within(now_s - 0.1, now_s + 0.006)) {
         const char* kind = truth.is_held                           ? "ball held"

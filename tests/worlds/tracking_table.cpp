@@ -38,6 +38,8 @@ int main(int argc, char** argv) {
     if (name == "--latency") options.latency_s = value * 1e-3;
     if (name == "--heights") options.robot_height_spread_mm = value;
     if (name == "--bias") options.robot_bias_mm = options.floor_bias_mm = value;
+    if (name == "--second") options.has_second_ball = value > 0;
+    if (name == "--chips") options.only_chips = value > 0;
     if (name == "--offsets") options.clock_offset_sigma_s = value * 1e-3;
   }
   Score total, others;

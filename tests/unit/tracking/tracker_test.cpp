@@ -65,6 +65,32 @@ TEST(Tracker, LearnsHowHighRobotsAre) {
   EXPECT_GE(sure, options.robots * 3 / 4);
 }
 
+TEST(Tracker, TheBallIsWhereItIsWhenThePacketLeaves) {
+  WorldOptions options = short_world(24);
+  options.duration_s = 30;
+  const World world(options);
+  Ours ours(world);
+  Score score = worlds::score(world, ours);
+  EXPECT_LE(score.errors.at("ball rolling").quantile(0.5), 2);
+  EXPECT_LE(score.errors.at("ball sliding").quantile(0.5), 2);
+  EXPECT_LE(score.errors.at("ball held").quantile(0.5), 3);
+  EXPECT_LE(score.errors.at("kick published ms").quantile(0.5), 50);
+  EXPECT_LE(score.errors.at("kick speed at 100 ms").rms(), 30);
+  EXPECT_EQ(score.counts["false kicks"], 0);
+  EXPECT_EQ(score.counts["kicks missed"], 0);
+  EXPECT_LE(score.counts["ball off while seen (s)"], 0.03 * score.counts["ball seen (s)"]);
+}
+
+TEST(Tracker, ASecondBallThatLiesStillTakesNothingFromTheFirst) {
+  WorldOptions options = short_world(25);
+  options.has_second_ball = true;
+  const World world(options);
+  Ours ours(world);
+  Score score = worlds::score(world, ours);
+  EXPECT_LE(score.errors.at("ball rolling").quantile(0.5), 2);
+  EXPECT_LE(score.counts["ball off while seen (s)"], 0.03 * score.counts["ball seen (s)"]);
+}
+
 /// One robot before one camera.
 class OneRobot : public testing::Test {
  protected:

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/ball_motion.h"
+
+#include "halls/chance.h"
+#include "tracking/kick_fit.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+TEST(BallMotion, SlidesThenRollsThenLies) {
+  const BallModel model;
+  const double speed = 3500;
+  const double slides_s = speed * (1 - model.rolls_from_share) / model.slides_mm_s2;
+  EXPECT_NEAR(flat_way(speed, slides_s, model).speed_mm_s, speed * model.rolls_from_share, 1e-6);
+  EXPECT_NEAR(flat_way(speed, slides_s + 1, model).speed_mm_s,
+              speed * model.rolls_from_share - model.rolls_mm_s2, 1e-6);
+  const FlatWay end = flat_way(speed, 100, model);
+  EXPECT_NEAR(end.speed_mm_s, 0, 1e-9);
+  EXPECT_NEAR(end.way_mm, flat_way(speed, 200, model).way_mm, 1e-6);
+  // The way is the integral of the speed.
+  double way = 0;
+  for (int i = 0; i < 2000; ++i) way += flat_way(speed, (i + 0.5) * 1e-3, model).speed_mm_s * 1e-3;
+  EXPECT_NEAR(way, flat_way(speed, 2, model).way_mm, 0.1);
+}
+
+TEST(BallMotion, AChipLandsWhereItSaysAndHopsOn) {
+  const BallModel model;
+  const BallShot shot{10, {100, 200}, {3000, 1000, 3000}};
+  const double lands_s = 10 + 2 * 3000 / 9810.0;
+  const BallState landing = shot.at(lands_s - 1e-9, model);
+  EXPECT_NEAR(landing.place_mm.z(), model.radius_mm, 1e-3);
+  EXPECT_NEAR((landing.place_mm.head<2>() - shot.landing_mm()).norm(), 0, 1e-3);
+  const BallState after = shot.at(lands_s + 1e-9, model);
+  EXPECT_NEAR(after.velocity_mm_s.x(), model.first_hop_xy * 3000, 1e-3);
+  EXPECT_NEAR(after.velocity_mm_s.z(), model.hops_z * 3000, 1e-3);
+  EXPECT_NEAR(shot.at(lands_s + 5, model).velocity_mm_s.z(), 0, 1e-9);
+}
+
+class KickFit : public testing::Test {
+ protected:
+  /// As two cameras see it, in turns.
+  std::vector<ShotPoint> seen(const BallShot& shot, int count) {
+    std::vector<ShotPoint> out;
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3d camera(i % 2 ? 2000 : -2000, 500, 5000);
+      const double t_s = shot.t_s + 0.004 + i * 0.0067;
+      const BallState ball = shot.at(t_s, model_);
+      const double farther = (camera.z() - model_.radius_mm) / (camera.z() - ball.place_mm.z());
+      Eigen::Vector2d place = camera.head<2>() + (ball.place_mm.head<2>() - camera.head<2>()) * farther;
+      place.x() += 0.3 * chance_.normal();
+      place.y() += 0.3 * chance_.normal();
+      out.push_back({t_s, camera, place, 0.3, ball.place_mm.z() + 70 * chance_.normal(), 70});
+    }
+    return out;
+  }
+
+  const BallModel model_;
+  halls::Chance chance_{5, "kick"};
+};
+
+TEST_F(KickFit, FindsAShotAlongTheFloor) {
+  const BallShot shot{100, {500, -300}, {4000, 1500, 0}};
+  ShotFit guess;
+  guess.shot = {100, {505, -297}, {3800, 1700, 0}};
+  guess.slides_mm_s2 = 3500;
+  const auto points = seen(shot, 16);
+  const ShotFit flat = fit_flat(guess, points, model_, {});
+  EXPECT_NEAR((flat.shot.velocity_mm_s - shot.velocity_mm_s).norm(), 0, 25);
+  EXPECT_NEAR((flat.shot.place_mm - shot.place_mm).norm(), 0, 1.5);
+  ShotFit as_chip = guess;
+  as_chip.shot.velocity_mm_s.z() = 2000;
+  EXPECT_GT(fit_chip(as_chip, points, model_, {}, 8).chi2, flat.chi2 + 20);
+}
+
+TEST_F(KickFit, FindsAChipByWhereCamerasSeeIt) {
+  const BallShot shot{100, {500, -300}, {2500, 900, 2700}};
+  ShotFit guess;
+  guess.shot = {100.002, {503, -298}, {2300, 1000, 2000}};
+  guess.slides_mm_s2 = 3500;
+  const auto points = seen(shot, 24);
+  const ShotFit chip = fit_chip(guess, points, model_, {}, 12);
+  EXPECT_NEAR((chip.shot.landing_mm() - shot.landing_mm()).norm(), 0, 40);
+  EXPECT_NEAR(chip.shot.t_s, 100, 0.002);
+  ShotFit as_flat = guess;
+  as_flat.shot.velocity_mm_s.z() = 0;
+  EXPECT_GT(fit_flat(as_flat, points, model_, {}).chi2, chip.chi2 + 20);
+}
+
+}  // namespace
+}  // namespace sslv
