@@ -2,6 +2,7 @@
 #include "tracking/ball_motion.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sslv {
 
@@ -33,25 +34,28 @@ FlatWay flat_way(double speed_mm_s, double passed_s, const BallModel& model) {
 
 BallState BallShot::at(double time_s, const BallModel& model) const {
   double left_s = time_s - t_s;
-  if (!is_chip() || left_s <= 0) {
+  if (!is_chip() || (left_s <= 0 && height_mm <= 0)) {
     const Vector2d flat = velocity_mm_s.head<2>(), way = way_of(flat);
     const FlatWay gone = flat_way(flat.norm(), left_s, model);
     const Vector2d place = place_mm + way * gone.way_mm, velocity = way * gone.speed_mm_s;
     return {{place.x(), place.y(), model.radius_mm}, {velocity.x(), velocity.y(), 0}};
   }
   Vector2d place = place_mm, velocity = velocity_mm_s.head<2>();
-  double up = velocity_mm_s.z();
+  double up = velocity_mm_s.z(), from_mm = height_mm;
   for (bool is_first = true; up >= kLastHop_mm_s || is_first; is_first = false) {
-    const double hop_s = 2 * up / kGravity_mm_s2;
+    const double down = std::sqrt(up * up + 2 * kGravity_mm_s2 * from_mm),
+                 hop_s = (up + down) / kGravity_mm_s2;
     if (left_s < hop_s) {
       const Vector2d here = place + velocity * left_s;
-      return {{here.x(), here.y(), model.radius_mm + up * left_s - 0.5 * kGravity_mm_s2 * left_s * left_s},
+      const double height = from_mm + up * left_s - 0.5 * kGravity_mm_s2 * left_s * left_s;
+      return {{here.x(), here.y(), model.radius_mm + height},
               {velocity.x(), velocity.y(), up - kGravity_mm_s2 * left_s}};
     }
     left_s -= hop_s;
     place += velocity * hop_s;
     velocity *= is_first ? model.first_hop_xy : model.later_hops_xy;
-    up *= model.hops_z;
+    up = down * model.hops_z;
+    from_mm = 0;
   }
   const double speed = velocity.norm();
   const double rolls_s = std::min(left_s, speed / std::max(1.0, model.rolls_mm_s2));
@@ -62,7 +66,8 @@ BallState BallShot::at(double time_s, const BallModel& model) const {
 }
 
 Vector2d BallShot::landing_mm() const {
-  return place_mm + velocity_mm_s.head<2>() * (2 * std::max(0.0, velocity_mm_s.z()) / kGravity_mm_s2);
+  const double up = velocity_mm_s.z(), down = std::sqrt(up * up + 2 * kGravity_mm_s2 * height_mm);
+  return place_mm + velocity_mm_s.head<2>() * (std::max(0.0, up + down) / kGravity_mm_s2);
 }
 
 }  // namespace sslv

@@ -22,8 +22,9 @@ struct BallShot {
   double t_s = 0;
   Eigen::Vector2d place_mm{0, 0};
   Eigen::Vector3d velocity_mm_s{0, 0, 0};
+  double height_mm = 0;  // over the floor, of one that was turned in the air
 
-  bool is_chip() const { return velocity_mm_s.z() > 0; }
+  bool is_chip() const { return velocity_mm_s.z() > 0 || height_mm > 0; }
   BallState at(double time_s, const BallModel& model) const;
   /// Where a chip comes down first; the place itself for one along the floor.
   Eigen::Vector2d landing_mm() const;

@@ -57,8 +57,9 @@ std::optional<RobotTracks::Nearest> RobotTracks::nearest(const Vector2d& place_m
   return out;
 }
 
-BallTrack::BallTrack(const BallModel& model, const Sighting& newest, const Vector2d& velocity_mm_s)
-    : model_(model), seen_s_(newest.t_s) {
+BallTrack::BallTrack(const BallModel& model, const Sighting& newest, const Vector2d& velocity_mm_s,
+                     int sightings)
+    : model_(model), seen_s_(newest.t_s), sightings_(sightings) {
   points_.reserve(kMaxShotPoints + 1);
   branch_.reserve(16);
   roll(newest, velocity_mm_s, false, velocity_mm_s.norm());
@@ -312,7 +313,7 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
               (velocity - robot.velocity_mm_s).norm() > 500 &&
               (was_held || speed > 0.75 * before.norm() + 300 || before.norm() < 700);
   }
-  constexpr double kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
+  constexpr double kInTheAirMm = 60, kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
   const bool is_inside = std::abs(event_mm.x()) < 6000 && std::abs(event_mm.y()) < 4600;
   const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
   if (best > kMeetsMm || (touches_nothing && is_inside && (velocity - before).norm() < kTurns_mm_s)) {
@@ -323,6 +324,11 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
     seen_s_ = last.t_s;
     branch_.clear();
     is_kick_ = false;
+    return Saw::kTurn;
+  }
+  if (phase_ == Phase::kFlying && !is_kick &&
+      chip_.at(event_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm) {
+    turn_in_the_air(event_s);
     return Saw::kTurn;
   }
   roll(last, velocity - way * (slides * passed_s / 2), true, shot_speed);
@@ -352,6 +358,30 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
   direction_sigma_rad_ = 0.05 + 0.3 * robot.velocity_mm_s.norm() / std::max(500.0, shot_speed);
   fit_shot();
   return Saw::kTurn;
+}
+
+/// What it met turned its way; it falls as before.
+void BallTrack::turn_in_the_air(double event_s) {
+  const Sighting first = branch_.front(), last = branch_.back();
+  const auto place_of = [&](const Sighting& one) -> Vector2d {
+    const double height = chip_.at(one.t_s, model_).place_mm.z();
+    const Vector2d below = one.camera_mm.head<2>();
+    return below +
+           (one.place_mm - below) * (one.camera_mm.z() - height) / (one.camera_mm.z() - model_.radius_mm);
+  };
+  const BallState then = chip_.at(event_s, model_);
+  const Vector2d velocity = (place_of(last) - place_of(first)) / (last.t_s - first.t_s);
+  const Vector2d place = place_of(first) - velocity * (first.t_s - event_s);
+  chip_ = {event_s,
+           place,
+           {velocity.x(), velocity.y(), then.velocity_mm_s.z()},
+           then.place_mm.z() - model_.radius_mm};
+  seen_s_ = last.t_s;
+  event_s_ = event_s;
+  event_mm_ = place;
+  is_kick_ = false;
+  sightings_ = static_cast<int>(branch_.size());
+  branch_.clear();
 }
 
 void BallTrack::fit_shot() {

@@ -39,7 +39,9 @@ class BallTrack {
     double height_mm, height_sigma_mm;
   };
 
-  BallTrack(const BallModel& model, const Sighting& newest, const Eigen::Vector2d& velocity_mm_s);
+  /// From some sightings, of which this is the newest.
+  BallTrack(const BallModel& model, const Sighting& newest, const Eigen::Vector2d& velocity_mm_s,
+            int sightings);
 
   enum class Saw { kNothing, kBall, kTurn };
   /// What one image shows of balls. kTurn: it was kicked or turned away, as two or three sightings tell; what
@@ -84,6 +86,7 @@ class BallTrack {
   Saw surprise(const std::vector<Sighting>& seen, const Eigen::Vector2d& expected_mm,
                const RobotTracks& robots);
   Saw explain(const RobotTracks& robots);
+  void turn_in_the_air(double event_s);
   void fit_shot();
 
   BallModel model_;

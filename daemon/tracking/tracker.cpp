@@ -99,7 +99,7 @@ void Tracker::choose_ball(double t_s) {
   });
   constexpr std::size_t kMost = 6;
   constexpr double kLately_s = 0.03, kUnseen_s = 0.05, kHidden_s = 0.5;
-  constexpr int kOld = 8, kSure = 4, kPlayed = 6;
+  constexpr int kOld = 8, kSure = 3, kPlayed = 6;
   constexpr double kStill_s = 1;
   if (balls_.empty()) return;
   // One that turned was not it when what it was before is seen again, and it is not.
@@ -159,12 +159,12 @@ void Tracker::look_for_balls() {
       if (passed_s > 1e-3 && (one.place_mm - now.place_mm).norm() < kFastest_mm_s * passed_s + kNearMm)
         before.push_back(&one);
     }
-    constexpr std::size_t kEnough = 3;
+    constexpr std::size_t kEnough = 2;
     if (before.size() >= kEnough) {
       const BallTrack::Sighting &first = *before.front(), &middle = *before[before.size() / 2];
       const Vector2d velocity = (now.place_mm - first.place_mm) / (now.t_s - first.t_s);
       if ((first.place_mm + velocity * (middle.t_s - first.t_s) - middle.place_mm).norm() < kStraightMm) {
-        balls_.push_back({BallTrack(model_, now, velocity), ++numbers_});
+        balls_.push_back({BallTrack(model_, now, velocity, static_cast<int>(before.size()) + 1), ++numbers_});
         unexplained_.clear();
         continue;
       }

@@ -41,6 +41,22 @@ TEST(BallMotion, AChipLandsWhereItSaysAndHopsOn) {
   EXPECT_NEAR(shot.at(lands_s + 5, model).velocity_mm_s.z(), 0, 1e-9);
 }
 
+TEST(BallMotion, OneThatIsTurnedInTheAirFallsAsBefore) {
+  const BallModel model;
+  const BallShot shot{10, {100, 200}, {3000, 1000, 3000}};
+  const BallState then = shot.at(10.4, model);
+  const BallShot turned{10.4,
+                        then.place_mm.head<2>(),
+                        {-500, 700, then.velocity_mm_s.z()},
+                        then.place_mm.z() - model.radius_mm};
+  for (const double t_s : {10.4, 10.5, 10.6, 10.8}) {
+    EXPECT_NEAR(turned.at(t_s, model).place_mm.z(), shot.at(t_s, model).place_mm.z(), 1e-6) << t_s;
+    EXPECT_NEAR(turned.at(t_s, model).velocity_mm_s.z(), shot.at(t_s, model).velocity_mm_s.z(), 1e-6) << t_s;
+  }
+  EXPECT_NEAR((turned.at(10 + 6000 / 9810.0, model).place_mm.head<2>() - turned.landing_mm()).norm(), 0,
+              1e-3);
+}
+
 class KickFit : public testing::Test {
  protected:
   /// As two cameras see it, in turns.
