@@ -13,7 +13,7 @@ namespace sslv {
 namespace {
 
 TEST(BallMotion, SlidesThenRollsThenLies) {
-  const BallModel model;
+  const BallModel model{};
   const double speed = 3500;
   const double slides_s = speed * (1 - model.rolls_from_share) / model.slides_mm_s2;
   EXPECT_NEAR(flat_way(speed, slides_s, model).speed_mm_s, speed * model.rolls_from_share, 1e-6);
@@ -29,7 +29,7 @@ TEST(BallMotion, SlidesThenRollsThenLies) {
 }
 
 TEST(BallMotion, AChipLandsWhereItSaysAndHopsOn) {
-  const BallModel model;
+  const BallModel model{};
   const BallShot shot{10, {100, 200}, {3000, 1000, 3000}};
   const double lands_s = 10 + 2 * 3000 / 9810.0;
   const BallState landing = shot.at(lands_s - 1e-9, model);
@@ -42,7 +42,7 @@ TEST(BallMotion, AChipLandsWhereItSaysAndHopsOn) {
 }
 
 TEST(BallMotion, OneThatIsTurnedInTheAirFallsAsBefore) {
-  const BallModel model;
+  const BallModel model{};
   const BallShot shot{10, {100, 200}, {3000, 1000, 3000}};
   const BallState then = shot.at(10.4, model);
   const BallShot turned{10.4,
@@ -75,7 +75,7 @@ class KickFit : public testing::Test {
     return out;
   }
 
-  const BallModel model_;
+  const BallModel model_{};
   halls::Chance chance_{5, "kick"};
 };
 
