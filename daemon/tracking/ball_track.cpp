@@ -39,9 +39,8 @@ Vector2d left_of(const Vector2d& v) {
 }  // namespace
 
 std::optional<TrackedRobot> RobotTracks::at(const RobotName& name, double t_s) const {
-  constexpr double kGone_s = 0.5;
   const auto known = tracks.find(name);
-  if (known == tracks.end() || t_s - known->second.seen_s() > kGone_s) return {};
+  if (known == tracks.end() || t_s - known->second.seen_s() > RobotTrack::kGone_s) return {};
   return known->second.at(t_s);
 }
 

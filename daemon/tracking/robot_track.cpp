@@ -23,7 +23,6 @@ constexpr double kMaxAcceleration_mm_s2 = 6500, kMaxTurnAcceleration = 80;
 constexpr double kFastest_mm_s = 6000;
 /// What calibrations still differ by from one place to the next.
 constexpr double kPlaceSigmaMm = 0.05, kAngleSigma_rad = 8e-4;
-constexpr double kGone_s = 0.5;
 
 double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2 * std::numbers::pi);

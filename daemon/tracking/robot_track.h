@@ -29,6 +29,8 @@ class RobotTrack {
   TrackedRobot at(double t_s) const;
 
   double seen_s() const { return seen_s_; }
+  /// Not seen for so long, a robot is no longer on the field.
+  static constexpr double kGone_s = 0.5;
   int sightings() const { return sightings_; }
   /// Without looking ahead.
   Eigen::Vector2d velocity_mm_s() const { return state_.segment<2>(2); }

@@ -62,7 +62,8 @@ void Tracker::add_balls(const CameraSightings& sightings, double t_s) {
   if (seen_.empty()) return;
   const double now_s = seen_.front().t_s;
   // What one that is looked at since long explains is not what another has turned to.
-  for (std::size_t i = 0; i < balls_.size(); ++i) {
+  const std::size_t count = balls_.size();  // without what is added here
+  for (std::size_t i = 0; i < count; ++i) {
     Ball& ball = balls_[i];
     std::vector<BallTrack::Sighting> own = seen_;
     if (own.size() > 1) {
@@ -81,7 +82,6 @@ void Tracker::add_balls(const CameraSightings& sightings, double t_s) {
           break;
         }
         before.is_past = true;
-        before.number = ball.number;
         balls_.push_back(std::move(before));
         break;
       case BallTrack::Saw::kBall:

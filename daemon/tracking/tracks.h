@@ -31,7 +31,6 @@ struct TrackedRobot {
 /// A ball at one moment; its place is that of its centre.
 struct TrackedBall {
   Eigen::Vector3d place_mm{0, 0, 0}, velocity_mm_s{0, 0, 0};
-  double place_sigma_mm = 0;
   double visibility = 0;
 };
 

@@ -8,7 +8,7 @@
 
 namespace sslv::worlds {
 
-/// Whoever makes tracks of a world's images: ours, or one like those that teams use today.
+/// A tracker that is tried in a world: ours, or one made the way that is usual in the league.
 class Rival {
  public:
   virtual ~Rival() = default;
