@@ -16,7 +16,8 @@ rules='
   colors                base image geometry vision
   capture               base image geometry vision/patterns.h vision/label.h
   pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
-  pipeline              base image geometry vision
+  pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h
+  pipeline              base image geometry vision tracking
   net                   base image/frame_info.h geometry vision/detections.h proto
   settings              base
   health                base image vision/mask.h

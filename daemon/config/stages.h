@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/stage.h"
+#include "pipeline/camera_stage.h"
 
 #include <span>
 #include <string>

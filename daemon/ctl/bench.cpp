@@ -33,7 +33,7 @@ BenchResult time_stack(const CameraSettings& camera, const std::string& path, co
   for (int round = -1; round < rounds; ++round) {  // the first round only warms up
     for (const ImageView& view : recording.views) {
       frame.image = Image(view, nullptr, nullptr, nullptr);
-      pipeline.run(frame, context, sink, parameters);
+      pipeline.run({frame, context, sink}, parameters);
       if (round < 0) continue;
       double total = 0;
       for (std::size_t i = 0; i < frame.stage_ns.size(); ++i) {

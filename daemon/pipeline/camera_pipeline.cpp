@@ -35,7 +35,7 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   frame.info = {camera_id_, next_number_++, times, whole};
   frame.image = std::move(image);
   forget_results(frame);
-  setup->pipeline->run(frame, setup->context, sink_, setup->parameters);
+  setup->pipeline->run({frame, setup->context, sink_}, setup->parameters);
 
   counters_.add(frame);
   if (current_) {

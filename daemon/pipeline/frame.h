@@ -2,7 +2,7 @@
 #pragma once
 
 // The schema: everything known about one captured frame, and everything that is constant while it is
-// processed. A new kind of data is one member and one line here.
+// processed. A new kind of data is one member here and one line in camera_stage.h.
 
 #include "geometry/scene.h"
 #include "image/frame_info.h"
@@ -15,8 +15,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string_view>
-#include <tuple>
 #include <vector>
 
 namespace sslv {
@@ -48,21 +46,6 @@ struct CameraContext {
   /// What stages look at. Learning, margins and exposure look at all that the admin leaves: a calibration
   /// may be wrong.
   const Mask& looked_at() const { return stage_mask ? *stage_mask : *mask; }
-};
-
-/// A part's name in error messages and its place in Frame.
-template <class T>
-struct Part {
-  std::string_view name;
-  T Frame::*member;
-};
-template <class T>
-Part(std::string_view, T Frame::*) -> Part<T>;
-
-inline constexpr std::tuple kParts{
-    Part{"info", &Frame::info},   Part{"image", &Frame::image},     Part{"labels", &Frame::labels},
-    Part{"runs", &Frame::runs},   Part{"regions", &Frame::regions}, Part{"robots", &Frame::robots},
-    Part{"balls", &Frame::balls},
 };
 
 }  // namespace sslv

@@ -11,45 +11,50 @@
 namespace sslv {
 namespace {
 
+template <class Floor>
 std::string part_name(std::size_t index) {
   static constexpr auto kNames =
-      std::apply([](const auto&... part) { return std::array{part.name...}; }, kParts);
+      std::apply([](const auto&... part) { return std::array{part.name...}; }, Floor::kParts);
   return std::string(kNames[index]);
 }
 
-const StageType& find_stage(std::span<const StageType> table, const std::string& name,
-                            const std::string& path) {
+template <class Floor>
+const BasicStageType<Floor>& find_stage(std::span<const BasicStageType<Floor>> table, const std::string& name,
+                                        const std::string& path) {
   const auto found =
-      std::find_if(table.begin(), table.end(), [&](const StageType& type) { return type.name == name; });
+      std::find_if(table.begin(), table.end(), [&](const auto& type) { return type.name == name; });
   if (found != table.end()) return *found;
   std::string known;
-  for (const StageType& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
+  for (const auto& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
   throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, shortened(name), known));
 }
 
 }  // namespace
 
-std::vector<const StageType*> check_stack(std::span<const StageType> table,
-                                          const std::vector<std::string>& stack, const std::string& path) {
-  // Capture provides these two.
-  PartSet have = PartSet{}.set(part_index<FrameInfo>()).set(part_index<Image>());
-  std::array<std::string, kPartCount> writer;
-  std::vector<const StageType*> stages;
+template <class Floor>
+std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStageType<Floor>> table,
+                                                      const std::vector<std::string>& stack,
+                                                      const std::string& path) {
+  using Type = BasicStageType<Floor>;
+  constexpr std::size_t kParts = kPartCount<Floor>;
+  PartSet have = Floor::kProvided;
+  std::array<std::string, kParts> writer;
+  std::vector<const Type*> stages;
   for (std::size_t s = 0; s < stack.size(); ++s) {
     const std::string here = fmt::format("{}/{}", path, s);
-    const StageType& type = find_stage(table, stack[s], here);
+    const Type& type = find_stage<Floor>(table, stack[s], here);
     if (std::count(stack.begin(), stack.end(), stack[s]) > 1) {
       throw SettingsError(fmt::format("{}: stage '{}' is in the stack twice", here, stack[s]));
     }
-    for (std::size_t i = 0; i < kPartCount; ++i) {
+    for (std::size_t i = 0; i < kParts; ++i) {
       if (type.reads[i] && !have[i]) {
         throw SettingsError(fmt::format("{}: stage '{}' needs '{}', which no earlier stage provides", here,
-                                        type.name, part_name(i)));
+                                        type.name, part_name<Floor>(i)));
       }
       if (type.writes[i] && have[i]) {
-        throw SettingsError(fmt::format("{}: stage '{}' would overwrite '{}', which {} provides", here,
-                                        type.name, part_name(i),
-                                        writer[i].empty() ? "the camera" : "'" + writer[i] + "'"));
+        throw SettingsError(fmt::format(
+            "{}: stage '{}' would overwrite '{}', which {} provides", here, type.name, part_name<Floor>(i),
+            writer[i].empty() ? std::string(Floor::kProvider) : "'" + writer[i] + "'"));
       }
       if (type.writes[i]) writer[i] = type.name;
     }
@@ -59,53 +64,69 @@ std::vector<const StageType*> check_stack(std::span<const StageType> table,
   return stages;
 }
 
-Pipeline::Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
-                   const std::string& path)
+template <class Floor>
+BasicPipeline<Floor>::BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
+                                    const std::string& path)
     : table_(table), stack_(stack) {
-  for (const StageType* type : check_stack(table, stack, path))
+  for (const StageType* type : check_stack<Floor>(table, stack, path))
     steps_.push_back(std::make_unique<Running>(*type));
 }
 
-Pipeline::Parameters Pipeline::parameters_of(const std::vector<StageParams>& params) const {
+template <class Floor>
+typename BasicPipeline<Floor>::Parameters BasicPipeline<Floor>::parameters_of(
+    const std::vector<StageParams>& params) const {
   Parameters parameters;
   for (const auto& step : steps_)
     parameters.push_back(params[static_cast<std::size_t>(step->type - table_.data())]);
   return parameters;
 }
 
-Pipeline::Parameters Pipeline::make_parameters(const Json& stages, const std::string& path) const {
-  return parameters_of(read_stages(table_, stages, path).params);
+template <class Floor>
+typename BasicPipeline<Floor>::Parameters BasicPipeline<Floor>::make_parameters(
+    const Json& stages, const std::string& path) const {
+  return parameters_of(read_stages<Floor>(table_, stages, path).params);
 }
 
-void Pipeline::run(Frame& frame, const CameraContext& context, DetectionSink& sink,
-                   const Parameters& parameters) noexcept {
-  const Inputs inputs{frame, context, sink};
-  frame.stage_ns.resize(steps_.size());
+template <class Floor>
+void BasicPipeline<Floor>::run(const Inputs& inputs, const Parameters& parameters) noexcept {
+  auto& stage_ns = inputs.frame.stage_ns;
+  stage_ns.resize(steps_.size());
   std::int64_t before = steady_ns();
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     steps_[i]->step->run(inputs, parameters[i].get());
     const std::int64_t after = steady_ns();
-    frame.stage_ns[i] = after - before;
+    stage_ns[i] = after - before;
     steps_[i]->durations.add_ns(after - before);
-    sink.stage_took(static_cast<std::size_t>(steps_[i]->type - table_.data()), after - before);
+    inputs.stage_took(static_cast<std::size_t>(steps_[i]->type - table_.data()), after - before);
     before = after;
   }
 }
 
-StageSettings read_stages(std::span<const StageType> table, const Json& stages, const std::string& path) {
+template <class Floor>
+StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Json& stages,
+                          const std::string& path) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");
   for (const auto& item : stages.items()) {
-    if (item.key() != kCommentKey) find_stage(table, item.key(), path + "/" + shortened(item.key()));
+    if (item.key() != kCommentKey) find_stage<Floor>(table, item.key(), path + "/" + shortened(item.key()));
   }
   StageSettings out{Json::object(), {}};
-  for (const StageType& type : table) {
+  for (const auto& type : table) {
     const std::string name(type.name);
-    StageType::Parsed parsed =
-        type.parse(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
+    auto parsed = type.parse(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
     out.complete[name] = std::move(parsed.complete);
     out.params.push_back(std::move(parsed.params));
   }
   return out;
 }
+
+#define SSLV_FLOOR(Floor)                                                                        \
+  template class BasicPipeline<Floor>;                                                           \
+  template StageSettings read_stages<Floor>(std::span<const BasicStageType<Floor>>, const Json&, \
+                                            const std::string&);                                 \
+  template std::vector<const BasicStageType<Floor>*> check_stack<Floor>(                         \
+      std::span<const BasicStageType<Floor>>, const std::vector<std::string>&, const std::string&);
+SSLV_FLOOR(CameraFloor)
+SSLV_FLOOR(FieldFloor)
+#undef SSLV_FLOOR
 
 }  // namespace sslv

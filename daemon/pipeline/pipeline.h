@@ -2,7 +2,8 @@
 #pragma once
 
 #include "base/recent.h"
-#include "pipeline/stage.h"
+#include "pipeline/camera_stage.h"
+#include "pipeline/field_stage.h"
 
 #include <memory>
 #include <span>
@@ -19,19 +20,28 @@ struct StageSettings {
 
 /// `stages` maps stage names to their parameters; absent ones have their defaults. Throws SettingsError,
 /// beginning with `path`, for a stage that is not in the table or a parameter that is not allowed.
-StageSettings read_stages(std::span<const StageType> table, const Json& stages, const std::string& path);
+template <class Floor>
+StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Json& stages,
+                          const std::string& path);
 
 /// Whether the stack may run: its stages, in order. Throws SettingsError, beginning with `path`, for an
 /// unknown stage, a stage listed twice, a part that no earlier stage provides or that two stages write.
-std::vector<const StageType*> check_stack(std::span<const StageType> table,
-                                          const std::vector<std::string>& stack, const std::string& path);
+template <class Floor>
+std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStageType<Floor>> table,
+                                                      const std::vector<std::string>& stack,
+                                                      const std::string& path);
 
-/// The stages of one camera in their order, checked. Made when the stack changes; parameters may change
+/// The stages of one stack in their order, checked. Made when the stack changes; parameters may change
 /// without (Parameters below). Used by one thread at a time.
-class Pipeline {
+template <class Floor>
+class BasicPipeline {
  public:
+  using StageType = BasicStageType<Floor>;
+  using Inputs = typename Floor::Inputs;
+
   /// Throws as check_stack() does. `table` must outlive the pipeline.
-  Pipeline(std::span<const StageType> table, const std::vector<std::string>& stack, const std::string& path);
+  BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
+                const std::string& path);
 
   /// One parameter set for each stage of the stack, taken together, so that a frame sees all of a change or
   /// none.
@@ -42,10 +52,9 @@ class Pipeline {
   /// Likewise of what read_stages() reads, and throws.
   Parameters make_parameters(const Json& stages, const std::string& path) const;
 
-  /// Runs every stage on `frame` in order and notes each one's time in frame.stage_ns. No allocation of its
-  /// own once frame.stage_ns has its capacity.
-  void run(Frame& frame, const CameraContext& context, DetectionSink& sink,
-           const Parameters& parameters) noexcept;
+  /// Runs every stage in order and notes each one's time in the frame's stage_ns. No allocation of its own
+  /// once stage_ns has its capacity.
+  void run(const Inputs& inputs, const Parameters& parameters) noexcept;
 
   const std::vector<std::string>& stack() const { return stack_; }
   /// Recent durations of stage i of the stack; may be read from any thread.
@@ -55,12 +64,17 @@ class Pipeline {
   struct Running {
     explicit Running(const StageType& stage_type) : type(&stage_type), step(stage_type.create()) {}
     const StageType* type;
-    std::unique_ptr<Step> step;
+    std::unique_ptr<Step<Floor>> step;
     RecentDurations durations;
   };
   std::span<const StageType> table_;
   std::vector<std::string> stack_;
   std::vector<std::unique_ptr<Running>> steps_;
 };
+
+/// The stages of one camera.
+using Pipeline = BasicPipeline<CameraFloor>;
+/// Those of the whole field.
+using FieldPipeline = BasicPipeline<FieldFloor>;
 
 }  // namespace sslv

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pipeline/stage.h"
+#include "pipeline/camera_stage.h"
 
 #include <tuple>
 
@@ -14,9 +14,9 @@ class Publish {
   struct Params {
     static constexpr auto fields() { return std::tuple{}; }
   };
-  void process(const Params&, const FrameInfo& info, const RobotList& robots, const BallList& balls,
-               DetectionSink& sink) noexcept {
-    sink.publish(info, robots, balls);
+  void process(const Params&, const FrameInfo& info, const Scene& scene, const RobotList& robots,
+               const BallList& balls, DetectionSink& sink) noexcept {
+    sink.publish(info, scene, robots, balls);
   }
 };
 

@@ -8,12 +8,10 @@
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
 // whose signature is the contract: `const T&` reads the part of type T, `T&` writes it from scratch,
-// `Update<T>` edits it in place. `const Scene&`, `const Lut&`, `const Mask&` and `const PatternTable&` are
-// constants of the camera, `DetectionSink&` is where results leave the process. Any other parameter does not
-// compile.
+// `Update<T>` edits it in place. What else a stage can be given is the floor's: camera_stage.h for the stages
+// of one camera, field_stage.h for those of the whole field. Any other parameter does not compile.
 
 #include "base/params_json.h"
-#include "pipeline/frame.h"
 
 #include <bitset>
 #include <cstddef>
@@ -28,35 +26,42 @@
 
 namespace sslv {
 
-/// Where finished detections go: the multicast socket of the daemon, a file of the command line.
-class DetectionSink {
- public:
-  virtual ~DetectionSink() = default;
-  /// Called from the camera's thread, once a frame, also when nothing was found. Must not block.
-  virtual void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept = 0;
-  /// Likewise, after each stage: its place in the table of stages, and its time.
-  virtual void stage_took(std::size_t, std::int64_t) noexcept {}
+/// A part of a frame: its name in error messages, and its place. Parts are told apart by their type.
+template <class Frame, class T>
+struct Part {
+  std::string_view name;
+  T Frame::*member;
 };
+template <class Frame, class T>
+Part(std::string_view, T Frame::*) -> Part<Frame, T>;
 
-inline constexpr std::size_t kPartCount = std::tuple_size_v<decltype(kParts)>;
-using PartSet = std::bitset<kPartCount>;
+// A floor is a struct with
+//   Frame                   the frame, with the member stage_ns
+//   kParts                  a tuple of its parts
+//   kProvided, kProvider    the parts (a PartSet) that are there before the first stage, and who provides
+//   them Inputs                  all that a stage can be given: `frame`, and a stage_took(place in the table,
+//   ns) given(inputs, type)     an overload for each parameter of a stage that is no part
 
-/// Position of the part of type T in kParts; kPartCount when Frame has none.
-template <class T>
+template <class Floor>
+inline constexpr std::size_t kPartCount = std::tuple_size_v<std::remove_cvref_t<decltype(Floor::kParts)>>;
+
+/// Position of the part of type T in the floor's parts; their count when there is none.
+template <class Floor, class T>
 constexpr std::size_t part_index() {
-  std::size_t index = kPartCount, i = 0;
+  std::size_t index = kPartCount<Floor>, i = 0;
   std::apply(
       [&](const auto&... part) {
-        ((std::is_same_v<std::remove_cvref_t<decltype(part)>, Part<T>> ? void(index = i++) : void(i++)), ...);
+        ((std::is_same_v<std::remove_cvref_t<decltype(part)>, Part<typename Floor::Frame, T>>
+              ? void(index = i++)
+              : void(i++)),
+         ...);
       },
-      kParts);
+      Floor::kParts);
   return index;
 }
 
-template <class T>
-T& part_of(Frame& frame) {
-  return frame.*std::get<Part<T>>(kParts).member;
-}
+/// Which parts; of whatever floor.
+using PartSet = std::bitset<16>;
 
 /// A part that a stage both reads and changes in place.
 template <class T>
@@ -66,84 +71,63 @@ struct Update {
   T& operator*() const { return value; }
 };
 
-/// All that a stage can be given besides its parameters.
-struct Inputs {
-  Frame& frame;
-  const CameraContext& context;
-  DetectionSink& sink;
-};
+template <class Floor, class T>
+inline constexpr bool kIsPart = part_index<Floor, T>() < kPartCount<Floor>;
 
-template <class T>
-inline constexpr bool kIsPart = part_index<T>() < kPartCount;
+template <class Floor, class Arg>
+concept GivenBy = requires(const typename Floor::Inputs& inputs) {
+  { Floor::given(inputs, std::type_identity<Arg>{}) } -> std::same_as<Arg>;
+};
 
 /// How one parameter of process() is fed, and what it says about the stage's needs.
-template <class Arg>
+template <class Floor, class Arg>
 struct Feed {
   static_assert(
-      !sizeof(Arg),
-      "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor a constant "
-      "of the camera (const Scene&, const Lut&, const Mask&, const PatternTable&) nor DetectionSink&: see "
-      "pipeline/frame.h");
-};
-template <class T>
-requires kIsPart<T>
-struct Feed<const T&> {
-  static const T& get(const Inputs& in) { return part_of<T>(in.frame); }
-  static void declare(PartSet& reads, PartSet&) { reads.set(part_index<T>()); }
-};
-template <class T>
-requires(kIsPart<T> && !std::is_const_v<T>) struct Feed<T&> {
-  static T& get(const Inputs& in) { return part_of<T>(in.frame); }
-  static void declare(PartSet&, PartSet& writes) { writes.set(part_index<T>()); }
-};
-template <class T>
-requires kIsPart<T>
-struct Feed<Update<T>> {
-  static Update<T> get(const Inputs& in) { return {part_of<T>(in.frame)}; }
-  static void declare(PartSet& reads, PartSet&) { reads.set(part_index<T>()); }
-};
-template <>
-struct Feed<const Scene&> {
-  static const Scene& get(const Inputs& in) { return *in.context.scene; }
+      GivenBy<Floor, Arg>,
+      "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor anything "
+      "else that this floor gives its stages: see pipeline/camera_stage.h and pipeline/field_stage.h");
+  static Arg get(const typename Floor::Inputs& in) { return Floor::given(in, std::type_identity<Arg>{}); }
   static void declare(PartSet&, PartSet&) {}
 };
-template <>
-struct Feed<const Lut&> {
-  static const Lut& get(const Inputs& in) { return *in.context.adapted_lut; }
-  static void declare(PartSet&, PartSet&) {}
+template <class Floor, class T>
+requires kIsPart<Floor, T>
+struct Feed<Floor, const T&> {
+  static const T& get(const typename Floor::Inputs& in) { return part(in); }
+  static T& part(const typename Floor::Inputs& in) {
+    return in.frame.*std::get<Part<typename Floor::Frame, T>>(Floor::kParts).member;
+  }
+  static void declare(PartSet& reads, PartSet&) { reads.set(part_index<Floor, T>()); }
 };
-template <>
-struct Feed<const Mask&> {
-  static const Mask& get(const Inputs& in) { return in.context.looked_at(); }
-  static void declare(PartSet&, PartSet&) {}
+template <class Floor, class T>
+requires(kIsPart<Floor, T> && !std::is_const_v<T>) struct Feed<Floor, T&> {
+  static T& get(const typename Floor::Inputs& in) { return Feed<Floor, const T&>::part(in); }
+  static void declare(PartSet&, PartSet& writes) { writes.set(part_index<Floor, T>()); }
 };
-template <>
-struct Feed<const PatternTable&> {
-  static const PatternTable& get(const Inputs& in) { return *in.context.patterns; }
-  static void declare(PartSet&, PartSet&) {}
-};
-template <>
-struct Feed<DetectionSink&> {
-  static DetectionSink& get(const Inputs& in) { return in.sink; }
-  static void declare(PartSet&, PartSet&) {}
+template <class Floor, class T>
+requires kIsPart<Floor, T>
+struct Feed<Floor, Update<T>> {
+  static Update<T> get(const typename Floor::Inputs& in) { return {Feed<Floor, const T&>::part(in)}; }
+  static void declare(PartSet& reads, PartSet&) { reads.set(part_index<Floor, T>()); }
 };
 
 /// Parameters of one stage, immutable, with their type erased.
 using StageParams = std::shared_ptr<const void>;
 
 /// One stage in a running pipeline, with whatever it remembers between frames.
+template <class Floor>
 class Step {
  public:
   virtual ~Step() = default;
   /// `params` was made by the same StageType.
-  virtual void run(const Inputs& in, const void* params) noexcept = 0;
+  virtual void run(const typename Floor::Inputs& in, const void* params) noexcept = 0;
 };
 
-/// A row of the stage table.
-struct StageType {
+/// A row of a floor's stage table.
+template <class Floor>
+struct BasicStageType {
   std::string_view name, help;
   PartSet reads, writes;
-  std::unique_ptr<Step> (*create)();
+  std::unique_ptr<Step<Floor>> (*create)();
   struct Parsed {
     StageParams params;
     Json complete;  // with defaults filled in
@@ -152,38 +136,39 @@ struct StageType {
   Json (*schema)();
 };
 
-template <class S, bool kNoexcept, class... Args>
-StageType describe_stage(std::string_view name, std::string_view help,
-                         void (S::*)(const typename S::Params&, Args...) noexcept(kNoexcept)) {
+template <class Floor, class S, bool kNoexcept, class... Args>
+BasicStageType<Floor> describe_stage(std::string_view name, std::string_view help,
+                                     void (S::*)(const typename S::Params&, Args...) noexcept(kNoexcept)) {
   static_assert(kNoexcept, "process() must be noexcept: nobody catches what a stage throws");
   using Params = typename S::Params;
-  struct Bound final : Step {
+  using Type = BasicStageType<Floor>;
+  struct Bound final : Step<Floor> {
     S stage;
-    void run(const Inputs& in, const void* params) noexcept override {
-      stage.process(*static_cast<const Params*>(params), Feed<Args>::get(in)...);
+    void run(const typename Floor::Inputs& in, const void* params) noexcept override {
+      stage.process(*static_cast<const Params*>(params), Feed<Floor, Args>::get(in)...);
     }
   };
-  StageType type{name,
-                 help,
-                 {},
-                 {},
-                 +[]() -> std::unique_ptr<Step> { return std::make_unique<Bound>(); },
-                 +[](const Json& json, const std::string& path) -> StageType::Parsed {
-                   auto params = std::make_shared<const Params>(params_from_json<Params>(json, path));
-                   Json complete = params_to_json(*params);
-                   return {std::move(params), std::move(complete)};
-                 },
-                 &params_schema<Params>};
-  (Feed<Args>::declare(type.reads, type.writes), ...);
+  Type type{name,
+            help,
+            {},
+            {},
+            +[]() -> std::unique_ptr<Step<Floor>> { return std::make_unique<Bound>(); },
+            +[](const Json& json, const std::string& path) -> typename Type::Parsed {
+              auto params = std::make_shared<const Params>(params_from_json<Params>(json, path));
+              Json complete = params_to_json(*params);
+              return {std::move(params), std::move(complete)};
+            },
+            &params_schema<Params>};
+  (Feed<Floor, Args>::declare(type.reads, type.writes), ...);
   return type;
 }
 
 /// The row for stage class S. A process() that can throw does not compile.
-template <class S>
-StageType stage(std::string_view name, std::string_view help) {
+template <class Floor, class S>
+BasicStageType<Floor> basic_stage(std::string_view name, std::string_view help) {
   static_assert(
       requires { typename S::Params; }, "a stage needs a nested struct Params");
-  return describe_stage<S>(name, help, &S::process);
+  return describe_stage<Floor, S>(name, help, &S::process);
 }
 
 }  // namespace sslv

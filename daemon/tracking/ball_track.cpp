@@ -38,25 +38,7 @@ Vector2d left_of(const Vector2d& v) {
 
 }  // namespace
 
-std::optional<TrackedRobot> RobotTracks::at(const RobotName& name, double t_s) const {
-  const auto known = tracks.find(name);
-  if (known == tracks.end() || t_s - known->second.seen_s() > RobotTrack::kGone_s) return {};
-  return known->second.at(t_s);
-}
-
-std::optional<RobotTracks::Nearest> RobotTracks::nearest(const Vector2d& place_mm, double t_s) const {
-  std::optional<Nearest> out;
-  for (const auto& [name, track] : tracks) {
-    const auto robot = at(name, t_s);
-    if (!robot) continue;
-    const Vector2d way = place_mm - robot->place_mm;
-    if (out && out->distance_mm <= way.norm()) continue;
-    out = Nearest{*robot, way.norm(), std::abs(around(direction_of(way) - robot->orientation_rad))};
-  }
-  return out;
-}
-
-BallTrack::BallTrack(const BallModel& model, const Sighting& newest, const Vector2d& velocity_mm_s,
+BallTrack::BallTrack(const BallModel& model, const BallObservation& newest, const Vector2d& velocity_mm_s,
                      int sightings)
     : model_(model), seen_s_(newest.t_s), sightings_(sightings) {
   points_.reserve(kMaxShotPoints + 1);
@@ -101,7 +83,8 @@ void BallTrack::Flat::predict(double to_s, const BallModel& model) {
   cov(3, 3) += 900;
 }
 
-void BallTrack::roll(const Sighting& at, const Vector2d& velocity_mm_s, bool slides, double began_mm_s) {
+void BallTrack::roll(const BallObservation& at, const Vector2d& velocity_mm_s, bool slides,
+                     double began_mm_s) {
   phase_ = Phase::kFree;
   flat_ = {};
   flat_.t_s = at.t_s;
@@ -143,12 +126,12 @@ double BallTrack::gate_mm(double t_s) const {
   return std::min(40.0, 4.5 * std::sqrt(std::max(then.cov(0, 0), then.cov(1, 1)) + 0.3) + 1.5);
 }
 
-BallTrack::Saw BallTrack::add(const std::vector<Sighting>& seen, const RobotTracks& robots) {
+BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
   if (seen.empty()) return Saw::kNothing;
   const double t_s = seen.front().t_s;
   const Vector2d expected = seen_from(seen.front().camera_mm, t_s, robots);
-  const Sighting& nearest =
-      *std::min_element(seen.begin(), seen.end(), [&](const Sighting& a, const Sighting& b) {
+  const BallObservation& nearest =
+      *std::min_element(seen.begin(), seen.end(), [&](const BallObservation& a, const BallObservation& b) {
         return (a.place_mm - expected).norm() < (b.place_mm - expected).norm();
       });
   const double off_mm = (nearest.place_mm - expected).norm();
@@ -169,7 +152,7 @@ BallTrack::Saw BallTrack::add(const std::vector<Sighting>& seen, const RobotTrac
   return surprise(seen, expected, robots);
 }
 
-bool BallTrack::explains(const Sighting& sighting, const RobotTracks& robots) const {
+bool BallTrack::explains(const BallObservation& sighting, const RobotTracks& robots) const {
   return (sighting.place_mm - seen_from(sighting.camera_mm, sighting.t_s, robots)).norm() <
          gate_mm(sighting.t_s);
 }
@@ -179,7 +162,7 @@ bool BallTrack::is_too_fast() const {
   return phase_ == Phase::kFree && flat_.velocity().norm() > kFastest_mm_s;
 }
 
-void BallTrack::correct(const Sighting& sighting) {
+void BallTrack::correct(const BallObservation& sighting) {
   flat_.predict(sighting.t_s, model_);
   const Vector2d velocity = flat_.velocity();
   const Matrix2d noise = sighting.sigma_mm * sighting.sigma_mm * Matrix2d::Identity() +
@@ -202,7 +185,7 @@ void BallTrack::correct(const Sighting& sighting) {
       flat_.slides ? std::clamp(flat_.state[4], 2500.0, 4500.0) : std::clamp(flat_.state[4], 150.0, 500.0);
 }
 
-void BallTrack::accept(const Sighting& sighting, const RobotTracks& robots) {
+void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robots) {
   if (phase_ == Phase::kHeld) {
     const auto robot = robots.at(holder_, sighting.t_s);
     if (!robot) return;
@@ -228,7 +211,7 @@ void BallTrack::accept(const Sighting& sighting, const RobotTracks& robots) {
   may_be_held(sighting, robots);
 }
 
-void BallTrack::may_be_held(const Sighting& sighting, const RobotTracks& robots) {
+void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& robots) {
   if (phase_ != Phase::kFree) return;
   constexpr double kNearMm = 125, kFrontRad = 0.6, kSlow_mm_s = 500, kAfterEvent_s = 0.06;
   constexpr int kSure = 3;
@@ -251,13 +234,13 @@ void BallTrack::may_be_held(const Sighting& sighting, const RobotTracks& robots)
   is_kick_ = false;
 }
 
-BallTrack::Saw BallTrack::surprise(const std::vector<Sighting>& seen, const Vector2d& expected_mm,
+BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, const Vector2d& expected_mm,
                                    const RobotTracks& robots) {
   // The likeliest to be where it went.
   const double t_s = seen.front().t_s;
-  const Sighting* likeliest = nullptr;
+  const BallObservation* likeliest = nullptr;
   double best = 1;
-  for (const Sighting& one : seen) {
+  for (const BallObservation& one : seen) {
     const double ratio = branch_.empty() ? (one.place_mm - expected_mm).norm() / (9000 * (t_s - seen_s_) + 25)
                                          : (one.place_mm - branch_.back().place_mm).norm() /
                                                (7500 * (t_s - branch_.back().t_s) + 10);
@@ -280,7 +263,7 @@ BallTrack::Saw BallTrack::surprise(const std::vector<Sighting>& seen, const Vect
 
 /// What happened is where the old way and the new one meet.
 BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
-  const Sighting first = branch_.front(), last = branch_.back();
+  const BallObservation first = branch_.front(), last = branch_.back();
   const double passed_s = last.t_s - first.t_s;
   const Vector2d velocity = (last.place_mm - first.place_mm) / passed_s, way = unit_of(velocity);
   const double speed = velocity.norm(), slides = model_.slides_mm_s2;
@@ -337,7 +320,7 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
   is_kick_ = is_kick;
   is_chip_ = false;
   points_.clear();
-  for (const Sighting& one : branch_)
+  for (const BallObservation& one : branch_)
     points_.push_back(
         {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm});
   sightings_ = static_cast<int>(branch_.size());
@@ -361,8 +344,8 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
 
 /// What it met turned its way; it falls as before.
 void BallTrack::turn_in_the_air(double event_s) {
-  const Sighting first = branch_.front(), last = branch_.back();
-  const auto place_of = [&](const Sighting& one) -> Vector2d {
+  const BallObservation first = branch_.front(), last = branch_.back();
+  const auto place_of = [&](const BallObservation& one) -> Vector2d {
     const double height = chip_.at(one.t_s, model_).place_mm.z();
     const Vector2d below = one.camera_mm.head<2>();
     return below +

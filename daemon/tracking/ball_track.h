@@ -3,10 +3,9 @@
 
 #include "tracking/ball_motion.h"
 #include "tracking/kick_fit.h"
-#include "tracking/robot_track.h"
-#include "tracking/tracks.h"
+#include "tracking/robot_tracks.h"
+#include "tracking/sightings.h"
 
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -14,41 +13,20 @@
 
 namespace sslv {
 
-/// The robots that a ball may meet.
-class RobotTracks {
- public:
-  std::optional<TrackedRobot> at(const RobotName& name, double t_s) const;
-  struct Nearest {
-    TrackedRobot robot;
-    double distance_mm, from_front_rad;
-  };
-  std::optional<Nearest> nearest(const Eigen::Vector2d& place_mm, double t_s) const;
-
-  std::map<RobotName, RobotTrack> tracks;
-};
-
 /// One ball: rolls or slides, is held by a robot, or flies. What no phase explains is kept apart until two
 /// sightings say together what happened, and when.
 class BallTrack {
  public:
-  struct Sighting {
-    double t_s;
-    Eigen::Vector3d camera_mm;
-    Eigen::Vector2d place_mm;  // as if on the floor, without the camera's known error
-    double sigma_mm;
-    double height_mm, height_sigma_mm;
-  };
-
   /// From some sightings, of which this is the newest.
-  BallTrack(const BallModel& model, const Sighting& newest, const Eigen::Vector2d& velocity_mm_s,
+  BallTrack(const BallModel& model, const BallObservation& newest, const Eigen::Vector2d& velocity_mm_s,
             int sightings);
 
   enum class Saw { kNothing, kBall, kTurn };
   /// What one image shows of balls. kTurn: it was kicked or turned away, as two or three sightings tell; what
   /// went before may still be true.
-  Saw add(const std::vector<Sighting>& seen, const RobotTracks& robots);
+  Saw add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
   /// Whether this sighting is where it is expected.
-  bool explains(const Sighting& sighting, const RobotTracks& robots) const;
+  bool explains(const BallObservation& sighting, const RobotTracks& robots) const;
   TrackedBall at(double t_s, const RobotTracks& robots) const;
   double seen_s() const { return seen_s_; }
   const std::optional<TrackedKick>& kick() const { return kick_; }
@@ -76,14 +54,14 @@ class BallTrack {
     Eigen::Vector2d velocity() const { return state.segment<2>(2); }
   };
 
-  void roll(const Sighting& at, const Eigen::Vector2d& velocity_mm_s, bool slides, double began_mm_s);
+  void roll(const BallObservation& at, const Eigen::Vector2d& velocity_mm_s, bool slides, double began_mm_s);
   Eigen::Vector2d held_at(double t_s, const RobotTracks& robots) const;
   Eigen::Vector2d seen_from(const Eigen::Vector3d& camera_mm, double t_s, const RobotTracks& robots) const;
   double gate_mm(double t_s) const;
-  void accept(const Sighting& sighting, const RobotTracks& robots);
-  void correct(const Sighting& sighting);
-  void may_be_held(const Sighting& sighting, const RobotTracks& robots);
-  Saw surprise(const std::vector<Sighting>& seen, const Eigen::Vector2d& expected_mm,
+  void accept(const BallObservation& sighting, const RobotTracks& robots);
+  void correct(const BallObservation& sighting);
+  void may_be_held(const BallObservation& sighting, const RobotTracks& robots);
+  Saw surprise(const std::vector<BallObservation>& seen, const Eigen::Vector2d& expected_mm,
                const RobotTracks& robots);
   Saw explain(const RobotTracks& robots);
   void turn_in_the_air(double event_s);
@@ -98,7 +76,7 @@ class BallTrack {
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
   int held_count_ = 0;
-  std::vector<Sighting> branch_;  // surprising ones
+  std::vector<BallObservation> branch_;  // surprising ones
   // Since the last kick or turn.
   double event_s_ = -9;
   Eigen::Vector2d event_mm_{0, 0};

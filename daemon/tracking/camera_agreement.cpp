@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/camera_agreement.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sslv {
@@ -37,12 +38,15 @@ void CameraAgreement::forget(const Camera& camera) {
   cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
 }
 
-void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm, double height_mm) {
+void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
   const auto known = cameras_.find(camera);
+  if (known != cameras_.end() && known->second.center_mm == center_mm) return;
   const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
-  const Camera made{center_mm, height_mm, at};
+  const Camera made{center_mm, at};
   cameras_[camera] = made;
   forget(made);
+  // What was seen before must not be compared with what it sees now.
+  for (auto& [name, track] : tracks_) track.by_camera.erase(camera);
 }
 
 Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const Camera& camera,
@@ -55,20 +59,35 @@ Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const C
 }
 
 /// How far a robot that is one millimetre higher is seen farther out (mm).
-Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_mm) const {
-  return (place_mm - camera.center_mm.head<2>()) / (camera.center_mm.z() - camera.height_mm);
+Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_mm, double height_mm) const {
+  return (place_mm - camera.center_mm.head<2>()) / (camera.center_mm.z() - height_mm);
+}
+
+CameraAgreement::Track& CameraAgreement::track_of(const RobotName& robot) {
+  const auto known = tracks_.find(robot);
+  if (known != tracks_.end()) return known->second;
+  int at = 0;
+  if (tracks_.size() < kMaxRobots) {
+    at = add_states(1);
+  } else {
+    const auto oldest = std::min_element(tracks_.begin(), tracks_.end(), [](const auto& a, const auto& b) {
+      return a.second.seen_s < b.second.seen_s;
+    });
+    at = oldest->second.at;
+    tracks_.erase(oldest);
+    states_[at] = taken_off_[at] = 0;
+    cov_.row(at).setZero();
+    cov_.col(at).setZero();
+  }
+  cov_(at, at) = kHeightMm * kHeightMm;
+  return tracks_.emplace(robot, Track{at, 0, {}}).first->second;
 }
 
 void CameraAgreement::see(int camera, const Seen& seen) {
   const auto here = cameras_.find(camera);
   if (here == cameras_.end()) return;
-  auto known = tracks_.find(seen.robot);
-  if (known == tracks_.end()) {
-    const int at = add_states(1);
-    cov_(at, at) = kHeightMm * kHeightMm;
-    known = tracks_.emplace(seen.robot, Track{at, {}}).first;
-  }
-  Track& track = known->second;
+  Track& track = track_of(seen.robot);
+  track.seen_s = seen.t_s;
   auto& [before, now] = track.by_camera[camera];
   before = now;
   now = {seen.place_mm, seen.t_s};
@@ -80,15 +99,15 @@ void CameraAgreement::see(int camera, const Seen& seen) {
     const Last& other = lasts.second;
     if (other_camera == camera || other.t_s <= before.t_s || other.t_s >= now.t_s) continue;
     const Vector2d place = before.place_mm + velocity * (other.t_s - before.t_s);
-    compare(here->second, cameras_.at(other_camera), track, place, other.place_mm, velocity);
+    compare(here->second, cameras_.at(other_camera), track, seen.height_mm, place, other.place_mm, velocity);
   }
 }
 
-void CameraAgreement::compare(const Camera& a, const Camera& b, const Track& track,
+void CameraAgreement::compare(const Camera& a, const Camera& b, const Track& track, double height_mm,
                               const Vector2d& place_a_mm, const Vector2d& place_b_mm,
                               const Vector2d& velocity_mm_s) {
   const auto terms_a = terms(a, place_a_mm), terms_b = terms(b, place_b_mm);
-  const Vector2d higher = outwards(a, place_a_mm) - outwards(b, place_b_mm);
+  const Vector2d higher = outwards(a, place_a_mm, height_mm) - outwards(b, place_b_mm, height_mm);
   for (int axis = 0; axis < 2; ++axis) {
     row_.clear();
     for (int i = 0; i < kTerms; ++i) {
@@ -126,12 +145,12 @@ Vector2d CameraAgreement::error_of(int camera, const Vector2d& place_mm) const {
   return {taken_off_.segment<kTerms>(first).dot(at), taken_off_.segment<kTerms>(first + kTerms).dot(at)};
 }
 
-Vector2d CameraAgreement::height_error_of(int camera, const RobotName& robot,
-                                          const Vector2d& place_mm) const {
+Vector2d CameraAgreement::height_error_of(int camera, const RobotName& robot, const Vector2d& place_mm,
+                                          double height_mm) const {
   const auto here = cameras_.find(camera);
   const auto known = tracks_.find(robot);
   if (here == cameras_.end() || known == tracks_.end()) return {0, 0};
-  return taken_off_[known->second.at] * outwards(here->second, place_mm);
+  return taken_off_[known->second.at] * outwards(here->second, place_mm, height_mm);
 }
 
 double CameraAgreement::time_offset_s(int camera) const {

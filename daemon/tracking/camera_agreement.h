@@ -19,13 +19,14 @@ class CameraAgreement {
   /// A robot as a camera sees it again and again, at that camera's time.
   struct Seen {
     RobotName robot;
-    Eigen::Vector2d place_mm;
+    Eigen::Vector2d place_mm;  // on the plane z = height_mm
+    double height_mm;
     double t_s;
   };
 
-  /// Where the camera hangs; `height_mm` of its robots' plane. To be called before its first sighting, and
-  /// again when it was calibrated, which forgets its errors.
-  void set_camera(int camera, const Eigen::Vector3d& center_mm, double height_mm);
+  /// Where the camera hangs. To be called before its first sighting; another place means that it was
+  /// calibrated, and forgets its errors.
+  void set_camera(int camera, const Eigen::Vector3d& center_mm);
 
   /// Compares with what other cameras saw just before.
   void see(int camera, const Seen& seen);
@@ -35,8 +36,9 @@ class CameraAgreement {
 
   /// To be taken off a robot's place as the camera has it.
   Eigen::Vector2d error_of(int camera, const Eigen::Vector2d& place_mm) const;
-  /// Likewise, for a robot that is higher or lower than it is taken for.
-  Eigen::Vector2d height_error_of(int camera, const RobotName& robot, const Eigen::Vector2d& place_mm) const;
+  /// Likewise, for a robot that is higher or lower than the plane on which the camera has it.
+  Eigen::Vector2d height_error_of(int camera, const RobotName& robot, const Eigen::Vector2d& place_mm,
+                                  double height_mm) const;
   /// To be taken off the camera's times.
   double time_offset_s(int camera) const;
   /// A robot's own height, over that of its plane, and how sure that is.
@@ -49,7 +51,6 @@ class CameraAgreement {
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
     Eigen::Vector3d center_mm;
-    double height_mm;
     int at;  // its first state
   };
   struct Last {
@@ -57,17 +58,22 @@ class CameraAgreement {
     double t_s;
   };
   struct Track {
-    int at;                                          // its height's state
+    int at;  // its height's state
+    double seen_s = 0;
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };
+  /// More than are on any field; another one takes the place of the one that was not seen for longest.
+  static constexpr std::size_t kMaxRobots = 64;
   using Row = std::vector<std::pair<int, double>>;
 
   int add_states(int count);
   void forget(const Camera& camera);
+  Track& track_of(const RobotName& robot);
   Eigen::Matrix<double, kTerms, 1> terms(const Camera& camera, const Eigen::Vector2d& place_mm) const;
-  Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm) const;
-  void compare(const Camera& a, const Camera& b, const Track& track, const Eigen::Vector2d& place_a_mm,
-               const Eigen::Vector2d& place_b_mm, const Eigen::Vector2d& velocity_mm_s);
+  Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm, double height_mm) const;
+  void compare(const Camera& a, const Camera& b, const Track& track, double height_mm,
+               const Eigen::Vector2d& place_a_mm, const Eigen::Vector2d& place_b_mm,
+               const Eigen::Vector2d& velocity_mm_s);
 
   std::map<int, Camera> cameras_;
   std::map<RobotName, Track> tracks_;

@@ -66,11 +66,11 @@ double likelihood(const Vector2d& off, const Matrix2d& cov, double most_sigmas) 
 
 }  // namespace
 
-RobotTrack::RobotTrack(const RobotName& name, const Sighting& first) : name_(name) {
+RobotTrack::RobotTrack(const RobotObservation& first) : name_(first.name) {
   begin(first);
 }
 
-void RobotTrack::begin(const Sighting& first) {
+void RobotTrack::begin(const RobotObservation& first) {
   state_.setZero();
   state_.head<2>() = first.place_mm;
   cov_.setZero();
@@ -84,8 +84,8 @@ void RobotTrack::begin(const Sighting& first) {
   stands_var_mm2_ = 1;
   stands_share_ = 0;
   elsewhere_ = 0;
-  borders_.clear();
-  borders_[first.camera].seen_s = first.t_s;
+  borders_.fill({});
+  border_of(first.camera).seen_s = first.t_s;
 }
 
 void RobotTrack::predict(double t_s) {
@@ -106,10 +106,22 @@ void RobotTrack::predict(double t_s) {
   t_s_ = t_s;
 }
 
-Vector2d RobotTrack::left_over_at_border(const Sighting& sighting, const Vector2d& off) {
+/// Instead of the one that saw it longest ago, when there is none yet.
+RobotTrack::Border& RobotTrack::border_of(int camera) {
+  Border* oldest = &borders_[0];
+  for (Border& one : borders_) {
+    if (one.camera == camera) return one;
+    if (one.seen_s < oldest->seen_s) oldest = &one;
+  }
+  *oldest = {};
+  oldest->camera = camera;
+  return *oldest;
+}
+
+Vector2d RobotTrack::left_over_at_border(const RobotObservation& sighting, const Vector2d& off) {
   constexpr double kNew_s = 0.25, kMostMm = 8;
   constexpr double kFades_s = 0.5, kLearns = 0.12;
-  Border& border = borders_[sighting.camera];
+  Border& border = border_of(sighting.camera);
   const double gap_s = sighting.t_s - border.seen_s;
   if (gap_s > kNew_s) border.off_mm = off.norm() < kMostMm ? off : Vector2d(0, 0);
   border.seen_s = sighting.t_s;
@@ -117,13 +129,13 @@ Vector2d RobotTrack::left_over_at_border(const Sighting& sighting, const Vector2
   constexpr double kAlso_s = 0.04;
   Vector2d common(0, 0);
   int count = 0;
-  for (const auto& [camera, one] : borders_) {
+  for (const Border& one : borders_) {
     if (sighting.t_s - one.seen_s > kAlso_s) continue;
     common += one.off_mm;
     ++count;
   }
   common *= (1 - std::exp(-std::clamp(gap_s, 0.0, kAlso_s) / kFades_s)) / count;
-  for (auto& [camera, one] : borders_) {
+  for (Border& one : borders_) {
     if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
   }
   Vector2d out = border.off_mm;
@@ -131,7 +143,7 @@ Vector2d RobotTrack::left_over_at_border(const Sighting& sighting, const Vector2
   return out;
 }
 
-bool RobotTrack::is_now_at(const Sighting& sighting) {
+bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   constexpr int kSure = 3;
   const bool is_again =
       elsewhere_ > 0 && (sighting.place_mm - elsewhere_mm_).norm() < reach_mm(sighting.t_s - elsewhere_s_);
@@ -141,7 +153,7 @@ bool RobotTrack::is_now_at(const Sighting& sighting) {
   return elsewhere_ >= kSure;
 }
 
-bool RobotTrack::add(const Sighting& sighting) {
+bool RobotTrack::add(const RobotObservation& sighting) {
   if (sighting.t_s - seen_s_ > kGone_s) {
     begin(sighting);
     return true;
@@ -187,7 +199,7 @@ bool RobotTrack::add(const Sighting& sighting) {
   return true;
 }
 
-void RobotTrack::stand(const Sighting& sighting, const Matrix2d& noise, double moving_likelihood) {
+void RobotTrack::stand(const RobotObservation& sighting, const Matrix2d& noise, double moving_likelihood) {
   constexpr double kCreeps_mm2_s = 0.02;           // what a standing robot's place drifts
   constexpr double kStops = 0.03, kStarts = 0.02;  // from one sighting to the next
   // Between two images at nearly the same time everything stands.
@@ -213,7 +225,7 @@ void RobotTrack::stand(const Sighting& sighting, const Matrix2d& noise, double m
   stands_var_mm2_ *= 1 - gain;
 }
 
-void RobotTrack::turn(const Sighting& sighting) {
+void RobotTrack::turn(const RobotObservation& sighting) {
   const double off = wrapped(sighting.orientation_rad - angle_[0]);
   const double noise =
       std::pow(std::hypot(sighting.orientation_sigma_rad, kAngleSigma_rad), 2) * angle_noise_factor_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tracking/tracks.h"
+#include "tracking/sightings.h"
 
-#include <map>
+#include <array>
 
 #include <Eigen/Core>
 
@@ -13,19 +13,9 @@ namespace sslv {
 /// allows for a manoeuvre when it is surprised, and beside it one of a robot that stands.
 class RobotTrack {
  public:
-  /// What the calibrations' and the clocks' known errors were taken off.
-  struct Sighting {
-    int camera;
-    double t_s, t_sigma_s;
-    Eigen::Vector2d place_mm;
-    double orientation_rad;
-    Eigen::Matrix2d place_cov_mm2;
-    double orientation_sigma_rad;
-  };
-
-  RobotTrack(const RobotName& name, const Sighting& first);
+  RobotTrack(const RobotObservation& first);
   /// False: this cannot be the same robot.
-  bool add(const Sighting& sighting);
+  bool add(const RobotObservation& sighting);
   TrackedRobot at(double t_s) const;
 
   double seen_s() const { return seen_s_; }
@@ -39,13 +29,13 @@ class RobotTrack {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-  void begin(const Sighting& first);
+  void begin(const RobotObservation& first);
   /// Whether it was seen there again and again, and nowhere else.
-  bool is_now_at(const Sighting& sighting);
+  bool is_now_at(const RobotObservation& sighting);
   void predict(double t_s);
-  void turn(const Sighting& sighting);
-  void stand(const Sighting& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
-  Eigen::Vector2d left_over_at_border(const Sighting& sighting, const Eigen::Vector2d& off);
+  void turn(const RobotObservation& sighting);
+  void stand(const RobotObservation& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
+  Eigen::Vector2d left_over_at_border(const RobotObservation& sighting, const Eigen::Vector2d& off);
 
   RobotName name_;
   double t_s_ = 0, seen_s_ = 0;
@@ -61,10 +51,12 @@ class RobotTrack {
   double stands_var_mm2_ = 0, stands_share_ = 0, stood_s_ = 0;
   /// What a camera that sees it again still differs by, which fades.
   struct Border {
+    int camera = -1;
     Eigen::Vector2d off_mm{0, 0};
     double seen_s = -1e9;
   };
-  std::map<int, Border> borders_;
+  Border& border_of(int camera);
+  std::array<Border, 8> borders_;  // of the cameras that saw it last
   /// Sightings that cannot be this robot, but may be where it is now.
   Eigen::Vector2d elsewhere_mm_{0, 0};
   double elsewhere_s_ = 0;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "geometry/scene.h"
+#include "tracking/tracks.h"
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,9 +37,49 @@ struct BallSighting {
 struct CameraSightings {
   int camera = 0;
   std::uint32_t frame_number = 0;
-  double t_capture_s = 0;  // as the camera's computer says
+  bool is_taken = true;                // false: the image is left out
+  double t_capture_s = 0;              // Unix time, as the camera's computer says
+  Eigen::Vector3d camera_mm{0, 0, 0};  // where the camera hangs
   std::vector<RobotSighting> robots;
   std::vector<BallSighting> balls;
+};
+
+/// What came in from a camera, before anything is checked.
+struct ArrivedSightings {
+  CameraSightings image;
+  bool is_of_other_computer = false;  // it says nothing of how sure its places are
+};
+
+/// When an image was taken, as its camera's even rate has it. Nothing for an image that is left out.
+struct ImageTime {
+  std::optional<double> t_s;
+  double sigma_s = 0;
+};
+
+/// A sighting of a robot without what is known of its camera's errors.
+struct RobotObservation {
+  RobotName name;
+  int camera;
+  double t_s, t_sigma_s;
+  Eigen::Vector2d place_mm;
+  double orientation_rad;
+  Eigen::Matrix2d place_cov_mm2;
+  double orientation_sigma_rad;
+};
+
+/// Likewise of a ball.
+struct BallObservation {
+  double t_s;
+  Eigen::Vector3d camera_mm;
+  Eigen::Vector2d place_mm;  // as if on the floor
+  double sigma_mm;
+  double height_mm, height_sigma_mm;
+};
+
+/// Of one image; both lists are empty for one that is left out.
+struct Observations {
+  std::vector<RobotObservation> robots;
+  std::vector<BallObservation> balls;
 };
 
 }  // namespace sslv

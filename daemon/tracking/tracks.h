@@ -3,6 +3,7 @@
 
 #include "geometry/scene.h"
 
+#include <cstdint>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -43,6 +44,15 @@ struct TrackedKick {
   bool is_chip = false;
   Eigen::Vector2d landing_mm{0, 0};  // of a chip
   std::optional<RobotName> robot;
+};
+
+/// All that is tracked, at one moment.
+struct TrackedField {
+  std::uint32_t number = 0;  // counts what was published
+  double t_s = 0;            // Unix time
+  std::vector<TrackedRobot> robots;
+  std::vector<TrackedBall> balls;  // the first is the one that is played
+  std::optional<TrackedKick> kick;
 };
 
 }  // namespace sslv

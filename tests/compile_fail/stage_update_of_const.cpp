@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // expect-error: neither a part of Frame
-#include "pipeline/stage.h"
+#include "pipeline/camera_stage.h"
 
 namespace sslv {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // expect-error: a stage needs a nested struct Params
-#include "pipeline/stage.h"
+#include "pipeline/camera_stage.h"
 
 namespace sslv {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The control: what the other files do wrong, done right. It must compile.
 #include "base/snapshot.h"
-#include "pipeline/stage.h"
+#include "pipeline/camera_stage.h"
 
 namespace sslv {
 

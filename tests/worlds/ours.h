@@ -2,27 +2,35 @@
 #pragma once
 
 #include "rival.h"
+#include "tracking/agreement.h"
+#include "tracking/clocks.h"
 #include "tracking/tracker.h"
 
 namespace sslv::worlds {
 
-/// Our tracker in a world.
+/// The stages of the field's stack in a world, but for the first, which checks what a world makes right, and
+/// the last, which sends.
 class Ours final : public Rival {
  public:
-  explicit Ours(const World& world) {
-    for (std::size_t i = 0; i < world.cameras().size(); ++i)
-      tracker_.set_camera(static_cast<int>(i), world.cameras()[i].center_mm, World::kRobotHeightMm);
+  void add(const WorldImage& image) override {
+    clocks_.process({}, image.sightings, time_);
+    agreement_.process({}, image.sightings, time_, observations_, learnt_);
+    tracker_.add(observations_);
   }
-  void add(const WorldImage& image) override { tracker_.add(image.sightings); }
   std::optional<TrackedRobot> robot(const RobotName& name, double t_s) override {
     return tracker_.robot(name, t_s);
   }
   std::optional<TrackedBall> ball(double t_s) override { return tracker_.ball(t_s); }
   std::optional<TrackedKick> kick() const override { return tracker_.kick(); }
-  const Tracker& tracker() const { return tracker_; }
+  const CameraAgreement& agreement() const { return learnt_; }
 
  private:
+  Clocks clocks_;
+  Agreement agreement_;
   Tracker tracker_;
+  ImageTime time_;
+  Observations observations_;
+  CameraAgreement learnt_;
 };
 
 }  // namespace sslv::worlds

@@ -149,13 +149,13 @@ Scores play(const Scenario& scenario, int seeds, double seconds) {
     options.duration_s = seconds;
     scenario.change(options);
     const World world(options);
-    Ours ours(world);
+    Ours ours;
     Incumbent usual;
     out.ours.append(score(world, ours));
     out.usual.append(score(world, usual));
     for (int i = 0; i < options.robots; ++i) {
       const double truth_mm = world.height_of(i) - World::kRobotHeightMm;
-      const auto height = ours.tracker().agreement().height_of({World::team_of(i), World::id_of(i)});
+      const auto height = ours.agreement().height_of({World::team_of(i), World::id_of(i)});
       out.ours.errors["height"].add((height ? height->more_mm : 0) - truth_mm);
       out.usual.errors["height"].add(truth_mm);
     }

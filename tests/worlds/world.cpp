@@ -465,6 +465,7 @@ void World::see(int index, long number, double t_s, Stray& stray) {
   image.t_true_s = t_s;
   image.arrival_s = t_s + options_.latency_s + chance_.uniform(0, options_.latency_spread_s);
   image.sightings.camera = index;
+  image.sightings.camera_mm = camera.center_mm;
   image.sightings.frame_number = static_cast<std::uint32_t>(number);
   image.sightings.t_capture_s = t_s + camera.clock_offset_s + options_.jitter_sigma_s * chance_.normal();
   const double side_x = index / 2 ? 1 : -1, side_y = index % 2 ? 1 : -1;

@@ -185,7 +185,7 @@ Json RunningCamera::saved_controls() const {
   return controls_in(settings()->source);
 }
 
-void RunningCamera::Sink::publish(const FrameInfo& info, const RobotList& robots,
+void RunningCamera::Sink::publish(const FrameInfo& info, const Scene&, const RobotList& robots,
                                   const BallList& balls) noexcept {
   const double t_sent_s = sender.send(info, robots, balls);
   latency.add_ns(steady_ns() - info.times.arrived_ns);

@@ -88,7 +88,8 @@ class RunningCamera {
   struct Sink : DetectionSink {
     Sink(MulticastSender& multicast, CameraTotals& camera_totals)
         : sender(multicast), totals(camera_totals) {}
-    void publish(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept override;
+    void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
+                 const BallList& balls) noexcept override;
     void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
       totals.stages[stage].add_ns(duration_ns);
     }

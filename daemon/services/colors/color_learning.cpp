@@ -46,7 +46,7 @@ StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progres
 }
 
 struct NoSink : DetectionSink {
-  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {}
+  void publish(const FrameInfo&, const Scene&, const RobotList&, const BallList&) noexcept override {}
 };
 
 /// Runs the camera's stack over still images with another table.

@@ -26,7 +26,8 @@ namespace {
 using ::testing::ElementsAre;
 
 struct CountingSink : DetectionSink {
-  void publish(const FrameInfo& info, const RobotList& list, const BallList&) noexcept override {
+  void publish(const FrameInfo& info, const Scene&, const RobotList& list,
+               const BallList&) noexcept override {
     last_number = info.number;
     robots += list.robots.size();
     ++packets;
@@ -179,7 +180,7 @@ TEST(CameraPipeline, WhatAViewerLetsGoOfGoesBackByTheCamerasThread) {
 
 /// Stops in the middle of a frame.
 struct WaitingSink : DetectionSink {
-  void publish(const FrameInfo&, const RobotList&, const BallList&) noexcept override {
+  void publish(const FrameInfo&, const Scene&, const RobotList&, const BallList&) noexcept override {
     entered.release();
     go_on.acquire();
   }

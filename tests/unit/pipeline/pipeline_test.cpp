@@ -69,7 +69,7 @@ const std::array kTable{stage<MakeLabels>("make_labels", "first"),
 struct Sink : DetectionSink {
   std::size_t robots = 0, balls = 0;
   std::uint32_t number = 0;
-  void publish(const FrameInfo& info, const RobotList& r, const BallList& b) noexcept override {
+  void publish(const FrameInfo& info, const Scene&, const RobotList& r, const BallList& b) noexcept override {
     number = info.number;
     robots = r.robots.size();
     balls = b.balls.size();
@@ -98,7 +98,7 @@ std::string settings_error(const char* stages) {
 class PipelineRun : public testing::Test {
  protected:
   void run(Pipeline& pipeline, const char* stages = "{}") {
-    pipeline.run(frame_, context_, sink_, pipeline.make_parameters(Json::parse(stages), ""));
+    pipeline.run({frame_, context_, sink_}, pipeline.make_parameters(Json::parse(stages), ""));
   }
 
   Frame frame_;
@@ -109,12 +109,14 @@ class PipelineRun : public testing::Test {
 
 TEST(Stage, SignatureSaysWhatItReadsAndWrites) {
   const auto part = [](std::size_t index) { return PartSet{}.set(index); };
-  EXPECT_EQ(kTable[0].reads, part(part_index<Image>()));
-  EXPECT_EQ(kTable[0].writes, part(part_index<LabelImage>()));
-  EXPECT_EQ(kTable[1].reads, part(part_index<LabelImage>())) << "an update needs what it changes";
+  EXPECT_EQ(kTable[0].reads, part(part_index<CameraFloor, Image>()));
+  EXPECT_EQ(kTable[0].writes, part(part_index<CameraFloor, LabelImage>()));
+  EXPECT_EQ(kTable[1].reads, part(part_index<CameraFloor, LabelImage>()))
+      << "an update needs what it changes";
   EXPECT_TRUE(kTable[1].writes.none());
   EXPECT_TRUE(kTable[4].reads.none()) << "the camera's constants are no parts";
-  EXPECT_EQ(kTable[4].writes, part(part_index<RobotList>()) | part(part_index<BallList>()));
+  EXPECT_EQ(kTable[4].writes,
+            part(part_index<CameraFloor, RobotList>()) | part(part_index<CameraFloor, BallList>()));
 }
 
 TEST(PipelineCheck, AcceptsACompleteStack) {
@@ -193,7 +195,7 @@ TEST(PipelineParameters, NameTheUnknownStage) {
 
 TEST(PipelineParameters, AreCompletedForEveryStageOfTheTable) {
   const Json given = Json::parse(R"({"//": "a comment", "double_labels": {"factor": 3}})");
-  EXPECT_EQ(read_stages(kTable, given, "").complete,
+  EXPECT_EQ(read_stages<CameraFloor>(kTable, given, "").complete,
             Json::parse(R"({"make_labels": {"level": 7}, "double_labels": {"factor": 3.0}, "find_runs": {},
                             "find_regions": {}, "count": {}, "publish": {}})"));
 }
@@ -208,11 +210,11 @@ TEST_F(PipelineRun, ParametersMayChangeBetweenFrames) {
   Pipeline pipeline(kTable, {"make_labels", "double_labels", "find_runs"}, "");
   const auto first = pipeline.make_parameters(Json::parse(R"({"make_labels": {"level": 10}})"), "");
   const auto second = pipeline.make_parameters(Json::parse(R"({"double_labels": {"factor": 4}})"), "");
-  pipeline.run(frame_, context_, sink_, first);
+  pipeline.run({frame_, context_, sink_}, first);
   EXPECT_EQ(frame_.runs.width, 20);
-  pipeline.run(frame_, context_, sink_, second);
+  pipeline.run({frame_, context_, sink_}, second);
   EXPECT_EQ(frame_.runs.width, 28);
-  pipeline.run(frame_, context_, sink_, first);
+  pipeline.run({frame_, context_, sink_}, first);
   EXPECT_EQ(frame_.runs.width, 20);
 }
 

@@ -22,7 +22,7 @@ WorldOptions short_world(std::uint64_t seed) {
 
 TEST(Tracker, RobotsAreWhereTheyAreWhenThePacketLeaves) {
   const World world(short_world(21));
-  Ours ours(world);
+  Ours ours;
   const Score score = worlds::score(world, ours);
   EXPECT_EQ(score.counts.count("robots missing (images)"), 0U);
   EXPECT_LE(score.errors.at("robot velocity").rms(), 25);
@@ -36,9 +36,9 @@ TEST(Tracker, RobotsAreWhereTheyAreWhenThePacketLeaves) {
 
 TEST(Tracker, LearnsHowMuchCamerasClocksDiffer) {
   const World world(short_world(22));
-  Ours ours(world);
+  Ours ours;
   for (const auto& image : world.images()) ours.add(image);
-  const auto& agreement = ours.tracker().agreement();
+  const auto& agreement = ours.agreement();
   for (int camera = 1; camera < 4; ++camera) {
     const auto& cameras = world.cameras();
     const double differs_s =
@@ -52,11 +52,11 @@ TEST(Tracker, LearnsHowHighRobotsAre) {
   options.robot_height_spread_mm = 8;
   options.robot_bias_mm = options.floor_bias_mm = 0;
   const World world(options);
-  Ours ours(world);
+  Ours ours;
   for (const auto& image : world.images()) ours.add(image);
   int sure = 0;
   for (int i = 0; i < options.robots; ++i) {
-    const auto height = ours.tracker().agreement().height_of({World::team_of(i), World::id_of(i)});
+    const auto height = ours.agreement().height_of({World::team_of(i), World::id_of(i)});
     ASSERT_TRUE(height);
     const double truth_mm = world.height_of(i) - World::kRobotHeightMm;
     EXPECT_NEAR(height->more_mm, truth_mm, 0.5 + 3 * height->sigma_mm) << i;
@@ -69,7 +69,7 @@ TEST(Tracker, TheBallIsWhereItIsWhenThePacketLeaves) {
   WorldOptions options = short_world(24);
   options.duration_s = 30;
   const World world(options);
-  Ours ours(world);
+  Ours ours;
   Score score = worlds::score(world, ours);
   EXPECT_LE(score.errors.at("ball rolling").quantile(0.5), 2);
   EXPECT_LE(score.errors.at("ball sliding").quantile(0.5), 2);
@@ -85,7 +85,7 @@ TEST(Tracker, ASecondBallThatLiesStillTakesNothingFromTheFirst) {
   WorldOptions options = short_world(25);
   options.has_second_ball = true;
   const World world(options);
-  Ours ours(world);
+  Ours ours;
   Score score = worlds::score(world, ours);
   EXPECT_LE(score.errors.at("ball rolling").quantile(0.5), 2);
   EXPECT_LE(score.counts["ball off while seen (s)"], 0.03 * score.counts["ball seen (s)"]);
@@ -94,13 +94,10 @@ TEST(Tracker, ASecondBallThatLiesStillTakesNothingFromTheFirst) {
 /// One robot before one camera.
 class OneRobot : public testing::Test {
  protected:
-  OneRobot() { tracker_.set_camera(0, {0, 0, 5000}, 145); }
-
   void see(double x_mm) {
-    CameraSightings sightings;
-    sightings.t_capture_s = t_s_;
-    sightings.robots.push_back({Team::kBlue, 3, {x_mm, 0}, 0, 145, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
-    tracker_.add(sightings);
+    Observations seen;
+    seen.robots.push_back({kName, 0, t_s_, 2e-5, {x_mm, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    tracker_.add(seen);
     t_s_ += 0.0125;
   }
   std::optional<TrackedRobot> now() const { return tracker_.robot(kName, t_s_); }

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The stages of one camera: what they can be given besides the parts of its frame.
+
+#include "pipeline/frame.h"
+#include "pipeline/stage.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace sslv {
+
+/// Where finished detections go: the multicast socket of the daemon, a file of the command line.
+class DetectionSink {
+ public:
+  virtual ~DetectionSink() = default;
+  /// Called from the camera's thread, once a frame, also when nothing was found. Must not block.
+  virtual void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
+                       const BallList& balls) noexcept = 0;
+  /// Likewise, after each stage: its place in the table of stages, and its time.
+  virtual void stage_took(std::size_t, std::int64_t) noexcept {}
+};
+
+struct CameraFloor {
+  using Frame = sslv::Frame;
+  static constexpr std::tuple kParts{
+      Part{"info", &Frame::info},   Part{"image", &Frame::image},     Part{"labels", &Frame::labels},
+      Part{"runs", &Frame::runs},   Part{"regions", &Frame::regions}, Part{"robots", &Frame::robots},
+      Part{"balls", &Frame::balls},
+  };
+  static constexpr PartSet kProvided{0b11};  // info and image
+  static constexpr std::string_view kProvider = "the camera";
+
+  struct Inputs {
+    Frame& frame;
+    const CameraContext& context;
+    DetectionSink& sink;
+    void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
+      sink.stage_took(stage, duration_ns);
+    }
+  };
+
+  static const Scene& given(const Inputs& in, std::type_identity<const Scene&>) { return *in.context.scene; }
+  static const Lut& given(const Inputs& in, std::type_identity<const Lut&>) {
+    return *in.context.adapted_lut;
+  }
+  static const Mask& given(const Inputs& in, std::type_identity<const Mask&>) {
+    return in.context.looked_at();
+  }
+  static const PatternTable& given(const Inputs& in, std::type_identity<const PatternTable&>) {
+    return *in.context.patterns;
+  }
+  static DetectionSink& given(const Inputs& in, std::type_identity<DetectionSink&>) { return in.sink; }
+};
+
+using StageType = BasicStageType<CameraFloor>;
+
+/// The row for stage class S of a camera's stack.
+template <class S>
+StageType stage(std::string_view name, std::string_view help) {
+  return basic_stage<CameraFloor, S>(name, help);
+}
+
+}  // namespace sslv

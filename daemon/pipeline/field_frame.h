@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The schema of the field: everything known about it after one image of one camera. A new kind of data is one
+// member here and one line in field_stage.h.
+
+#include "tracking/camera_agreement.h"
+#include "tracking/gather.h"
+#include "tracking/sightings.h"
+#include "tracking/tracks.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace sslv {
+
+/// One, used again for every image: lists keep their capacity, and what is learnt stays. Parts are told apart
+/// by their type.
+struct FieldFrame {
+  ArrivedSightings arrived;
+  CameraSightings sightings;
+  LeftOut left_out;
+  ImageTime time;
+  Observations observations;
+  CameraAgreement agreement;
+  TrackedField tracked;
+  std::vector<std::int64_t> stage_ns;  // time each stage of the stack took, written by the pipeline
+};
+
+}  // namespace sslv

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The stages of the whole field: what they can be given besides the parts of its frame.
+
+#include "geometry/field.h"
+#include "pipeline/field_frame.h"
+#include "pipeline/stage.h"
+#include "tracking/field_clock.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace sslv {
+
+/// Where tracks go: the multicast socket of the daemon and its panel.
+class FieldSink {
+ public:
+  virtual ~FieldSink() = default;
+  /// Called from the field's thread, once for every image of every camera. Must not block.
+  virtual void publish(const TrackedField& tracked) noexcept = 0;
+  /// Likewise, after each stage: its place in the table of stages, and its time.
+  virtual void stage_took(std::size_t, std::int64_t) noexcept {}
+};
+
+struct FieldFloor {
+  using Frame = FieldFrame;
+  static constexpr std::tuple kParts{
+      Part{"arrived", &FieldFrame::arrived},           Part{"sightings", &FieldFrame::sightings},
+      Part{"left_out", &FieldFrame::left_out},         Part{"time", &FieldFrame::time},
+      Part{"observations", &FieldFrame::observations}, Part{"agreement", &FieldFrame::agreement},
+      Part{"tracked", &FieldFrame::tracked},
+  };
+  static constexpr PartSet kProvided{0b1};  // arrived
+  static constexpr std::string_view kProvider = "what hears the cameras";
+
+  struct Inputs {
+    FieldFrame& frame;
+    const FieldSize& field;
+    const FieldClock& clock;
+    FieldSink& sink;
+    void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
+      sink.stage_took(stage, duration_ns);
+    }
+  };
+
+  static const FieldSize& given(const Inputs& in, std::type_identity<const FieldSize&>) { return in.field; }
+  static const FieldClock& given(const Inputs& in, std::type_identity<const FieldClock&>) { return in.clock; }
+  static FieldSink& given(const Inputs& in, std::type_identity<FieldSink&>) { return in.sink; }
+};
+
+using FieldStageType = BasicStageType<FieldFloor>;
+
+/// The row for stage class S of the field's stack.
+template <class S>
+FieldStageType field_stage(std::string_view name, std::string_view help) {
+  return basic_stage<FieldFloor, S>(name, help);
+}
+
+/// Hands the tracks to the sink from the field's own thread.
+class PublishField {
+ public:
+  struct Params {
+    static constexpr auto fields() { return std::tuple{}; }
+  };
+  void process(const Params&, const TrackedField& tracked, FieldSink& sink) noexcept {
+    sink.publish(tracked);
+  }
+};
+
+}  // namespace sslv

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tracking/ball_motion.h"
+#include "tracking/ball_track.h"
+#include "tracking/sightings.h"
+#include "tracking/tracks.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace sslv {
+
+/// All that may be the ball, of which one is played.
+class BallTracks {
+ public:
+  /// The balls of one image.
+  void add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
+
+  /// The one that is played; nothing while it may be anywhere.
+  std::optional<TrackedBall> played_at(double t_s, const RobotTracks& robots) const;
+  /// All of them, the one that is played first.
+  std::vector<TrackedBall> at(double t_s, const RobotTracks& robots) const;
+  /// The newest.
+  const std::optional<TrackedKick>& kick() const { return kick_; }
+
+ private:
+  void look_for_balls(const std::vector<BallObservation>& seen, const RobotTracks& robots);
+  void choose_ball(double t_s, const RobotTracks& robots);
+  void take_kick();
+
+  BallModel model_;
+  /// The one that is shown first: others, and what it was before its last turn.
+  struct Ball {
+    BallTrack track;
+    int number;
+    bool is_past = false;  // of one that turned since
+  };
+  std::vector<Ball> balls_;
+  std::vector<BallObservation> unexplained_;  // lately
+  std::vector<BallObservation> own_;          // what one of them may be
+  std::optional<TrackedKick> kick_;
+  int numbers_ = 0, kicks_ = 0;
+  std::pair<int, int> kick_of_ball_{0, 0};  // the ball's number, its kick's
+};
+
+}  // namespace sslv
