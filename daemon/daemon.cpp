@@ -14,6 +14,7 @@
 #include "services/cameras/still_service.h"
 #include "services/colors/color_service.h"
 #include "services/colors/learning_service.h"
+#include "services/field/field_service.h"
 #include "services/network/network_service.h"
 #include "services/settings/profile_service.h"
 #include "services/settings/settings_service.h"
@@ -59,9 +60,16 @@ struct NetworkParts {
   MatchLock match_lock;
 };
 
+struct FieldParts {
+  FieldParts(Kept& kept, SettingsService& settings) : service(settings.config(), intake, kept.folder) {}
+
+  FieldIntake intake;
+  FieldService service;
+};
+
 struct CameraParts {
-  CameraParts(SettingsService& settings, NetworkParts& network, const SavedTables& tables)
-      : running(settings.config(), network.multicast, network.service.referee(),
+  CameraParts(SettingsService& settings, NetworkParts& network, FieldParts& field, const SavedTables& tables)
+      : running(settings.config(), network.multicast, field.intake, network.service.referee(),
                 [&tables](const std::string& name, const std::string& path, const LabelSet& labels) {
                   return tables.load(name, path, labels);
                 }),
@@ -113,7 +121,8 @@ struct Daemon::Parts {
         profiles(kept.profiles, settings),
         network(settings),
         access(settings.config(), kept.passwords, network.match_lock, panel_reach),
-        cameras(settings, network, kept.tables),
+        field(kept, settings),
+        cameras(settings, network, field, kept.tables),
         calibration(kept, settings, network, cameras),
         colors(kept, settings, network, cameras),
         sources(kept.folder, settings, cameras.running, file_folders(options)),
@@ -122,25 +131,28 @@ struct Daemon::Parts {
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
-    std::vector<Service*> services{
-        &verdict,           &cameras.service, &cameras.stills,  &sources,         &calibration.service,
-        &calibration.joint, &colors.service,  &colors.learning, &network.service, &status,
-        &settings,          &profiles,        &backup,          &access};
+    std::vector<Service*> services{&verdict,           &field.service,  &cameras.service,
+                                   &cameras.stills,    &sources,        &calibration.service,
+                                   &calibration.joint, &colors.service, &colors.learning,
+                                   &network.service,   &status,         &settings,
+                                   &profiles,          &backup,         &access};
     status.set_services(services);
     for (Service* service : services) {
       for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
     }
     for (Route& route : websocket_routes()) panel.routes.push_back(std::move(route));
     network.service.on_new_team_names([this] { cameras.running.update_robot_heights(); });
+    network.service.on_other_vision([this](const SSL_WrapperPacket& packet, const std::string& address,
+                                           double now_s) { field.service.hear(packet, address, now_s); });
 
     // Cameras come last: preparing them may already set controls of theirs.
-    settings.start({&network.service, &colors.service, &cameras.service});
+    settings.start({&network.service, &field.service, &colors.service, &cameras.service});
     const PanelSettings& wanted = settings.config().load()->panel;
     const std::string address = listening_address(wanted, kept.passwords.has(Role::kAdmin));
-    panel.web.emplace(WebParts{access, cameras.running, {&status}, panel.routes},
+    panel.web.emplace(WebParts{access, cameras.running, {&status, &field.service}, panel.routes},
                       WebOptions{address, wanted.port, options.panel_folder}, web_counters);
     panel.place.emplace(settings.config(), kept.passwords, *panel.web, panel_reach);
-    settings.use({&*panel.place, &network.service, &colors.service, &cameras.service});
+    settings.use({&*panel.place, &network.service, &field.service, &colors.service, &cameras.service});
 
     services.push_back(&*panel.place);
     heartbeat.emplace(std::move(services),
@@ -159,6 +171,7 @@ struct Daemon::Parts {
   NetworkParts network;
   Snapshot<PanelReach> panel_reach{PanelReach{}};
   AccessService access;
+  FieldParts field;
   CameraParts cameras;
   CalibrationParts calibration;
   ColorParts colors;

@@ -18,7 +18,7 @@ rules='
   pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
   pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h
   pipeline              base image geometry vision tracking
-  net                   base image/frame_info.h geometry vision/detections.h proto
+  net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h proto
   settings              base
   health                base image vision/mask.h
   web                   base image
@@ -32,6 +32,7 @@ rules='
   services/cameras      engines config web services services/network/teams.h
   services/calibration  engines config web services services/access/match_lock.h services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/settings/settings_editor.h
   services/colors       engines config web services services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/cameras/pictures.h services/cameras/stills.h services/settings/settings_editor.h
+  services/field        engines config web services
   services/sources      engines config web services services/cameras/cameras.h services/cameras/driver_calls.h services/settings/settings_editor.h
   services/status       engines config web services services/cameras/cameras.h
   services/verdict      engines config web services services/cameras/cameras.h

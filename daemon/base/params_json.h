@@ -82,6 +82,16 @@ V read_number(const Json& json, const std::string& path, Limit min, Limit max, s
   return json.get<V>();
 }
 
+/// The part of `params` that has the member: itself, or what it is derived from.
+template <class P, class V>
+P& owner_of(std::type_identity_t<P>& params, V P::*) {
+  return params;
+}
+template <class P, class V>
+const P& owner_of(const std::type_identity_t<P>& params, V P::*) {
+  return params;
+}
+
 template <class P, class V, class L>
 void read_field(P& params, const NumberField<P, V, L>& field, const Json& json, const std::string& path) {
   if constexpr (IsOptional<V>::value) {
@@ -240,7 +250,7 @@ void read_params(P& params, const Json& json, const std::string& path) {
     const auto try_field = [&](const auto& field) {
       if (found) return;
       if (field.key == item.key()) {
-        read_field(params, field, item.value(), item_path);
+        read_field(owner_of(params, field.member), field, item.value(), item_path);
         found = true;
       }
       known += (known.empty() ? "" : ", ") + std::string(field.key);
@@ -334,8 +344,11 @@ Json write_field(const P& params, const ObjectField<P, J>& field) {
 template <class P>
 Json params_to_json(const P& params) {
   Json out = Json::object();
-  std::apply([&](const auto&... field) { ((out[std::string(field.key)] = write_field(params, field)), ...); },
-             P::fields());
+  std::apply(
+      [&](const auto&... field) {
+        ((out[std::string(field.key)] = write_field(owner_of(params, field.member), field)), ...);
+      },
+      P::fields());
   return out;
 }
 
@@ -443,7 +456,7 @@ Json params_schema() {
   const auto add = [&](const auto& field) {
     Json one = field_schema(field);
     one["description"] = field.help;
-    one["default"] = write_field(defaults, field);
+    one["default"] = write_field(owner_of(defaults, field.member), field);
     properties[std::string(field.key)] = std::move(one);
   };
   std::apply([&](const auto&... field) { (add(field), ...); }, P::fields());

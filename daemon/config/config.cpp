@@ -74,6 +74,11 @@ Config read_config(const Json& settings) {
   check_multicast(config.network.vision, "/network/vision");
   check_group(config.network.referee.group, "/network/referee/group");
   static_cast<void>(LabelSet(config.own_labels, "/own_labels"));  // refuses bad names
+  check_group(config.network.tracker.group, "/network/tracker/group");
+  check_stack(field_stage_table(), config.field.stack, "/field/stack");
+  StageSettings field_stages = read_stages(field_stage_table(), config.field.stages, "/field/stages");
+  config.field.stages = std::move(field_stages.complete);
+  config.field.stage_params = std::move(field_stages.params);
   std::map<int, std::size_t> camera_with_id;
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     CameraSettings& camera = config.cameras[i];
@@ -104,18 +109,30 @@ Json complete_settings(const Json& settings) {
   return params_to_json(read_config(settings));
 }
 
+namespace {
+
+/// Names and parameters of a floor's stages, where the schema has only texts and objects.
+template <class Floor>
+void add_stages(std::span<const BasicStageType<Floor>> table, Json& of_stack, Json& of_stages) {
+  of_stages["additionalProperties"] = false;
+  for (const BasicStageType<Floor>& type : table) {
+    Json one = type.schema();
+    one["description"] = type.help;
+    of_stages["properties"][std::string(type.name)] = std::move(one);
+    of_stack["items"]["enum"].push_back(type.name);
+  }
+}
+
+}  // namespace
+
 Json settings_schema() {
   Json schema = params_schema<Config>();
   schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
   schema["title"] = "ssl-visiond settings";
   Json& camera = schema["properties"]["cameras"]["items"]["properties"];
-  camera["stages"]["additionalProperties"] = false;
-  for (const StageType& type : stage_table()) {
-    Json one = type.schema();
-    one["description"] = type.help;
-    camera["stages"]["properties"][std::string(type.name)] = std::move(one);
-    camera["stack"]["items"]["enum"].push_back(type.name);
-  }
+  add_stages(stage_table(), camera["stack"], camera["stages"]);
+  Json& field = schema["properties"]["field"]["properties"];
+  add_stages(field_stage_table(), field["stack"], field["stages"]);
   camera["source"].erase("additionalProperties");
   for (const Backend& backend : backend_table()) {
     Json one = backend.schema();

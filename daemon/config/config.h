@@ -13,6 +13,7 @@
 #include "geometry/field.h"
 #include "net/multicast.h"
 #include "net/referee_listener.h"
+#include "net/tracker_settings.h"
 #include "pipeline/frame.h"
 #include "settings/migrations.h"
 #include "vision/lut.h"
@@ -54,11 +55,34 @@ struct TeamsSettings {
   }
 };
 
+/// The field, and what is made of all that its cameras see.
+struct FieldSettings : FieldSize {
+  std::vector<std::string> stack = default_field_stack();
+  Json stages = Json::object();
+  std::vector<StageParams>
+      stage_params{};  // of `stages`, by the table of the field's stages; read_config() fills them in
+  bool other_computers = true;
+  static constexpr auto fields() {
+    using F = FieldSettings;
+    return std::tuple_cat(
+        FieldSize::fields(),
+        std::tuple{
+            names("stack", &F::stack,
+                  "the stages that what the cameras see passes, in order; none: no tracks", 64),
+            object("stages", &F::stages, "parameters of the field's stages"),
+            flag("other_computers", &F::other_computers,
+                 "cameras of other computers that send to the vision group are tracked too"),
+        });
+  }
+};
+
 struct NetworkSettings {
   MulticastSettings vision;
+  TrackerSettings tracker;
   RefereeSettings referee;
   static constexpr auto fields() {
     return std::tuple{group("vision", &NetworkSettings::vision, "where detections and geometry are sent"),
+                      group("tracker", &NetworkSettings::tracker, "where tracks are sent"),
                       group("referee", &NetworkSettings::referee, "where the game controller is received")};
   }
 };
@@ -118,7 +142,7 @@ struct CameraSettings {
 
 struct Config {
   std::string site = "Field";
-  FieldSize field;
+  FieldSettings field;
   std::optional<BallModels> ball_models = BallModels{};
   TeamsSettings teams;
   std::string patterns_file;
@@ -129,7 +153,8 @@ struct Config {
   static constexpr auto fields() {
     return std::tuple{
         text("site", &Config::site, "name of the field, shown in the panel"),
-        group("field", &Config::field, "the playing field: sizes and lines"),
+        group("field", &Config::field,
+              "the playing field: sizes and lines; what is made of all that its cameras see"),
         group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
         group("teams", &Config::teams, "names and heights of the teams"),
         file("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// TABLE stage name -> type. To add a stage: a class in vision/, a row here (docs/extending.md).
+// TABLES stage name -> type. To add a stage: a class in vision/ (of the field: in tracking/), a row here
+// (docs/extending.md).
 #include "config/stages.h"
 
 #include "pipeline/publish.h"
+#include "tracking/agreement.h"
+#include "tracking/clocks.h"
+#include "tracking/gather.h"
+#include "tracking/track.h"
 #include "vision/detect_balls.h"
 #include "vision/detect_robots.h"
 #include "vision/find_regions.h"
@@ -30,6 +35,21 @@ std::span<const StageType> stage_table() {
 
 std::vector<std::string> default_stack() {
   return {"segment", "detect_robots", "detect_balls", "publish"};
+}
+
+std::span<const FieldStageType> field_stage_table() {
+  static const std::array kStages{
+      field_stage<Gather>("gather", "takes what a camera saw, once it makes sense"),
+      field_stage<Clocks>("clocks", "says when an image was really taken"),
+      field_stage<Agreement>("agreement", "learns what cameras differ by, and takes it off"),
+      field_stage<Track>("track", "follows robots and balls, and says where they are now"),
+      field_stage<PublishField>("publish", "sends the tracks, and shows them in the panel"),
+  };
+  return kStages;
+}
+
+std::vector<std::string> default_field_stack() {
+  return {"gather", "clocks", "agreement", "track", "publish"};
 }
 
 }  // namespace sslv

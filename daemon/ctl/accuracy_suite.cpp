@@ -91,7 +91,7 @@ Trial trial_of(const AccuracySuite& suite, std::size_t index, const std::string&
   out.colors = condition.colors.value_or(suite.colors);
   out.learn_frames = condition.learn_frames ? condition.learn_frames : suite.learn_frames;
 
-  out.config.field = field.size;
+  static_cast<FieldSize&>(out.config.field) = field.size;
   out.config.teams.yellow.robot_height = out.config.teams.blue.robot_height = condition.robot_height;
   read_params(out.config.teams, condition.teams, path + "/teams");
   CameraSettings& camera = out.config.cameras.emplace_back();

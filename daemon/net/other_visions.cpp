@@ -81,9 +81,10 @@ std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
   return conflicts;
 }
 
-OtherVisions::OtherVisions(IsOwn is_own, OnOwn on_own)
+OtherVisions::OtherVisions(IsOwn is_own, OnOwn on_own, OnOther on_other)
     : is_own_(std::move(is_own)),
       on_own_(std::move(on_own)),
+      on_other_(std::move(on_other)),
       receiver_("other visions", [this](std::span<const std::byte> datagram, const udp::endpoint& sender) {
         receive(datagram, sender, static_cast<double>(steady_ns()) * 1e-9);
       }) {}
@@ -109,6 +110,8 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
   const bool good = parse(packet, datagram) && makes_sense(packet);
   std::optional<SSL_GeometryFieldSize> field;
   if (good && packet.has_geometry()) field = sizes_of(packet.geometry().field());
+  const std::string address = sender.address().to_string();
+  if (good) on_other_(packet, address, now_s);
 
   const std::lock_guard lock(mutex_);
   if (!good) {
@@ -116,7 +119,6 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
     return;
   }
   std::erase_if(senders_, [&](const auto& one) { return now_s - one.second.heard_s > kForgottenAfter_s; });
-  const std::string address = sender.address().to_string();
   if (senders_.size() >= kMaxSenders && !senders_.contains(address)) return;
   Sender& from = senders_[address];
   from.heard_s = now_s;

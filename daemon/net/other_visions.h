@@ -2,7 +2,7 @@
 #pragma once
 
 #include "net/multicast_receiver.h"
-#include "ssl_vision_geometry.pb.h"
+#include "ssl_vision_wrapper.pb.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -44,11 +44,18 @@ class OtherVisions {
   using IsOwn = std::function<bool(const boost::asio::ip::udp::endpoint&)>;
   /// Called from the listening thread with every datagram of this daemon that the network brought back.
   using OnOwn = std::function<void(std::span<const std::byte> datagram, double now_s)>;
+  /// Likewise with every packet of another vision that makes sense.
+  using OnOther =
+      std::function<void(const SSL_WrapperPacket& packet, const std::string& address, double now_s)>;
   explicit OtherVisions(
-      IsOwn is_own, OnOwn on_own = [](std::span<const std::byte>, double) {});
+      IsOwn is_own, OnOwn on_own = [](std::span<const std::byte>, double) {},
+      OnOther on_other = [](const SSL_WrapperPacket&, const std::string&, double) {});
 
   /// Listens there from now on; nothing happens when it does already. Not for two threads at once.
   void listen(const GroupAddress& where);
+
+  /// Hears nothing more.
+  void stop() { receiver_.listen(std::nullopt); }
 
   /// Takes one datagram, at a monotonic time. For the listening thread, and for tests that do not listen.
   void receive(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender,
@@ -68,6 +75,7 @@ class OtherVisions {
 
   const IsOwn is_own_;
   const OnOwn on_own_;
+  const OnOther on_other_;
   boost::asio::ip::udp::endpoint own_;  // of the thread alone: who was found to be this daemon last
   std::optional<GroupAddress> where_;
   mutable std::mutex mutex_;  // guards the two below

@@ -30,11 +30,11 @@ int CameraAgreement::add_states(int count) {
   return at;
 }
 
-void CameraAgreement::forget(const Camera& camera) {
+void CameraAgreement::forget(const Camera& camera, double error_mm) {
   states_.segment(camera.at, kPerCamera).setZero();
   cov_.middleRows(camera.at, kPerCamera).setZero();
   cov_.middleCols(camera.at, kPerCamera).setZero();
-  cov_.diagonal().segment(camera.at, 2 * kTerms).setConstant(kErrorMm * kErrorMm);
+  cov_.diagonal().segment(camera.at, 2 * kTerms).setConstant(error_mm * error_mm);
   cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
 }
 
@@ -44,7 +44,9 @@ void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
   const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
   const Camera made{center_mm, at};
   cameras_[camera] = made;
-  forget(made);
+  forget(made, kErrorMm);
+  std::erase_if(differences_,
+                [&](const auto& one) { return one.first.camera == camera || one.first.other == camera; });
   // What was seen before must not be compared with what it sees now.
   for (auto& [name, track] : tracks_) track.by_camera.erase(camera);
 }
@@ -99,15 +101,22 @@ void CameraAgreement::see(int camera, const Seen& seen) {
     const Last& other = lasts.second;
     if (other_camera == camera || other.t_s <= before.t_s || other.t_s >= now.t_s) continue;
     const Vector2d place = before.place_mm + velocity * (other.t_s - before.t_s);
-    compare(here->second, cameras_.at(other_camera), track, seen.height_mm, place, other.place_mm, velocity);
+    compare({camera, other_camera, place, other.place_mm, velocity, seen.height_mm, other.t_s}, track);
   }
 }
 
-void CameraAgreement::compare(const Camera& a, const Camera& b, const Track& track, double height_mm,
-                              const Vector2d& place_a_mm, const Vector2d& place_b_mm,
-                              const Vector2d& velocity_mm_s) {
-  const auto terms_a = terms(a, place_a_mm), terms_b = terms(b, place_b_mm);
-  const Vector2d higher = outwards(a, place_a_mm, height_mm) - outwards(b, place_b_mm, height_mm);
+void CameraAgreement::compare(const Pair& pair, const Track& track) {
+  const Camera &a = cameras_.at(pair.a), &b = cameras_.at(pair.b);
+  const auto terms_a = terms(a, pair.place_a_mm), terms_b = terms(b, pair.place_b_mm);
+  const Vector2d higher =
+      outwards(a, pair.place_a_mm, pair.height_mm) - outwards(b, pair.place_b_mm, pair.height_mm);
+  const Vector2d apart = pair.place_a_mm - pair.place_b_mm;
+  /// Farther apart are two robots, of which one was misread.
+  constexpr double kSameRobotMm = 150;
+  if (apart.norm() > kSameRobotMm) return;
+  const double ahead_s = states_[a.at + 2 * kTerms] - states_[b.at + 2 * kTerms];
+  note_difference(pair, apart - higher * states_[track.at] + pair.velocity_mm_s * ahead_s);
+  bool is_surprise = false;
   for (int axis = 0; axis < 2; ++axis) {
     row_.clear();
     for (int i = 0; i < kTerms; ++i) {
@@ -115,21 +124,58 @@ void CameraAgreement::compare(const Camera& a, const Camera& b, const Track& tra
       row_.emplace_back(b.at + axis * kTerms + i, -terms_b[i]);
     }
     // A clock that is ahead says a time at which the robot was not yet there.
-    row_.emplace_back(a.at + 2 * kTerms, -velocity_mm_s[axis]);
-    row_.emplace_back(b.at + 2 * kTerms, velocity_mm_s[axis]);
+    row_.emplace_back(a.at + 2 * kTerms, -pair.velocity_mm_s[axis]);
+    row_.emplace_back(b.at + 2 * kTerms, pair.velocity_mm_s[axis]);
     row_.emplace_back(track.at, higher[axis]);
     double expected = 0, variance = kDifferenceVarMm2;
-    Eigen::VectorXd gain = Eigen::VectorXd::Zero(states_.size());
+    gain_.setZero(states_.size());
     for (const auto& [at, weight] : row_) {
-      gain += weight * cov_.col(at);
+      gain_ += weight * cov_.col(at);
       expected += weight * states_[at];
     }
-    for (const auto& [at, weight] : row_) variance += weight * gain[at];
-    const double off = place_a_mm[axis] - place_b_mm[axis] - expected;
-    if (off * off > kSurprise * variance) continue;
-    states_ += gain * (off / variance);
-    cov_.noalias() -= gain * gain.transpose() / variance;
+    for (const auto& [at, weight] : row_) variance += weight * gain_[at];
+    const double off = apart[axis] - expected;
+    if (off * off > kSurprise * variance) {
+      is_surprise = true;
+      continue;
+    }
+    states_ += gain_ * (off / variance);
+    cov_.noalias() -= gain_ * gain_.transpose() / variance;
   }
+  // Robots are misread now and then. A camera that was bumped surprises again and again: what was learnt of
+  // it is no longer true.
+  constexpr int kBumped = 60;
+  int& surprises = surprises_[std::minmax(pair.a, pair.b)];
+  surprises = is_surprise ? surprises + 1 : std::max(0, surprises - 3);
+  if (surprises < kBumped) return;
+  surprises = 0;
+  const double error_mm = std::max(kErrorMm, apart.norm());
+  forget(a, error_mm);
+  forget(b, error_mm);
+}
+
+void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {
+  constexpr std::size_t kMostParts = 1024;  // as of a field of 16 x 16 m
+  constexpr double kRemembers = 400;        // samples
+  const bool is_swapped = pair.b < pair.a;
+  const Vector2d place = pair.place_a_mm / kPartMm;
+  const PartKey key{std::min(pair.a, pair.b), std::max(pair.a, pair.b),
+                    static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y()))};
+  auto known = differences_.find(key);
+  if (known == differences_.end()) {
+    if (differences_.size() >= kMostParts) return;
+    const Vector2d middle((key.column + 0.5) * kPartMm, (key.row + 0.5) * kPartMm);
+    known = differences_.emplace(key, Difference{key.camera, key.other, middle}).first;
+  }
+  Difference& one = known->second;
+  one.samples = std::min(one.samples + 1, kRemembers);
+  const Vector2d off = is_swapped ? Vector2d(-off_mm) : off_mm;
+  one.off_mm += (off - one.off_mm) / one.samples;
+  one.t_s = pair.t_s;
+}
+
+void CameraAgreement::forget_differences(double before_s) {
+  std::erase_if(differences_, [&](const auto& one) { return one.second.t_s < before_s; });
 }
 
 void CameraAgreement::follow(double passed_s) {

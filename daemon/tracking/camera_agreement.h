@@ -5,6 +5,8 @@
 
 #include <map>
 #include <optional>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +18,16 @@ namespace sslv {
 /// height. Only what cameras do not agree on can be learnt; what all have in common stays.
 class CameraAgreement {
  public:
+  /// What two cameras differ by in one part of the field, without what their clocks and robots' heights make.
+  struct Difference {
+    int camera, other;
+    Eigen::Vector2d place_mm;      // the middle of the part
+    Eigen::Vector2d off_mm{0, 0};  // where `camera` sees robots, from where `other` does
+    double samples = 0, t_s = 0;   // how many, and when the last was
+  };
+  /// The parts are squares of this size.
+  static constexpr double kPartMm = 500;
+
   /// A robot as a camera sees it again and again, at that camera's time.
   struct Seen {
     RobotName robot;
@@ -47,6 +59,24 @@ class CameraAgreement {
   };
   std::optional<Height> height_of(const RobotName& robot) const;
 
+  /// Calls use(camera) for each that was set.
+  template <class Use>
+  void for_cameras(const Use& use) const {
+    for (const auto& [camera, one] : cameras_) use(camera);
+  }
+  /// Calls use(name, height) for every robot.
+  template <class Use>
+  void for_heights(const Use& use) const {
+    for (const auto& [name, track] : tracks_) use(name, *height_of(name));
+  }
+  /// Calls use(difference) for every part of the field that two cameras see.
+  template <class Use>
+  void for_differences(const Use& use) const {
+    for (const auto& [key, one] : differences_) use(one);
+  }
+  /// Lets go of differences that were seen last before then.
+  void forget_differences(double before_s);
+
  private:
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
@@ -67,19 +97,33 @@ class CameraAgreement {
   using Row = std::vector<std::pair<int, double>>;
 
   int add_states(int count);
-  void forget(const Camera& camera);
+  void forget(const Camera& camera, double error_mm);
   Track& track_of(const RobotName& robot);
   Eigen::Matrix<double, kTerms, 1> terms(const Camera& camera, const Eigen::Vector2d& place_mm) const;
   Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm, double height_mm) const;
-  void compare(const Camera& a, const Camera& b, const Track& track, double height_mm,
-               const Eigen::Vector2d& place_a_mm, const Eigen::Vector2d& place_b_mm,
-               const Eigen::Vector2d& velocity_mm_s);
+  /// A robot that two cameras saw at the same moment.
+  struct Pair {
+    int a, b;  // the cameras
+    Eigen::Vector2d place_a_mm, place_b_mm, velocity_mm_s;
+    double height_mm, t_s;
+  };
+  void compare(const Pair& pair, const Track& track);
+  void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm);
 
   std::map<int, Camera> cameras_;
   std::map<RobotName, Track> tracks_;
+  struct PartKey {
+    int camera, other, column, row;
+    bool operator<(const PartKey& b) const {
+      return std::tie(camera, other, column, row) < std::tie(b.camera, b.other, b.column, b.row);
+    }
+  };
+  std::map<PartKey, Difference> differences_;
+  std::map<std::pair<int, int>, int> surprises_;  // of two cameras, one after the other
   Eigen::VectorXd states_, taken_off_;
   Eigen::MatrixXd cov_;
   Row row_;
+  Eigen::VectorXd gain_;
 };
 
 }  // namespace sslv

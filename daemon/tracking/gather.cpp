@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include <Eigen/LU>
 
 namespace sslv {
 namespace {
@@ -24,17 +27,20 @@ bool is_finite(const Matrix2d& cov) {
 bool Gather::is_taken(const Params& params, const ArrivedSightings& arrived, double now_s,
                       LeftOut& left_out) {
   const CameraSightings& image = arrived.image;
-  if (!(std::abs(image.t_capture_s - now_s) <= params.max_time_off_s)) {
-    ++left_out.images_off_time;
+  const auto leave_out = [&](LeftOut::Why why, std::uint64_t& count) {
+    ++count;
+    left_out.why = why;
+    left_out.camera = image.camera;
+    left_out.t_s = now_s;
     return false;
-  }
+  };
+  if (!(std::abs(image.t_capture_s - now_s) <= params.max_time_off_s))
+    return leave_out(LeftOut::Why::kTime, left_out.images_off_time);
   constexpr double kForgotten_s = 10;
   std::erase_if(heard_s_, [&](const auto& one) { return now_s - one.second > kForgotten_s; });
   const auto known = heard_s_.find(image.camera);
-  if (known == heard_s_.end() && heard_s_.size() >= kMaxCameras) {
-    ++left_out.images_of_too_many;
-    return false;
-  }
+  if (known == heard_s_.end() && heard_s_.size() >= kMaxCameras)
+    return leave_out(LeftOut::Why::kTooMany, left_out.images_of_too_many);
   const bool hangs = image.camera_mm.allFinite() && image.camera_mm.z() > kLowestCameraMm &&
                      image.camera_mm.norm() < kHighestCameraMm;
   // Without a place of its own, a camera has not been calibrated: it sees nothing on the field.
@@ -53,7 +59,6 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
   out.camera_mm = image.camera_mm;
   out.robots.clear();
   out.balls.clear();
-  const LeftOut before = left_out;
   out.is_taken = is_taken(params, arrived, now_s, left_out);
   if (out.is_taken) {
     const auto is_near = [&](const Vector2d& place_mm) {
@@ -91,11 +96,6 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
       if (!std::isfinite(ball.height_mm)) ball.height_sigma_mm = std::numeric_limits<double>::infinity();
       out.balls.push_back(ball);
     }
-  }
-  if (left_out.sightings + left_out.images_off_time + left_out.images_of_too_many !=
-      before.sightings + before.images_off_time + before.images_of_too_many) {
-    left_out.camera = image.camera;
-    left_out.t_s = now_s;
   }
 }
 

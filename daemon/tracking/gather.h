@@ -17,10 +17,12 @@ namespace sslv {
 struct LeftOut {
   std::uint64_t images_off_time = 0;     // whose time is far from this computer's
   std::uint64_t images_of_too_many = 0;  // cameras
-  std::uint64_t sightings =
-      0;            // without sense: no numbers, far off the field, more than anyone could play with
-  int camera = -1;  // the last of which something was left out
-  double t_s = 0;   // when that was
+  std::uint64_t sightings = 0;  // without sense: no numbers, far off the field, more than anyone plays with
+  // The last image that was left out.
+  enum class Why : std::uint8_t { kNothing, kTime, kTooMany };
+  Why why = Why::kNothing;
+  int camera = -1;
+  double t_s = 0;
 };
 
 /// Takes what a camera saw into the field, once it makes sense: a stranger's packets and a clock that was set

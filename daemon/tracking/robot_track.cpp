@@ -258,7 +258,8 @@ TrackedRobot RobotTrack::at(double t_s) const {
   out.turn_rad_s = angle_[1] + angle_[2] * accelerates_s;
   out.place_sigma_mm = std::sqrt(std::max(0.0, cov_.topLeftCorner<2, 2>().trace() / 2)) +
                        0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
-  out.visibility = std::clamp(1 - (t_s - seen_s_) / kGone_s, 0.0, 1.0);
+  constexpr double kLately_s = 0.05;  // with the way from the exposure to here, an image or two
+  out.visibility = std::clamp(1 - (t_s - seen_s_ - kLately_s) / (kGone_s - kLately_s), 0.0, 1.0);
   return out;
 }
 

@@ -48,6 +48,7 @@ struct CameraSightings {
 struct ArrivedSightings {
   CameraSightings image;
   bool is_of_other_computer = false;  // it says nothing of how sure its places are
+  std::int64_t handed_over_ns = 0;    // steady_ns(); 0: of no live camera
 };
 
 /// When an image was taken, as its camera's even rate has it. Nothing for an image that is left out.

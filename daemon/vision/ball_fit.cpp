@@ -610,6 +610,8 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     out.r2 = total > 0 ? std::max(0.0, explained / total) : 0;
     const Eigen::Vector3d with_radius = normal.ldlt().solve(gradient);
     out.radius_mm = frame.radius_mm + with_radius.z();
+    const Eigen::Matrix2d place_cov = places.inverse();
+    out.place_cov = {place_cov(0, 0), place_cov(0, 1), place_cov(1, 1)};
     out.radius_sigma_mm = std::sqrt(std::max(0.0, normal.inverse()(2, 2)));
     out.color = look.planes.yuv ? rgb_of_yuv_color(color) : color;
     const auto difference = look.planes.yuv ? rgb_of_yuv_contrast(contrast) : contrast;

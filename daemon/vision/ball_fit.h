@@ -20,6 +20,7 @@ struct BallFit {
   double r2 = 0;              // share of the samples' variance that a ball there explains
   double radius_mm = 0;       // the radius that would fit best
   double radius_sigma_mm = 0;
+  PlaceCov place_cov;
   double clear_share = 0;         // of the samples around it: carpet, and not line, robot or other things
   double visible_share = 0;       // of the ball's own samples: not hidden by a robot
   std::array<double, 3> color{};  // red, green and blue of its middle

@@ -164,7 +164,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     const auto fitted = camera.project({fit.x_mm, fit.y_mm, radius_mm});
     if (!fitted) return;
     // Of several regions of one ball, the best fit counts.
-    const Ball ball{fit.x_mm, fit.y_mm, fitted->x(), fitted->y(), region.area_px, confidence};
+    const Ball ball{fit.x_mm,   fit.y_mm,      fitted->x(),   fitted->y(),        region.area_px,
+                    confidence, fit.place_cov, fit.radius_mm, fit.radius_sigma_mm};
     const auto same = std::find_if(out.balls.begin(), out.balls.end(), [&](const Ball& other) {
       return std::hypot(other.x_mm - ball.x_mm, other.y_mm - ball.y_mm) < radius_mm;
     });

@@ -253,6 +253,9 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     out.pose.x_mm += mm_per_row.x() * (out.pixel_y - patch->pixel.y());
     out.pose.y_mm += mm_per_row.y() * (out.pixel_y - patch->pixel.y());
     out.px_per_mm = 1 / patch->mm_per_px();
+    const Eigen::Matrix3d cov = normal.inverse();
+    out.place_cov = {cov(0, 0), cov(0, 1), cov(1, 1)};
+    out.angle_sigma_rad = std::sqrt(std::max(0.0, cov(2, 2)));
     return out;
   }
 }

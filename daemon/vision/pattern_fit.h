@@ -3,6 +3,7 @@
 
 #include "geometry/scene.h"
 #include "image/image.h"
+#include "vision/detections.h"
 #include "vision/disc_fit.h"
 #include "vision/lut.h"
 #include "vision/pattern_pose.h"
@@ -39,6 +40,8 @@ struct PatternFit {
   int seen = 0;                    // dots, with the centre
   double rms_mm = 0;               // of the seen dots' distances from their places
   double min_r2 = 0, mean_r2 = 0;  // of the seen dots
+  PlaceCov place_cov;
+  double angle_sigma_rad = 0;
 };
 
 /// Lays a pattern over the image: fits each of its dots as a disc (disc_fit.h) and from all of them that

@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "web/view.h"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -78,11 +79,13 @@ struct Route {
   std::size_t max_body = kMaxBodyBytes;
 };
 
-/// A text that viewers may subscribe to by its name. It is made while somebody has, twice a second.
+/// A text that viewers may subscribe to by its name. It is made while somebody has.
 class Topic {
  public:
   virtual ~Topic() = default;
   virtual const char* topic_name() const = 0;
+  /// How often it is made.
+  virtual std::chrono::milliseconds topic_period() const { return std::chrono::milliseconds(500); }
   /// Called from a thread that may wait.
   virtual Json topic_data() = 0;
 };

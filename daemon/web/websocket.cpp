@@ -28,7 +28,7 @@ namespace beast = boost::beast;
 
 namespace {
 
-constexpr std::chrono::milliseconds kTopicPeriod{500};
+constexpr std::chrono::milliseconds kLookPeriod{500};  // at the viewers themselves
 constexpr std::chrono::seconds kHandshakeTimeout{10};
 constexpr std::chrono::seconds kSilenceTimeout{20};  // a viewer that answers no ping is gone
 constexpr std::size_t kMaxMessageBytes = 16 * 1024;
@@ -251,7 +251,8 @@ WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, View
       feeds_(feeds),
       counters_(counters),
       timer_(io),
-      last_messages_(topics_.size()) {}
+      last_messages_(topics_.size()),
+      topic_due_(topics_.size()) {}
 
 void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
                           MayLook may_look) {
@@ -296,19 +297,36 @@ void WebSocketHub::send_topic_soon(WebSocketSession& session, std::size_t topic)
 }
 
 void WebSocketHub::tick() {
-  std::string problem;
-  try {
-    problem = look_at_sessions();
-  } catch (const std::exception& error) {  // whatever it is, the next tick must come
-    problem = error.what();
+  const auto now = Clock::now();
+  if (now >= look_due_) {
+    look_due_ = now + kLookPeriod;
+    std::string problem;
+    try {
+      problem = look_at_sessions();
+    } catch (const std::exception& error) {  // whatever it is, the next tick must come
+      problem = error.what();
+    }
+    if (!problem.empty() && problem != last_problem_) log::error("web: {}", problem);
+    last_problem_ = problem;
   }
-  if (!problem.empty() && problem != last_problem_) log::error("web: {}", problem);
-  last_problem_ = problem;
   ticking_ = !sessions_.empty();
+  next_tick_ = look_due_;
   std::vector<bool> wanted(topics_.size());
-  for (const auto& [id, session] : sessions_) {
-    for (std::size_t topic = 0; topic < topics_.size(); ++topic)
-      wanted[topic] = wanted[topic] || session->wants_topic(topic);
+  for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
+    const bool is_wanted = std::any_of(sessions_.begin(), sessions_.end(),
+                                       [&](const auto& one) { return one.second->wants_topic(topic); });
+    if (!is_wanted) {
+      last_messages_[topic].reset();
+      topic_due_[topic] = {};
+      continue;
+    }
+    // A little early is in time: timers are never early themselves.
+    constexpr std::chrono::milliseconds kEarly{2};
+    if (now + kEarly >= topic_due_[topic]) {
+      wanted[topic] = true;
+      topic_due_[topic] = std::max(topic_due_[topic], now - kEarly) + topics_[topic]->topic_period();
+    }
+    next_tick_ = std::min(next_tick_, topic_due_[topic]);
   }
   if (std::none_of(wanted.begin(), wanted.end(), [](bool one) { return one; }))
     return send_topics(TopicMessages(topics_.size()));
@@ -348,17 +366,17 @@ WebSocketHub::TopicMessages WebSocketHub::make_messages(const std::vector<bool>&
 }
 
 void WebSocketHub::send_topics(TopicMessages messages) {
-  last_messages_ = std::move(messages);
   for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
-    const CameraFeed::Message& message = last_messages_[topic];
+    const CameraFeed::Message& message = messages[topic];
     if (!message) continue;
+    last_messages_[topic] = message;
     for (const auto& [id, session] : sessions_) {
       if (session->wants_topic(topic))
         session->send({WebSocketSession::Slot::Kind::kTopic, static_cast<std::uint32_t>(topic)}, message);
     }
   }
   if (!ticking_) return;
-  timer_.expires_after(kTopicPeriod);
+  timer_.expires_at(next_tick_);
   timer_.async_wait([this](beast::error_code) { tick(); });
 }
 

@@ -6,6 +6,7 @@
 #include "web/gate.h"
 #include "web/route.h"
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -52,7 +53,7 @@ class WebSocketHub {
   /// Why detections of some cameras cannot be had now; empty: all of them can. A tick tries again.
   std::string follow_detections(WebSocketSession& session);
 
-  void tick();                     // every half second while there are viewers
+  void tick();                     // while there are viewers: as often as what they want is made
   std::string look_at_sessions();  // what follow_detections() says
   /// By topic; null: nobody wants it, or it could not be had.
   using TopicMessages = std::vector<CameraFeed::Message>;
@@ -67,9 +68,12 @@ class WebSocketHub {
   CameraFeeds& feeds_;
   WebCounters& counters_;
   boost::asio::steady_timer timer_;
+  using Clock = std::chrono::steady_clock;
   bool ticking_ = false;
+  Clock::time_point look_due_{}, next_tick_{};
   std::string last_problem_;     // of the last look at the sessions
   TopicMessages last_messages_;  // at most one period old
+  std::vector<Clock::time_point> topic_due_;
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;
 };
 

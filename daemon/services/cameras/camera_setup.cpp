@@ -28,7 +28,7 @@ bool same_setup(const Config& config, const CameraSettings& camera, const Camera
   return camera.stack == previous.settings.stack && camera.stages == previous.settings.stages &&
          same(camera.calibration, previous.settings.calibration) &&
          same(camera.colors, previous.settings.colors) && same(camera.mask, previous.settings.mask) &&
-         same(config.field, previous.config.field) && same(config.teams, previous.config.teams) &&
+         same<FieldSize>(config.field, previous.config.field) && same(config.teams, previous.config.teams) &&
          config.patterns_file == previous.config.patterns_file && same_labels(config, previous.config);
 }
 

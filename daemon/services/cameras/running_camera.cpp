@@ -51,11 +51,11 @@ void RunningCamera::LastOpened::hand_over(const Json& source, const std::shared_
 }
 
 RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
-                             std::shared_ptr<CameraTotals> totals)
+                             std::shared_ptr<SightingsQueue> field, std::shared_ptr<CameraTotals> totals)
     : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
       last_opened_(std::make_shared<LastOpened>()),
       totals_(std::move(totals)),
-      sink_(multicast, *totals_),
+      sink_(multicast, std::move(field), *totals_),
       pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)),
       thread_(make_thread(settings, *pipeline_.setup()->context.scene)) {}
 
@@ -185,10 +185,11 @@ Json RunningCamera::saved_controls() const {
   return controls_in(settings()->source);
 }
 
-void RunningCamera::Sink::publish(const FrameInfo& info, const Scene&, const RobotList& robots,
+void RunningCamera::Sink::publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                                   const BallList& balls) noexcept {
   const double t_sent_s = sender.send(info, robots, balls);
   latency.add_ns(steady_ns() - info.times.arrived_ns);
+  field->hand_over(info, scene, robots, balls);
   const auto age_ns = static_cast<std::int64_t>((t_sent_s - info.times.t_capture_s) * 1e9);
   age.add_ns(age_ns);
   totals.capture_to_send.add_ns(age_ns);

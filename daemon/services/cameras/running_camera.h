@@ -8,6 +8,7 @@
 #include "config/config.h"
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
+#include "pipeline/field_intake.h"
 #include "services/cameras/camera_setup.h"
 #include "services/cameras/camera_totals.h"
 #include "services/cameras/control_change.h"
@@ -27,10 +28,11 @@ namespace sslv {
 /// thread. Hold it by shared_ptr: viewers of its frames keep it alive.
 class RunningCamera {
  public:
-  /// Nothing is opened before start(). `multicast` must outlive this. `totals`: of this camera's id. Throws
+  /// Nothing is opened before start(). `multicast` must outlive this. `field`: the
+  /// camera's way to the tracks. `totals`: of this camera's id. Throws
   /// std::system_error when its thread cannot be had.
   RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
-                std::shared_ptr<CameraTotals> totals);
+                std::shared_ptr<SightingsQueue> field, std::shared_ptr<CameraTotals> totals);
   ~RunningCamera();
   /// Starts capturing; a camera that is not there is tried until it comes.
   void start() noexcept;
@@ -86,14 +88,15 @@ class RunningCamera {
 
  private:
   struct Sink : DetectionSink {
-    Sink(MulticastSender& multicast, CameraTotals& camera_totals)
-        : sender(multicast), totals(camera_totals) {}
+    Sink(MulticastSender& multicast, std::shared_ptr<SightingsQueue> to_field, CameraTotals& camera_totals)
+        : sender(multicast), field(std::move(to_field)), totals(camera_totals) {}
     void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                  const BallList& balls) noexcept override;
     void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
       totals.stages[stage].add_ns(duration_ns);
     }
     DetectionSender sender;
+    const std::shared_ptr<SightingsQueue> field;
     CameraTotals& totals;
     RecentDurations latency, age;
   };

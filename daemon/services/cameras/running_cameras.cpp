@@ -59,9 +59,13 @@ struct RunningCameras::Prepared {
   std::shared_ptr<const Running> running;  // all that are to run
 };
 
-RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast,
+RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
                                const RefereeListener& referee, LoadTable load_table)
-    : config_(config), multicast_(multicast), referee_(referee), load_table_(std::move(load_table)) {}
+    : config_(config),
+      multicast_(multicast),
+      field_(field),
+      referee_(referee),
+      load_table_(std::move(load_table)) {}
 
 RunningCameras::~RunningCameras() {
   for (const auto& camera : list()) camera->ask_to_stop();
@@ -175,8 +179,8 @@ Commit RunningCameras::prepare(const SettingsChange& change) {
       if (!known) known = std::make_shared<CameraTotals>();
       totals = known;
     }
-    prepared.added.push_back(
-        std::make_shared<RunningCamera>(camera, std::move(setups[i]->setup), multicast_, totals));
+    prepared.added.push_back(std::make_shared<RunningCamera>(camera, std::move(setups[i]->setup), multicast_,
+                                                             field_.add(), totals));
     running->emplace(camera.id, prepared.added.back());
   }
   // Last, when all the rest is known to be allowed: this may set controls of cameras.

@@ -22,8 +22,8 @@ class RunningCameras final : public Cameras, public ViewSource {
  public:
   /// All must outlive this. `config`: in effect. `load_table`: see make_context(). No camera runs before the
   /// first change is committed.
-  RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, const RefereeListener& referee,
-                 LoadTable load_table);
+  RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
+                 const RefereeListener& referee, LoadTable load_table);
   /// Stops all cameras at once.
   ~RunningCameras() override;
 
@@ -64,6 +64,7 @@ class RunningCameras final : public Cameras, public ViewSource {
 
   const Snapshot<Config>& config_;
   MulticastSender& multicast_;
+  FieldIntake& field_;
   const RefereeListener& referee_;
   const LoadTable load_table_;
   std::vector<CameraObserver*> observers_;

@@ -102,10 +102,14 @@ NetworkService::NetworkService(const Snapshot<Config>& config, MulticastSender& 
       other_visions_([this](const auto& sender) { return multicast_.is_own(sender); },
                      [this](std::span<const std::byte> datagram, double now_s) {
                        heard_packets_.receive(datagram, now_s);
+                     },
+                     [this](const SSL_WrapperPacket& packet, const std::string& address, double now_s) {
+                       on_other_(packet, address, now_s);
                      }) {}
 
 void NetworkService::stop_listening() {
   referee_.listen(std::nullopt);
+  other_visions_.stop();
 }
 
 Commit NetworkService::prepare(const SettingsChange& change) {

@@ -3,6 +3,7 @@
 #include "services/calibration/calibration_report.h"
 #include "services/cameras/camera_report.h"
 #include "services/colors/color_report.h"
+#include "services/field/field_report.h"
 #include "services/network/network_report.h"
 #include "services/settings/settings_report.h"
 #include "services/status/alert_times.h"
@@ -167,6 +168,27 @@ TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
       "last minute");
 }
 
+/// All that the field has.
+std::vector<Alert> field_alerts() {
+  FieldFacts facts;
+  facts.config = std::make_shared<Config>();
+  facts.sending_error = "no card";
+  facts.now_s = 1000;
+  facts.conflicts = {{3, "192.168.1.8", "192.168.1.7"}};
+  for (int i = 0; i < 3; ++i)
+    facts.agreement.differences[static_cast<std::size_t>(i)] = {0, 1, 250, 250.0F + 500.0F * i,
+                                                                7, 0, 100, 999};
+  facts.agreement.difference_count = 3;
+  HealthReport report;
+  for (const auto why : {LeftOut::Why::kTime, LeftOut::Why::kTooMany}) {
+    facts.left_out.why = why;
+    facts.left_out.camera = 2;
+    facts.left_out.t_s = 995;
+    report_field(facts, report);
+  }
+  return report.alerts;
+}
+
 TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   AnyCamera& camera = input_.cameras[0];
   camera.health.state = CameraState::kLost;
@@ -218,6 +240,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.match_runs = true;
   input_.seen.field.team_gone_s = {};
   for (Alert& alert : alerts()) all.push_back(std::move(alert));
+  for (Alert& alert : field_alerts()) all.push_back(std::move(alert));
   std::set<std::string> found;
   for (const Alert& alert : all) found.insert(alert.id);
 

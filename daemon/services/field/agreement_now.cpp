@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/field/agreement_now.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+/// Robots come to a part of the field again and again; a camera may have been moved since.
+constexpr double kForgotten_s = 600;
+
+double to_hundredths(double value) {
+  return std::round(value * 100) / 100;
+}
+
+}  // namespace
+
+void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noexcept {
+  agreement.forget_differences(now_s - kForgotten_s);
+  out.t_s = now_s;
+  out.difference_count = 0;
+  agreement.for_differences([&](const CameraAgreement::Difference& one) {
+    if (out.difference_count == AgreementNow::kMaxDifferences) return;
+    out.differences[out.difference_count++] = {one.camera,
+                                               one.other,
+                                               static_cast<float>(one.place_mm.x()),
+                                               static_cast<float>(one.place_mm.y()),
+                                               static_cast<float>(one.off_mm.x()),
+                                               static_cast<float>(one.off_mm.y()),
+                                               static_cast<float>(one.samples),
+                                               one.t_s};
+  });
+  out.camera_count = 0;
+  agreement.for_cameras([&](int id) {
+    if (out.camera_count == AgreementNow::kMaxCameras) return;
+    double squares = 0;
+    int places = 0;
+    for (std::size_t i = 0; i < out.difference_count; ++i) {
+      const auto& one = out.differences[i];
+      if (one.camera != id && one.other != id) continue;
+      squares += agreement.error_of(id, {one.x_mm, one.y_mm}).squaredNorm();
+      ++places;
+    }
+    out.cameras[out.camera_count++] = {id, agreement.time_offset_s(id),
+                                       places > 0 ? std::sqrt(squares / places) : 0};
+  });
+  out.height_count = 0;
+  agreement.for_heights([&](const RobotName& name, const CameraAgreement::Height& height) {
+    if (out.height_count == AgreementNow::kMaxRobots) return;
+    out.heights[out.height_count++] = {static_cast<int>(name.team), name.id, height.more_mm, height.sigma_mm};
+  });
+}
+
+Json to_json(const AgreementNow& now) {
+  Json out{{"time", now.t_s},
+           {"part_mm", CameraAgreement::kPartMm},
+           {"cameras", Json::array()},
+           {"heights", Json::array()},
+           {"differences", Json::array()}};
+  for (std::size_t i = 0; i < now.camera_count; ++i) {
+    const auto& one = now.cameras[i];
+    out["cameras"].push_back({{"camera", one.id},
+                              {"time_offset_ms", to_hundredths(one.time_offset_s * 1e3)},
+                              {"error_mm", to_hundredths(one.error_mm)}});
+  }
+  for (std::size_t i = 0; i < now.height_count; ++i) {
+    const auto& one = now.heights[i];
+    out["heights"].push_back({{"team", one.team == static_cast<int>(Team::kYellow) ? "yellow" : "blue"},
+                              {"id", one.id},
+                              {"more_mm", to_hundredths(one.more_mm)},
+                              {"sigma_mm", to_hundredths(one.sigma_mm)}});
+  }
+  for (std::size_t i = 0; i < now.difference_count; ++i) {
+    const auto& one = now.differences[i];
+    out["differences"].push_back({{"cameras", {one.camera, one.other}},
+                                  {"x", one.x_mm},
+                                  {"y", one.y_mm},
+                                  {"off_x_mm", to_hundredths(static_cast<double>(one.off_x_mm))},
+                                  {"off_y_mm", to_hundredths(static_cast<double>(one.off_y_mm))},
+                                  {"samples", static_cast<int>(one.samples)},
+                                  {"time", one.t_s}});
+  }
+  return out;
+}
+
+}  // namespace sslv

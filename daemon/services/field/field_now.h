@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "tracking/tracks.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace sslv {
+
+/// A TrackedField in one piece of memory, so that it can be read while the field's thread goes on.
+struct FieldNow {
+  struct Robot {
+    double x_mm, y_mm, vx_mm_s, vy_mm_s, orientation_rad, turn_rad_s, sigma_mm, visibility;
+    int team, id;
+  };
+  struct Ball {
+    double x_mm, y_mm, z_mm, vx_mm_s, vy_mm_s, vz_mm_s, visibility;
+  };
+  struct Kick {
+    double t_s, x_mm, y_mm, vx_mm_s, vy_mm_s, vz_mm_s, landing_x_mm, landing_y_mm;
+    int number;    // 0: none
+    int team, id;  // of the robot; id -1: not known
+    bool is_chip;
+  };
+  static constexpr std::size_t kMaxRobots = 64, kMaxBalls = 8, kKicks = 8;
+
+  double t_s = 0;
+  std::uint32_t number = 0;  // 0: nothing was tracked yet
+  std::uint32_t robot_count = 0, ball_count = 0;
+  std::array<Robot, kMaxRobots> robots;
+  std::array<Ball, kMaxBalls> balls;
+  std::array<Kick, kKicks> kicks;  // the newest; the one with number n is at n % kKicks
+};
+
+/// Takes it over, and the kick among those that are there.
+void write_now(const TrackedField& tracked, FieldNow& out) noexcept;
+
+/// As docs/openapi.json's FieldTracks.
+Json to_json(const FieldNow& now);
+Json to_json(const FieldNow::Kick& kick);
+
+}  // namespace sslv

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/field/field_service.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "config/stages.h"
+#include "health/metrics_text.h"
+#include "services/field/field_report.h"
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <glib.h>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kMaxKicks = 100;
+
+/// By which the game controller knows this source again. It is no part of backups: a spare computer is
+/// another source.
+std::string stable_uuid(StateFolder& folder) {
+  const std::filesystem::path file = folder.path() / "tracker-uuid";
+  std::string uuid;
+  std::ifstream(file) >> uuid;
+  if (g_uuid_string_is_valid(uuid.c_str()) != 0) return uuid;
+  gchar* made = g_uuid_string_random();
+  uuid = made;
+  g_free(made);
+  try {
+    folder.write(file, uuid + "\n");
+  } catch (const StorageError& error) {
+    log::warning("the tracks' source has another uuid after the next start: {}", error.what());
+  }
+  return uuid;
+}
+
+/// Tracks leave by the card that detections leave by.
+MulticastSettings multicast_of(const NetworkSettings& network) {
+  MulticastSettings out = network.vision;
+  out.group = network.tracker.group;
+  out.port = network.tracker.port;
+  return out;
+}
+
+std::set<int> ids_of(const Config& config) {
+  std::set<int> ids;
+  for (const CameraSettings& camera : config.cameras) ids.insert(camera.id);
+  return ids;
+}
+
+}  // namespace
+
+FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, StateFolder& folder)
+    : config_(config),
+      intake_(intake),
+      uuid_(stable_uuid(folder)),
+      sender_(multicast_of(config.load()->network), "/network/tracker"),
+      heard_queue_(intake.add()),
+      running_(intake, sender_, make_setup(*config.load())) {}
+
+FieldSetup FieldService::make_setup(const Config& config) const {
+  FieldSetup setup;
+  setup.pipeline = std::make_shared<FieldPipeline>(field_stage_table(), config.field.stack, "/field/stack");
+  setup.parameters = setup.pipeline->parameters_of(config.field.stage_params);
+  setup.field = config.field;
+  setup.source = {uuid_, config.network.tracker.source_name};
+  setup.sends = config.network.tracker.enabled;
+  return setup;
+}
+
+Commit FieldService::prepare(const SettingsChange& change) {
+  auto setup = std::make_shared<FieldSetup>(make_setup(change.next));
+  // What stages have learnt goes on as long as they do.
+  const auto before = running_.setup();
+  if (before->pipeline->stack() == change.next.field.stack) setup->pipeline = before->pipeline;
+  return [this, setup, ids = ids_of(change.next), others = change.next.field.other_computers,
+          multicast = multicast_of(change.next.network)]() mutable noexcept {
+    sender_.configure(multicast, "/network/tracker");
+    {
+      const std::lock_guard lock(heard_mutex_);
+      heard_cameras_.set_own(std::move(ids));
+      takes_other_computers_ = others;
+    }
+    running_.change(std::move(*setup));
+  };
+}
+
+void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s) {
+  const std::lock_guard lock(heard_mutex_);
+  if (!takes_other_computers_) return;
+  if (heard_cameras_.read(packet, address, now_s, heard_)) heard_queue_->hand_over(heard_);
+}
+
+void FieldService::each_second() {
+  intake_.drop_unused();
+  take_kicks();
+}
+
+void FieldService::take_kicks() {
+  const FieldNow now = running_.now();
+  const std::lock_guard lock(kicks_mutex_);
+  for (std::size_t i = 1; i <= FieldNow::kKicks; ++i) {
+    // In the order in which they came.
+    int newest = 0;
+    for (const FieldNow::Kick& kick : now.kicks) newest = std::max(newest, kick.number);
+    const int number = newest - static_cast<int>(FieldNow::kKicks - i);
+    if (number <= 0) continue;
+    const FieldNow::Kick& kick = now.kicks[static_cast<std::size_t>(number) % FieldNow::kKicks];
+    if (kick.number != number) continue;
+    const auto known = std::find_if(kicks_.begin(), kicks_.end(),
+                                    [&](const FieldNow::Kick& one) { return one.number == number; });
+    if (known != kicks_.end()) {
+      *known = kick;  // known better by now
+    } else {
+      kicks_.push_back(kick);
+    }
+  }
+  while (kicks_.size() > kMaxKicks) kicks_.pop_front();
+}
+
+Json FieldService::topic_data() {
+  const FieldNow now = running_.now();
+  Json out = to_json(now);
+  // The newest kick only; all of them: GET /api/field/kicks.
+  out["kick"] = nullptr;
+  int newest = 0;
+  for (const FieldNow::Kick& kick : now.kicks) {
+    if (kick.number <= newest) continue;
+    newest = kick.number;
+    out["kick"] = to_json(kick);
+  }
+  return out;
+}
+
+Json FieldService::field_json() {
+  Json out = topic_data();
+  const auto setup = running_.setup();
+  const auto latency = running_.latency().percentiles();
+  const MulticastStatus sent = sender_.status();
+  out["source"] = {{"uuid", uuid_}, {"name", setup->source.name}};
+  out["sends"] = setup->sends;
+  out["packets_sent"] = sent.packets_sent;
+  out["frames"] = running_.frames();
+  out["latency_p50_us"] = latency.p50_us;
+  out["latency_p99_us"] = latency.p99_us;
+  out["stages"] = Json::array();
+  const auto& stack = setup->pipeline->stack();
+  for (std::size_t i = 0; i < stack.size(); ++i) {
+    const auto times = setup->pipeline->durations(i).percentiles();
+    out["stages"].push_back({{"name", stack[i]}, {"p50_us", times.p50_us}, {"p99_us", times.p99_us}});
+  }
+  out["other_cameras"] = Json::array();
+  const std::lock_guard lock(heard_mutex_);
+  for (const auto& [id, address] : heard_cameras_.cameras(steady_s()))
+    out["other_cameras"].push_back({{"camera", id}, {"address", address}});
+  return out;
+}
+
+Json FieldService::kicks_json() {
+  take_kicks();
+  Json out = Json::array();
+  const std::lock_guard lock(kicks_mutex_);
+  for (auto kick = kicks_.rbegin(); kick != kicks_.rend(); ++kick) out.push_back(to_json(*kick));
+  return {{"kicks", std::move(out)}};
+}
+
+std::vector<Route> FieldService::routes() {
+  return {{"GET", "/api/field", [this](const Request&) { return json_response(field_json()); }},
+          {"GET", "/api/field/agreement",
+           [this](const Request&) { return json_response(to_json(running_.agreement())); }},
+          {"GET", "/api/field/kicks", [this](const Request&) { return json_response(kicks_json()); }}};
+}
+
+void FieldService::report(HealthReport& report) const {
+  FieldFacts facts{.config = config_.load(),
+                   .agreement = running_.agreement(),
+                   .left_out = running_.left_out(),
+                   .now_s = unix_time_s(),
+                   .sending_error = running_.setup()->sends ? sender_.status().error : "",
+                   .conflicts = {}};
+  {
+    const std::lock_guard lock(heard_mutex_);
+    if (takes_other_computers_) facts.conflicts = heard_cameras_.conflicts(steady_s());
+  }
+  report_field(facts, report);
+}
+
+void FieldService::add_diagnostics(Json& diagnostics) const {
+  const LeftOut left_out = running_.left_out();
+  diagnostics["field"] = {{"frames", running_.frames()},
+                          {"lost", intake_.lost()},
+                          {"images_off_time", left_out.images_off_time},
+                          {"images_of_too_many", left_out.images_of_too_many},
+                          {"sightings_left_out", left_out.sightings}};
+}
+
+void FieldService::write_metrics(MetricsText& out) const {
+  out.begin("sslv_field_frames_total", "counter", "Images of all cameras that went into the field's tracks.");
+  out.add({}, running_.frames());
+  out.begin("sslv_field_lost_total", "counter", "Images that the field's stack did not take in time.");
+  out.add({}, intake_.lost());
+  const LeftOut left_out = running_.left_out();
+  out.begin("sslv_field_left_out_total", "counter", "What the field left out because it made no sense.");
+  out.add({{"what", "image_off_time"}}, left_out.images_off_time);
+  out.add({{"what", "image_of_too_many_cameras"}}, left_out.images_of_too_many);
+  out.add({{"what", "sighting"}}, left_out.sightings);
+  out.begin("sslv_field_latency_seconds", "histogram",
+            "From when a camera handed over what it saw to when tracks were sent.");
+  out.add({}, running_.latency_total().read());
+  out.begin("sslv_field_stage_duration_seconds", "histogram",
+            "Time that a stage of the field's stack takes.");
+  for (std::size_t i = 0; i < running_.stage_totals().size(); ++i)
+    out.add({{"stage", field_stage_table()[i].name}}, running_.stage_totals()[i].read());
+  out.begin("sslv_tracker_packets_sent_total", "counter", "Packets of tracks sent.");
+  out.add({}, sender_.status().packets_sent);
+}
+
+}  // namespace sslv

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/snapshot.h"
+#include "config/config.h"
+#include "net/heard_cameras.h"
+#include "net/multicast.h"
+#include "pipeline/field_intake.h"
+#include "services/field/running_field.h"
+#include "services/service.h"
+#include "settings/state_folder.h"
+#include "web/route.h"
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+
+class SSL_WrapperPacket;
+
+namespace sslv {
+
+/// Makes one field of what all cameras see, this computer's and others'; sends tracks, and tells viewers.
+class FieldService final : public Service, public Topic {
+ public:
+  /// All must outlive this. `config`: in effect.
+  FieldService(const Snapshot<Config>& config, FieldIntake& intake, StateFolder& folder);
+
+  /// A packet of another computer's vision, at a monotonic time. From the thread that listens.
+  void hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s);
+
+  // Topic
+  const char* topic_name() const override { return "field"; }
+  std::chrono::milliseconds topic_period() const override { return std::chrono::milliseconds(33); }
+  Json topic_data() override;
+
+  // Service
+  std::vector<Route> routes() override;
+  Commit prepare(const SettingsChange& change) override;
+  void report(HealthReport& report) const override;
+  void add_diagnostics(Json& diagnostics) const override;
+  void write_metrics(MetricsText& out) const override;
+  void each_second() override;
+
+ private:
+  FieldSetup make_setup(const Config& config) const;
+  Json field_json();
+  Json kicks_json();
+  void take_kicks();
+
+  const Snapshot<Config>& config_;
+  FieldIntake& intake_;
+  const std::string uuid_;
+  MulticastSender sender_;
+  const std::shared_ptr<SightingsQueue> heard_queue_;
+  mutable std::mutex heard_mutex_;  // guards the next three; never taken by a camera's thread or the field's
+  HeardCameras heard_cameras_;
+  CameraSightings heard_;
+  bool takes_other_computers_ = true;
+  std::mutex kicks_mutex_;
+  std::deque<FieldNow::Kick> kicks_;  // the newest last
+  RunningField running_;              // last: its thread uses the others
+};
+
+}  // namespace sslv

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/duration_totals.h"
+#include "base/handover.h"
+#include "base/recent.h"
+#include "base/seqlock.h"
+#include "net/multicast.h"
+#include "net/tracker_packets.h"
+#include "pipeline/field_intake.h"
+#include "pipeline/pipeline.h"
+#include "services/field/agreement_now.h"
+#include "services/field/field_now.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sslv {
+
+/// What the field's frames are processed with, swapped as a whole between two of them.
+struct FieldSetup {
+  std::shared_ptr<FieldPipeline> pipeline;
+  FieldPipeline::Parameters parameters;
+  FieldSize field;
+  TrackerSource source;
+  bool sends = false;  // tracks to the network
+};
+
+/// The field's stack in a thread of its own, which yields to the cameras' threads and waits for nothing but
+/// what they hand over. The rest may be called from any thread.
+class RunningField final : private FieldSink, private FieldClock {
+ public:
+  /// Both must outlive this.
+  RunningField(FieldIntake& intake, MulticastSender& out, FieldSetup setup);
+  ~RunningField() override;
+
+  /// Takes effect with the next image.
+  void change(FieldSetup setup) { setup_.store(std::move(setup)); }
+  std::shared_ptr<const FieldSetup> setup() const { return setup_.load(); }
+
+  FieldNow now() const { return now_.load(); }
+  AgreementNow agreement() const { return agreement_.load(); }
+  LeftOut left_out() const { return left_out_.load(); }
+  /// Images of all cameras.
+  std::uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
+  /// From when a camera handed over what it saw to when tracks are on the socket.
+  const RecentDurations& latency() const { return latency_; }
+  const DurationTotals& latency_total() const { return latency_total_; }
+  /// By the table of the field's stages.
+  const std::vector<DurationTotals>& stage_totals() const { return stage_totals_; }
+
+ private:
+  // FieldClock
+  double now_s() const noexcept override;
+  // FieldSink
+  void publish(const TrackedField& tracked) noexcept override;
+  void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
+    stage_totals_[stage].add_ns(duration_ns);
+  }
+
+  void run(const std::stop_token& ending);
+  void process(const ArrivedSightings& arrived) noexcept;
+
+  FieldIntake& intake_;
+  MulticastSender& out_;
+  Handover<FieldSetup> setup_;
+  std::atomic<std::uint64_t> frames_{0};
+  RecentDurations latency_;
+  DurationTotals latency_total_;
+  std::vector<DurationTotals> stage_totals_;
+  Seqlock<FieldNow> now_;
+  Seqlock<AgreementNow> agreement_;
+  Seqlock<LeftOut> left_out_;
+  // Of the thread alone.
+  FieldFrame frame_;
+  const FieldSetup* in_use_ = nullptr;
+  FieldNow writing_;
+  AgreementNow writing_agreement_;
+  double agreement_due_s_ = 0;
+  TrackerWrapperPacket packet_;
+  std::vector<std::byte> buffer_;
+  std::jthread thread_;  // last: it uses all the others
+};
+
+}  // namespace sslv
