@@ -61,7 +61,8 @@ struct NetworkParts {
 };
 
 struct FieldParts {
-  FieldParts(Kept& kept, SettingsService& settings) : service(settings.config(), intake, kept.folder) {}
+  FieldParts(Kept& kept, SettingsService& settings)
+      : service(settings.config(), intake, settings, kept.folder) {}
 
   FieldIntake intake;
   FieldService service;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Prints what the vision sends. Copy it into your team's software; README.md says how to build it alone.
+// Prints what the vision sends, or with --tracks the tracks of robots and balls. Copy it into your team's
+// software; README.md says how to build it alone.
 #include "ssl_vision_wrapper.pb.h"
+#include "ssl_vision_wrapper_tracked.pb.h"
 
 #include <array>
 #include <cerrno>
@@ -100,36 +102,74 @@ static void print_geometry(const SSL_GeometryData& geometry) {
   }
 }
 
+/// Metres, m/s. `timestamp` is the moment that it is all true for: with that and the velocities, a team
+/// predicts to when its own commands arrive.
+static void print_tracks(const TrackerWrapperPacket& packet) {
+  const TrackedFrame& frame = packet.tracked_frame();
+  const double now =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  std::printf("tracks of %s  frame %u  age %.2f ms\n", packet.source_name().c_str(), frame.frame_number(),
+              (now - frame.timestamp()) * 1e3);
+  for (const TrackedRobot& robot : frame.robots()) {
+    std::printf(
+        "  %s %u  x %.3f  y %.3f m  orientation %.4f rad  speed %.2f %.2f m/s  turns %.2f rad/s  %s\n",
+        robot.robot_id().team() == BLUE ? "blue" : "yellow", robot.robot_id().id(), robot.pos().x(),
+        robot.pos().y(), robot.orientation(), robot.vel().x(), robot.vel().y(), robot.vel_angular(),
+        robot.visibility() < 1 ? "hidden" : "seen");
+  }
+  for (const TrackedBall& ball : frame.balls()) {
+    std::printf("  ball  x %.3f  y %.3f  z %.3f m  speed %.2f %.2f %.2f m/s  %s\n", ball.pos().x(),
+                ball.pos().y(), ball.pos().z(), ball.vel().x(), ball.vel().y(), ball.vel().z(),
+                ball.visibility() < 1 ? "hidden" : "seen");
+  }
+  if (frame.has_kicked_ball()) {
+    const KickedBall& kick = frame.kicked_ball();
+    std::printf("  kicked %.3f s ago at x %.3f  y %.3f m  speed %.2f %.2f %.2f m/s\n",
+                frame.timestamp() - kick.start_timestamp(), kick.pos().x(), kick.pos().y(), kick.vel().x(),
+                kick.vel().y(), kick.vel().z());
+  }
+}
+
 int main(int argc, char** argv) {
   std::map<std::string, std::string> options{
-      {"--group", "224.5.23.2"}, {"--port", "10006"}, {"--interface", "0.0.0.0"}, {"--count", "0"}};
+      {"--group", "224.5.23.2"}, {"--port", ""}, {"--interface", "0.0.0.0"}, {"--count", "0"}};
+  bool tracks = false;
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];
     if (name == "--once") {
       options["--count"] = "1";
+    } else if (name == "--tracks") {
+      tracks = true;
     } else if (options.count(name) != 0 && i + 1 < argc) {
       options[name] = argv[++i];
     } else {
       fail("'" + name +
-           "'? Options: --group ADDRESS --port N --interface ADDRESS --count PACKETS (0: for ever) --once");
+           "'? Options: --group ADDRESS --port N --interface ADDRESS --count PACKETS (0: for ever) --once "
+           "--tracks");
     }
   }
+  if (options["--port"].empty()) options["--port"] = tracks ? "10010" : "10006";
   const int fd = join(parse_address(options["--group"]), parse_number(options["--port"], 65535),
                       parse_address(options["--interface"]));
   const unsigned count = parse_number(options["--count"], 1'000'000'000);
 
   SSL_WrapperPacket packet;
+  TrackerWrapperPacket track_packet;
+  google::protobuf::MessageLite& expected =
+      tracks ? static_cast<google::protobuf::MessageLite&>(track_packet) : packet;
   std::array<char, 65536> datagram;
   for (unsigned received = 0; count == 0 || received < count;) {
     const ssize_t size = recv(fd, datagram.data(), datagram.size(), 0);
     if (size < 0) {
       std::fprintf(stderr,
                    "sample_client: nothing for 5 s; does a vision send there, and is --interface right?\n");
-    } else if (!packet.ParseFromArray(datagram.data(), static_cast<int>(size))) {
-      std::fprintf(stderr, "sample_client: %zd bytes that are no vision packet\n", size);
+    } else if (!expected.ParseFromArray(datagram.data(), static_cast<int>(size))) {
+      std::fprintf(stderr, "sample_client: %zd bytes that are no %s packet\n", size,
+                   tracks ? "tracker" : "vision");
     } else {
-      if (packet.has_detection()) print_detection(packet.detection());
-      if (packet.has_geometry()) print_geometry(packet.geometry());
+      if (tracks) print_tracks(track_packet);
+      if (!tracks && packet.has_detection()) print_detection(packet.detection());
+      if (!tracks && packet.has_geometry()) print_geometry(packet.geometry());
       std::fflush(stdout);
       ++received;
     }

@@ -47,6 +47,7 @@ void add_commands(CommandLine& line) {
   add_bench(line);
   add_simulate(line);
   add_score(line);
+  add_track(line);
   add_annotate(line);
   add_calibrate(line);
   add_learn_colours(line);

@@ -18,7 +18,17 @@ namespace sslv {
 /// height. Only what cameras do not agree on can be learnt; what all have in common stays.
 class CameraAgreement {
  public:
-  /// What two cameras differ by in one part of the field, without what their clocks and robots' heights make.
+  /// What is to be learnt, and what is expected before anything was seen.
+  struct Options {
+    double error_mm = 1.4;  // of a calibration
+    bool learns_clocks = true, learns_heights = true;
+    int bumped = 60;  // surprises one after the other: what was learnt is no longer true
+  };
+  CameraAgreement() = default;
+  explicit CameraAgreement(const Options& options) : options_(options) {}
+
+  /// What two cameras differ by in one part of the field, without what their clocks make, and what robots of
+  /// different heights do.
   struct Difference {
     int camera, other;
     Eigen::Vector2d place_mm;      // the middle of the part
@@ -78,6 +88,7 @@ class CameraAgreement {
   void forget_differences(double before_s);
 
  private:
+  Options options_;
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
     Eigen::Vector3d center_mm;
@@ -88,7 +99,7 @@ class CameraAgreement {
     double t_s;
   };
   struct Track {
-    int at;  // its height's state
+    int at;  // its height's state; -1: it has none
     double seen_s = 0;
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };

@@ -150,7 +150,9 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   elsewhere_ = is_again ? elsewhere_ + 1 : 1;
   elsewhere_mm_ = sighting.place_mm;
   elsewhere_s_ = sighting.t_s;
-  return elsewhere_ >= kSure;
+  // While it is seen where it was, the other one is another robot with the same id.
+  constexpr double kNotHere_s = 0.05;
+  return elsewhere_ >= kSure && sighting.t_s - seen_s_ > kNotHere_s;
 }
 
 bool RobotTrack::add(const RobotObservation& sighting) {

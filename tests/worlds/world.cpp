@@ -84,6 +84,8 @@ class Play {
     if (holder_ < 0 && t_s >= choose_again_s_) choose_chaser(t_s);
   }
 
+  double slides_mm_s2() const { return slide_mm_s2_; }
+  double rolls_mm_s2() const { return roll_mm_s2_; }
   const std::vector<RobotTruth>& robots() const { return robots_; }
   const BallTruth& ball() const { return ball_; }
 
@@ -389,6 +391,8 @@ void World::play() {
     robots_.push_back(play.robots());
     balls_.push_back(play.ball());
   }
+  slides_mm_s2_ = play.slides_mm_s2();
+  rolls_mm_s2_ = play.rolls_mm_s2();
   kicks_ = std::move(play.kicks);
   turns_ = std::move(play.turns);
   swerves_ = std::move(play.swerves);

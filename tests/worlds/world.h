@@ -98,6 +98,9 @@ class World {
   const std::vector<std::pair<double, BallTurn>>& turns() const { return turns_; }
   /// When this robot's acceleration changed by more than 5 m/s2 within 60 ms.
   const std::vector<double>& swerves_of(int robot) const { return swerves_[static_cast<std::size_t>(robot)]; }
+  /// How its ball slides and rolls.
+  double slides_mm_s2() const { return slides_mm_s2_; }
+  double rolls_mm_s2() const { return rolls_mm_s2_; }
   double height_of(int robot) const { return heights_mm_[static_cast<std::size_t>(robot)]; }
 
   static constexpr double kBallRadiusMm = 21.5, kRobotHeightMm = 145, kGravityMm_s2 = 9810;
@@ -116,6 +119,7 @@ class World {
   std::vector<std::vector<RobotTruth>> robots_;  // of each millisecond
   std::vector<BallTruth> balls_;
   std::vector<double> heights_mm_;
+  double slides_mm_s2_ = 0, rolls_mm_s2_ = 0;
   std::vector<KickTruth> kicks_;
   std::vector<std::pair<double, BallTurn>> turns_;
   std::vector<std::vector<double>> swerves_;

@@ -5,6 +5,7 @@
 #include "base/params_json.h"
 #include "capture/buffer_pool.h"
 #include "capture/simulator/simulator_camera.h"
+#include "capture/simulator/simulator_random.h"
 #include "vision/patterns.h"
 
 #include <algorithm>
@@ -32,6 +33,8 @@ class SimulatorSource final : public Source {
  public:
   SimulatorSource(const SimulatorOptions& options, const SourceContext& context)
       : frame_rate_hz_(options.frame_rate_hz),
+        errors_(options.errors),
+        random_(scatter(static_cast<std::uint64_t>(options.seed)) + context.camera_id),
         camera_(options, context, league_patterns()),
         buffers_(kBuffers, camera_.picture_bytes()) {}
 
@@ -44,7 +47,12 @@ class SimulatorSource final : public Source {
       return CaptureStatus::kTimeout;
     }
     std::this_thread::sleep_until(due_);
-    image = {std::exchange(ready_, Image()), {t_capture_s_}, {}};
+    if (errors_.drop_share > 0 && random_.uniform(0, 1) < errors_.drop_share) {
+      ready_ = Image();
+      ++dropped_;
+      return CaptureStatus::kTimeout;
+    }
+    image = {std::exchange(ready_, Image()), {stamp_of(t_capture_s_)}, {}};
     return CaptureStatus::kImage;
   }
 
@@ -55,11 +63,17 @@ class SimulatorSource final : public Source {
   static constexpr std::int64_t kQueued = 4;   // images that wait when they are taken late
   static constexpr double kRetryS = 0.001;     // for a free buffer, without a frame rate
 
+  /// What the camera says of an image that it took then.
+  double stamp_of(double t_s) {
+    const double jitter_ms = errors_.time_jitter_ms > 0 ? errors_.time_jitter_ms * random_.normal() : 0;
+    return t_s + (errors_.time_offset_ms + jitter_ms) * 1e-3;
+  }
+
   /// Draws the image of the next tick, if a buffer is free: of one that passed, when we are late.
   void draw_ahead() {
     const double now_s = unix_time_s();
     if (frame_rate_hz_ > 0) {
-      std::int64_t tick = static_cast<std::int64_t>(std::floor(now_s * frame_rate_hz_)) + 1;
+      std::int64_t tick = static_cast<std::int64_t>(std::floor(now_s * frame_rate_hz_ - errors_.phase)) + 1;
       if (last_tick_ > 0 && tick > last_tick_ + 1) {
         // Not those of an hour that the clock was set forward.
         const double passed_s = std::chrono::duration<double>(steady_now() - due_).count();
@@ -72,7 +86,7 @@ class SimulatorSource final : public Source {
       // The Unix clock may be slewed so that the last tick seems still to come.
       if (tick == last_tick_) ++tick;
       last_tick_ = tick;
-      t_capture_s_ = static_cast<double>(tick) / frame_rate_hz_;
+      t_capture_s_ = (static_cast<double>(tick) + errors_.phase) / frame_rate_hz_;
       due_ = later(steady_now(), t_capture_s_ - now_s);
     } else {
       t_capture_s_ = now_s;
@@ -90,6 +104,8 @@ class SimulatorSource final : public Source {
   }
 
   double frame_rate_hz_;
+  SimulatorErrors errors_;
+  SimulatorRandom random_;
   SimulatedCamera camera_;
   BufferPool buffers_;
   std::int64_t last_tick_ = 0;

@@ -39,7 +39,9 @@ Scene checked(const SimulatorOptions& options, const SourceContext& context) {
                     context.camera_id, made_for.pixel_image_width, made_for.pixel_image_height, options.width,
                     options.height));
   }
-  return context.scene;
+  Scene scene = context.scene;
+  scene.camera = with_errors(*scene.camera, options.errors);
+  return scene;
 }
 
 SimulatedWorld world_of(const SimulatorOptions& options, const SourceContext& context) {

@@ -3,6 +3,7 @@
 
 #include "base/params.h"
 #include "capture/pixel_format_choice.h"
+#include "capture/simulator/simulator_errors.h"
 #include "capture/simulator/simulator_hall.h"
 
 #include <array>
@@ -54,6 +55,7 @@ struct SimulatorOptions {
   double red_gain = 1, blue_gain = 1;
   std::vector<std::array<double, 2>> light_swing, cast_swing;
   HallOptions hall;
+  SimulatorErrors errors;
 
   static constexpr auto fields() {
     using O = SimulatorOptions;
@@ -109,6 +111,7 @@ struct SimulatorOptions {
         point_list("cast_swing", &O::cast_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",
                    "the same for its colour: [seconds, factor on red], by which blue is divided"),
         group("hall", &O::hall, "carpet, lamps, prints and surroundings as halls have them"),
+        group("errors", &O::errors, "what is wrong with the camera and its calibration"),
     };
   }
 };

@@ -11,6 +11,7 @@ namespace sslv {
 void add_status(CommandLine& line);
 void add_watch(CommandLine& line);
 void add_cameras(CommandLine& line);
+void add_field(CommandLine& line);
 void add_alerts(CommandLine& line);
 void add_events(CommandLine& line);
 void add_check(CommandLine& line);
@@ -30,7 +31,7 @@ void add_colours(CommandLine& line);
 void add_settings(CommandLine& line);
 void add_backup(CommandLine& line);
 void add_restore(CommandLine& line);
-void add_field(CommandLine& line);
+void add_field_presets(CommandLine& line, CLI::App* field);  // to the command `field`
 void add_profiles(CommandLine& line);
 void add_history(CommandLine& line);
 void add_undo(CommandLine& line);
@@ -40,6 +41,7 @@ void add_process(CommandLine& line);
 void add_bench(CommandLine& line);
 void add_simulate(CommandLine& line);
 void add_score(CommandLine& line);
+void add_track(CommandLine& line);
 void add_annotate(CommandLine& line);
 
 void add_calibrate(CommandLine& line);  // with a daemon or without

@@ -7,6 +7,8 @@
 #include "ctl/process.h"
 #include "ctl/score.h"
 #include "ctl/simulate.h"
+#include "ctl/track_log.h"
+#include "ctl/track_score.h"
 
 #include <cstdlib>
 #include <iostream>
@@ -115,16 +117,50 @@ void add_simulate(CommandLine& line) {
   });
 }
 
+void add_track(CommandLine& line) {
+  struct Options {
+    std::filesystem::path log_file, settings_file;
+    std::string tracks_file;
+    bool as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = line.app.add_subcommand(
+      "track", "track what cameras saw in a log of the league's logger: gaps and jumps before and after");
+  command->add_option("--log", o->log_file, "the log, not compressed")->required();
+  command->add_option("--config", o->settings_file, "settings whose field and field's stack are used");
+  command->add_option("--tracks", o->tracks_file,
+                      "file for the tracks, a line for each packet; -: standard output");
+  command->add_flag("--json", o->as_json, "as JSON");
+  line.on(command, [o] {
+    Config config;
+    if (o->settings_file.empty()) {
+      config = read_config(Json::object());
+    } else {
+      config = read_config(up_to_date(read_json_file(o->settings_file), settings_migrations()));
+    }
+    std::optional<Output> tracks;
+    if (!o->tracks_file.empty()) tracks.emplace(o->tracks_file);
+    const TrackedLog log = track_log(o->log_file, config, tracks ? &tracks->stream() : nullptr);
+    if (tracks) tracks->finish();
+    (o->tracks_file == "-" ? std::cerr : std::cout)
+        << (o->as_json ? tracked_log_json(log).dump(2) + "\n" : tracked_log_text(log));
+    return EXIT_SUCCESS;
+  });
+}
+
 void add_score(CommandLine& line) {
   struct Options {
     std::string detections_file, truth_file, suite_file;
     ScoreOptions score;
     AccuracyOptions suite;
+    double tracks_s = 0;
     bool as_markdown = false, as_json = false;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
-      "score", "compare detections with the truth, or run a suite of conditions and compare them all");
+      "score",
+      "compare detections, or a running daemon's tracks, with the truth, or run a suite of conditions and "
+      "compare them all");
   CLI::Option* detections =
       command->add_option("--detections", o->detections_file, "file that `process` wrote");
   CLI::Option* truth =
@@ -146,6 +182,13 @@ void add_score(CommandLine& line) {
       ->capture_default_str()
       ->needs(detections);
   suite->excludes(detections)->excludes(truth);
+  CLI::Option* tracks =
+      command
+          ->add_option("--tracks", o->tracks_s,
+                       "listen for so many seconds to the tracks of a daemon whose cameras are simulated")
+          ->check(CLI::Range(1.0, 86400.0))
+          ->excludes(suite)
+          ->excludes(detections);
   command->add_option("--only", o->suite.only, "conditions of the suite, by name")->needs(suite);
   command->add_option("--frames", o->suite.frames, "images for each condition")
       ->check(CLI::Range(1, 100000))
@@ -172,10 +215,19 @@ void add_score(CommandLine& line) {
     std::cout << (o->as_json ? accuracy_json(report).dump(2) + "\n" : accuracy_text(report, o->as_markdown));
     return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
   };
-  command->callback([&line, o, score_two_files, run_suite] {
-    if (o->suite_file.empty() && o->detections_file.empty())
-      throw CLI::ValidationError("score", "needs --suite, or --detections and --truth");
-    if (o->suite_file.empty()) {
+  const auto score_running = [&line, o] {
+    const Config config = read_config(line.client().get_json("/api/settings").at("settings"));
+    const SimulatedWorld world = simulated_world(config);
+    const TrackScorer scorer = score_tracks(config, world, o->tracks_s);
+    std::cout << (o->as_json ? track_score_json(scorer).dump(2) + "\n" : track_score_text(scorer));
+    return EXIT_SUCCESS;
+  };
+  command->callback([&line, o, tracks, score_two_files, run_suite, score_running] {
+    if (o->suite_file.empty() && o->detections_file.empty() && tracks->count() == 0)
+      throw CLI::ValidationError("score", "needs --suite, --tracks, or --detections and --truth");
+    if (tracks->count() > 0) {
+      line.act = score_running;
+    } else if (o->suite_file.empty()) {
       line.act = score_two_files;
     } else {
       line.act = run_suite;

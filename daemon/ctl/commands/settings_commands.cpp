@@ -204,10 +204,7 @@ void add_settings(CommandLine& line) {
   add_schema(line, settings);
 }
 
-void add_field(CommandLine& line) {
-  CLI::App* field = line.app.add_subcommand("field", "the league's fields");
-  field->require_subcommand(1);
-
+void add_field_presets(CommandLine& line, CLI::App* field) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* presets = field->add_subcommand("presets", "list the fields that are known");
   add_json_flag(presets, *as_json);
@@ -227,8 +224,12 @@ void add_field(CommandLine& line) {
   line.on(set, [&line, o] {
     const Client client = line.client();
     const Json presets_now = client.get_json("/api/field/presets");
-    const Json& field_now = preset_named(presets_now, o->name).at("field");
-    return o->edit.edit(client, client.get_json("/api/settings"),
+    Json field_now = preset_named(presets_now, o->name).at("field");
+    const Json settings = client.get_json("/api/settings");
+    // What is made of all that the cameras see is no part of a preset.
+    for (const char* kept : {"stack", "stages", "other_computers"})
+      field_now[kept] = settings.at("settings").at("field").at(kept);
+    return o->edit.edit(client, settings,
                         Json::array({{{"op", "replace"}, {"path", "/field"}, {"value", field_now}}}));
   });
 }

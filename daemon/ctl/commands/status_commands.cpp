@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/commands/commands.h"
 #include "ctl/diagnostics_text.h"
+#include "ctl/field_text.h"
 #include "ctl/packets_text.h"
 #include "ctl/status_text.h"
 #include "ctl/terminal_text.h"
@@ -31,10 +32,14 @@ void add_watch(CommandLine& line) {
   struct Options {
     double interval_s = 1;
     int count = 0;
+    std::string what = "status";
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = line.app.add_subcommand("watch", "show the status repeatedly");
+  CLI::App* command = line.app.add_subcommand("watch", "show the status, or the field, repeatedly");
+  command->add_option("what", o->what, "status or field")
+      ->check(CLI::IsMember({"status", "field"}))
+      ->capture_default_str();
   command->add_option("--interval", o->interval_s, "seconds between two outputs")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
@@ -45,8 +50,10 @@ void add_watch(CommandLine& line) {
     const Client client = line.client();
     for (int i = 0; o->count == 0 || i < o->count; ++i) {
       if (i > 0) std::this_thread::sleep_for(std::chrono::duration<double>(o->interval_s));
-      const Json status = client.get_json("/api/status");
-      std::cout << (o->as_json ? json_text(status, -1) : answer_text(status, false, status_text))
+      const bool is_field = o->what == "field";
+      const Json answer = client.get_json(is_field ? "/api/field" : "/api/status");
+      std::cout << (o->as_json ? json_text(answer, -1)
+                               : answer_text(answer, false, is_field ? field_text : status_text))
                 << std::endl;
     }
     return EXIT_SUCCESS;
@@ -78,6 +85,35 @@ void add_cameras(CommandLine& line) {
                  [](const Json& camera) { return cameras_text(Json::array({camera})); });
     return EXIT_SUCCESS;
   });
+}
+
+void add_field(CommandLine& line) {
+  const auto as_json = std::make_shared<bool>(false);
+  CLI::App* field = line.app.add_subcommand(
+      "field", "what all cameras together see: robots, balls, kicks, agreement; the league's fields");
+  field->require_subcommand(0, 1);
+  add_json_flag(field, *as_json);
+  field->callback([&line, as_json, field] {
+    if (!field->get_subcommands().empty()) return;
+    line.act = [&line, as_json] {
+      print_answer(line.client().get_json("/api/field"), *as_json, field_text);
+      return EXIT_SUCCESS;
+    };
+  });
+  const auto add = [&](const char* name, const char* help, const char* path,
+                       std::string (*text)(const Json&)) {
+    const auto part_as_json = std::make_shared<bool>(false);
+    CLI::App* part = field->add_subcommand(name, help);
+    add_json_flag(part, *part_as_json);
+    line.on(part, [&line, part_as_json, path, text] {
+      print_answer(line.client().get_json(path), *part_as_json, text);
+      return EXIT_SUCCESS;
+    });
+  };
+  add("kicks", "the last kicks, the newest first", "/api/field/kicks", kicks_text);
+  add("agreement", "what cameras do not agree on: places, times, robots' heights", "/api/field/agreement",
+      agreement_text);
+  add_field_presets(line, field);
 }
 
 void add_alerts(CommandLine& line) {

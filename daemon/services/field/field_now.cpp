@@ -2,24 +2,8 @@
 #include "services/field/field_now.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sslv {
-namespace {
-
-const char* name_of(int team) {
-  return team == static_cast<int>(Team::kYellow) ? "yellow" : "blue";
-}
-
-/// Viewers need no more, and bad Wi-Fi takes no more.
-double to_tenths(double value) {
-  return std::round(value * 10) / 10;
-}
-double to_thousandths(double value) {
-  return std::round(value * 1000) / 1000;
-}
-
-}  // namespace
 
 void write_now(const TrackedField& tracked, FieldNow& out) noexcept {
   out.t_s = tracked.t_s;
@@ -61,48 +45,48 @@ void write_now(const TrackedField& tracked, FieldNow& out) noexcept {
       kick.is_chip};
 }
 
-Json to_json(const FieldNow::Kick& kick) {
-  Json out{{"number", kick.number},
-           {"time", kick.t_s},
-           {"x", to_tenths(kick.x_mm)},
-           {"y", to_tenths(kick.y_mm)},
-           {"vx", to_tenths(kick.vx_mm_s)},
-           {"vy", to_tenths(kick.vy_mm_s)},
-           {"vz", to_tenths(kick.vz_mm_s)},
-           {"speed_m_s", to_thousandths(std::hypot(kick.vx_mm_s, kick.vy_mm_s, kick.vz_mm_s) * 1e-3)},
-           {"is_chip", kick.is_chip},
-           {"landing", nullptr},
-           {"robot", nullptr}};
-  if (kick.is_chip) out["landing"] = {to_tenths(kick.landing_x_mm), to_tenths(kick.landing_y_mm)};
-  if (kick.id >= 0) out["robot"] = {{"team", name_of(kick.team)}, {"id", kick.id}};
+TrackedField tracked_of(const FieldNow& now) {
+  TrackedField out;
+  out.number = now.number;
+  out.t_s = now.t_s;
+  for (std::size_t i = 0; i < now.robot_count; ++i) {
+    const FieldNow::Robot& one = now.robots[i];
+    TrackedRobot& robot = out.robots.emplace_back();
+    robot.name = {static_cast<Team>(one.team), one.id};
+    robot.place_mm = {one.x_mm, one.y_mm};
+    robot.velocity_mm_s = {one.vx_mm_s, one.vy_mm_s};
+    robot.orientation_rad = one.orientation_rad;
+    robot.turn_rad_s = one.turn_rad_s;
+    robot.place_sigma_mm = one.sigma_mm;
+    robot.visibility = one.visibility;
+  }
+  for (std::size_t i = 0; i < now.ball_count; ++i) {
+    const FieldNow::Ball& one = now.balls[i];
+    TrackedBall& ball = out.balls.emplace_back();
+    ball.place_mm = {one.x_mm, one.y_mm, one.z_mm};
+    ball.velocity_mm_s = {one.vx_mm_s, one.vy_mm_s, one.vz_mm_s};
+    ball.visibility = one.visibility;
+  }
+  const std::vector<TrackedKick> kicks = kicks_of(now);
+  if (!kicks.empty()) out.kick = kicks.back();
   return out;
 }
 
-Json to_json(const FieldNow& now) {
-  Json out{{"number", now.number}, {"time", now.t_s}, {"robots", Json::array()}, {"balls", Json::array()}};
-  for (std::size_t i = 0; i < now.robot_count; ++i) {
-    const FieldNow::Robot& robot = now.robots[i];
-    out["robots"].push_back({{"team", name_of(robot.team)},
-                             {"id", robot.id},
-                             {"x", to_tenths(robot.x_mm)},
-                             {"y", to_tenths(robot.y_mm)},
-                             {"vx", to_tenths(robot.vx_mm_s)},
-                             {"vy", to_tenths(robot.vy_mm_s)},
-                             {"orientation", to_thousandths(robot.orientation_rad)},
-                             {"turn_rad_s", to_thousandths(robot.turn_rad_s)},
-                             {"sigma_mm", to_tenths(robot.sigma_mm)},
-                             {"visibility", to_thousandths(robot.visibility)}});
+std::vector<TrackedKick> kicks_of(const FieldNow& now) {
+  std::vector<TrackedKick> out;
+  for (const FieldNow::Kick& one : now.kicks) {
+    if (one.number == 0) continue;
+    TrackedKick& kick = out.emplace_back();
+    kick.number = one.number;
+    kick.t_s = one.t_s;
+    kick.place_mm = {one.x_mm, one.y_mm};
+    kick.velocity_mm_s = {one.vx_mm_s, one.vy_mm_s, one.vz_mm_s};
+    kick.is_chip = one.is_chip;
+    kick.landing_mm = {one.landing_x_mm, one.landing_y_mm};
+    if (one.id >= 0) kick.robot = RobotName{static_cast<Team>(one.team), one.id};
   }
-  for (std::size_t i = 0; i < now.ball_count; ++i) {
-    const FieldNow::Ball& ball = now.balls[i];
-    out["balls"].push_back({{"x", to_tenths(ball.x_mm)},
-                            {"y", to_tenths(ball.y_mm)},
-                            {"z", to_tenths(ball.z_mm)},
-                            {"vx", to_tenths(ball.vx_mm_s)},
-                            {"vy", to_tenths(ball.vy_mm_s)},
-                            {"vz", to_tenths(ball.vz_mm_s)},
-                            {"visibility", to_thousandths(ball.visibility)}});
-  }
+  std::sort(out.begin(), out.end(),
+            [](const TrackedKick& a, const TrackedKick& b) { return a.number < b.number; });
   return out;
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/json.h"
 #include "tracking/tracks.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace sslv {
 
@@ -38,8 +38,8 @@ struct FieldNow {
 /// Takes it over, and the kick among those that are there.
 void write_now(const TrackedField& tracked, FieldNow& out) noexcept;
 
-/// As docs/openapi.json's FieldTracks.
-Json to_json(const FieldNow& now);
-Json to_json(const FieldNow::Kick& kick);
+TrackedField tracked_of(const FieldNow& now);
+/// The newest last.
+std::vector<TrackedKick> kicks_of(const FieldNow& now);
 
 }  // namespace sslv

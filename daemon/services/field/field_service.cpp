@@ -6,7 +6,9 @@
 #include "config/stages.h"
 #include "health/metrics_text.h"
 #include "services/field/field_report.h"
+#include "tracking/tracks_json.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -54,13 +56,15 @@ std::set<int> ids_of(const Config& config) {
 
 }  // namespace
 
-FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, StateFolder& folder)
+FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
+                           StateFolder& folder)
     : config_(config),
       intake_(intake),
+      settings_(settings),
       uuid_(stable_uuid(folder)),
       sender_(multicast_of(config.load()->network), "/network/tracker"),
       heard_queue_(intake.add()),
-      running_(intake, sender_, make_setup(*config.load())) {}
+      running_(intake, sender_, ball_, make_setup(*config.load())) {}
 
 FieldSetup FieldService::make_setup(const Config& config) const {
   FieldSetup setup;
@@ -98,21 +102,16 @@ void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& addr
 void FieldService::each_second() {
   intake_.drop_unused();
   take_kicks();
+  const auto config = config_.load();
+  ball_.learn(ball_model_of(config->ball_models, config->field.ball_radius));
 }
 
 void FieldService::take_kicks() {
-  const FieldNow now = running_.now();
+  const std::vector<TrackedKick> newest = kicks_of(running_.now());
   const std::lock_guard lock(kicks_mutex_);
-  for (std::size_t i = 1; i <= FieldNow::kKicks; ++i) {
-    // In the order in which they came.
-    int newest = 0;
-    for (const FieldNow::Kick& kick : now.kicks) newest = std::max(newest, kick.number);
-    const int number = newest - static_cast<int>(FieldNow::kKicks - i);
-    if (number <= 0) continue;
-    const FieldNow::Kick& kick = now.kicks[static_cast<std::size_t>(number) % FieldNow::kKicks];
-    if (kick.number != number) continue;
+  for (const TrackedKick& kick : newest) {
     const auto known = std::find_if(kicks_.begin(), kicks_.end(),
-                                    [&](const FieldNow::Kick& one) { return one.number == number; });
+                                    [&](const TrackedKick& one) { return one.number == kick.number; });
     if (known != kicks_.end()) {
       *known = kick;  // known better by now
     } else {
@@ -123,17 +122,7 @@ void FieldService::take_kicks() {
 }
 
 Json FieldService::topic_data() {
-  const FieldNow now = running_.now();
-  Json out = to_json(now);
-  // The newest kick only; all of them: GET /api/field/kicks.
-  out["kick"] = nullptr;
-  int newest = 0;
-  for (const FieldNow::Kick& kick : now.kicks) {
-    if (kick.number <= newest) continue;
-    newest = kick.number;
-    out["kick"] = to_json(kick);
-  }
-  return out;
+  return to_json(tracked_of(running_.now()));
 }
 
 Json FieldService::field_json() {
@@ -172,7 +161,13 @@ std::vector<Route> FieldService::routes() {
   return {{"GET", "/api/field", [this](const Request&) { return json_response(field_json()); }},
           {"GET", "/api/field/agreement",
            [this](const Request&) { return json_response(to_json(running_.agreement())); }},
-          {"GET", "/api/field/kicks", [this](const Request&) { return json_response(kicks_json()); }}};
+          {"GET", "/api/field/kicks", [this](const Request&) { return json_response(kicks_json()); }},
+          {"GET", "/api/field/ball_model",
+           [this](const Request&) { return json_response(ball_.to_json(config_.load()->ball_models)); }},
+          {"POST", "/api/field/ball_model/accept", [this](const Request& request) {
+             ball_.accept(settings_, request.address);
+             return json_response(ball_.to_json(config_.load()->ball_models));
+           }}};
 }
 
 void FieldService::report(HealthReport& report) const {

@@ -6,8 +6,10 @@
 #include "net/heard_cameras.h"
 #include "net/multicast.h"
 #include "pipeline/field_intake.h"
+#include "services/field/ball_learning.h"
 #include "services/field/running_field.h"
 #include "services/service.h"
+#include "services/settings/settings_editor.h"
 #include "settings/state_folder.h"
 #include "web/route.h"
 
@@ -25,7 +27,8 @@ namespace sslv {
 class FieldService final : public Service, public Topic {
  public:
   /// All must outlive this. `config`: in effect.
-  FieldService(const Snapshot<Config>& config, FieldIntake& intake, StateFolder& folder);
+  FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
+               StateFolder& folder);
 
   /// A packet of another computer's vision, at a monotonic time. From the thread that listens.
   void hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s);
@@ -51,6 +54,7 @@ class FieldService final : public Service, public Topic {
 
   const Snapshot<Config>& config_;
   FieldIntake& intake_;
+  SettingsEditor& settings_;
   const std::string uuid_;
   MulticastSender sender_;
   const std::shared_ptr<SightingsQueue> heard_queue_;
@@ -59,8 +63,9 @@ class FieldService final : public Service, public Topic {
   CameraSightings heard_;
   bool takes_other_computers_ = true;
   std::mutex kicks_mutex_;
-  std::deque<FieldNow::Kick> kicks_;  // the newest last
-  RunningField running_;              // last: its thread uses the others
+  std::deque<TrackedKick> kicks_;  // the newest last
+  BallLearning ball_;
+  RunningField running_;  // last: its thread uses the others
 };
 
 }  // namespace sslv

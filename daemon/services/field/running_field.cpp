@@ -16,9 +16,10 @@ constexpr double kAgreementEvery_s = 1;
 
 }  // namespace
 
-RunningField::RunningField(FieldIntake& intake, MulticastSender& out, FieldSetup setup)
+RunningField::RunningField(FieldIntake& intake, MulticastSender& out, BallLearning& ball, FieldSetup setup)
     : intake_(intake),
       out_(out),
+      ball_(ball),
       setup_(std::move(setup)),
       stage_totals_(field_stage_table().size()),
       thread_([this](const std::stop_token& ending) {
@@ -51,6 +52,7 @@ void RunningField::process(const ArrivedSightings& arrived) noexcept {
   setup->pipeline->run({frame_, setup->field, *this, *this}, setup->parameters);
   frames_.fetch_add(1, std::memory_order_relaxed);
   left_out_.store(frame_.left_out);
+  if (const WatchedKick* kick = kick_watch_.add(frame_.observations, frame_.tracked)) ball_.hand_over(*kick);
   const double now_s = unix_time_s();
   if (now_s >= agreement_due_s_ || agreement_due_s_ > now_s + 2 * kAgreementEvery_s) {
     agreement_due_s_ = now_s + kAgreementEvery_s;

@@ -10,6 +10,7 @@
 #include "pipeline/field_intake.h"
 #include "pipeline/pipeline.h"
 #include "services/field/agreement_now.h"
+#include "services/field/ball_learning.h"
 #include "services/field/field_now.h"
 
 #include <atomic>
@@ -36,8 +37,8 @@ struct FieldSetup {
 /// what they hand over. The rest may be called from any thread.
 class RunningField final : private FieldSink, private FieldClock {
  public:
-  /// Both must outlive this.
-  RunningField(FieldIntake& intake, MulticastSender& out, FieldSetup setup);
+  /// All must outlive this.
+  RunningField(FieldIntake& intake, MulticastSender& out, BallLearning& ball, FieldSetup setup);
   ~RunningField() override;
 
   /// Takes effect with the next image.
@@ -69,6 +70,7 @@ class RunningField final : private FieldSink, private FieldClock {
 
   FieldIntake& intake_;
   MulticastSender& out_;
+  BallLearning& ball_;
   Handover<FieldSetup> setup_;
   std::atomic<std::uint64_t> frames_{0};
   RecentDurations latency_;
@@ -79,6 +81,7 @@ class RunningField final : private FieldSink, private FieldClock {
   Seqlock<LeftOut> left_out_;
   // Of the thread alone.
   FieldFrame frame_;
+  KickWatch kick_watch_;
   const FieldSetup* in_use_ = nullptr;
   FieldNow writing_;
   AgreementNow writing_agreement_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The league's messages against packets that real programs sent in a real match, and against our own.
+#include "net/vision_log.h"
+
+#include "base/error.h"
 #include "net/packets.h"
 #include "ssl_vision_wrapper.pb.h"
 #include "support/test_data.h"
@@ -17,17 +20,6 @@ namespace sslv {
 namespace {
 
 template <class Integer>
-bool read_big_endian(std::istream& in, Integer& value) {
-  value = 0;
-  for (std::size_t i = 0; i < sizeof value; ++i) {
-    const int byte = in.get();
-    if (byte < 0) return false;
-    value = static_cast<Integer>(value << 8 | static_cast<Integer>(byte));
-  }
-  return true;
-}
-
-template <class Integer>
 void write_big_endian(std::ostream& out, Integer value) {
   for (std::size_t i = sizeof value; i-- > 0;) out.put(static_cast<char>(value >> (8 * i) & 0xFF));
 }
@@ -41,18 +33,11 @@ struct Counts {
 /// Reads a log of the league's logger; every packet must be written back as the same bytes: no field was
 /// unknown to us or of another type.
 void read_log(std::istream& in, Counts& counts) {
-  std::string magic(12, '\0');
-  std::uint32_t version = 0;
-  in.read(magic.data(), 12);
-  ASSERT_TRUE(read_big_endian(in, version));
-  ASSERT_EQ(magic, "SSL_LOG_FILE");
-  ASSERT_EQ(version, 1U);
-  std::uint64_t time_ns = 0;
-  std::uint32_t type = 0, size = 0;
-  while (read_big_endian(in, time_ns) && read_big_endian(in, type) && read_big_endian(in, size)) {
-    std::string payload(size, '\0');
-    ASSERT_TRUE(in.read(payload.data(), size));
-    if (type != kVision2014) continue;
+  VisionLogReader reader(in, "the log");
+  LoggedMessage message;
+  while (reader.next(message)) {
+    if (message.type != LoggedMessage::kVision2014) continue;
+    const std::string payload(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
     SSL_WrapperPacket packet;
     ASSERT_TRUE(packet.ParseFromString(payload)) << "packet " << counts.packets;
     ASSERT_EQ(packet.SerializeAsString(), payload) << "packet " << counts.packets;
@@ -114,6 +99,37 @@ TEST(VisionLog, EveryPacketOfOursReadsAndWritesBackTheSame) {
   EXPECT_EQ(counts.packets, 40);
   EXPECT_EQ(counts.detections, 35);
   EXPECT_EQ(counts.geometries, 5);
+}
+
+std::string error_of_log(const std::string& content) {
+  std::istringstream in(content);
+  try {
+    VisionLogReader reader(in, "match.log");
+    LoggedMessage message;
+    while (reader.next(message)) {
+    }
+  } catch (const StorageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(VisionLog, SaysWhatIsWrongWithALogInOneLine) {
+  std::ostringstream out;
+  out << "SSL_LOG_FILE";
+  write_big_endian(out, std::uint32_t{1});
+  const std::string head = out.str();
+  EXPECT_EQ(error_of_log(head), "");
+  EXPECT_EQ(error_of_log("RIFF....WAVE"),
+            "match.log: is no log of the league: it does not begin with SSL_LOG_FILE");
+  EXPECT_EQ(error_of_log(std::string("SSL_LOG_FILE\0\0\0\2", 16)),
+            "match.log: version 2 of logs is not known; expected 1");
+  write_big_endian(out, std::uint64_t{5});
+  write_big_endian(out, kVision2014);
+  EXPECT_EQ(error_of_log(out.str()), "match.log: message 1 is cut off");
+  write_big_endian(out, std::uint32_t{10});
+  EXPECT_EQ(error_of_log(out.str() + "short"), "match.log: message 1 is cut off");
+  EXPECT_EQ(error_of_log(out.str() + "0123456789"), "");
 }
 
 }  // namespace

@@ -119,6 +119,30 @@ TEST_F(OneRobot, GoesOnWithoutBeingSeenAndIsGoneAfterHalfASecond) {
   EXPECT_FALSE(tracker_.robot({Team::kYellow, 3}, t_s_));
 }
 
+TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
+  for (int i = 0; i < 80; ++i) see(1000);
+  for (int i = 0; i < 100; ++i) {
+    see(1000);
+    for (int camera = 1; camera <= 3; ++camera) {
+      Observations seen;
+      seen.robots.push_back(
+          {kName, camera, t_s_, 2e-5, {-2000, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+      tracker_.add(seen);
+    }
+    ASSERT_NEAR(now()->place_mm.x(), 1000, 1) << i;
+  }
+  // Until it is gone, and only the other one is there.
+  for (int i = 0; i < 10; ++i) see(-2000);
+  EXPECT_NEAR(now()->place_mm.x(), -2000, 1);
+}
+
+TEST_F(OneRobot, IsShownOnceItWasSeenTwice) {
+  see(0);
+  EXPECT_FALSE(now()) << "it may have been misread";
+  see(0);
+  EXPECT_TRUE(now());
+}
+
 TEST_F(OneRobot, IsNotDraggedAwayByOneWrongSighting) {
   for (int i = 0; i < 80; ++i) see(1000);
   see(2500);

@@ -28,8 +28,9 @@ class RunningCameraTest : public testing::Test {
 
   const Config now_ = config_with(Json::object());
   MulticastSender multicast_{MulticastSettings{}};
+  FieldIntake intake_;
   RunningCamera camera_{now_.cameras[0], make_setup(now_, 0, std::nullopt, {})->setup, multicast_,
-                        std::make_shared<CameraTotals>()};
+                        intake_.add(), std::make_shared<CameraTotals>()};
 };
 
 TEST_F(RunningCameraTest, ALightTableOfTheTimeBetweenPrepareAndCommitIsKept) {

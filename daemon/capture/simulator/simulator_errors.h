@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/params.h"
+#include "geometry/camera_model.h"
+
+#include <tuple>
+
+namespace sslv {
+
+/// What is wrong with a simulated camera, as with real ones: nothing, unless the settings say so.
+struct SimulatorErrors {
+  double moved_x_mm = 0, moved_y_mm = 0;
+  double turned_deg = 0;
+  double phase = 0;
+  double time_offset_ms = 0, time_jitter_ms = 0;
+  double drop_share = 0;
+
+  static constexpr auto fields() {
+    using E = SimulatorErrors;
+    return std::tuple{
+        number("moved_x_mm", &E::moved_x_mm, -1000.0, 1000.0, "mm",
+               "the camera hangs so far from where its calibration says"),
+        number("moved_y_mm", &E::moved_y_mm, -1000.0, 1000.0, "mm", "the same along y"),
+        number("turned_deg", &E::turned_deg, -10.0, 10.0, "deg",
+               "the camera is turned so far about the vertical"),
+        number("phase", &E::phase, 0.0, 1.0, "",
+               "images are taken so much later than those of other cameras, as a share of the time between "
+               "two images"),
+        number("time_offset_ms", &E::time_offset_ms, -1000.0, 1000.0, "ms",
+               "images are said to be taken so much later than they are"),
+        number("time_jitter_ms", &E::time_jitter_ms, 0.0, 100.0, "ms",
+               "and by so much to and fro (standard deviation)"),
+        number("drop_share", &E::drop_share, 0.0, 1.0, "", "share of the images that are lost"),
+    };
+  }
+};
+
+/// Where the camera really hangs.
+CameraModel with_errors(const CameraModel& calibrated, const SimulatorErrors& errors);
+
+}  // namespace sslv

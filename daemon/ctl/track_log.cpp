@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/track_log.h"
+
+#include "base/error.h"
+#include "config/stages.h"
+#include "ctl/table.h"
+#include "net/heard_cameras.h"
+#include "net/parse.h"
+#include "net/vision_log.h"
+#include "pipeline/pipeline.h"
+#include "ssl_vision_wrapper.pb.h"
+#include "tracking/tracks_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <ostream>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Faster than anything of the league, and what a sighting may be off.
+constexpr double kRobotFastest_mm_s = 5000, kBallFastest_mm_s = 9000, kOffMm = 15;
+
+/// The last place of one thing.
+class Watch {
+ public:
+  void see(double t_s, const Vector2d& place_mm, double fastest_mm_s, Steadiness& out) {
+    ++out.seen;
+    if (last_) {
+      const double passed_s = t_s - last_->first;
+      const double way_mm = (place_mm - last_->second).norm();
+      if (passed_s > Steadiness::kGap_s && passed_s < Steadiness::kBack_s) {
+        ++out.gaps;
+        out.gaps_s += passed_s;
+      } else if (passed_s <= Steadiness::kGap_s && way_mm > fastest_mm_s * std::max(0.0, passed_s) + kOffMm) {
+        ++out.jumps;
+        out.worst_jump_mm = std::max(out.worst_jump_mm, way_mm);
+      }
+    }
+    last_ = {t_s, place_mm};
+  }
+
+ private:
+  std::optional<std::pair<double, Vector2d>> last_;
+};
+
+struct Sink : FieldSink {
+  void publish(const TrackedField&) noexcept override {}
+};
+
+/// The time at which a packet of the log came.
+struct LogClock : FieldClock {
+  double t_s = 0;
+  double now_s() const noexcept override { return t_s; }
+};
+
+}  // namespace
+
+TrackedLog track_log(const std::filesystem::path& file, const Config& config, std::ostream* tracks) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw StorageError(fmt::format("{}: cannot be read", file.string()));
+  VisionLogReader reader(in, file.string());
+  FieldPipeline pipeline(field_stage_table(), config.field.stack, "/field/stack");
+  const auto parameters = pipeline.parameters_of(config.field.stage_params);
+  FieldFrame frame;
+  Sink sink;
+  LogClock clock;
+  HeardCameras cameras;
+  TrackedLog out;
+  std::map<RobotName, Watch> before, after;
+  Watch ball_before, ball_after;
+  std::set<int> ids;
+  std::optional<double> first_s;
+  LoggedMessage message;
+  SSL_WrapperPacket packet;
+  while (reader.next(message)) {
+    if (message.type != LoggedMessage::kVision2014 || !parse(packet, message.bytes)) continue;
+    ++out.packets;
+    frame.arrived.is_of_other_computer = true;
+    const double now_s = static_cast<double>(message.time_ns) * 1e-9;
+    if (!cameras.read(packet, "log", now_s, frame.arrived.image)) continue;
+    const CameraSightings& image = frame.arrived.image;
+    ids.insert(image.camera);
+    // The logger's clock need not be the vision's.
+    clock.t_s = packet.detection().t_sent();
+    if (!first_s) first_s = clock.t_s;
+    out.seconds = clock.t_s - *first_s;
+    for (const RobotSighting& robot : image.robots) {
+      before[{robot.team, robot.id}].see(image.t_capture_s, robot.place_mm, kRobotFastest_mm_s,
+                                         out.robots_before);
+    }
+    const auto surest = std::max_element(
+        image.balls.begin(), image.balls.end(),
+        [](const BallSighting& a, const BallSighting& b) { return a.confidence < b.confidence; });
+    if (surest != image.balls.end())
+      ball_before.see(image.t_capture_s, surest->place_mm, kBallFastest_mm_s, out.ball_before);
+
+    pipeline.run({frame, config.field, clock, sink}, parameters);
+    const TrackedField& tracked = frame.tracked;
+    for (const TrackedRobot& robot : tracked.robots)
+      after[robot.name].see(tracked.t_s, robot.place_mm, kRobotFastest_mm_s, out.robots_after);
+    if (!tracked.balls.empty())
+      ball_after.see(tracked.t_s, tracked.balls[0].place_mm.head<2>(), kBallFastest_mm_s, out.ball_after);
+    if (tracked.kick) out.kicks = static_cast<std::size_t>(tracked.kick->number);
+    if (tracks) *tracks << to_json(tracked).dump() << "\n";
+  }
+  out.cameras = ids.size();
+  return out;
+}
+
+Json tracked_log_json(const TrackedLog& log) {
+  const auto steadiness = [](const Steadiness& one) {
+    return Json{{"seen", one.seen},
+                {"gaps", one.gaps},
+                {"gaps_s", one.gaps_s},
+                {"jumps", one.jumps},
+                {"worst_jump_mm", one.worst_jump_mm}};
+  };
+  return {{"seconds", log.seconds},
+          {"packets", log.packets},
+          {"cameras", log.cameras},
+          {"kicks", log.kicks},
+          {"robots", {{"before", steadiness(log.robots_before)}, {"after", steadiness(log.robots_after)}}},
+          {"ball", {{"before", steadiness(log.ball_before)}, {"after", steadiness(log.ball_after)}}}};
+}
+
+std::string tracked_log_text(const TrackedLog& log) {
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const char* what, const Steadiness& one) {
+    rows.push_back({what, std::to_string(one.seen), std::to_string(one.gaps),
+                    fmt::format("{:.1f}", one.gaps_s), std::to_string(one.jumps),
+                    fmt::format("{:.0f}", one.worst_jump_mm)});
+  };
+  add("robots, as seen", log.robots_before);
+  add("robots, tracked", log.robots_after);
+  add("ball, as seen", log.ball_before);
+  add("ball, tracked", log.ball_after);
+  return fmt::format("{} packets of {} cameras in {:.1f} s, {} kicks\n\n", log.packets, log.cameras,
+                     log.seconds, log.kicks) +
+         table_text({{"what"},
+                     {"places", true},
+                     {"gaps", true},
+                     {"gaps s", true},
+                     {"jumps", true},
+                     {"worst mm", true}},
+                    rows);
+}
+
+}  // namespace sslv

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real daemon's tracks: from simulated pixels over two cameras to the packet, and cameras of another
+// computer.
+#include "capture/simulator/simulator_world.h"
+#include "config/config.h"
+#include "ctl/track_score.h"
+#include "e2e/running_daemon.h"
+#include "ssl_vision_wrapper_tracked.pb.h"
+
+#include <chrono>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <gmock/gmock.h>
+
+namespace sslv::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Field : public DaemonTest {
+ protected:
+  Field() {
+    settings_["network"]["tracker"] = {{"enabled", true},
+                                       {"group", GroupListener::kGroup},
+                                       {"port", tracks_.port()},
+                                       {"source_name", "field test"}};
+  }
+
+  TrackerWrapperPacket receive_tracks() {
+    const auto datagram = tracks_.receive();
+    TrackerWrapperPacket packet;
+    if (!datagram || !packet.ParseFromString(*datagram)) throw std::runtime_error("no tracks came");
+    return packet;
+  }
+  /// Until `good` says so of the tracks; throws when that does not happen within half a minute.
+  template <class Good>
+  TrackerWrapperPacket wait_for_tracks(Good good) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    for (;;) {
+      TrackerWrapperPacket packet = receive_tracks();
+      if (good(packet.tracked_frame())) return packet;
+      if (std::chrono::steady_clock::now() > deadline)
+        throw std::runtime_error("tracks never were so: " + packet.ShortDebugString());
+    }
+  }
+  static double now_s() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  }
+
+  GroupListener tracks_;
+};
+
+TEST_F(Field, TracksAreWhereTheRobotsAreAlthoughCamerasDiffer) {
+  // Not hanging where their calibrations say, not taking images together, with times that are not quite true.
+  settings_["cameras"][0]["source"]["errors"] = {{"moved_x_mm", -1.5}, {"time_jitter_ms", 0.2}};
+  settings_["cameras"][1]["source"]["errors"] = {{"moved_x_mm", 1.5},
+                                                 {"phase", 0.4},
+                                                 {"time_offset_ms", 0.4},
+                                                 {"time_jitter_ms", 0.2},
+                                                 {"drop_share", 0.02}};
+  const Config config = read_config(settings_);
+  const SimulatedWorld world = simulated_world(config);
+  RunningDaemon daemon(settings_file(), state_);
+
+  TrackScorer scorer(world);
+  const TrackerWrapperPacket first = receive_tracks();
+  EXPECT_EQ(first.source_name(), "field test");
+  EXPECT_THAT(first.tracked_frame().capabilities(), ::testing::SizeIs(3));
+  // Until cameras have been brought together.
+  wait_for_tracks([&](const TrackedFrame& frame) { return frame.frame_number() > 2000; });
+  for (int i = 0; i < 1500; ++i) {
+    const TrackerWrapperPacket packet = receive_tracks();
+    EXPECT_EQ(packet.uuid(), first.uuid());
+    scorer.add(packet.tracked_frame(), now_s());
+  }
+  EXPECT_EQ(scorer.ghosts(), 0U);
+  EXPECT_LT(static_cast<double>(scorer.robots_missing()),
+            0.02 * static_cast<double>(scorer.robots_expected()));
+  // On a busy computer, packets leave later and predict over a longer time.
+  EXPECT_LT(scorer.errors().at("robot's place mm").quantile(0.5), 4);
+  EXPECT_LT(scorer.errors().at("robot's velocity mm/s").quantile(0.5), 60);
+  EXPECT_LT(scorer.errors().at("robot's orientation deg").quantile(0.5), 2);
+  EXPECT_LT(scorer.errors().at("robot's jump mm").quantile(0.5), 1);
+  EXPECT_LT(scorer.errors().at("ball's place mm").quantile(0.5), 5);
+
+  const Json agreement = daemon.wait_for("/api/field/agreement", [](const Json& answer) {
+    return answer.at("cameras").size() == 2 && answer.at("differences").size() > 3;
+  });
+  const Json field = daemon.get("/api/field");
+  EXPECT_EQ(field.at("source").at("uuid"), first.uuid());
+  EXPECT_EQ(field.at("robots").size(), 12U);
+  EXPECT_EQ(field.at("stages").size(), 5U);
+  EXPECT_EQ(field.at("sends"), true);
+}
+
+TEST_F(Field, ACameraOfAnotherComputerIsTrackedToo) {
+  Json other = settings_;
+  other["cameras"].erase(0);
+  other["network"]["tracker"]["enabled"] = false;
+  const std::string other_file = folder_.write("other.json", other.dump(2));
+  settings_["cameras"].erase(1);
+  const auto robots = [](const TrackedFrame& frame) {
+    std::set<std::pair<int, unsigned>> names;
+    for (const auto& robot : frame.robots()) names.emplace(robot.robot_id().team(), robot.robot_id().id());
+    return names.size();
+  };
+  RunningDaemon daemon(settings_file(), state_);
+  wait_for_tracks([&](const TrackedFrame& frame) { return frame.frame_number() > 200; });
+  std::optional<RunningDaemon> second(std::in_place, other_file, folder_.path() / "other state");
+  wait_for_tracks([&](const TrackedFrame& frame) { return robots(frame) == 12; });
+  const Json field = daemon.get("/api/field");
+  ASSERT_EQ(field.at("other_cameras").size(), 1U);
+  EXPECT_EQ(field.at("other_cameras")[0].at("camera"), 1);
+
+  // It vanishes: its robots go, and those that this computer sees stay.
+  second.reset();
+  daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("other_cameras").empty(); });
+  const TrackerWrapperPacket alone =
+      wait_for_tracks([&](const TrackedFrame& frame) { return robots(frame) < 12; });
+  EXPECT_GT(robots(alone.tracked_frame()), 0U);
+
+  daemon.set("/field/other_computers", false);
+  RunningDaemon again(other_file, folder_.path() / "other state");
+  daemon.wait_for_status(
+      [](const Json& status) { return !status.at("network").at("other_visions").empty(); });
+  EXPECT_TRUE(daemon.get("/api/field").at("other_cameras").empty());
+}
+
+TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
+  RunningDaemon daemon(settings_file(), state_);
+  const std::string uuid = receive_tracks().uuid();
+  EXPECT_THAT(
+      daemon.set("/field/stack", {"gather", "track"}, 422).at("error"),
+      HasSubstr("/field/stack/1: stage 'track' needs 'observations', which no earlier stage provides"));
+  EXPECT_THAT(daemon.set("/field/stages/gather/max_time_off_s", -1, 422).at("error"),
+              HasSubstr("/field/stages/gather/max_time_off_s"));
+  receive_tracks();
+  daemon.set("/field/stack", Json::array());
+  daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("stages").empty(); });
+  daemon.set("/field/stack", {"gather", "clocks", "agreement", "track", "publish"});
+  const double since_s = now_s();
+  wait_for_tracks([&](const TrackedFrame& frame) { return frame.timestamp() > since_s; });
+  daemon.set("/network/tracker/source_name", "another name");
+  TrackerWrapperPacket packet = receive_tracks();
+  while (packet.source_name() != "another name") packet = receive_tracks();
+  EXPECT_EQ(packet.uuid(), uuid);
+  daemon.set("/network/tracker/enabled", false);
+  while (tracks_.receive(500)) {
+  }
+  EXPECT_EQ(daemon.get("/api/field").at("sends"), false);
+}
+
+TEST_F(Field, KeepsItsUuidAcrossRestarts) {
+  std::string uuid;
+  {
+    RunningDaemon daemon(settings_file(), state_);
+    uuid = receive_tracks().uuid();
+    EXPECT_EQ(uuid.size(), 36U);
+  }
+  while (tracks_.receive(300)) {
+  }
+  RunningDaemon daemon(settings_file(), state_);
+  EXPECT_EQ(receive_tracks().uuid(), uuid);
+}
+
+}  // namespace
+}  // namespace sslv::test

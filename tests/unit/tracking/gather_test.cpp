@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/gather.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct FixedClock : FieldClock {
+  double t_s = 1000;
+  double now_s() const noexcept override { return t_s; }
+};
+
+class Gathered : public testing::Test {
+ protected:
+  Gathered() {
+    arrived_.image.camera = 2;
+    arrived_.image.t_capture_s = 999.985;
+    arrived_.image.camera_mm = {0, 0, 4000};
+    add_robot(7, {100, 200});
+    arrived_.image.balls.push_back({{1, 2}, Eigen::Matrix2d::Identity() * 0.04, 0.9});
+  }
+  void add_robot(int id, const Eigen::Vector2d& place_mm) {
+    arrived_.image.robots.push_back(
+        {Team::kBlue, id, place_mm, 0.5, 140, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+  }
+  void gather() { gather_.process({}, field_, clock_, arrived_, out_, left_out_); }
+
+  Gather gather_;
+  FieldSize field_;
+  FixedClock clock_;
+  ArrivedSightings arrived_;
+  CameraSightings out_;
+  LeftOut left_out_;
+};
+
+TEST_F(Gathered, TakesWhatMakesSenseAsItIs) {
+  gather();
+  EXPECT_TRUE(out_.is_taken);
+  EXPECT_EQ(out_.camera, 2);
+  ASSERT_EQ(out_.robots.size(), 1U);
+  EXPECT_EQ(out_.robots[0].place_cov_mm2(0, 0), 0.01);
+  EXPECT_EQ(out_.balls.size(), 1U);
+  EXPECT_EQ(left_out_.sightings, 0U);
+}
+
+TEST_F(Gathered, SaysHowSureOtherComputersAreAsTheSettingsDo) {
+  arrived_.is_of_other_computer = true;
+  arrived_.image.robots[0].place_cov_mm2.setZero();
+  Gather::Params params;
+  params.robot_sigma_mm = 3;
+  gather_.process(params, field_, clock_, arrived_, out_, left_out_);
+  EXPECT_EQ(out_.robots.at(0).place_cov_mm2(0, 0), 9);
+  EXPECT_GT(out_.robots.at(0).orientation_sigma_rad, 0);
+  EXPECT_GT(out_.balls.at(0).place_cov_mm2(1, 1), 0);
+}
+
+TEST_F(Gathered, LeavesOutSightingsWithoutSense) {
+  add_robot(8, {kNan, 0});
+  add_robot(9, {50'000, 0});
+  add_robot(-1, {0, 0});
+  add_robot(4000, {0, 0});
+  add_robot(7, {3000, 0});  // the first one has that id
+  add_robot(10, {0, 0});
+  arrived_.image.robots.back().orientation_rad = kNan;
+  add_robot(11, {0, 0});
+  arrived_.image.robots.back().height_mm = 5000;  // above the camera
+  arrived_.image.balls.push_back({{0, kNan}, Eigen::Matrix2d::Identity(), 1});
+  gather();
+  EXPECT_TRUE(out_.is_taken);
+  EXPECT_EQ(out_.robots.size(), 1U);
+  EXPECT_EQ(out_.balls.size(), 1U);
+  EXPECT_EQ(left_out_.sightings, 8U);
+}
+
+TEST_F(Gathered, TakesNoThousandRobots) {
+  for (int i = 0; i < 1000; ++i) add_robot(i % 256, {0, 0});
+  gather();
+  EXPECT_EQ(out_.robots.size(), Gather::kMaxRobots);
+}
+
+TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
+  for (const double t_s : {900.0, 1100.0, kNan, 0.0, 1e300}) {
+    arrived_.image.t_capture_s = t_s;
+    gather();
+    EXPECT_FALSE(out_.is_taken) << t_s;
+    EXPECT_TRUE(out_.robots.empty());
+  }
+  EXPECT_EQ(left_out_.images_off_time, 5U);
+  EXPECT_EQ(left_out_.why, LeftOut::Why::kTime);
+  EXPECT_EQ(left_out_.camera, 2);
+  arrived_.image.t_capture_s = 999.99;
+  gather();
+  EXPECT_TRUE(out_.is_taken) << "once its clock is right again";
+}
+
+TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
+  for (int camera = 0; camera < 100; ++camera) {
+    arrived_.image.camera = camera;
+    gather();
+  }
+  EXPECT_EQ(left_out_.images_of_too_many, 100 - Gather::kMaxCameras);
+  arrived_.image.camera = 0;
+  gather();
+  EXPECT_TRUE(out_.is_taken) << "those that were there first go on";
+  clock_.t_s += 60;
+  arrived_.image.t_capture_s += 60;
+  arrived_.image.camera = 99;
+  gather();
+  EXPECT_TRUE(out_.is_taken) << "when others are gone";
+}
+
+TEST_F(Gathered, LeavesOutACameraThatHangsNowhere) {
+  for (const double z_mm : {0.0, -4000.0, kNan, 1e9}) {
+    arrived_.image.camera_mm.z() = z_mm;
+    gather();
+    EXPECT_FALSE(out_.is_taken) << z_mm;
+  }
+}
+
+}  // namespace
+}  // namespace sslv
