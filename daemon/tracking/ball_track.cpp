@@ -17,6 +17,7 @@ constexpr double kKickLasts_s = 1.2;  // so long a kick's fit says where the bal
 constexpr double kNearlyMm = 111.5;   // between the centres of a robot and a ball that touches it
 constexpr double kFlatTimeSigma_s = 0.08e-3;
 constexpr double kFreeSlides_mm_s2 = 3500;
+constexpr double kApart_s = 0.003;  // between sightings that tell a velocity
 
 double around(double angle_rad) {
   return std::remainder(angle_rad, 2 * std::numbers::pi);
@@ -40,9 +41,7 @@ Vector2d left_of(const Vector2d& v) {
 
 BallTrack::BallTrack(const BallModel& model, const BallObservation& newest, const Vector2d& velocity_mm_s,
                      int sightings)
-    : model_(model), seen_s_(newest.t_s), sightings_(sightings) {
-  points_.reserve(kMaxShotPoints + 1);
-  branch_.reserve(16);
+    : model_(model), seen_s_(newest.t_s), seen_mm_(newest.place_mm), sightings_(sightings) {
   roll(newest, velocity_mm_s, false, velocity_mm_s.norm());
   flat_.cov.diagonal().segment<2>(2).setConstant(1e5);
 }
@@ -126,7 +125,8 @@ double BallTrack::gate_mm(double t_s) const {
   return std::min(40.0, 4.5 * std::sqrt(std::max(then.cov(0, 0), then.cov(1, 1)) + 0.3) + 1.5);
 }
 
-BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
+BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const RobotTracks& robots,
+                              std::optional<BallTrack>& before) {
   if (seen.empty()) return Saw::kNothing;
   const double t_s = seen.front().t_s;
   const Vector2d expected = seen_from(seen.front().camera_mm, t_s, robots);
@@ -141,20 +141,27 @@ BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const Ro
   if (!is_it && phase_ == Phase::kFree && is_kick_ && t_s - event_s_ < kYoung_s)
     is_it = off_mm < gate_mm(t_s) + kPerPeriodMm * (t_s - seen_s_) / kPeriod_s && off_mm < kMostMm;
   if (is_it) {
-    branch_.clear();
+    forget_branches();
     seen_s_ = t_s;
+    seen_mm_ = nearest.place_mm;
     ++sightings_;
     accept(nearest, robots);
     constexpr double kMoves_mm_s = 150;
     if (phase_ != Phase::kFree || flat_.velocity().norm() > kMoves_mm_s) moved_s_ = t_s;
     return Saw::kBall;
   }
-  return surprise(seen, expected, robots);
+  return surprise(seen, expected, robots, before);
 }
 
 bool BallTrack::explains(const BallObservation& sighting, const RobotTracks& robots) const {
   return (sighting.place_mm - seen_from(sighting.camera_mm, sighting.t_s, robots)).norm() <
          gate_mm(sighting.t_s);
+}
+
+bool BallTrack::is_gone(double t_s) const {
+  // A robot takes the ball along.
+  constexpr double kGone_s = 0.8, kHeldGone_s = 2;
+  return t_s - seen_s_ > (phase_ == Phase::kHeld ? kHeldGone_s : kGone_s);
 }
 
 bool BallTrack::is_too_fast() const {
@@ -198,9 +205,7 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
   const double age_s = sighting.t_s - event_s_;
   if (phase_ == Phase::kFree) correct(sighting);
   if (is_kick_ && age_s < kKickLasts_s) {
-    if (points_.size() < kMaxShotPoints)
-      points_.push_back({sighting.t_s, sighting.camera_mm, sighting.place_mm, sighting.sigma_mm,
-                         sighting.height_mm, sighting.height_sigma_mm});
+    add_point(sighting);
     fit_shot();
   }
   if (phase_ == Phase::kFlying && age_s >= kKickLasts_s) {
@@ -234,36 +239,63 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   is_kick_ = false;
 }
 
+void BallTrack::Branch::add(const BallObservation& one) {
+  if (count < seen.size()) ++count;
+  seen[count - 1] = one;
+}
+
+bool BallTrack::Branch::lies() const {
+  constexpr double kLies_mm_s = 150;
+  return count > 1 && passed_s() > kApart_s && velocity().norm() < kLies_mm_s;
+}
+
+void BallTrack::forget_branches() {
+  for (Branch& branch : branches_) branch.count = 0;
+}
+
 BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, const Vector2d& expected_mm,
-                                   const RobotTracks& robots) {
-  // The likeliest to be where it went.
+                                   const RobotTracks& robots, std::optional<BallTrack>& before) {
+  constexpr double kLasts_s = 0.12, kFastest_mm_s = 9500;
   const double t_s = seen.front().t_s;
-  const BallObservation* likeliest = nullptr;
-  double best = 1;
+  for (Branch& branch : branches_) {
+    if (branch.count > 0 && t_s - branch.first().t_s > kLasts_s) branch.count = 0;
+  }
   for (const BallObservation& one : seen) {
-    const double ratio = branch_.empty() ? (one.place_mm - expected_mm).norm() / (9000 * (t_s - seen_s_) + 25)
-                                         : (one.place_mm - branch_.back().place_mm).norm() /
-                                               (7500 * (t_s - branch_.back().t_s) + 10);
-    if (ratio >= best) continue;
-    best = ratio;
-    likeliest = &one;
+    Branch* likeliest = nullptr;
+    double best = 1;
+    for (Branch& branch : branches_) {
+      if (branch.count == 0 || branch.last().t_s == t_s) continue;
+      const double ratio =
+          (one.place_mm - branch.last().place_mm).norm() / (7500 * (t_s - branch.last().t_s) + 10);
+      if (ratio >= best) continue;
+      best = ratio;
+      likeliest = &branch;
+    }
+    if (!likeliest) {
+      if ((one.place_mm - expected_mm).norm() >= 9000 * (t_s - seen_s_) + 25) continue;
+      likeliest =
+          &*std::min_element(branches_.begin(), branches_.end(), [](const Branch& a, const Branch& b) {
+            return (a.count > 0 ? a.last().t_s : 0) < (b.count > 0 ? b.last().t_s : 0);
+          });
+      likeliest->count = 0;
+    }
+    likeliest->add(one);
+    if (likeliest->count < 2 || likeliest->passed_s() < kApart_s) continue;
+    if (likeliest->velocity().norm() > kFastest_mm_s) {
+      likeliest->count = 0;
+      likeliest->add(one);
+      continue;
+    }
+    before = *this;
+    const Branch turned = *likeliest;
+    if (explain(turned, robots) == Saw::kTurn) return Saw::kTurn;
   }
-  if (!likeliest) return Saw::kNothing;
-  constexpr double kLasts_s = 0.1, kApart_s = 0.003, kFastest_mm_s = 9500;
-  if (!branch_.empty() && t_s - branch_.front().t_s > kLasts_s) branch_.clear();
-  branch_.push_back(*likeliest);
-  const double passed_s = branch_.back().t_s - branch_.front().t_s;
-  if (branch_.size() < 2 || passed_s < kApart_s) return Saw::kNothing;
-  if ((branch_.back().place_mm - branch_.front().place_mm).norm() / passed_s > kFastest_mm_s) {
-    branch_.assign(1, *likeliest);
-    return Saw::kNothing;
-  }
-  return explain(robots);
+  return Saw::kNothing;
 }
 
 /// What happened is where the old way and the new one meet.
-BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
-  const BallObservation first = branch_.front(), last = branch_.back();
+BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robots) {
+  const BallObservation &first = branch.first(), &last = branch.last();
   const double passed_s = last.t_s - first.t_s;
   const Vector2d velocity = (last.place_mm - first.place_mm) / passed_s, way = unit_of(velocity);
   const double speed = velocity.norm(), slides = model_.slides_mm_s2;
@@ -299,32 +331,33 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
   const bool is_inside = std::abs(event_mm.x()) < 6000 && std::abs(event_mm.y()) < 4600;
   const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
   if (best > kMeetsMm || (touches_nothing && is_inside && (velocity - before).norm() < kTurns_mm_s)) {
-    constexpr std::size_t kEnough = 3;
-    if (branch_.size() < kEnough) return Saw::kNothing;
-    sightings_ = static_cast<int>(branch_.size());
+    // What comes to lie where no ball can is none, as long as it lasts no longer than those do.
+    const std::size_t enough = branch.lies() ? 6 : 3;
+    if (branch.count < enough) return Saw::kNothing;
+    sightings_ = static_cast<int>(branch.count);
     roll(last, velocity, speed > 1500, speed);
     seen_s_ = last.t_s;
-    branch_.clear();
+    seen_mm_ = last.place_mm;
+    forget_branches();
     is_kick_ = false;
     return Saw::kTurn;
   }
   if (phase_ == Phase::kFlying && !is_kick &&
       chip_.at(event_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm) {
-    turn_in_the_air(event_s);
+    turn_in_the_air(branch, event_s);
     return Saw::kTurn;
   }
   roll(last, velocity - way * (slides * passed_s / 2), true, shot_speed);
   seen_s_ = last.t_s;
+  seen_mm_ = last.place_mm;
   event_s_ = event_s;
   event_mm_ = event_mm;
   is_kick_ = is_kick;
   is_chip_ = false;
-  points_.clear();
-  for (const BallObservation& one : branch_)
-    points_.push_back(
-        {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm});
-  sightings_ = static_cast<int>(branch_.size());
-  branch_.clear();
+  point_count_ = 0;
+  for (std::size_t i = 0; i < branch.count; ++i) add_point(branch.seen[i]);
+  sightings_ = static_cast<int>(branch.count);
+  forget_branches();
   if (!is_kick) return Saw::kTurn;
   const TrackedRobot& robot = near->robot;
   TrackedKick kick;
@@ -343,8 +376,8 @@ BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
 }
 
 /// What it met turned its way; it falls as before.
-void BallTrack::turn_in_the_air(double event_s) {
-  const BallObservation first = branch_.front(), last = branch_.back();
+void BallTrack::turn_in_the_air(const Branch& branch, double event_s) {
+  const BallObservation &first = branch.first(), &last = branch.last();
   const auto place_of = [&](const BallObservation& one) -> Vector2d {
     const double height = chip_.at(one.t_s, model_).place_mm.z();
     const Vector2d below = one.camera_mm.head<2>();
@@ -359,18 +392,26 @@ void BallTrack::turn_in_the_air(double event_s) {
            {velocity.x(), velocity.y(), then.velocity_mm_s.z()},
            then.place_mm.z() - model_.radius_mm};
   seen_s_ = last.t_s;
+  seen_mm_ = last.place_mm;
   event_s_ = event_s;
   event_mm_ = place;
   is_kick_ = false;
-  sightings_ = static_cast<int>(branch_.size());
-  branch_.clear();
+  sightings_ = static_cast<int>(branch.count);
+  forget_branches();
+}
+
+void BallTrack::add_point(const BallObservation& sighting) {
+  if (point_count_ == points_.size()) return;
+  points_[point_count_++] = {sighting.t_s,      sighting.camera_mm, sighting.place_mm,
+                             sighting.sigma_mm, sighting.height_mm, sighting.height_sigma_mm};
 }
 
 void BallTrack::fit_shot() {
-  const std::size_t count = points_.size();
+  const std::size_t count = point_count_;
+  const std::span<const ShotPoint> points(points_.data(), count);
   constexpr std::size_t kFewest = 3, kOften = 16;
   if (count < kFewest || (count > kOften && count % 2) || count >= kMaxShotPoints) return;
-  const double age_s = points_.back().t_s - event_s_;
+  const double age_s = points.back().t_s - event_s_;
   ShotFit guess;
   guess.shot = {event_s_, event_mm_, kick_->velocity_mm_s};
   guess.shot.velocity_mm_s.z() = 0;
@@ -380,7 +421,7 @@ void BallTrack::fit_shot() {
   ShotPrior prior;
   prior.direction_rad = direction_rad_;
   prior.direction_sigma_rad = direction_sigma_rad_;
-  const ShotFit flat = fit_flat(guess, points_, slides, prior);
+  const ShotFit flat = fit_flat(guess, points, slides, prior);
   const Vector2d flat_velocity = flat.shot.velocity_mm_s.head<2>();
   const double speed = flat_velocity.norm();
 
@@ -391,7 +432,7 @@ void BallTrack::fit_shot() {
           : BallShot{event_s_, event_mm_, {0.9 * flat_velocity.x(), 0.9 * flat_velocity.y(), 0.8 * speed}};
   chip_guess.shot.t_s = event_s_;
   chip_guess.shot.place_mm = event_mm_;
-  const ShotFit chip = fit_chip(chip_guess, points_, model_, prior, count < 8 ? 6 : 3);
+  const ShotFit chip = fit_chip(chip_guess, points, model_, prior, count < 8 ? 6 : 3);
   is_chip_ = flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
   chip_ = chip.shot;
   kick_->is_chip = is_chip_;
@@ -403,7 +444,7 @@ void BallTrack::fit_shot() {
     return;
   }
   if (phase_ == Phase::kFlying) {
-    const ShotPoint& last = points_.back();
+    const ShotPoint& last = points.back();
     roll({last.t_s, last.camera_mm, last.place_mm, last.sigma_mm, last.height_mm, last.height_sigma_mm},
          flat_velocity, true, speed);
   }
@@ -419,15 +460,41 @@ void BallTrack::fit_shot() {
   constexpr double kYoung_s = 0.25;
   constexpr std::size_t kFewPoints = 14;
   if (age_s >= kYoung_s || count > kFewPoints) return;
-  const double now = std::max(0.0, speed - flat.slides_mm_s2 * (points_.back().t_s - event_s_));
+  const double now = std::max(0.0, speed - flat.slides_mm_s2 * (points.back().t_s - event_s_));
   if (now <= speed * model_.rolls_from_share) return;
   flat_.began_mm_s = speed;
   flat_.slides = true;
 }
 
+/// A ball that was hidden, and is seen where it may have turned to, is there; its new way is known later.
+const BallTrack::Branch* BallTrack::reappears(double t_s) const {
+  constexpr double kHidden_s = 0.02, kLong_s = 0.3, kLately_s = 0.06;
+  const Branch* out = nullptr;
+  for (const Branch& branch : branches_) {
+    if (branch.count == 0 || branch.lies()) continue;
+    const double last_s = branch.last().t_s;
+    if (last_s - seen_s_ < kHidden_s || t_s - last_s > kLately_s) continue;
+    // After long, a single sighting is as likely no ball.
+    if (last_s - seen_s_ > kLong_s && branch.count < 2) continue;
+    if (!out || last_s > out->last().t_s) out = &branch;
+  }
+  return out;
+}
+
 TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
   constexpr double kShown_s = 0.8;
   TrackedBall out;
+  if (const Branch* branch = reappears(t_s)) {
+    const BallObservation& last = branch->last();
+    const Vector2d velocity = branch->count > 1 && branch->passed_s() > kApart_s
+                                  ? branch->velocity()
+                                  : Vector2d((last.place_mm - seen_mm_) / (last.t_s - seen_s_));
+    out.place_mm << last.place_mm + velocity * (t_s - last.t_s), model_.radius_mm;
+    out.velocity_mm_s << velocity, 0;
+    constexpr double kUnsure = 0.5;
+    out.visibility = kUnsure;
+    return out;
+  }
   out.visibility = std::clamp(1 - (t_s - seen_s_ - 0.03) / kShown_s, 0.0, 1.0);
   if (phase_ == Phase::kFlying) {
     const BallState ball = chip_.at(t_s, model_);

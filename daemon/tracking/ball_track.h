@@ -6,6 +6,8 @@
 #include "tracking/robot_tracks.h"
 #include "tracking/sightings.h"
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -23,8 +25,9 @@ class BallTrack {
 
   enum class Saw { kNothing, kBall, kTurn };
   /// What one image shows of balls. kTurn: it was kicked or turned away, as two or three sightings tell; what
-  /// went before may still be true.
-  Saw add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
+  /// went before may still be true, and is put down.
+  Saw add(const std::vector<BallObservation>& seen, const RobotTracks& robots,
+          std::optional<BallTrack>& before);
   /// Whether this sighting is where it is expected.
   bool explains(const BallObservation& sighting, const RobotTracks& robots) const;
   TrackedBall at(double t_s, const RobotTracks& robots) const;
@@ -34,6 +37,8 @@ class BallTrack {
   int sightings() const { return sightings_; }
   /// When it last moved, as far as was seen.
   double moved_s() const { return moved_s_; }
+  /// It may be anywhere now.
+  bool is_gone(double t_s) const;
   /// Of no ball of the league.
   bool is_too_fast() const;
 
@@ -54,6 +59,20 @@ class BallTrack {
     Eigen::Vector2d velocity() const { return state.segment<2>(2); }
   };
 
+  /// Sightings that do not fit, but may be what it has turned to.
+  struct Branch {
+    std::array<BallObservation, 8> seen;
+    std::size_t count = 0;
+
+    const BallObservation& first() const { return seen[0]; }
+    const BallObservation& last() const { return seen[count - 1]; }
+    void add(const BallObservation& one);
+    double passed_s() const { return last().t_s - first().t_s; }
+    Eigen::Vector2d velocity() const { return (last().place_mm - first().place_mm) / passed_s(); }
+    /// As something does that looks like a ball and is none.
+    bool lies() const;
+  };
+
   void roll(const BallObservation& at, const Eigen::Vector2d& velocity_mm_s, bool slides, double began_mm_s);
   Eigen::Vector2d held_at(double t_s, const RobotTracks& robots) const;
   Eigen::Vector2d seen_from(const Eigen::Vector3d& camera_mm, double t_s, const RobotTracks& robots) const;
@@ -62,26 +81,31 @@ class BallTrack {
   void correct(const BallObservation& sighting);
   void may_be_held(const BallObservation& sighting, const RobotTracks& robots);
   Saw surprise(const std::vector<BallObservation>& seen, const Eigen::Vector2d& expected_mm,
-               const RobotTracks& robots);
-  Saw explain(const RobotTracks& robots);
-  void turn_in_the_air(double event_s);
+               const RobotTracks& robots, std::optional<BallTrack>& before);
+  Saw explain(const Branch& branch, const RobotTracks& robots);
+  void turn_in_the_air(const Branch& branch, double event_s);
+  void forget_branches();
+  const Branch* reappears(double t_s) const;
+  void add_point(const BallObservation& sighting);
   void fit_shot();
 
   BallModel model_;
   Phase phase_ = Phase::kFree;
   double seen_s_;
+  Eigen::Vector2d seen_mm_;  // the place then
   int sightings_ = 1;
   double moved_s_ = 0;
   Flat flat_;
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
   int held_count_ = 0;
-  std::vector<BallObservation> branch_;  // surprising ones
+  std::array<Branch, 3> branches_;
   // Since the last kick or turn.
   double event_s_ = -9;
   Eigen::Vector2d event_mm_{0, 0};
   bool is_kick_ = false, is_chip_ = false;
-  std::vector<ShotPoint> points_;
+  std::array<ShotPoint, kMaxShotPoints> points_;
+  std::size_t point_count_ = 0;
   BallShot chip_;
   double direction_rad_ = 0, direction_sigma_rad_ = 0;
   std::optional<TrackedKick> kick_;
