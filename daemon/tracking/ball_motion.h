@@ -5,6 +5,8 @@
 
 namespace sslv {
 
+inline constexpr double kGravity_mm_s2 = 9810;
+
 /// How a ball goes on: slides, rolls, bounces.
 struct BallModel {
   double slides_mm_s2 = 3400, rolls_mm_s2 = 330;
@@ -22,10 +24,14 @@ struct BallShot {
   double t_s = 0;
   Eigen::Vector2d place_mm{0, 0};
   Eigen::Vector3d velocity_mm_s{0, 0, 0};
-  double height_mm = 0;  // over the floor, of one that was turned in the air
+  double height_mm = 0;     // over the floor, of one that was turned in the air
+  bool has_hopped = false;  // before
+  /// A ball that leaves the floor slower rolls on.
+  static constexpr double kLastHop_mm_s = 350;
 
   bool is_chip() const { return velocity_mm_s.z() > 0 || height_mm > 0; }
   BallState at(double time_s, const BallModel& model) const;
+  double lands_after_s() const;
   /// Where a chip comes down first; the place itself for one along the floor.
   Eigen::Vector2d landing_mm() const;
 };

@@ -33,6 +33,9 @@ Vector2d turned_by(const Vector2d& v, double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
+ShotPoint point_of(const BallObservation& one) {
+  return {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm};
+}
 Vector2d left_of(const Vector2d& v) {
   return {-v.y(), v.x()};
 }
@@ -41,9 +44,14 @@ Vector2d left_of(const Vector2d& v) {
 
 BallTrack::BallTrack(const BallModel& model, const BallObservation& newest, const Vector2d& velocity_mm_s,
                      int sightings)
-    : model_(model), seen_s_(newest.t_s), seen_mm_(newest.place_mm), sightings_(sightings) {
+    : model_(model),
+      seen_s_(newest.t_s),
+      seen_mm_(newest.place_mm),
+      sightings_(sightings),
+      began_mm_(newest.place_mm) {
   roll(newest, velocity_mm_s, false, velocity_mm_s.norm());
   flat_.cov.diagonal().segment<2>(2).setConstant(1e5);
+  add_point(newest);
 }
 
 void BallTrack::Flat::predict(double to_s, const BallModel& model) {
@@ -92,6 +100,7 @@ void BallTrack::roll(const BallObservation& at, const Vector2d& velocity_mm_s, b
   flat_.slides = slides;
   flat_.began_mm_s = began_mm_s;
   held_count_ = 0;
+  surprises_ = 0;
 }
 
 Vector2d BallTrack::held_at(double t_s, const RobotTracks& robots) const {
@@ -117,6 +126,13 @@ double BallTrack::gate_mm(double t_s) const {
   switch (phase_) {
     case Phase::kHeld: return 9;
     case Phase::kFlying:
+      if (!is_kick_) {
+        BallFlight then = flight_;
+        then.predict(t_s, model_);
+        constexpr double kMostMm = 120, kSlope = 0.5;  // of a camera's sight, at most
+        const double spread = std::max(then.cov(0, 0), then.cov(1, 1)) + kSlope * kSlope * then.cov(2, 2);
+        return std::min(kMostMm, 4.5 * std::sqrt(std::max(0.0, spread)) + 5);
+      }
       return 15 + 60 * std::max(0.0, 0.12 - age_s) / 0.12 + 40 * unseen_s + (age_s > 0.35 ? 25 : 0);
     case Phase::kFree: break;
   }
@@ -146,8 +162,9 @@ BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const Ro
     seen_mm_ = nearest.place_mm;
     ++sightings_;
     accept(nearest, robots);
-    constexpr double kMoves_mm_s = 150;
-    if (phase_ != Phase::kFree || flat_.velocity().norm() > kMoves_mm_s) moved_s_ = t_s;
+    constexpr double kMoves_mm_s = 150, kMovedMm = 12;
+    has_moved_ = has_moved_ || (nearest.place_mm - began_mm_).norm() > kMovedMm;
+    if (has_moved_ && (phase_ != Phase::kFree || flat_.velocity().norm() > kMoves_mm_s)) moved_s_ = t_s;
     return Saw::kBall;
   }
   return surprise(seen, expected, robots, before);
@@ -179,6 +196,7 @@ void BallTrack::correct(const BallObservation& sighting) {
   const double surprise = off.dot(spread.inverse() * off);
   constexpr double kSurprise = 9;
   if (surprise > kSurprise) {
+    ++surprises_;
     flat_.cov.diagonal().segment<2>(2).array() += surprise * 3000;
     flat_.cov.diagonal().head<2>().array() += surprise * 0.3;
     flat_.cov(4, 4) += 1e6;
@@ -208,10 +226,23 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
     add_point(sighting);
     fit_shot();
   }
-  if (phase_ == Phase::kFlying && age_s >= kKickLasts_s) {
-    const Vector2d velocity = chip_.at(sighting.t_s, model_).velocity_mm_s.head<2>();
-    roll(sighting, velocity, false, velocity.norm());
-    flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
+  if (phase_ == Phase::kFlying && is_kick_ && age_s >= kKickLasts_s) {
+    flight_ = flight_at(sighting.t_s);
+    is_kick_ = false;
+  }
+  if (phase_ == Phase::kFlying && !is_kick_) {
+    flight_.correct(point_of(sighting), model_);
+    if (flight_.is_over) {
+      const Vector2d velocity = flight_.state.segment<2>(3);
+      roll(sighting, velocity, false, velocity.norm());
+      flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
+    } else {
+      chip_ = flight_.shot(model_);
+    }
+  }
+  if (phase_ == Phase::kFree && !is_kick_) {
+    add_point(sighting);
+    may_fly(sighting.t_s);
   }
   may_be_held(sighting, robots);
 }
@@ -245,8 +276,8 @@ void BallTrack::Branch::add(const BallObservation& one) {
 }
 
 bool BallTrack::Branch::lies() const {
-  constexpr double kLies_mm_s = 150;
-  return count > 1 && passed_s() > kApart_s && velocity().norm() < kLies_mm_s;
+  constexpr double kLies_mm_s = 150, kShakesMm = 4;
+  return count > 1 && (last().place_mm - first().place_mm).norm() < kLies_mm_s * passed_s() + kShakesMm;
 }
 
 void BallTrack::forget_branches() {
@@ -296,6 +327,10 @@ BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, con
 /// What happened is where the old way and the new one meet.
 BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robots) {
   const BallObservation &first = branch.first(), &last = branch.last();
+  // What comes to lie elsewhere is no ball, as long as it does not last longer than those do.
+  constexpr double kHidden_s = 0.05;
+  constexpr std::size_t kLasts = 6;
+  if (branch.lies() && branch.count < kLasts && first.t_s - seen_s_ > kHidden_s) return Saw::kNothing;
   const double passed_s = last.t_s - first.t_s;
   const Vector2d velocity = (last.place_mm - first.place_mm) / passed_s, way = unit_of(velocity);
   const double speed = velocity.norm(), slides = model_.slides_mm_s2;
@@ -327,23 +362,23 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
               (velocity - robot.velocity_mm_s).norm() > 500 &&
               (was_held || speed > 0.75 * before.norm() + 300 || before.norm() < 700);
   }
-  constexpr double kInTheAirMm = 60, kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
+  constexpr double kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
   const bool is_inside = std::abs(event_mm.x()) < 6000 && std::abs(event_mm.y()) < 4600;
   const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
   if (best > kMeetsMm || (touches_nothing && is_inside && (velocity - before).norm() < kTurns_mm_s)) {
-    // What comes to lie where no ball can is none, as long as it lasts no longer than those do.
-    const std::size_t enough = branch.lies() ? 6 : 3;
-    if (branch.count < enough) return Saw::kNothing;
+    constexpr std::size_t kEnough = 3;
+    if (branch.count < kEnough) return Saw::kNothing;
     sightings_ = static_cast<int>(branch.count);
     roll(last, velocity, speed > 1500, speed);
+    point_count_ = 0;
+    for (std::size_t i = 0; i < branch.count; ++i) add_point(branch.seen[i]);
     seen_s_ = last.t_s;
     seen_mm_ = last.place_mm;
     forget_branches();
     is_kick_ = false;
     return Saw::kTurn;
   }
-  if (phase_ == Phase::kFlying && !is_kick &&
-      chip_.at(event_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm) {
+  if (!is_kick && is_in_the_air(event_s)) {
     turn_in_the_air(branch, event_s);
     return Saw::kTurn;
   }
@@ -375,35 +410,67 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   return Saw::kTurn;
 }
 
+/// What is known of the way of a kick's chip.
+BallFlight BallTrack::flight_at(double t_s) const {
+  constexpr double kPlaceSigmaMm = 20, kVelocitySigma_mm_s = 100;
+  const BallState then = chip_.at(t_s, model_);
+  BallFlight out;
+  out.t_s = t_s;
+  out.state << then.place_mm, then.velocity_mm_s;
+  out.cov.diagonal() << BallFlight::Vector6::Constant(kVelocitySigma_mm_s * kVelocitySigma_mm_s);
+  out.cov.diagonal().head<3>().setConstant(kPlaceSigmaMm * kPlaceSigmaMm);
+  out.has_hopped = chip_.has_hopped || t_s > chip_.t_s + chip_.lands_after_s();
+  out.is_over = then.velocity_mm_s.z() == 0;
+  return out;
+}
+
+bool BallTrack::is_in_the_air(double t_s) const {
+  constexpr double kInTheAirMm = 60;
+  return phase_ == Phase::kFlying && chip_.at(t_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm;
+}
+
 /// What it met turned its way; it falls as before.
 void BallTrack::turn_in_the_air(const Branch& branch, double event_s) {
-  const BallObservation &first = branch.first(), &last = branch.last();
-  const auto place_of = [&](const BallObservation& one) -> Vector2d {
-    const double height = chip_.at(one.t_s, model_).place_mm.z();
-    const Vector2d below = one.camera_mm.head<2>();
-    return below +
-           (one.place_mm - below) * (one.camera_mm.z() - height) / (one.camera_mm.z() - model_.radius_mm);
-  };
-  const BallState then = chip_.at(event_s, model_);
-  const Vector2d velocity = (place_of(last) - place_of(first)) / (last.t_s - first.t_s);
-  const Vector2d place = place_of(first) - velocity * (first.t_s - event_s);
-  chip_ = {event_s,
-           place,
-           {velocity.x(), velocity.y(), then.velocity_mm_s.z()},
-           then.place_mm.z() - model_.radius_mm};
-  seen_s_ = last.t_s;
-  seen_mm_ = last.place_mm;
+  flight_ = flight_at(event_s);
+  constexpr double kMetSigmaMm = 40;
+  flight_.turn(kMetSigmaMm);
+  point_count_ = 0;
+  for (std::size_t i = 0; i < branch.count; ++i) {
+    add_point(branch.seen[i]);
+    flight_.correct(point_of(branch.seen[i]), model_);
+  }
+  fly(flight_);
+  seen_s_ = branch.last().t_s;
+  seen_mm_ = branch.last().place_mm;
   event_s_ = event_s;
-  event_mm_ = place;
-  is_kick_ = false;
   sightings_ = static_cast<int>(branch.count);
   forget_branches();
 }
 
+void BallTrack::fly(const BallFlight& flight) {
+  phase_ = Phase::kFlying;
+  is_kick_ = false;
+  flight_ = flight;
+  chip_ = flight_.shot(model_);
+  event_mm_ = chip_.place_mm;
+}
+
+/// A ball that begins anew where nobody saw it kicked may be in the air: its size tells, or its way.
+void BallTrack::may_fly(double t_s) {
+  constexpr double kLongest_s = 0.6, kSurelySigmas = 2.5;
+  constexpr int kSurprises = 2;
+  if (point_count_ == 0 || point_count_ == points_.size() || t_s - points_[0].t_s > kLongest_s) return;
+  const std::span<const ShotPoint> points(points_.data(), point_count_);
+  double sigmas = 0;
+  for (const ShotPoint& point : points)
+    sigmas += (point.height_mm - model_.radius_mm) / point.height_sigma_mm;
+  if (sigmas < kSurelySigmas * std::sqrt(static_cast<double>(point_count_)) && surprises_ < kSurprises)
+    return;
+  if (const auto flight = find_flight(points, model_)) fly(*flight);
+}
+
 void BallTrack::add_point(const BallObservation& sighting) {
-  if (point_count_ == points_.size()) return;
-  points_[point_count_++] = {sighting.t_s,      sighting.camera_mm, sighting.place_mm,
-                             sighting.sigma_mm, sighting.height_mm, sighting.height_sigma_mm};
+  if (point_count_ < points_.size()) points_[point_count_++] = point_of(sighting);
 }
 
 void BallTrack::fit_shot() {
@@ -468,7 +535,7 @@ void BallTrack::fit_shot() {
 
 /// A ball that was hidden, and is seen where it may have turned to, is there; its new way is known later.
 const BallTrack::Branch* BallTrack::reappears(double t_s) const {
-  constexpr double kHidden_s = 0.02, kLong_s = 0.3, kLately_s = 0.06;
+  constexpr double kHidden_s = 0.02, kLong_s = 0.5, kLately_s = 0.06;
   const Branch* out = nullptr;
   for (const Branch& branch : branches_) {
     if (branch.count == 0 || branch.lies()) continue;
@@ -481,23 +548,40 @@ const BallTrack::Branch* BallTrack::reappears(double t_s) const {
   return out;
 }
 
-TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
-  constexpr double kShown_s = 0.8;
-  TrackedBall out;
-  if (const Branch* branch = reappears(t_s)) {
-    const BallObservation& last = branch->last();
-    const Vector2d velocity = branch->count > 1 && branch->passed_s() > kApart_s
-                                  ? branch->velocity()
+/// False for what no ball does.
+bool BallTrack::where_it_reappears(const Branch& branch, double t_s, BallState& out) const {
+  constexpr double kFastest_mm_s = 7500;
+  const BallObservation &first = branch.first(), &last = branch.last();
+  if (is_in_the_air(first.t_s)) {
+    BallFlight flight = flight_at(first.t_s);
+    flight.turn((first.t_s - seen_s_) * kFastest_mm_s);
+    for (std::size_t i = 0; i < branch.count; ++i) flight.correct(point_of(branch.seen[i]), model_);
+    out = flight.shot(model_).at(t_s, model_);
+  } else {
+    const Vector2d velocity = branch.count > 1 && branch.passed_s() > kApart_s
+                                  ? branch.velocity()
                                   : Vector2d((last.place_mm - seen_mm_) / (last.t_s - seen_s_));
     out.place_mm << last.place_mm + velocity * (t_s - last.t_s), model_.radius_mm;
     out.velocity_mm_s << velocity, 0;
+  }
+  return out.velocity_mm_s.norm() < kFastest_mm_s;
+}
+
+TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
+  constexpr double kShown_s = 0.8;
+  TrackedBall out;
+  const Branch* branch = reappears(t_s);
+  BallState ball{};
+  if (branch && where_it_reappears(*branch, t_s, ball)) {
     constexpr double kUnsure = 0.5;
+    out.place_mm = ball.place_mm;
+    out.velocity_mm_s = ball.velocity_mm_s;
     out.visibility = kUnsure;
     return out;
   }
   out.visibility = std::clamp(1 - (t_s - seen_s_ - 0.03) / kShown_s, 0.0, 1.0);
   if (phase_ == Phase::kFlying) {
-    const BallState ball = chip_.at(t_s, model_);
+    ball = chip_.at(t_s, model_);
     out.place_mm = ball.place_mm;
     out.velocity_mm_s = ball.velocity_mm_s;
     return out;

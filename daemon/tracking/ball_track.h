@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tracking/ball_flight.h"
 #include "tracking/ball_motion.h"
 #include "tracking/kick_fit.h"
 #include "tracking/robot_tracks.h"
@@ -86,6 +87,11 @@ class BallTrack {
   void turn_in_the_air(const Branch& branch, double event_s);
   void forget_branches();
   const Branch* reappears(double t_s) const;
+  bool where_it_reappears(const Branch& branch, double t_s, BallState& out) const;
+  bool is_in_the_air(double t_s) const;
+  void fly(const BallFlight& flight);
+  void may_fly(double t_s);
+  BallFlight flight_at(double t_s) const;
   void add_point(const BallObservation& sighting);
   void fit_shot();
 
@@ -94,11 +100,14 @@ class BallTrack {
   double seen_s_;
   Eigen::Vector2d seen_mm_;  // the place then
   int sightings_ = 1;
+  Eigen::Vector2d began_mm_;
+  bool has_moved_ = false;  // away from there
   double moved_s_ = 0;
   Flat flat_;
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
   int held_count_ = 0;
+  int surprises_ = 0;  // since it rolls
   std::array<Branch, 3> branches_;
   // Since the last kick or turn.
   double event_s_ = -9;
@@ -106,7 +115,8 @@ class BallTrack {
   bool is_kick_ = false, is_chip_ = false;
   std::array<ShotPoint, kMaxShotPoints> points_;
   std::size_t point_count_ = 0;
-  BallShot chip_;
+  BallShot chip_;      // while it flies
+  BallFlight flight_;  // likewise, unless it is a kick's
   double direction_rad_ = 0, direction_sigma_rad_ = 0;
   std::optional<TrackedKick> kick_;
 };
