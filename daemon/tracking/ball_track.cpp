@@ -124,7 +124,7 @@ Vector2d BallTrack::seen_from(const Vector3d& camera_mm, double t_s, const Robot
 double BallTrack::gate_mm(double t_s) const {
   const double unseen_s = t_s - seen_s_, age_s = t_s - event_s_;
   switch (phase_) {
-    case Phase::kHeld: return 9;
+    case Phase::kHeld: return std::clamp(3.5 * std::sqrt(held_var_mm2_) + 2, 5.0, 12.0);
     case Phase::kFlying:
       if (!is_kick_) {
         BallFlight then = flight_;
@@ -215,7 +215,14 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
     const auto robot = robots.at(holder_, sighting.t_s);
     if (!robot) return;
     const Vector2d away = sighting.place_mm - robot->place_mm;
-    held_mm_ += 0.5 * (turned_by(away, -robot->orientation_rad) - held_mm_);
+    const Vector2d off = turned_by(away, -robot->orientation_rad) - held_mm_;
+    // A dribbler shakes it faster than one can follow.
+    constexpr double kSlow = 0.1;
+    const double gain = std::max(kSlow, 1.0 / ++held_count_);
+    held_mm_ += gain * off;
+    constexpr double kMostVars = 6;  // more is no shaking
+    held_var_mm2_ += kSlow * (std::min(off.squaredNorm(), kMostVars * held_var_mm2_) - held_var_mm2_);
+    held_seen_ = sighting;
     constexpr double kLetGoMm = 150;
     if (away.norm() > kLetGoMm) roll(sighting, robot->velocity_mm_s, false, robot->velocity_mm_s.norm());
     return;
@@ -265,6 +272,10 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   }
   if (++held_count_ < kSure) return;
   phase_ = Phase::kHeld;
+  held_count_ = 1;
+  held_seen_ = sighting;
+  constexpr double kShakesMm = 2;
+  held_var_mm2_ = kShakesMm * kShakesMm;
   holder_ = near->robot.name;
   held_mm_ = turned_by(away, -near->robot.orientation_rad);
   is_kick_ = false;
@@ -280,48 +291,92 @@ bool BallTrack::Branch::lies() const {
   return count > 1 && (last().place_mm - first().place_mm).norm() < kLies_mm_s * passed_s() + kShakesMm;
 }
 
+/// Whether a ball can have gone from where a branch began to here.
+bool BallTrack::tells_a_way(const Branch& branch, const BallObservation& now) {
+  constexpr double kFastest_mm_s = 9500;
+  const double passed_s = now.t_s - branch.first().t_s;
+  return passed_s >= kApart_s && (now.place_mm - branch.first().place_mm).norm() < kFastest_mm_s * passed_s;
+}
+
 void BallTrack::forget_branches() {
   for (Branch& branch : branches_) branch.count = 0;
 }
 
+/// Whether a held ball was already leaving, towards this sighting, when it was seen before.
+bool BallTrack::was_on_its_way(const BallObservation& now, const RobotTracks& robots) const {
+  if (phase_ != Phase::kHeld) return false;
+  constexpr double kLately_s = 0.03, kShakes = 2;
+  const double passed_s = now.t_s - held_seen_.t_s;
+  if (passed_s < kApart_s || passed_s > kLately_s) return false;
+  const Vector2d way = unit_of(now.place_mm - held_at(now.t_s, robots)),
+                 off = held_seen_.place_mm - held_at(held_seen_.t_s, robots);
+  const double shakes_mm = kShakes * std::sqrt(held_var_mm2_);
+  return off.dot(way) > shakes_mm && std::abs(off.dot(left_of(way))) < shakes_mm;
+}
+
 BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, const Vector2d& expected_mm,
                                    const RobotTracks& robots, std::optional<BallTrack>& before) {
-  constexpr double kLasts_s = 0.12, kFastest_mm_s = 9500;
+  constexpr double kLasts_s = 0.12;
   const double t_s = seen.front().t_s;
   for (Branch& branch : branches_) {
     if (branch.count > 0 && t_s - branch.first().t_s > kLasts_s) branch.count = 0;
   }
+  // A ball that rises off a kicker is seen elsewhere by each camera: only what one camera sees twice tells
+  // its way, unless it is that of a kick.
+  const bool may_rise = phase_ == Phase::kHeld;
   for (const BallObservation& one : seen) {
-    Branch* likeliest = nullptr;
-    double best = 1;
+    Branch *own = nullptr, *others = nullptr;
+    double best = 1, best_of_others = 1;
     for (Branch& branch : branches_) {
       if (branch.count == 0 || branch.last().t_s == t_s) continue;
       const double ratio =
-          (one.place_mm - branch.last().place_mm).norm() / (7500 * (t_s - branch.last().t_s) + 10);
-      if (ratio >= best) continue;
-      best = ratio;
-      likeliest = &branch;
+          (one.place_mm - branch.last().place_mm).norm() / (7500 * std::abs(t_s - branch.last().t_s) + 10);
+      const bool is_own = !may_rise || branch.last().camera_mm == one.camera_mm;
+      if (ratio >= (is_own ? best : best_of_others)) continue;
+      (is_own ? best : best_of_others) = ratio;
+      (is_own ? own : others) = &branch;
     }
-    if (!likeliest) {
+    if (!own && others && tells_a_way(*others, one)) {
+      Branch both = *others;
+      both.add(one);
+      before = *this;
+      if (explain(both, robots) == Saw::kTurn) return Saw::kTurn;
+    }
+    if (!own) {
       if ((one.place_mm - expected_mm).norm() >= 9000 * (t_s - seen_s_) + 25) continue;
-      likeliest =
-          &*std::min_element(branches_.begin(), branches_.end(), [](const Branch& a, const Branch& b) {
-            return (a.count > 0 ? a.last().t_s : 0) < (b.count > 0 ? b.last().t_s : 0);
-          });
-      likeliest->count = 0;
+      own = &*std::min_element(branches_.begin(), branches_.end(), [](const Branch& a, const Branch& b) {
+        return (a.count > 0 ? a.last().t_s : 0) < (b.count > 0 ? b.last().t_s : 0);
+      });
+      own->count = 0;
+      if (was_on_its_way(one, robots)) own->add(held_seen_);
     }
-    likeliest->add(one);
-    if (likeliest->count < 2 || likeliest->passed_s() < kApart_s) continue;
-    if (likeliest->velocity().norm() > kFastest_mm_s) {
-      likeliest->count = 0;
-      likeliest->add(one);
+    const bool tells = own->count > 0 && tells_a_way(*own, one);
+    own->add(one);
+    if (own->count < 2 || own->passed_s() < kApart_s) continue;
+    if (!tells) {
+      own->count = 0;
+      own->add(one);
       continue;
     }
     before = *this;
-    const Branch turned = *likeliest;
+    const Branch turned = *own;
     if (explain(turned, robots) == Saw::kTurn) return Saw::kTurn;
   }
   return Saw::kNothing;
+}
+
+/// A robot that does not kick gives back but some of the speed with which a ball comes, and hardly changes
+/// how fast it goes past.
+bool BallTrack::pushes(const TrackedRobot& robot, const Vector2d& ball_mm, const Vector2d& before,
+                       const Vector2d& after) {
+  constexpr double kGivesBack = 0.7, kMore_mm_s = 400, kLeaves_mm_s = 1000, kChanges = 0.4;
+  const Vector2d away = unit_of(ball_mm - robot.place_mm), past = left_of(away);
+  const double comes = std::max(0.0, -(before - robot.velocity_mm_s).dot(away)),
+               leaves = (after - robot.velocity_mm_s).dot(away),
+               passes = std::abs((before - robot.velocity_mm_s).dot(past)),
+               changes = std::abs((after - before).dot(past));
+  return leaves > kGivesBack * comes + kMore_mm_s ||
+         (leaves > kLeaves_mm_s && changes > kChanges * passes + kMore_mm_s);
 }
 
 /// What happened is where the old way and the new one meet.
@@ -337,7 +392,7 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   const bool was_held = phase_ == Phase::kHeld;
   const auto old_at = [&](double t_s) { return seen_from(first.camera_mm, t_s, robots); };
   double event_s = first.t_s, best = 1e18;
-  constexpr double kBefore_s = 0.006, kLongest_s = 0.25, kStep_s = 0.0005;
+  constexpr double kBefore_s = 0.01, kLongest_s = 0.25, kStep_s = 0.0005;
   for (double t_s = std::max(seen_s_ - kBefore_s, first.t_s - kLongest_s); t_s <= first.t_s; t_s += kStep_s) {
     const double u = first.t_s - t_s;
     const double off = (first.place_mm - way * (speed * u + 0.5 * slides * u * u) - old_at(t_s)).norm();
@@ -346,7 +401,9 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
     event_s = t_s;
   }
   const Vector2d event_mm = old_at(event_s);
-  const Vector2d before = was_held || phase_ == Phase::kFlying ? Vector2d(0, 0) : flat_.velocity();
+  const Vector2d before = phase_ == Phase::kFree
+                              ? flat_.velocity()
+                              : Vector2d((old_at(event_s) - old_at(event_s - kApart_s)) / kApart_s);
   auto near = robots.nearest(event_mm, event_s);
   if (was_held) {
     if (const auto holder = robots.at(holder_, event_s))
@@ -354,14 +411,19 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   }
   const double shot_speed = speed + slides * (first.t_s - event_s + passed_s / 2);
   bool is_kick = false;
+  constexpr double kKicks_mm_s = 400, kAhead_rad = 0.4;
+  double off_front = 0;
   if (near) {
     const TrackedRobot& robot = near->robot;
     const Vector2d from_robot = velocity - 0.6 * robot.velocity_mm_s;
-    const double off_front = std::abs(around(direction_of(from_robot) - robot.orientation_rad));
-    is_kick = near->distance_mm < 150 && near->from_front_rad < 0.8 && off_front < (was_held ? 1.2 : 0.4) &&
-              (velocity - robot.velocity_mm_s).norm() > 500 &&
-              (was_held || speed > 0.75 * before.norm() + 300 || before.norm() < 700);
+    off_front = std::abs(around(direction_of(from_robot) - robot.orientation_rad));
+    is_kick = near->distance_mm < 150 && near->from_front_rad < 0.8 &&
+              off_front < (was_held ? 1.2 : kAhead_rad) && (velocity - before).norm() > kKicks_mm_s &&
+              (was_held || pushes(robot, event_mm, before, velocity));
   }
+  // What two cameras see at different times is no way, but that of a kick ahead.
+  if (was_held && first.camera_mm != last.camera_mm && (!is_kick || off_front > kAhead_rad))
+    return Saw::kNothing;
   constexpr double kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
   const bool is_inside = std::abs(event_mm.x()) < 6000 && std::abs(event_mm.y()) < 4600;
   const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
@@ -387,6 +449,7 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   seen_mm_ = last.place_mm;
   event_s_ = event_s;
   event_mm_ = event_mm;
+  before_mm_s_ = before;
   is_kick_ = is_kick;
   is_chip_ = false;
   point_count_ = 0;
@@ -515,13 +578,13 @@ void BallTrack::fit_shot() {
     roll({last.t_s, last.camera_mm, last.place_mm, last.sigma_mm, last.height_mm, last.height_sigma_mm},
          flat_velocity, true, speed);
   }
-  // The kick was where its line passes the ball's place.
+  // The kick was where its line passes the ball's way before; it began before that, as a kicker pushes.
   const Vector2d way = unit_of(flat_velocity);
-  constexpr double kMost_s = 0.01;
-  const double late_s =
-      std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / std::max(300.0, speed), -kMost_s, kMost_s);
-  kick_->t_s = event_s_ + late_s;
-  kick_->place_mm = flat.shot.place_mm + way * (speed * late_s);
+  constexpr double kMost_s = 0.01, kPushes_s = 0.002;
+  const double faster = std::max(300.0, speed - before_mm_s_.dot(way));
+  const double late_s = std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / faster, -kMost_s, kMost_s);
+  kick_->t_s = event_s_ + late_s - kPushes_s / 2;
+  kick_->place_mm = flat.shot.place_mm + way * (speed * late_s) - before_mm_s_ * (kPushes_s / 2);
   const Vector2d kicked = flat_velocity - way * (flat.slides_mm_s2 * late_s);
   kick_->velocity_mm_s << kicked, 0;
   constexpr double kYoung_s = 0.25;

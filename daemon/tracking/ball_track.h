@@ -83,6 +83,10 @@ class BallTrack {
   void may_be_held(const BallObservation& sighting, const RobotTracks& robots);
   Saw surprise(const std::vector<BallObservation>& seen, const Eigen::Vector2d& expected_mm,
                const RobotTracks& robots, std::optional<BallTrack>& before);
+  bool was_on_its_way(const BallObservation& now, const RobotTracks& robots) const;
+  static bool tells_a_way(const Branch& branch, const BallObservation& now);
+  static bool pushes(const TrackedRobot& robot, const Eigen::Vector2d& ball_mm, const Eigen::Vector2d& before,
+                     const Eigen::Vector2d& after);
   Saw explain(const Branch& branch, const RobotTracks& robots);
   void turn_in_the_air(const Branch& branch, double event_s);
   void forget_branches();
@@ -106,12 +110,14 @@ class BallTrack {
   Flat flat_;
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
+  double held_var_mm2_ = 0;        // how far it shakes there
+  BallObservation held_seen_{};
   int held_count_ = 0;
   int surprises_ = 0;  // since it rolls
-  std::array<Branch, 3> branches_;
+  std::array<Branch, 4> branches_;
   // Since the last kick or turn.
   double event_s_ = -9;
-  Eigen::Vector2d event_mm_{0, 0};
+  Eigen::Vector2d event_mm_{0, 0}, before_mm_s_{0, 0};  // the velocity until then
   bool is_kick_ = false, is_chip_ = false;
   std::array<ShotPoint, kMaxShotPoints> points_;
   std::size_t point_count_ = 0;
