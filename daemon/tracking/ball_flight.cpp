@@ -17,6 +17,8 @@ namespace {
 /// What cameras' floors differ by, and what their clocks do not know.
 constexpr double kFloorSigmaMm = 1, kTimeSigma_s = 0.1e-3;
 
+constexpr double kForgets = 0.8;  // of how much lower it looks, with every sighting
+
 double variance_of(const ShotPoint& point, double speed_mm_s) {
   return point.sigma_mm * point.sigma_mm + kFloorSigmaMm * kFloorSigmaMm +
          std::pow(kTimeSigma_s * speed_mm_s, 2);
@@ -108,9 +110,16 @@ void BallFlight::correct(const ShotPoint& seen, const BallModel& model) {
   if (std::isfinite(seen.height_sigma_mm)) {
     Vector6 row = Vector6::Zero();
     row[2] = 1;
-    update(row, seen.height_mm, seen.height_sigma_mm * seen.height_sigma_mm);
+    const double noise = seen.height_sigma_mm * seen.height_sigma_mm;
+    lower_sigmas = kForgets * lower_sigmas + (state[2] - seen.height_mm) / std::sqrt(cov(2, 2) + noise);
+    update(row, seen.height_mm, noise);
   }
   state[2] = std::max(state[2], model.radius_mm);
+}
+
+bool BallFlight::is_doubtful() const {
+  constexpr double kSigmas = 4;
+  return lower_sigmas > kSigmas / std::sqrt(1 - kForgets * kForgets);
 }
 
 void BallFlight::turn(double place_sigma_mm) {

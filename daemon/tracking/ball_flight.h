@@ -20,10 +20,13 @@ struct BallFlight {
   double t_s = 0;
   Vector6 state = Vector6::Zero();  // place, velocity
   Matrix6 cov = Matrix6::Zero();
+  double lower_sigmas = 0;                   // lately
   bool has_hopped = false, is_over = false;  // over: it rolls
 
   void predict(double to_s, const BallModel& model);
   void correct(const ShotPoint& seen, const BallModel& model);
+  /// Its size tells again and again that it is lower.
+  bool is_doubtful() const;
   /// What turned its way along the floor; it falls as before.
   void turn(double place_sigma_mm);
   /// The same way.

@@ -36,6 +36,9 @@ Vector2d turned_by(const Vector2d& v, double angle_rad) {
 ShotPoint point_of(const BallObservation& one) {
   return {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm};
 }
+Vector2d ahead_of(const TrackedRobot& robot) {
+  return {std::cos(robot.orientation_rad), std::sin(robot.orientation_rad)};
+}
 Vector2d left_of(const Vector2d& v) {
   return {-v.y(), v.x()};
 }
@@ -239,7 +242,7 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
   }
   if (phase_ == Phase::kFlying && !is_kick_) {
     flight_.correct(point_of(sighting), model_);
-    if (flight_.is_over) {
+    if (flight_.is_over || flight_.is_doubtful()) {
       const Vector2d velocity = flight_.state.segment<2>(3);
       roll(sighting, velocity, false, velocity.norm());
       flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
@@ -465,10 +468,7 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   kick.velocity_mm_s << way * shot_speed, 0;
   kick.robot = robot.name;
   kick_ = kick;
-  direction_rad_ = direction_of(
-      0.8 * shot_speed * Vector2d(std::cos(robot.orientation_rad), std::sin(robot.orientation_rad)) +
-      0.5 * robot.velocity_mm_s);
-  direction_sigma_rad_ = 0.05 + 0.3 * robot.velocity_mm_s.norm() / std::max(500.0, shot_speed);
+  kicker_ = {ahead_of(robot), robot.velocity_mm_s};
   fit_shot();
   return Saw::kTurn;
 }
@@ -549,8 +549,7 @@ void BallTrack::fit_shot() {
   BallModel slides = model_;
   slides.slides_mm_s2 = kFreeSlides_mm_s2;
   ShotPrior prior;
-  prior.direction_rad = direction_rad_;
-  prior.direction_sigma_rad = direction_sigma_rad_;
+  prior.robot = kicker_;
   const ShotFit flat = fit_flat(guess, points, slides, prior);
   const Vector2d flat_velocity = flat.shot.velocity_mm_s.head<2>();
   const double speed = flat_velocity.norm();
@@ -563,7 +562,10 @@ void BallTrack::fit_shot() {
   chip_guess.shot.t_s = event_s_;
   chip_guess.shot.place_mm = event_mm_;
   const ShotFit chip = fit_chip(chip_guess, points, model_, prior, count < 8 ? 6 : 3);
-  is_chip_ = flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
+  // One that was turned on its way fits neither.
+  constexpr double kMostEach = 6, kMost = 20;
+  const bool fits = chip.chi2 < kMostEach * static_cast<double>(count) + kMost;
+  is_chip_ = fits && flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
   chip_ = chip.shot;
   kick_->is_chip = is_chip_;
   if (is_chip_) {

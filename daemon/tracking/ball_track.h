@@ -123,7 +123,7 @@ class BallTrack {
   std::size_t point_count_ = 0;
   BallShot chip_;      // while it flies
   BallFlight flight_;  // likewise, unless it is a kick's
-  double direction_rad_ = 0, direction_sigma_rad_ = 0;
+  ShotPrior::Robot kicker_;
   std::optional<TrackedKick> kick_;
 };
 
