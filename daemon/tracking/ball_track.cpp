@@ -226,6 +226,7 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
     constexpr double kMostVars = 6;  // more is no shaking
     held_var_mm2_ += kSlow * (std::min(off.squaredNorm(), kMostVars * held_var_mm2_) - held_var_mm2_);
     held_seen_ = sighting;
+    is_announced_ = false;
     constexpr double kLetGoMm = 150;
     if (away.norm() > kLetGoMm) roll(sighting, robot->velocity_mm_s, false, robot->velocity_mm_s.norm());
     return;
@@ -317,6 +318,32 @@ bool BallTrack::was_on_its_way(const BallObservation& now, const RobotTracks& ro
   return off.dot(way) > shakes_mm && std::abs(off.dot(left_of(way))) < shakes_mm;
 }
 
+/// A held ball that is that far ahead one image later was kicked, even if it was as late as can be: how fast
+/// is said between what it must have been and what is allowed, until it is seen again.
+void BallTrack::announce(const BallObservation& now, const RobotTracks& robots) {
+  if (phase_ != Phase::kHeld || is_announced_) return;
+  constexpr double kLately_s = 0.03, kSlowest_mm_s = 2000, kFastest_mm_s = 8000, kAllowed_mm_s = 6500,
+                   kNearestMm = 25, kAhead_rad = 0.4;
+  const double passed_s = now.t_s - held_seen_.t_s;
+  const auto robot = robots.at(holder_, now.t_s);
+  if (!robot || passed_s < kApart_s || passed_s > kLately_s) return;
+  const Vector2d then = held_at(held_seen_.t_s, robots), here = held_at(now.t_s, robots),
+                 off = now.place_mm - here, way = unit_of(off);
+  const double slowest = (off - (held_seen_.place_mm - then)).norm() / passed_s;
+  const bool is_ahead = std::abs(around(direction_of(off) - robot->orientation_rad)) < kAhead_rad;
+  if (!is_ahead || off.norm() < kNearestMm || slowest < kSlowest_mm_s || slowest > kFastest_mm_s) return;
+  const double speed = std::max(slowest, (slowest + kAllowed_mm_s) / 2);
+  const Vector2d held_mm_s = (here - then) / passed_s;
+  TrackedKick kick;
+  kick.number = kick_ ? kick_->number + 1 : 1;
+  kick.t_s = now.t_s - off.norm() / speed;
+  kick.place_mm = here - held_mm_s * (now.t_s - kick.t_s);
+  kick.velocity_mm_s << held_mm_s + way * speed, 0;
+  kick.robot = holder_;
+  kick_ = kick;
+  is_announced_ = true;
+}
+
 BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, const Vector2d& expected_mm,
                                    const RobotTracks& robots, std::optional<BallTrack>& before) {
   constexpr double kLasts_s = 0.12;
@@ -353,6 +380,7 @@ BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, con
       own->count = 0;
       if (was_on_its_way(one, robots)) own->add(held_seen_);
     }
+    if (own->count == 0) announce(one, robots);
     const bool tells = own->count > 0 && tells_a_way(*own, one);
     own->add(one);
     if (own->count < 2 || own->passed_s() < kApart_s) continue;
@@ -459,10 +487,12 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   for (std::size_t i = 0; i < branch.count; ++i) add_point(branch.seen[i]);
   sightings_ = static_cast<int>(branch.count);
   forget_branches();
+  const bool was_announced = is_announced_;
+  is_announced_ = false;
   if (!is_kick) return Saw::kTurn;
   const TrackedRobot& robot = near->robot;
   TrackedKick kick;
-  kick.number = kick_ ? kick_->number + 1 : 1;
+  kick.number = (kick_ ? kick_->number : 0) + (was_announced ? 0 : 1);
   kick.t_s = event_s;
   kick.place_mm = event_mm;
   kick.velocity_mm_s << way * shot_speed, 0;
@@ -605,7 +635,7 @@ const BallTrack::Branch* BallTrack::reappears(double t_s) const {
   for (const Branch& branch : branches_) {
     if (branch.count == 0 || branch.lies()) continue;
     const double last_s = branch.last().t_s;
-    if (last_s - seen_s_ < kHidden_s || t_s - last_s > kLately_s) continue;
+    if ((last_s - seen_s_ < kHidden_s && !is_announced_) || t_s - last_s > kLately_s) continue;
     // After long, a single sighting is as likely no ball.
     if (last_s - seen_s_ > kLong_s && branch.count < 2) continue;
     if (!out || last_s > out->last().t_s) out = &branch;
@@ -623,9 +653,9 @@ bool BallTrack::where_it_reappears(const Branch& branch, double t_s, BallState& 
     for (std::size_t i = 0; i < branch.count; ++i) flight.correct(point_of(branch.seen[i]), model_);
     out = flight.shot(model_).at(t_s, model_);
   } else {
-    const Vector2d velocity = branch.count > 1 && branch.passed_s() > kApart_s
-                                  ? branch.velocity()
-                                  : Vector2d((last.place_mm - seen_mm_) / (last.t_s - seen_s_));
+    const Vector2d velocity = branch.count > 1 && branch.passed_s() > kApart_s ? branch.velocity()
+                              : is_announced_ ? Vector2d(kick_->velocity_mm_s.head<2>())
+                                              : Vector2d((last.place_mm - seen_mm_) / (last.t_s - seen_s_));
     out.place_mm << last.place_mm + velocity * (t_s - last.t_s), model_.radius_mm;
     out.velocity_mm_s << velocity, 0;
   }

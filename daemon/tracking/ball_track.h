@@ -83,6 +83,7 @@ class BallTrack {
   void may_be_held(const BallObservation& sighting, const RobotTracks& robots);
   Saw surprise(const std::vector<BallObservation>& seen, const Eigen::Vector2d& expected_mm,
                const RobotTracks& robots, std::optional<BallTrack>& before);
+  void announce(const BallObservation& now, const RobotTracks& robots);
   bool was_on_its_way(const BallObservation& now, const RobotTracks& robots) const;
   static bool tells_a_way(const Branch& branch, const BallObservation& now);
   static bool pushes(const TrackedRobot& robot, const Eigen::Vector2d& ball_mm, const Eigen::Vector2d& before,
@@ -112,6 +113,7 @@ class BallTrack {
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
   double held_var_mm2_ = 0;        // how far it shakes there
   BallObservation held_seen_{};
+  bool is_announced_ = false;  // that it was kicked, of one sighting
   int held_count_ = 0;
   int surprises_ = 0;  // since it rolls
   std::array<Branch, 4> branches_;
