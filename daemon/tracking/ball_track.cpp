@@ -104,6 +104,7 @@ void BallTrack::roll(const BallObservation& at, const Vector2d& velocity_mm_s, b
   flat_.began_mm_s = began_mm_s;
   held_count_ = 0;
   surprises_ = 0;
+  is_announced_ = left_holder_ = false;
 }
 
 Vector2d BallTrack::held_at(double t_s, const RobotTracks& robots) const {
@@ -253,7 +254,7 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
   }
   if (phase_ == Phase::kFree && !is_kick_) {
     add_point(sighting);
-    may_fly(sighting.t_s);
+    may_fly(sighting.t_s, robots);
   }
   may_be_held(sighting, robots);
 }
@@ -441,10 +442,12 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
       near = RobotTracks::Nearest{*holder, (event_mm - holder->place_mm).norm(), 0};
   }
   const double shot_speed = speed + slides * (first.t_s - event_s + passed_s / 2);
+  // No kicker reaches a ball in the air.
+  const bool is_high = is_in_the_air(event_s);
   bool is_kick = false;
   constexpr double kKicks_mm_s = 400, kAhead_rad = 0.4;
   double off_front = 0;
-  if (near) {
+  if (near && !is_high) {
     const TrackedRobot& robot = near->robot;
     const Vector2d from_robot = velocity - 0.6 * robot.velocity_mm_s;
     off_front = std::abs(around(direction_of(from_robot) - robot.orientation_rad));
@@ -471,10 +474,11 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
     is_kick_ = false;
     return Saw::kTurn;
   }
-  if (!is_kick && is_in_the_air(event_s)) {
+  if (is_high) {
     turn_in_the_air(branch, event_s);
     return Saw::kTurn;
   }
+  const bool was_announced = is_announced_;
   roll(last, velocity - way * (slides * passed_s / 2), true, shot_speed);
   seen_s_ = last.t_s;
   seen_mm_ = last.place_mm;
@@ -487,20 +491,22 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
   for (std::size_t i = 0; i < branch.count; ++i) add_point(branch.seen[i]);
   sightings_ = static_cast<int>(branch.count);
   forget_branches();
-  const bool was_announced = is_announced_;
-  is_announced_ = false;
-  if (!is_kick) return Saw::kTurn;
-  const TrackedRobot& robot = near->robot;
+  left_holder_ = was_held && !is_kick;
+  if (is_kick) begin_kick(near->robot, way * shot_speed, !was_announced);
+  return Saw::kTurn;
+}
+
+void BallTrack::begin_kick(const TrackedRobot& robot, const Vector2d& velocity_mm_s, bool is_new) {
   TrackedKick kick;
-  kick.number = (kick_ ? kick_->number : 0) + (was_announced ? 0 : 1);
-  kick.t_s = event_s;
-  kick.place_mm = event_mm;
-  kick.velocity_mm_s << way * shot_speed, 0;
+  kick.number = (kick_ ? kick_->number : 0) + (is_new ? 1 : 0);
+  kick.t_s = event_s_;
+  kick.place_mm = event_mm_;
+  kick.velocity_mm_s << velocity_mm_s, 0;
   kick.robot = robot.name;
   kick_ = kick;
+  is_kick_ = true;
   kicker_ = {ahead_of(robot), robot.velocity_mm_s};
   fit_shot();
-  return Saw::kTurn;
 }
 
 /// What is known of the way of a kick's chip.
@@ -549,7 +555,7 @@ void BallTrack::fly(const BallFlight& flight) {
 }
 
 /// A ball that begins anew where nobody saw it kicked may be in the air: its size tells, or its way.
-void BallTrack::may_fly(double t_s) {
+void BallTrack::may_fly(double t_s, const RobotTracks& robots) {
   constexpr double kLongest_s = 0.6, kSurelySigmas = 2.5;
   constexpr int kSurprises = 2;
   if (point_count_ == 0 || point_count_ == points_.size() || t_s - points_[0].t_s > kLongest_s) return;
@@ -559,7 +565,17 @@ void BallTrack::may_fly(double t_s) {
     sigmas += (point.height_mm - model_.radius_mm) / point.height_sigma_mm;
   if (sigmas < kSurelySigmas * std::sqrt(static_cast<double>(point_count_)) && surprises_ < kSurprises)
     return;
-  if (const auto flight = find_flight(points, model_)) fly(*flight);
+  const auto flight = find_flight(points, model_);
+  if (!flight) return;
+  // Nothing else lifts a ball off a robot that holds it.
+  const auto kicker = left_holder_ ? robots.at(holder_, event_s_) : std::nullopt;
+  if (kicker) {
+    const auto before = kick_;
+    begin_kick(*kicker, flight->state.segment<2>(3), true);
+    if (is_chip_) return;
+    kick_ = before;
+  }
+  fly(*flight);
 }
 
 void BallTrack::add_point(const BallObservation& sighting) {

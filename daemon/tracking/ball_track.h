@@ -94,8 +94,9 @@ class BallTrack {
   const Branch* reappears(double t_s) const;
   bool where_it_reappears(const Branch& branch, double t_s, BallState& out) const;
   bool is_in_the_air(double t_s) const;
+  void begin_kick(const TrackedRobot& robot, const Eigen::Vector2d& velocity_mm_s, bool is_new);
   void fly(const BallFlight& flight);
-  void may_fly(double t_s);
+  void may_fly(double t_s, const RobotTracks& robots);
   BallFlight flight_at(double t_s) const;
   void add_point(const BallObservation& sighting);
   void fit_shot();
@@ -115,7 +116,8 @@ class BallTrack {
   BallObservation held_seen_{};
   bool is_announced_ = false;  // that it was kicked, of one sighting
   int held_count_ = 0;
-  int surprises_ = 0;  // since it rolls
+  bool left_holder_ = false;  // and was not kicked, as it seems
+  int surprises_ = 0;         // since it rolls
   std::array<Branch, 4> branches_;
   // Since the last kick or turn.
   double event_s_ = -9;

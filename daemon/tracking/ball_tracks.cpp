@@ -144,19 +144,23 @@ void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const 
     if (std::any_of(balls_.begin(), balls_.end(),
                     [&](const Ball& ball) { return ball.track.explains(now, robots); }))
       continue;
-    std::vector<const BallObservation*> before;
-    for (const BallObservation& one : unexplained_) {
+    const auto may_be_it = [&](const BallObservation& one) {
       const double passed_s = now.t_s - one.t_s;
-      if (passed_s > 1e-3 && (one.place_mm - now.place_mm).norm() < kFastest_mm_s * passed_s + kNearMm)
-        before.push_back(&one);
-    }
-    constexpr std::size_t kEnough = 2;
-    if (before.size() >= kEnough) {
-      const BallObservation &first = *before.front(), &middle = *before[before.size() / 2];
-      const Vector2d velocity = (now.place_mm - first.place_mm) / (now.t_s - first.t_s);
-      if ((first.place_mm + velocity * (middle.t_s - first.t_s) - middle.place_mm).norm() < kStraightMm) {
+      return passed_s > 1e-3 && (one.place_mm - now.place_mm).norm() < kFastest_mm_s * passed_s + kNearMm;
+    };
+    const auto count = std::count_if(unexplained_.begin(), unexplained_.end(), may_be_it);
+    constexpr int kEnough = 2;
+    if (count >= kEnough) {
+      const BallObservation *first = nullptr, *middle = nullptr;
+      for (std::ptrdiff_t left = count; const BallObservation& one : unexplained_) {
+        if (!may_be_it(one)) continue;
+        if (!first) first = &one;
+        if (left-- == count - count / 2) middle = &one;
+      }
+      const Vector2d velocity = (now.place_mm - first->place_mm) / (now.t_s - first->t_s);
+      if ((first->place_mm + velocity * (middle->t_s - first->t_s) - middle->place_mm).norm() < kStraightMm) {
         balls_.push_back(
-            {BallTrack(model_, now, velocity, static_cast<int>(before.size()) + 1), ++numbers_, false, t_s});
+            {BallTrack(model_, now, velocity, static_cast<int>(count) + 1), ++numbers_, false, t_s});
         unexplained_.clear();
         continue;
       }
