@@ -44,6 +44,8 @@ class BallTrack {
   bool is_too_fast() const;
 
  private:
+  static constexpr double kApart_s = 0.003;  // between sightings that tell a velocity
+
   enum class Phase { kFree, kHeld, kFlying };
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
@@ -74,6 +76,11 @@ class BallTrack {
     bool lies() const;
   };
 
+  /// Of two ways.
+  struct Meeting {
+    double t_s, off_mm;  // when, and by how much they miss each other
+    Eigen::Vector2d place_mm, before_mm_s;
+  };
   /// What a camera's places on the floor still differ by here, which fades.
   struct Border {
     Eigen::Vector3d camera_mm{0, 0, 0};
@@ -97,6 +104,8 @@ class BallTrack {
   static bool tells_a_way(const Branch& branch, const BallObservation& now);
   static bool pushes(const TrackedRobot& robot, const Eigen::Vector2d& ball_mm, const Eigen::Vector2d& before,
                      const Eigen::Vector2d& after);
+  Meeting meeting_of(const Branch& branch, const RobotTracks& robots) const;
+  void follow(const Branch& branch);
   Saw explain(const Branch& branch, const RobotTracks& robots);
   void turn_in_the_air(const Branch& branch, double event_s);
   void forget_branches();
@@ -107,6 +116,7 @@ class BallTrack {
   void fly(const BallFlight& flight);
   void may_fly(double t_s, const RobotTracks& robots);
   BallFlight flight_at(double t_s) const;
+  static ShotPoint point_of(const BallObservation& one);
   void add_point(const BallObservation& sighting);
   void fit_shot();
 

@@ -23,6 +23,14 @@ bool lies(const BallTrack& track, double t_s) {
 
 }  // namespace
 
+BallTracks::BallTracks() {
+  // As many as there may be before some are left out: nothing is allocated for an image.
+  constexpr std::size_t kSeen = 32;
+  balls_.reserve(2 * kMost + kSeen);
+  unexplained_.reserve(kSeen);
+  own_.reserve(kSeen);
+}
+
 bool BallTracks::is_sure(const BallTrack& track, double t_s) {
   // What looks like a ball for some images does not move.
   return track.sightings() >= (lies(track, t_s) ? 6 : 3);
@@ -137,9 +145,9 @@ void BallTracks::take_kick() {
 
 /// Three sightings that one ball on its way may be, and that no other explains.
 void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
-  constexpr double kLately_s = 0.1, kFastest_mm_s = 7000, kNearMm = 3, kStraightMm = 8;
+  constexpr double kLasts_s = 0.1, kFastest_mm_s = 7000, kNearMm = 3, kStraightMm = 8;
   const double t_s = seen.front().t_s;
-  std::erase_if(unexplained_, [&](const auto& one) { return one.t_s < t_s - kLately_s; });
+  std::erase_if(unexplained_, [&](const auto& one) { return one.t_s < t_s - kLasts_s; });
   for (const BallObservation& now : seen) {
     if (std::any_of(balls_.begin(), balls_.end(),
                     [&](const Ball& ball) { return ball.track.explains(now, robots); }))
@@ -171,8 +179,10 @@ void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const 
 
 std::vector<TrackedBall> BallTracks::at(double t_s, const RobotTracks& robots) const {
   std::vector<TrackedBall> out;
-  for (const Ball& ball : balls_) {
-    if (ball.is_past || ball.track.is_gone(t_s) || !is_sure(ball.track, t_s)) continue;
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    const Ball& ball = balls_[i];
+    const bool is_played = is_known_ && i == 0;
+    if (ball.is_past || ball.track.is_gone(t_s) || !(is_played || is_sure(ball.track, t_s))) continue;
     out.push_back(ball.track.at(t_s, robots));
   }
   return out;

@@ -15,12 +15,13 @@ namespace sslv {
 /// All that may be the ball, of which one is played.
 class BallTracks {
  public:
+  BallTracks();
   /// The balls of one image.
   void add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
 
   /// The one that is played; nothing while it may be anywhere.
   std::optional<TrackedBall> played_at(double t_s, const RobotTracks& robots) const;
-  /// All of them, the one that is played first.
+  /// All of them, the one that is played first, while that is known.
   std::vector<TrackedBall> at(double t_s, const RobotTracks& robots) const;
   /// The newest.
   const std::optional<TrackedKick>& kick() const { return kick_; }

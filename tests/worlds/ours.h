@@ -23,6 +23,7 @@ class Ours final : public Rival {
   std::optional<TrackedBall> ball(double t_s) override { return tracker_.ball(t_s); }
   std::optional<TrackedKick> kick() const override { return tracker_.kick(); }
   const CameraAgreement& agreement() const { return learnt_; }
+  const Tracker& tracker() const { return tracker_; }
 
  private:
   Clocks clocks_;
