@@ -83,6 +83,7 @@ void BallTrack::roll(const BallObservation& at, const Vector2d& velocity_mm_s, b
   flat_.slides = slides;
   flat_.began_mm_s = began_mm_s;
   held_count_ = 0;
+  alone_until_s_ = 0;
   surprises_ = 0;
   is_announced_ = left_holder_ = false;
 }
@@ -283,7 +284,12 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   if (phase_ != Phase::kFree) return;
   constexpr double kNearMm = 125, kFrontRad = 0.6, kSlow_mm_s = 500, kAfterEvent_s = 0.06;
   constexpr int kSure = 3;
+  if (sighting.t_s < alone_until_s_) return;
   const auto near = robots.nearest(flat_.place(), sighting.t_s);
+  // No robot is there sooner.
+  constexpr double kRobots_mm_s = 6000;
+  if (near && near->distance_mm > kNearMm)
+    alone_until_s_ = sighting.t_s + (near->distance_mm - kNearMm) / (kRobots_mm_s + flat_.velocity().norm());
   if (!near || near->distance_mm >= kNearMm || near->from_front_rad >= kFrontRad) {
     held_count_ = 0;
     return;

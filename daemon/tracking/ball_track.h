@@ -136,6 +136,7 @@ class BallTrack {
   BallObservation held_seen_{};
   bool is_announced_ = false;  // that it was kicked, of one sighting
   int held_count_ = 0;
+  double alone_until_s_ = 0;  // no robot can hold it before
   bool left_holder_ = false;  // and was not kicked, as it seems
   int surprises_ = 0;         // since it rolls
   std::array<Branch, 4> branches_;
