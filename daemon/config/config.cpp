@@ -144,6 +144,23 @@ Json settings_schema() {
   return schema;
 }
 
+BallModel ball_model_of(const Config& config) {
+  BallModel out;
+  out.radius_mm = config.field.ball_radius;
+  out.half_length_mm = config.field.field_length / 2.0;
+  out.half_width_mm = config.field.field_width / 2.0;
+  if (!config.ball_models) return out;
+  constexpr double kMmPerMeter = 1000;
+  const BallModels& models = *config.ball_models;
+  out.slides_mm_s2 = -models.acc_slide * kMmPerMeter;
+  out.rolls_mm_s2 = -models.acc_roll * kMmPerMeter;
+  out.rolls_from_share = models.k_switch;
+  out.first_hop_xy = models.damping_xy_first_hop;
+  out.later_hops_xy = models.damping_xy_other_hops;
+  out.hops_z = models.damping_z;
+  return out;
+}
+
 CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut,
                            const LoadTable& load_table) {
   const CameraSettings& camera = config.cameras[i];

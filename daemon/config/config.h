@@ -16,6 +16,7 @@
 #include "net/tracker_settings.h"
 #include "pipeline/frame.h"
 #include "settings/migrations.h"
+#include "tracking/ball_motion.h"
 #include "vision/lut.h"
 
 #include <functional>
@@ -182,6 +183,9 @@ Json complete_settings(const Json& settings);
 
 /// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
 Json settings_schema();
+
+/// How the ball moves by the settings, in the tracker's units; as usual in the league where they do not say.
+BallModel ball_model_of(const Config& config);
 
 /// The colour table that the service has saved under a name; null: use what the settings say besides. Throws
 /// SettingsError, beginning with `path`.

@@ -72,6 +72,7 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config, st
   VisionLogReader reader(in, file.string());
   FieldPipeline pipeline(field_stage_table(), config.field.stack, "/field/stack");
   const auto parameters = pipeline.parameters_of(config.field.stage_params);
+  const BallModel ball = ball_model_of(config);
   FieldFrame frame;
   Sink sink;
   LogClock clock;
@@ -105,7 +106,7 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config, st
     if (surest != image.balls.end())
       ball_before.see(image.t_capture_s, surest->place_mm, kBallFastest_mm_s, out.ball_before);
 
-    pipeline.run({frame, config.field, clock, sink}, parameters);
+    pipeline.run({frame, config.field, ball, clock, sink}, parameters);
     const TrackedField& tracked = frame.tracked;
     for (const TrackedRobot& robot : tracked.robots)
       after[robot.name].see(tracked.t_s, robot.place_mm, kRobotFastest_mm_s, out.robots_after);

@@ -6,6 +6,7 @@
 #include "geometry/field.h"
 #include "pipeline/field_frame.h"
 #include "pipeline/stage.h"
+#include "tracking/ball_motion.h"
 #include "tracking/field_clock.h"
 
 #include <cstddef>
@@ -38,6 +39,7 @@ struct FieldFloor {
   struct Inputs {
     FieldFrame& frame;
     const FieldSize& field;
+    const BallModel& ball;
     const FieldClock& clock;
     FieldSink& sink;
     void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
@@ -46,6 +48,7 @@ struct FieldFloor {
   };
 
   static const FieldSize& given(const Inputs& in, std::type_identity<const FieldSize&>) { return in.field; }
+  static const BallModel& given(const Inputs& in, std::type_identity<const BallModel&>) { return in.ball; }
   static const FieldClock& given(const Inputs& in, std::type_identity<const FieldClock&>) { return in.clock; }
   static FieldSink& given(const Inputs& in, std::type_identity<FieldSink&>) { return in.sink; }
 };

@@ -15,11 +15,7 @@ void Agreement::process(const Params&, const CameraSightings& seen, const ImageT
   if (!time.t_s) return;
   const double t_s = *time.t_s;
   learnt.set_camera(seen.camera, seen.camera_mm);
-  floor_.set_camera(seen.camera, seen.camera_mm);
-  if (newest_s_ && t_s > *newest_s_) {
-    learnt.follow(t_s - *newest_s_);
-    floor_.follow(t_s - *newest_s_);
-  }
+  if (newest_s_ && t_s > *newest_s_) learnt.follow(t_s - *newest_s_);
   newest_s_ = std::max(t_s, newest_s_.value_or(t_s));
 
   const double true_s = t_s - learnt.time_offset_s(seen.camera);
@@ -35,14 +31,9 @@ void Agreement::process(const Params&, const CameraSightings& seen, const ImageT
   constexpr double kPlaceSigmaMm = 0.3;
   for (const BallSighting& ball : seen.balls) {
     const double sigma_mm = std::sqrt(ball.place_cov_mm2.trace() / 2);
-    const Vector2d place = ball.place_mm - floor_.error_of(seen.camera, ball.place_mm);
-    out.balls.push_back({true_s, seen.camera_mm, place, std::hypot(sigma_mm, kPlaceSigmaMm), ball.height_mm,
-                         ball.height_sigma_mm});
+    out.balls.push_back({true_s, seen.camera_mm, ball.place_mm, std::hypot(sigma_mm, kPlaceSigmaMm),
+                         ball.height_mm, ball.height_sigma_mm});
   }
-  // Of several, nobody knows yet which is which.
-  constexpr RobotName kBall{};
-  if (seen.balls.size() == 1)
-    floor_.see(seen.camera, {kBall, seen.balls[0].place_mm, seen.balls[0].height_mm, true_s});
 }
 
 }  // namespace sslv

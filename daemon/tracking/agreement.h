@@ -9,9 +9,8 @@
 
 namespace sslv {
 
-/// Learns what cameras do not agree on, and takes it off what they saw. `learnt` is what it knows of robots,
-/// which stays in the frame: it is its own, for others to look at. On the floor, where balls are,
-/// calibrations err otherwise than at the robots' height: that is learnt from balls that two cameras see.
+/// Learns what cameras do not agree on, and takes it off what they saw. `learnt` is what it knows, which
+/// stays in the frame: it is its own, for others to look at.
 class Agreement {
  public:
   struct Params {
@@ -21,11 +20,7 @@ class Agreement {
                CameraAgreement& learnt) noexcept;
 
  private:
-  /// A ball that flies surprises for as long as it does.
-  static constexpr CameraAgreement::Options kFloor{
-      .error_mm = 1, .learns_clocks = false, .learns_heights = false, .bumped = 600};
   std::optional<double> newest_s_;
-  CameraAgreement floor_{kFloor};
 };
 
 }  // namespace sslv

@@ -10,10 +10,6 @@ using Eigen::Vector2d, Eigen::Vector3d;
 
 namespace {
 
-constexpr double kGravity_mm_s2 = 9810;
-/// A ball that leaves the floor slower rolls on.
-constexpr double kLastHop_mm_s = 350;
-
 Vector2d way_of(const Vector2d& v) {
   const double length = v.norm();
   return length > 1e-9 ? Vector2d(v / length) : Vector2d(0, 0);
@@ -53,7 +49,7 @@ BallState BallShot::at(double time_s, const BallModel& model) const {
     }
     left_s -= hop_s;
     place += velocity * hop_s;
-    velocity *= is_first ? model.first_hop_xy : model.later_hops_xy;
+    velocity *= is_first && !has_hopped ? model.first_hop_xy : model.later_hops_xy;
     up = down * model.hops_z;
     from_mm = 0;
   }
@@ -65,9 +61,13 @@ BallState BallShot::at(double time_s, const BallModel& model) const {
   return {{place.x(), place.y(), model.radius_mm}, {velocity.x(), velocity.y(), 0}};
 }
 
-Vector2d BallShot::landing_mm() const {
+double BallShot::lands_after_s() const {
   const double up = velocity_mm_s.z(), down = std::sqrt(up * up + 2 * kGravity_mm_s2 * height_mm);
-  return place_mm + velocity_mm_s.head<2>() * (std::max(0.0, up + down) / kGravity_mm_s2);
+  return std::max(0.0, up + down) / kGravity_mm_s2;
+}
+
+Vector2d BallShot::landing_mm() const {
+  return place_mm + velocity_mm_s.head<2>() * lands_after_s();
 }
 
 }  // namespace sslv

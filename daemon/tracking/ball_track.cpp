@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/ball_track.h"
 
+#include "tracking/planar.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/LU>
 
@@ -18,33 +19,22 @@ constexpr double kNearlyMm = 111.5;   // between the centres of a robot and a ba
 constexpr double kFlatTimeSigma_s = 0.08e-3;
 constexpr double kFreeSlides_mm_s2 = 3500;
 
-double around(double angle_rad) {
-  return std::remainder(angle_rad, 2 * std::numbers::pi);
-}
-double direction_of(const Vector2d& v) {
-  return std::atan2(v.y(), v.x());
-}
-Vector2d unit_of(const Vector2d& v) {
-  const double length = v.norm();
-  return length > 1e-9 ? Vector2d(v / length) : Vector2d(0, 0);
-}
-Vector2d turned_by(const Vector2d& v, double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-}
-Vector2d left_of(const Vector2d& v) {
-  return {-v.y(), v.x()};
-}
-
 }  // namespace
+
+ShotPoint BallTrack::point_of(const BallObservation& one) {
+  return {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm};
+}
 
 BallTrack::BallTrack(const BallModel& model, const BallObservation& newest, const Vector2d& velocity_mm_s,
                      int sightings)
-    : model_(model), seen_s_(newest.t_s), sightings_(sightings) {
-  points_.reserve(kMaxShotPoints + 1);
-  branch_.reserve(16);
+    : model_(model),
+      seen_s_(newest.t_s),
+      seen_mm_(newest.place_mm),
+      sightings_(sightings),
+      began_mm_(newest.place_mm) {
   roll(newest, velocity_mm_s, false, velocity_mm_s.norm());
   flat_.cov.diagonal().segment<2>(2).setConstant(1e5);
+  add_point(newest);
 }
 
 void BallTrack::Flat::predict(double to_s, const BallModel& model) {
@@ -93,6 +83,9 @@ void BallTrack::roll(const BallObservation& at, const Vector2d& velocity_mm_s, b
   flat_.slides = slides;
   flat_.began_mm_s = began_mm_s;
   held_count_ = 0;
+  alone_until_s_ = 0;
+  surprises_ = 0;
+  is_announced_ = left_holder_ = false;
 }
 
 Vector2d BallTrack::held_at(double t_s, const RobotTracks& robots) const {
@@ -116,8 +109,15 @@ Vector2d BallTrack::seen_from(const Vector3d& camera_mm, double t_s, const Robot
 double BallTrack::gate_mm(double t_s) const {
   const double unseen_s = t_s - seen_s_, age_s = t_s - event_s_;
   switch (phase_) {
-    case Phase::kHeld: return 9;
+    case Phase::kHeld: return std::clamp(3.5 * std::sqrt(held_var_mm2_) + 2, 5.0, 12.0);
     case Phase::kFlying:
+      if (!is_kick_) {
+        BallFlight then = flight_;
+        then.predict(t_s, model_);
+        constexpr double kMostMm = 120, kSlope = 0.5;  // of a camera's sight, at most
+        const double spread = std::max(then.cov(0, 0), then.cov(1, 1)) + kSlope * kSlope * then.cov(2, 2);
+        return std::min(kMostMm, 4.5 * std::sqrt(std::max(0.0, spread)) + 5);
+      }
       return 15 + 60 * std::max(0.0, 0.12 - age_s) / 0.12 + 40 * unseen_s + (age_s > 0.35 ? 25 : 0);
     case Phase::kFree: break;
   }
@@ -126,7 +126,8 @@ double BallTrack::gate_mm(double t_s) const {
   return std::min(40.0, 4.5 * std::sqrt(std::max(then.cov(0, 0), then.cov(1, 1)) + 0.3) + 1.5);
 }
 
-BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
+BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const RobotTracks& robots,
+                              std::optional<BallTrack>& before) {
   if (seen.empty()) return Saw::kNothing;
   const double t_s = seen.front().t_s;
   const Vector2d expected = seen_from(seen.front().camera_mm, t_s, robots);
@@ -141,15 +142,17 @@ BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const Ro
   if (!is_it && phase_ == Phase::kFree && is_kick_ && t_s - event_s_ < kYoung_s)
     is_it = off_mm < gate_mm(t_s) + kPerPeriodMm * (t_s - seen_s_) / kPeriod_s && off_mm < kMostMm;
   if (is_it) {
-    branch_.clear();
+    forget_branches();
     seen_s_ = t_s;
+    seen_mm_ = nearest.place_mm;
     ++sightings_;
     accept(nearest, robots);
-    constexpr double kMoves_mm_s = 150;
-    if (phase_ != Phase::kFree || flat_.velocity().norm() > kMoves_mm_s) moved_s_ = t_s;
+    constexpr double kMoves_mm_s = 150, kMovedMm = 12;
+    has_moved_ = has_moved_ || (nearest.place_mm - began_mm_).norm() > kMovedMm;
+    if (has_moved_ && (phase_ != Phase::kFree || flat_.velocity().norm() > kMoves_mm_s)) moved_s_ = t_s;
     return Saw::kBall;
   }
-  return surprise(seen, expected, robots);
+  return surprise(seen, expected, robots, before);
 }
 
 bool BallTrack::explains(const BallObservation& sighting, const RobotTracks& robots) const {
@@ -157,9 +160,54 @@ bool BallTrack::explains(const BallObservation& sighting, const RobotTracks& rob
          gate_mm(sighting.t_s);
 }
 
+bool BallTrack::is_gone(double t_s) const {
+  // A robot takes the ball along.
+  constexpr double kGone_s = 0.8, kHeldGone_s = 2;
+  return t_s - seen_s_ > (phase_ == Phase::kHeld ? kHeldGone_s : kGone_s);
+}
+
 bool BallTrack::is_too_fast() const {
   constexpr double kFastest_mm_s = 9000;
   return phase_ == Phase::kFree && flat_.velocity().norm() > kFastest_mm_s;
+}
+
+/// Instead of the one that saw it longest ago, when there is none yet.
+BallTrack::Border& BallTrack::border_of(const Vector3d& camera_mm) {
+  Border* oldest = &borders_[0];
+  for (Border& one : borders_) {
+    if (one.camera_mm == camera_mm) return one;
+    if (one.seen_s < oldest->seen_s) oldest = &one;
+  }
+  *oldest = {};
+  oldest->camera_mm = camera_mm;
+  return *oldest;
+}
+
+/// Cameras that see it at the same time keep their differences, so that it does not go to and fro between
+/// them; what they have in common fades.
+Vector2d BallTrack::left_over_at_border(const BallObservation& sighting, const Vector2d& off_mm) {
+  constexpr double kNew_s = 0.25, kAlso_s = 0.04, kMostMm = 6, kFades_s = 0.5, kLearns = 0.12;
+  Border& border = border_of(sighting.camera_mm);
+  const double gap_s = sighting.t_s - border.seen_s;
+  const bool is_alone = std::none_of(borders_.begin(), borders_.end(), [&](const Border& one) {
+    return &one != &border && sighting.t_s - one.seen_s < kNew_s;
+  });
+  if (gap_s > kNew_s) border.off_mm = !is_alone && off_mm.norm() < kMostMm ? off_mm : Vector2d(0, 0);
+  border.seen_s = sighting.t_s;
+  Vector2d common(0, 0);
+  int count = 0;
+  for (const Border& one : borders_) {
+    if (sighting.t_s - one.seen_s > kAlso_s) continue;
+    common += one.off_mm;
+    ++count;
+  }
+  common *= (1 - std::exp(-std::clamp(gap_s, 0.0, kAlso_s) / kFades_s)) / count;
+  for (Border& one : borders_) {
+    if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
+  }
+  const Vector2d out = border.off_mm;
+  if (count > 1 && (off_mm - out).norm() < kMostMm) border.off_mm += kLearns * (off_mm - out);
+  return out;
 }
 
 void BallTrack::correct(const BallObservation& sighting) {
@@ -167,11 +215,13 @@ void BallTrack::correct(const BallObservation& sighting) {
   const Vector2d velocity = flat_.velocity();
   const Matrix2d noise = sighting.sigma_mm * sighting.sigma_mm * Matrix2d::Identity() +
                          kFlatTimeSigma_s * kFlatTimeSigma_s * velocity * velocity.transpose();
-  const Vector2d off = sighting.place_mm - flat_.place();
+  const Vector2d seen_off = sighting.place_mm - flat_.place(),
+                 off = seen_off - left_over_at_border(sighting, seen_off);
   Matrix2d spread = flat_.cov.topLeftCorner<2, 2>() + noise;
   const double surprise = off.dot(spread.inverse() * off);
   constexpr double kSurprise = 9;
   if (surprise > kSurprise) {
+    ++surprises_;
     flat_.cov.diagonal().segment<2>(2).array() += surprise * 3000;
     flat_.cov.diagonal().head<2>().array() += surprise * 0.3;
     flat_.cov(4, 4) += 1e6;
@@ -190,7 +240,15 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
     const auto robot = robots.at(holder_, sighting.t_s);
     if (!robot) return;
     const Vector2d away = sighting.place_mm - robot->place_mm;
-    held_mm_ += 0.5 * (turned_by(away, -robot->orientation_rad) - held_mm_);
+    const Vector2d off = turned_by(away, -robot->orientation_rad) - held_mm_;
+    // A dribbler shakes it faster than one can follow.
+    constexpr double kSlow = 0.1;
+    const double gain = std::max(kSlow, 1.0 / ++held_count_);
+    held_mm_ += gain * off;
+    constexpr double kMostVars = 6;  // more is no shaking
+    held_var_mm2_ += kSlow * (std::min(off.squaredNorm(), kMostVars * held_var_mm2_) - held_var_mm2_);
+    held_seen_ = sighting;
+    is_announced_ = false;
     constexpr double kLetGoMm = 150;
     if (away.norm() > kLetGoMm) roll(sighting, robot->velocity_mm_s, false, robot->velocity_mm_s.norm());
     return;
@@ -198,15 +256,26 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
   const double age_s = sighting.t_s - event_s_;
   if (phase_ == Phase::kFree) correct(sighting);
   if (is_kick_ && age_s < kKickLasts_s) {
-    if (points_.size() < kMaxShotPoints)
-      points_.push_back({sighting.t_s, sighting.camera_mm, sighting.place_mm, sighting.sigma_mm,
-                         sighting.height_mm, sighting.height_sigma_mm});
+    add_point(sighting);
     fit_shot();
   }
-  if (phase_ == Phase::kFlying && age_s >= kKickLasts_s) {
-    const Vector2d velocity = chip_.at(sighting.t_s, model_).velocity_mm_s.head<2>();
-    roll(sighting, velocity, false, velocity.norm());
-    flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
+  if (phase_ == Phase::kFlying && is_kick_ && age_s >= kKickLasts_s) {
+    flight_ = flight_at(sighting.t_s);
+    is_kick_ = false;
+  }
+  if (phase_ == Phase::kFlying && !is_kick_) {
+    flight_.correct(point_of(sighting), model_);
+    if (flight_.is_over || flight_.is_doubtful()) {
+      const Vector2d velocity = flight_.state.segment<2>(3);
+      roll(sighting, velocity, false, velocity.norm());
+      flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
+    } else {
+      chip_ = flight_.shot(model_);
+    }
+  }
+  if (phase_ == Phase::kFree && !is_kick_) {
+    add_point(sighting);
+    may_fly(sighting.t_s, robots);
   }
   may_be_held(sighting, robots);
 }
@@ -215,7 +284,12 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   if (phase_ != Phase::kFree) return;
   constexpr double kNearMm = 125, kFrontRad = 0.6, kSlow_mm_s = 500, kAfterEvent_s = 0.06;
   constexpr int kSure = 3;
+  if (sighting.t_s < alone_until_s_) return;
   const auto near = robots.nearest(flat_.place(), sighting.t_s);
+  // No robot is there sooner.
+  constexpr double kRobots_mm_s = 6000;
+  if (near && near->distance_mm > kNearMm)
+    alone_until_s_ = sighting.t_s + (near->distance_mm - kNearMm) / (kRobots_mm_s + flat_.velocity().norm());
   if (!near || near->distance_mm >= kNearMm || near->from_front_rad >= kFrontRad) {
     held_count_ = 0;
     return;
@@ -229,148 +303,76 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   }
   if (++held_count_ < kSure) return;
   phase_ = Phase::kHeld;
+  held_count_ = 1;
+  held_seen_ = sighting;
+  constexpr double kShakesMm = 2;
+  held_var_mm2_ = kShakesMm * kShakesMm;
   holder_ = near->robot.name;
   held_mm_ = turned_by(away, -near->robot.orientation_rad);
   is_kick_ = false;
 }
 
-BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, const Vector2d& expected_mm,
-                                   const RobotTracks& robots) {
-  // The likeliest to be where it went.
-  const double t_s = seen.front().t_s;
-  const BallObservation* likeliest = nullptr;
-  double best = 1;
-  for (const BallObservation& one : seen) {
-    const double ratio = branch_.empty() ? (one.place_mm - expected_mm).norm() / (9000 * (t_s - seen_s_) + 25)
-                                         : (one.place_mm - branch_.back().place_mm).norm() /
-                                               (7500 * (t_s - branch_.back().t_s) + 10);
-    if (ratio >= best) continue;
-    best = ratio;
-    likeliest = &one;
-  }
-  if (!likeliest) return Saw::kNothing;
-  constexpr double kLasts_s = 0.1, kApart_s = 0.003, kFastest_mm_s = 9500;
-  if (!branch_.empty() && t_s - branch_.front().t_s > kLasts_s) branch_.clear();
-  branch_.push_back(*likeliest);
-  const double passed_s = branch_.back().t_s - branch_.front().t_s;
-  if (branch_.size() < 2 || passed_s < kApart_s) return Saw::kNothing;
-  if ((branch_.back().place_mm - branch_.front().place_mm).norm() / passed_s > kFastest_mm_s) {
-    branch_.assign(1, *likeliest);
-    return Saw::kNothing;
-  }
-  return explain(robots);
+/// What is known of the way of a kick's chip.
+BallFlight BallTrack::flight_at(double t_s) const {
+  constexpr double kPlaceSigmaMm = 20, kVelocitySigma_mm_s = 100;
+  const BallState then = chip_.at(t_s, model_);
+  BallFlight out;
+  out.t_s = t_s;
+  out.state << then.place_mm, then.velocity_mm_s;
+  out.cov.diagonal() << BallFlight::Vector6::Constant(kVelocitySigma_mm_s * kVelocitySigma_mm_s);
+  out.cov.diagonal().head<3>().setConstant(kPlaceSigmaMm * kPlaceSigmaMm);
+  out.has_hopped = chip_.has_hopped || t_s > chip_.t_s + chip_.lands_after_s();
+  out.is_over = then.velocity_mm_s.z() == 0;
+  return out;
 }
 
-/// What happened is where the old way and the new one meet.
-BallTrack::Saw BallTrack::explain(const RobotTracks& robots) {
-  const BallObservation first = branch_.front(), last = branch_.back();
-  const double passed_s = last.t_s - first.t_s;
-  const Vector2d velocity = (last.place_mm - first.place_mm) / passed_s, way = unit_of(velocity);
-  const double speed = velocity.norm(), slides = model_.slides_mm_s2;
-  const bool was_held = phase_ == Phase::kHeld;
-  const auto old_at = [&](double t_s) { return seen_from(first.camera_mm, t_s, robots); };
-  double event_s = first.t_s, best = 1e18;
-  constexpr double kBefore_s = 0.006, kLongest_s = 0.25, kStep_s = 0.0005;
-  for (double t_s = std::max(seen_s_ - kBefore_s, first.t_s - kLongest_s); t_s <= first.t_s; t_s += kStep_s) {
-    const double u = first.t_s - t_s;
-    const double off = (first.place_mm - way * (speed * u + 0.5 * slides * u * u) - old_at(t_s)).norm();
-    if (off >= best) continue;
-    best = off;
-    event_s = t_s;
-  }
-  const Vector2d event_mm = old_at(event_s);
-  const Vector2d before = was_held || phase_ == Phase::kFlying ? Vector2d(0, 0) : flat_.velocity();
-  auto near = robots.nearest(event_mm, event_s);
-  if (was_held) {
-    if (const auto holder = robots.at(holder_, event_s))
-      near = RobotTracks::Nearest{*holder, (event_mm - holder->place_mm).norm(), 0};
-  }
-  const double shot_speed = speed + slides * (first.t_s - event_s + passed_s / 2);
-  bool is_kick = false;
-  if (near) {
-    const TrackedRobot& robot = near->robot;
-    const Vector2d from_robot = velocity - 0.6 * robot.velocity_mm_s;
-    const double off_front = std::abs(around(direction_of(from_robot) - robot.orientation_rad));
-    is_kick = near->distance_mm < 150 && near->from_front_rad < 0.8 && off_front < (was_held ? 1.2 : 0.4) &&
-              (velocity - robot.velocity_mm_s).norm() > 500 &&
-              (was_held || speed > 0.75 * before.norm() + 300 || before.norm() < 700);
-  }
-  constexpr double kInTheAirMm = 60, kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
-  const bool is_inside = std::abs(event_mm.x()) < 6000 && std::abs(event_mm.y()) < 4600;
-  const bool touches_nothing = !near || near->distance_mm > kTouchesMm;
-  if (best > kMeetsMm || (touches_nothing && is_inside && (velocity - before).norm() < kTurns_mm_s)) {
-    constexpr std::size_t kEnough = 3;
-    if (branch_.size() < kEnough) return Saw::kNothing;
-    sightings_ = static_cast<int>(branch_.size());
-    roll(last, velocity, speed > 1500, speed);
-    seen_s_ = last.t_s;
-    branch_.clear();
-    is_kick_ = false;
-    return Saw::kTurn;
-  }
-  if (phase_ == Phase::kFlying && !is_kick &&
-      chip_.at(event_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm) {
-    turn_in_the_air(event_s);
-    return Saw::kTurn;
-  }
-  roll(last, velocity - way * (slides * passed_s / 2), true, shot_speed);
-  seen_s_ = last.t_s;
-  event_s_ = event_s;
-  event_mm_ = event_mm;
-  is_kick_ = is_kick;
-  is_chip_ = false;
-  points_.clear();
-  for (const BallObservation& one : branch_)
-    points_.push_back(
-        {one.t_s, one.camera_mm, one.place_mm, one.sigma_mm, one.height_mm, one.height_sigma_mm});
-  sightings_ = static_cast<int>(branch_.size());
-  branch_.clear();
-  if (!is_kick) return Saw::kTurn;
-  const TrackedRobot& robot = near->robot;
-  TrackedKick kick;
-  kick.number = kick_ ? kick_->number + 1 : 1;
-  kick.t_s = event_s;
-  kick.place_mm = event_mm;
-  kick.velocity_mm_s << way * shot_speed, 0;
-  kick.robot = robot.name;
-  kick_ = kick;
-  direction_rad_ = direction_of(
-      0.8 * shot_speed * Vector2d(std::cos(robot.orientation_rad), std::sin(robot.orientation_rad)) +
-      0.5 * robot.velocity_mm_s);
-  direction_sigma_rad_ = 0.05 + 0.3 * robot.velocity_mm_s.norm() / std::max(500.0, shot_speed);
-  fit_shot();
-  return Saw::kTurn;
+bool BallTrack::is_in_the_air(double t_s) const {
+  constexpr double kInTheAirMm = 60;
+  return phase_ == Phase::kFlying && chip_.at(t_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm;
 }
 
-/// What it met turned its way; it falls as before.
-void BallTrack::turn_in_the_air(double event_s) {
-  const BallObservation first = branch_.front(), last = branch_.back();
-  const auto place_of = [&](const BallObservation& one) -> Vector2d {
-    const double height = chip_.at(one.t_s, model_).place_mm.z();
-    const Vector2d below = one.camera_mm.head<2>();
-    return below +
-           (one.place_mm - below) * (one.camera_mm.z() - height) / (one.camera_mm.z() - model_.radius_mm);
-  };
-  const BallState then = chip_.at(event_s, model_);
-  const Vector2d velocity = (place_of(last) - place_of(first)) / (last.t_s - first.t_s);
-  const Vector2d place = place_of(first) - velocity * (first.t_s - event_s);
-  chip_ = {event_s,
-           place,
-           {velocity.x(), velocity.y(), then.velocity_mm_s.z()},
-           then.place_mm.z() - model_.radius_mm};
-  seen_s_ = last.t_s;
-  event_s_ = event_s;
-  event_mm_ = place;
+void BallTrack::fly(const BallFlight& flight) {
+  phase_ = Phase::kFlying;
   is_kick_ = false;
-  sightings_ = static_cast<int>(branch_.size());
-  branch_.clear();
+  flight_ = flight;
+  chip_ = flight_.shot(model_);
+  event_mm_ = chip_.place_mm;
+}
+
+/// A ball that begins anew where nobody saw it kicked may be in the air: its size tells, or its way.
+void BallTrack::may_fly(double t_s, const RobotTracks& robots) {
+  constexpr double kLongest_s = 0.6, kSurelySigmas = 2.5;
+  constexpr int kSurprises = 2;
+  if (point_count_ == 0 || point_count_ == points_.size() || t_s - points_[0].t_s > kLongest_s) return;
+  const std::span<const ShotPoint> points(points_.data(), point_count_);
+  double sigmas = 0;
+  for (const ShotPoint& point : points)
+    sigmas += (point.height_mm - model_.radius_mm) / point.height_sigma_mm;
+  if (sigmas < kSurelySigmas * std::sqrt(static_cast<double>(point_count_)) && surprises_ < kSurprises)
+    return;
+  const auto flight = find_flight(points, model_);
+  if (!flight) return;
+  // Nothing else lifts a ball off a robot that holds it.
+  const auto kicker = left_holder_ ? robots.at(holder_, event_s_) : std::nullopt;
+  if (kicker) {
+    const auto before = kick_;
+    begin_kick(*kicker, flight->state.segment<2>(3), true);
+    if (is_chip_) return;
+    kick_ = before;
+  }
+  fly(*flight);
+}
+
+void BallTrack::add_point(const BallObservation& sighting) {
+  if (point_count_ < points_.size()) points_[point_count_++] = point_of(sighting);
 }
 
 void BallTrack::fit_shot() {
-  const std::size_t count = points_.size();
+  const std::size_t count = point_count_;
+  const std::span<const ShotPoint> points(points_.data(), count);
   constexpr std::size_t kFewest = 3, kOften = 16;
   if (count < kFewest || (count > kOften && count % 2) || count >= kMaxShotPoints) return;
-  const double age_s = points_.back().t_s - event_s_;
+  const double age_s = points.back().t_s - event_s_;
   ShotFit guess;
   guess.shot = {event_s_, event_mm_, kick_->velocity_mm_s};
   guess.shot.velocity_mm_s.z() = 0;
@@ -378,9 +380,8 @@ void BallTrack::fit_shot() {
   BallModel slides = model_;
   slides.slides_mm_s2 = kFreeSlides_mm_s2;
   ShotPrior prior;
-  prior.direction_rad = direction_rad_;
-  prior.direction_sigma_rad = direction_sigma_rad_;
-  const ShotFit flat = fit_flat(guess, points_, slides, prior);
+  prior.robot = kicker_;
+  const ShotFit flat = fit_flat(guess, points, slides, prior);
   const Vector2d flat_velocity = flat.shot.velocity_mm_s.head<2>();
   const double speed = flat_velocity.norm();
 
@@ -391,8 +392,11 @@ void BallTrack::fit_shot() {
           : BallShot{event_s_, event_mm_, {0.9 * flat_velocity.x(), 0.9 * flat_velocity.y(), 0.8 * speed}};
   chip_guess.shot.t_s = event_s_;
   chip_guess.shot.place_mm = event_mm_;
-  const ShotFit chip = fit_chip(chip_guess, points_, model_, prior, count < 8 ? 6 : 3);
-  is_chip_ = flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
+  const ShotFit chip = fit_chip(chip_guess, points, model_, prior, count < 8 ? 6 : 3);
+  // One that was turned on its way fits neither.
+  constexpr double kMostEach = 6, kMost = 20;
+  const bool fits = chip.chi2 < kMostEach * static_cast<double>(count) + kMost;
+  is_chip_ = fits && flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
   chip_ = chip.shot;
   kick_->is_chip = is_chip_;
   if (is_chip_) {
@@ -403,23 +407,23 @@ void BallTrack::fit_shot() {
     return;
   }
   if (phase_ == Phase::kFlying) {
-    const ShotPoint& last = points_.back();
+    const ShotPoint& last = points.back();
     roll({last.t_s, last.camera_mm, last.place_mm, last.sigma_mm, last.height_mm, last.height_sigma_mm},
          flat_velocity, true, speed);
   }
-  // The kick was where its line passes the ball's place.
+  // The kick was where its line passes the ball's way before; it began before that, as a kicker pushes.
   const Vector2d way = unit_of(flat_velocity);
-  constexpr double kMost_s = 0.01;
-  const double late_s =
-      std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / std::max(300.0, speed), -kMost_s, kMost_s);
-  kick_->t_s = event_s_ + late_s;
-  kick_->place_mm = flat.shot.place_mm + way * (speed * late_s);
+  constexpr double kMost_s = 0.01, kPushes_s = 0.002;
+  const double faster = std::max(300.0, speed - before_mm_s_.dot(way));
+  const double late_s = std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / faster, -kMost_s, kMost_s);
+  kick_->t_s = event_s_ + late_s - kPushes_s / 2;
+  kick_->place_mm = flat.shot.place_mm + way * (speed * late_s) - before_mm_s_ * (kPushes_s / 2);
   const Vector2d kicked = flat_velocity - way * (flat.slides_mm_s2 * late_s);
   kick_->velocity_mm_s << kicked, 0;
   constexpr double kYoung_s = 0.25;
   constexpr std::size_t kFewPoints = 14;
   if (age_s >= kYoung_s || count > kFewPoints) return;
-  const double now = std::max(0.0, speed - flat.slides_mm_s2 * (points_.back().t_s - event_s_));
+  const double now = std::max(0.0, speed - flat.slides_mm_s2 * (points.back().t_s - event_s_));
   if (now <= speed * model_.rolls_from_share) return;
   flat_.began_mm_s = speed;
   flat_.slides = true;
@@ -428,9 +432,18 @@ void BallTrack::fit_shot() {
 TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
   constexpr double kShown_s = 0.8;
   TrackedBall out;
+  const Branch* branch = reappears(t_s);
+  BallState ball{};
+  if (branch && where_it_reappears(*branch, t_s, ball)) {
+    constexpr double kUnsure = 0.5;
+    out.place_mm = ball.place_mm;
+    out.velocity_mm_s = ball.velocity_mm_s;
+    out.visibility = kUnsure;
+    return out;
+  }
   out.visibility = std::clamp(1 - (t_s - seen_s_ - 0.03) / kShown_s, 0.0, 1.0);
   if (phase_ == Phase::kFlying) {
-    const BallState ball = chip_.at(t_s, model_);
+    ball = chip_.at(t_s, model_);
     out.place_mm = ball.place_mm;
     out.velocity_mm_s = ball.velocity_mm_s;
     return out;

@@ -11,65 +11,110 @@ using Eigen::Vector2d;
 
 namespace {
 
-/// A ball that was not seen for so long may be anywhere.
-constexpr double kBallGone_s = 0.8;
+constexpr std::size_t kMost = 6;
+/// Sightings of one that is followed for a while.
+constexpr int kOld = 8;
+constexpr double kLately_s = 0.03;
+
+bool lies(const BallTrack& track, double t_s) {
+  constexpr double kLies_s = 0.05;
+  return t_s - track.moved_s() > kLies_s;
+}
 
 }  // namespace
+
+BallTracks::BallTracks() {
+  // As many as there may be before some are left out: nothing is allocated for an image.
+  constexpr std::size_t kSeen = 32;
+  balls_.reserve(2 * kMost + kSeen);
+  unexplained_.reserve(kSeen);
+  own_.reserve(kSeen);
+}
+
+bool BallTracks::is_sure(const BallTrack& track, double t_s) {
+  // What looks like a ball for some images does not move.
+  return track.sightings() >= (lies(track, t_s) ? 6 : 3);
+}
+
+/// What one that is looked at since long explains is not what another has turned to.
+bool BallTracks::is_of_another(const BallObservation& one, const Ball& ball,
+                               const RobotTracks& robots) const {
+  if (ball.is_past || balls_.size() < 2) return false;
+  int is_own = -1;  // not yet asked
+  for (const Ball& other : balls_) {
+    if (&other == &ball || other.is_past || other.track.sightings() < kOld) continue;
+    if (!other.track.explains(one, robots)) continue;
+    if (other.track.sightings() > ball.track.sightings()) return true;
+    if (is_own < 0) is_own = ball.track.explains(one, robots);
+    if (is_own == 0) return true;
+  }
+  return false;
+}
+
+void BallTracks::set_model(const BallModel& model) {
+  model_ = model;
+  for (Ball& ball : balls_) ball.track.set_model(model);
+}
 
 void BallTracks::add(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
   if (seen.empty()) return;
   const double now_s = seen.front().t_s;
-  // What one that is looked at since long explains is not what another has turned to.
   const std::size_t count = balls_.size();  // without what is added here
   for (std::size_t i = 0; i < count; ++i) {
+    own_.clear();
+    for (const BallObservation& one : seen) {
+      if (!is_of_another(one, balls_[i], robots)) own_.push_back(one);
+    }
+    if (balls_[i].track.add(own_, robots, before_) != BallTrack::Saw::kTurn) continue;
     Ball& ball = balls_[i];
-    own_ = seen;
-    if (own_.size() > 1) {
-      std::erase_if(own_, [&](const auto& one) {
-        return std::any_of(balls_.begin(), balls_.end(), [&](const Ball& other) {
-          return &other != &ball && !other.is_past && !ball.is_past &&
-                 other.track.sightings() > ball.track.sightings() && other.track.explains(one, robots);
-        });
-      });
+    // What one was before it turned does not turn itself, unless the other is not seen.
+    if (ball.is_past && now_s - balls_[0].track.seen_s() < kLately_s) {
+      ball.track = *before_;
+      continue;
     }
-    Ball before = ball;
-    switch (ball.track.add(own_, robots)) {
-      case BallTrack::Saw::kTurn:
-        if (before.is_past) {  // only what it was is of use
-          ball = before;
-          break;
-        }
-        before.is_past = true;
-        balls_.push_back(std::move(before));
-        break;
-      case BallTrack::Saw::kBall:
-      case BallTrack::Saw::kNothing: break;
-    }
+    const Ball past{*before_, ball.number, true, ball.began_s};
+    ball.is_past = false;
+    balls_.push_back(past);
   }
   look_for_balls(seen, robots);
   choose_ball(now_s, robots);
   take_kick();
 }
 
+void BallTracks::find_played(double t_s) {
+  constexpr double kForgotten_s = 3;
+  for (std::size_t i = 0; i < balls_.size() && !is_known_; ++i) {
+    const Ball& ball = balls_[i];
+    if (t_s - ball.track.seen_s() > kLately_s || !is_sure(ball.track, t_s)) continue;
+    // One that lay there while another was played is not the one that is hidden.
+    if (lies(ball.track, t_s) && ball.began_s < lost_s_ && t_s - lost_s_ < kForgotten_s) continue;
+    is_known_ = true;
+    std::swap(balls_[0], balls_[i]);
+  }
+}
+
 void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
-  std::erase_if(balls_, [&](const Ball& ball) {
-    return t_s - ball.track.seen_s() > kBallGone_s || ball.track.is_too_fast();
-  });
-  constexpr std::size_t kMost = 6;
-  constexpr double kLately_s = 0.03, kUnseen_s = 0.05, kHidden_s = 0.5;
-  constexpr int kOld = 8, kSure = 3, kPlayed = 6;
-  constexpr double kStill_s = 1;
-  if (balls_.empty()) return;
+  if (is_known_ && (balls_[0].track.is_gone(t_s) || balls_[0].track.is_too_fast())) {
+    is_known_ = false;
+    lost_s_ = balls_[0].track.seen_s();
+  }
+  std::erase_if(balls_,
+                [&](const Ball& ball) { return ball.track.is_gone(t_s) || ball.track.is_too_fast(); });
+  if (!is_known_) find_played(t_s);
+  if (!is_known_) return;
+  constexpr double kUnseen_s = 0.05, kStill_s = 1;
+  constexpr int kPlayed = 6;
   // One that turned was not it when what it was before is seen again, and it is not.
   std::size_t first = 0;
   for (std::size_t i = 1; i < balls_.size(); ++i) {
     const BallTrack &shown = balls_[first].track, &other = balls_[i].track;
-    if (t_s - other.seen_s() > kLately_s || other.sightings() < kSure) continue;
+    if (t_s - other.seen_s() > kLately_s || !is_sure(other, t_s)) continue;
+    const double unseen_s = other.seen_s() - shown.seen_s();
     // A ball that lies still elsewhere is not the one that is hidden.
-    const bool lies = t_s - other.moved_s() > kUnseen_s;
-    const bool shown_is_unseen = other.seen_s() - shown.seen_s() > (lies ? kHidden_s : kUnseen_s);
-    const bool shown_is_young = shown.sightings() < kOld && other.sightings() > 2 * shown.sightings() &&
-                                other.seen_s() - shown.seen_s() > kLately_s / 2;
+    const bool may_be_it = balls_[i].is_past || !lies(other, t_s);
+    const bool shown_is_unseen = may_be_it && unseen_s > kUnseen_s;
+    const bool shown_is_young = may_be_it && shown.sightings() < kOld &&
+                                other.sightings() > 2 * shown.sightings() && unseen_s > kLately_s / 2;
     // Balls beside the field lie still; the one that is played does not.
     const bool is_played = other.sightings() > kPlayed && other.moved_s() > shown.moved_s() + kStill_s;
     if (shown_is_unseen || shown_is_young || is_played) first = i;
@@ -77,11 +122,12 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
   if (first != 0) std::swap(balls_[0], balls_[first]);
   balls_[0].is_past = false;
   // What one was before its turn is of no use once the turn is sure; two on one way are one.
+  const auto a = balls_[0].track.at(t_s, robots);
   for (std::size_t i = balls_.size(); i-- > 1;) {
     const Ball& other = balls_[i];
     const bool is_over = other.is_past && balls_[0].track.sightings() >= kOld &&
                          balls_[0].track.seen_s() > other.track.seen_s();
-    const auto a = balls_[0].track.at(t_s, robots), b = other.track.at(t_s, robots);
+    const auto b = other.track.at(t_s, robots);
     constexpr double kSameMm = 15, kSame_mm_s = 300;
     const bool is_same =
         (a.place_mm - b.place_mm).norm() < kSameMm && (a.velocity_mm_s - b.velocity_mm_s).norm() < kSame_mm_s;
@@ -90,7 +136,7 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
 }
 
 void BallTracks::take_kick() {
-  if (balls_.empty() || !balls_[0].track.kick()) return;
+  if (!is_known_ || !balls_[0].track.kick()) return;
   const TrackedKick& kick = *balls_[0].track.kick();
   const std::pair which{balls_[0].number, kick.number};
   if (which != kick_of_ball_) {
@@ -104,25 +150,30 @@ void BallTracks::take_kick() {
 
 /// Three sightings that one ball on its way may be, and that no other explains.
 void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
-  constexpr double kLately_s = 0.1, kFastest_mm_s = 7000, kNearMm = 3, kStraightMm = 8;
+  constexpr double kLasts_s = 0.1, kFastest_mm_s = 7000, kNearMm = 3, kStraightMm = 8;
   const double t_s = seen.front().t_s;
-  std::erase_if(unexplained_, [&](const auto& one) { return one.t_s < t_s - kLately_s; });
+  std::erase_if(unexplained_, [&](const auto& one) { return one.t_s < t_s - kLasts_s; });
   for (const BallObservation& now : seen) {
     if (std::any_of(balls_.begin(), balls_.end(),
                     [&](const Ball& ball) { return ball.track.explains(now, robots); }))
       continue;
-    std::vector<const BallObservation*> before;
-    for (const BallObservation& one : unexplained_) {
+    const auto may_be_it = [&](const BallObservation& one) {
       const double passed_s = now.t_s - one.t_s;
-      if (passed_s > 1e-3 && (one.place_mm - now.place_mm).norm() < kFastest_mm_s * passed_s + kNearMm)
-        before.push_back(&one);
-    }
-    constexpr std::size_t kEnough = 2;
-    if (before.size() >= kEnough) {
-      const BallObservation &first = *before.front(), &middle = *before[before.size() / 2];
-      const Vector2d velocity = (now.place_mm - first.place_mm) / (now.t_s - first.t_s);
-      if ((first.place_mm + velocity * (middle.t_s - first.t_s) - middle.place_mm).norm() < kStraightMm) {
-        balls_.push_back({BallTrack(model_, now, velocity, static_cast<int>(before.size()) + 1), ++numbers_});
+      return passed_s > 1e-3 && (one.place_mm - now.place_mm).norm() < kFastest_mm_s * passed_s + kNearMm;
+    };
+    const auto count = std::count_if(unexplained_.begin(), unexplained_.end(), may_be_it);
+    constexpr int kEnough = 2;
+    if (count >= kEnough) {
+      const BallObservation *first = nullptr, *middle = nullptr;
+      for (std::ptrdiff_t left = count; const BallObservation& one : unexplained_) {
+        if (!may_be_it(one)) continue;
+        if (!first) first = &one;
+        if (left-- == count - count / 2) middle = &one;
+      }
+      const Vector2d velocity = (now.place_mm - first->place_mm) / (now.t_s - first->t_s);
+      if ((first->place_mm + velocity * (middle->t_s - first->t_s) - middle->place_mm).norm() < kStraightMm) {
+        balls_.push_back(
+            {BallTrack(model_, now, velocity, static_cast<int>(count) + 1), ++numbers_, false, t_s});
         unexplained_.clear();
         continue;
       }
@@ -133,15 +184,17 @@ void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const 
 
 std::vector<TrackedBall> BallTracks::at(double t_s, const RobotTracks& robots) const {
   std::vector<TrackedBall> out;
-  for (const Ball& ball : balls_) {
-    if (ball.is_past || t_s - ball.track.seen_s() > kBallGone_s) continue;
+  for (std::size_t i = 0; i < balls_.size(); ++i) {
+    const Ball& ball = balls_[i];
+    const bool is_played = is_known_ && i == 0;
+    if (ball.is_past || ball.track.is_gone(t_s) || !(is_played || is_sure(ball.track, t_s))) continue;
     out.push_back(ball.track.at(t_s, robots));
   }
   return out;
 }
 
 std::optional<TrackedBall> BallTracks::played_at(double t_s, const RobotTracks& robots) const {
-  if (balls_.empty() || t_s - balls_[0].track.seen_s() > kBallGone_s) return {};
+  if (!is_known_ || balls_[0].track.is_gone(t_s)) return {};
   return balls_[0].track.at(t_s, robots);
 }
 

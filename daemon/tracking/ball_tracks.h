@@ -15,29 +15,38 @@ namespace sslv {
 /// All that may be the ball, of which one is played.
 class BallTracks {
  public:
+  BallTracks();
+  void set_model(const BallModel& model);
   /// The balls of one image.
   void add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
 
   /// The one that is played; nothing while it may be anywhere.
   std::optional<TrackedBall> played_at(double t_s, const RobotTracks& robots) const;
-  /// All of them, the one that is played first.
+  /// All of them, the one that is played first, while that is known.
   std::vector<TrackedBall> at(double t_s, const RobotTracks& robots) const;
   /// The newest.
   const std::optional<TrackedKick>& kick() const { return kick_; }
 
  private:
+  struct Ball {
+    BallTrack track;
+    int number;
+    bool is_past = false;  // what one was before it turned
+    double began_s = 0;
+  };
+  /// Whether it is more than something that looks like a ball for some images.
+  static bool is_sure(const BallTrack& track, double t_s);
+  bool is_of_another(const BallObservation& one, const Ball& ball, const RobotTracks& robots) const;
+  void find_played(double t_s);
   void look_for_balls(const std::vector<BallObservation>& seen, const RobotTracks& robots);
   void choose_ball(double t_s, const RobotTracks& robots);
   void take_kick();
 
   BallModel model_;
-  /// The one that is shown first: others, and what it was before its last turn.
-  struct Ball {
-    BallTrack track;
-    int number;
-    bool is_past = false;  // of one that turned since
-  };
-  std::vector<Ball> balls_;
+  std::vector<Ball> balls_;  // the one that is played first, while that is known
+  bool is_known_ = false;
+  double lost_s_ = -1e9;  // when the one that was played was seen last
+  std::optional<BallTrack> before_;
   std::vector<BallObservation> unexplained_;  // lately
   std::vector<BallObservation> own_;          // what one of them may be
   std::optional<TrackedKick> kick_;

@@ -10,8 +10,8 @@ using Eigen::Vector2d;
 
 namespace {
 
-/// What is expected of clocks and robots before anything was seen.
-constexpr double kOffset_s = 0.5e-3, kHeightMm = 4.5;
+/// What is expected of calibrations, clocks and robots before anything was seen.
+constexpr double kErrorMm = 1.4, kOffset_s = 0.5e-3, kHeightMm = 4.5;
 /// Of a difference between two cameras: what no squares describe, and what robots turn between their images.
 constexpr double kDifferenceVarMm2 = 1.5;
 constexpr double kSurprise = 25;
@@ -35,7 +35,7 @@ void CameraAgreement::forget(const Camera& camera, double error_mm) {
   cov_.middleRows(camera.at, kPerCamera).setZero();
   cov_.middleCols(camera.at, kPerCamera).setZero();
   cov_.diagonal().segment(camera.at, 2 * kTerms).setConstant(error_mm * error_mm);
-  cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = options_.learns_clocks ? kOffset_s * kOffset_s : 0;
+  cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
 }
 
 void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
@@ -44,7 +44,7 @@ void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
   const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
   const Camera made{center_mm, at};
   cameras_[camera] = made;
-  forget(made, options_.error_mm);
+  forget(made, kErrorMm);
   std::erase_if(differences_,
                 [&](const auto& one) { return one.first.camera == camera || one.first.other == camera; });
   // What was seen before must not be compared with what it sees now.
@@ -68,7 +68,6 @@ Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_m
 CameraAgreement::Track& CameraAgreement::track_of(const RobotName& robot) {
   const auto known = tracks_.find(robot);
   if (known != tracks_.end()) return known->second;
-  if (!options_.learns_heights) return tracks_.emplace(robot, Track{-1, 0, {}}).first->second;
   int at = 0;
   if (tracks_.size() < kMaxRobots) {
     at = add_states(1);
@@ -117,13 +116,9 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
   if (apart.norm() > kSameRobotMm) return;
   const double ahead_s = states_[a.at + 2 * kTerms] - states_[b.at + 2 * kTerms];
   // Robots differ in height; what all of them have in common may as well be the cameras'.
-  double common_mm = 0, own_mm = 0;
-  if (track.at >= 0) {
-    own_mm = states_[track.at];
-    for (const auto& [name, one] : tracks_)
-      common_mm += states_[one.at] / static_cast<double>(tracks_.size());
-  }
-  note_difference(pair, apart - higher * (own_mm - common_mm) + pair.velocity_mm_s * ahead_s);
+  double common_mm = 0;
+  for (const auto& [name, one] : tracks_) common_mm += states_[one.at] / static_cast<double>(tracks_.size());
+  note_difference(pair, apart - higher * (states_[track.at] - common_mm) + pair.velocity_mm_s * ahead_s);
   bool is_surprise = false;
   for (int axis = 0; axis < 2; ++axis) {
     row_.clear();
@@ -134,7 +129,7 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
     // A clock that is ahead says a time at which the robot was not yet there.
     row_.emplace_back(a.at + 2 * kTerms, -pair.velocity_mm_s[axis]);
     row_.emplace_back(b.at + 2 * kTerms, pair.velocity_mm_s[axis]);
-    if (track.at >= 0) row_.emplace_back(track.at, higher[axis]);
+    row_.emplace_back(track.at, higher[axis]);
     double expected = 0, variance = kDifferenceVarMm2;
     gain_.setZero(states_.size());
     for (const auto& [at, weight] : row_) {
@@ -152,11 +147,12 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
   }
   // Robots are misread now and then. A camera that was bumped surprises again and again: what was learnt of
   // it is no longer true.
+  constexpr int kBumped = 60;
   int& surprises = surprises_[std::minmax(pair.a, pair.b)];
   surprises = is_surprise ? surprises + 1 : std::max(0, surprises - 3);
-  if (surprises < options_.bumped) return;
+  if (surprises < kBumped) return;
   surprises = 0;
-  const double error_mm = std::max(options_.error_mm, apart.norm());
+  const double error_mm = std::max(kErrorMm, apart.norm());
   forget(a, error_mm);
   forget(b, error_mm);
 }
@@ -202,7 +198,7 @@ Vector2d CameraAgreement::height_error_of(int camera, const RobotName& robot, co
                                           double height_mm) const {
   const auto here = cameras_.find(camera);
   const auto known = tracks_.find(robot);
-  if (here == cameras_.end() || known == tracks_.end() || known->second.at < 0) return {0, 0};
+  if (here == cameras_.end() || known == tracks_.end()) return {0, 0};
   return taken_off_[known->second.at] * outwards(here->second, place_mm, height_mm);
 }
 
@@ -213,7 +209,7 @@ double CameraAgreement::time_offset_s(int camera) const {
 
 std::optional<CameraAgreement::Height> CameraAgreement::height_of(const RobotName& robot) const {
   const auto known = tracks_.find(robot);
-  if (known == tracks_.end() || known->second.at < 0) return {};
+  if (known == tracks_.end()) return {};
   const int at = known->second.at;
   return Height{states_[at], std::sqrt(cov_(at, at))};
 }

@@ -18,15 +18,6 @@ namespace sslv {
 /// height. Only what cameras do not agree on can be learnt; what all have in common stays.
 class CameraAgreement {
  public:
-  /// What is to be learnt, and what is expected before anything was seen.
-  struct Options {
-    double error_mm = 1.4;  // of a calibration
-    bool learns_clocks = true, learns_heights = true;
-    int bumped = 60;  // surprises one after the other: what was learnt is no longer true
-  };
-  CameraAgreement() = default;
-  explicit CameraAgreement(const Options& options) : options_(options) {}
-
   /// What two cameras differ by in one part of the field, without what their clocks make, and what robots of
   /// different heights do.
   struct Difference {
@@ -88,7 +79,6 @@ class CameraAgreement {
   void forget_differences(double before_s);
 
  private:
-  Options options_;
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
     Eigen::Vector3d center_mm;
@@ -99,7 +89,7 @@ class CameraAgreement {
     double t_s;
   };
   struct Track {
-    int at;  // its height's state; -1: it has none
+    int at;  // its height's state
     double seen_s = 0;
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };

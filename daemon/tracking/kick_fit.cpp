@@ -141,11 +141,17 @@ ShotFit fit_chip(const ShotFit& guess, std::span<const ShotPoint> points, const 
     out[count++] = (x[0] - guess.shot.place_mm.x()) / prior.place_sigma_mm;
     out[count++] = (x[1] - guess.shot.place_mm.y()) / prior.place_sigma_mm;
     out[count++] = x[5] / prior.t_sigma_s;
-    const double rises_deg = std::atan2(shot.velocity_mm_s.z(), flat.norm()) * 180 / std::numbers::pi;
+    // A kicker's angle is that in its robot's frame, but for what the ball does not keep of its velocity.
+    constexpr double kKeeps = 0.5, kKeepsSigma = 0.25, kAheadSigma_rad = 0.05;
+    const Vector2d robot = prior.robot ? prior.robot->velocity_mm_s : Vector2d(0, 0);
+    const Vector2d kicked = flat - kKeeps * robot;
+    const double rises_deg = std::atan2(shot.velocity_mm_s.z(), kicked.norm()) * 180 / std::numbers::pi;
     out[count++] = (rises_deg - prior.rises_deg) / prior.rises_sigma_deg;
-    if (prior.direction_sigma_rad > 0) {
-      const double off = std::atan2(flat.y(), flat.x()) - prior.direction_rad;
-      out[count++] = std::remainder(off, 2 * std::numbers::pi) / prior.direction_sigma_rad;
+    if (prior.robot) {
+      const Vector2d& ahead = prior.robot->ahead;
+      const double aside = ahead.x() * kicked.y() - ahead.y() * kicked.x(),
+                   drifts = ahead.x() * robot.y() - ahead.y() * robot.x();
+      out[count++] = aside / std::hypot(kAheadSigma_rad * flat.norm(), kKeepsSigma * drifts);
     }
     return count;
   };

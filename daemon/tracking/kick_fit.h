@@ -3,6 +3,7 @@
 
 #include "tracking/ball_motion.h"
 
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -20,10 +21,14 @@ struct ShotPoint {
 
 /// What is known before a fit.
 struct ShotPrior {
-  double place_sigma_mm = 4, t_sigma_s = 4e-3;
+  double place_sigma_mm = 3, t_sigma_s = 2e-3;
   double slides_sigma_mm_s2 = 300;
-  double rises_deg = 45, rises_sigma_deg = 8;         // of a chip
-  double direction_rad = 0, direction_sigma_rad = 0;  // 0: not known
+  double rises_deg = 45, rises_sigma_deg = 6;  // of a chip
+  /// Where the robot that kicked looked, and its velocity, of which the ball keeps a part.
+  struct Robot {
+    Eigen::Vector2d ahead{1, 0}, velocity_mm_s{0, 0};
+  };
+  std::optional<Robot> robot;
 };
 
 struct ShotFit {

@@ -14,6 +14,8 @@ namespace sslv {
 /// time but that of the observations.
 class Tracker {
  public:
+  /// Of the ball, from now on.
+  void set_ball_model(const BallModel& model) { balls_.set_model(model); }
   /// Of one image.
   void add(const Observations& observations);
 

@@ -48,6 +48,10 @@ class Scorer {
       work_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
       is_warm_ = now_s > kWarm_s;
       if (image.true_balls > 0) ball_seen_s_ = image.t_true_s;
+      for (const RobotSighting& robot : image.sightings.robots) {
+        const int seen = World::robot_of(robot.team, robot.id);
+        robots_[static_cast<std::size_t>(seen)].seen_s = image.t_true_s;
+      }
       if (set_up_s_ < 0) watch_set_up(now_s);
       for (int i = 0; i < world_.options().robots; ++i)
         score_robot(i, now_s, before_s > 0 ? now_s - before_s : 0);
@@ -69,6 +73,7 @@ class Scorer {
 
  private:
   struct RobotScore {
+    double seen_s = -1e9;  // by any camera
     std::size_t next_swerve = 0;
     double swerve_s = -1;     // that is watched; -1: none
     double over_s = 0;        // so long the velocity has been wrong since
@@ -117,6 +122,14 @@ class Scorer {
       return;
     }
     const auto robot = estimate(i, now_s);
+    // Where no camera looks any more, nobody knows what a robot does; but it must not be shown as seen.
+    constexpr double kUnseen_s = 0.12;
+    if (now_s - state.seen_s > kUnseen_s) {
+      if (is_warm_ && robot && robot->visibility >= 1) ++out_.counts["unseen robots shown as seen (images)"];
+      state.had_error = false;
+      state.swerve_s = -1;
+      return;
+    }
     if (!robot) {
       if (is_warm_) ++out_.counts["robots missing (images)"];
       state.had_error = false;

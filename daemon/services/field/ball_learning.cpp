@@ -36,19 +36,6 @@ double rounded(double value, double sigma) {
 
 }  // namespace
 
-BallModel ball_model_of(const std::optional<BallModels>& models, double radius_mm) {
-  BallModel out;
-  out.radius_mm = radius_mm;
-  if (!models) return out;
-  out.slides_mm_s2 = -models->acc_slide * kMmPerMeter;
-  out.rolls_mm_s2 = -models->acc_roll * kMmPerMeter;
-  out.rolls_from_share = models->k_switch;
-  out.first_hop_xy = models->damping_xy_first_hop;
-  out.later_hops_xy = models->damping_xy_other_hops;
-  out.hops_z = models->damping_z;
-  return out;
-}
-
 BallLearning::BallLearning() {
   queue_.prepare([](WatchedKick& slot) { slot.points.reserve(WatchedKick::kMaxPoints); });
 }

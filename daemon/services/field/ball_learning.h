@@ -14,9 +14,6 @@
 
 namespace sslv {
 
-/// How a ball moves by the settings, in the tracker's units; its own where the settings have none.
-BallModel ball_model_of(const std::optional<BallModels>& models, double radius_mm);
-
 /// The ball's model as play tells it, offered to the admin. The field's thread hands kicks over; all else is
 /// for other threads.
 class BallLearning {

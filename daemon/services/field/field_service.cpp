@@ -71,6 +71,7 @@ FieldSetup FieldService::make_setup(const Config& config) const {
   setup.pipeline = std::make_shared<FieldPipeline>(field_stage_table(), config.field.stack, "/field/stack");
   setup.parameters = setup.pipeline->parameters_of(config.field.stage_params);
   setup.field = config.field;
+  setup.ball = ball_model_of(config);
   setup.source = {uuid_, config.network.tracker.source_name};
   setup.sends = config.network.tracker.enabled;
   return setup;
@@ -102,8 +103,7 @@ void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& addr
 void FieldService::each_second() {
   intake_.drop_unused();
   take_kicks();
-  const auto config = config_.load();
-  ball_.learn(ball_model_of(config->ball_models, config->field.ball_radius));
+  ball_.learn(ball_model_of(*config_.load()));
 }
 
 void FieldService::take_kicks() {

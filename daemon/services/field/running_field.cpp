@@ -49,7 +49,7 @@ void RunningField::process(const ArrivedSightings& arrived) noexcept {
   const auto setup = setup_.use();
   in_use_ = &*setup;
   frame_.arrived = arrived;
-  setup->pipeline->run({frame_, setup->field, *this, *this}, setup->parameters);
+  setup->pipeline->run({frame_, setup->field, setup->ball, *this, *this}, setup->parameters);
   frames_.fetch_add(1, std::memory_order_relaxed);
   left_out_.store(frame_.left_out);
   if (const WatchedKick* kick = kick_watch_.add(frame_.observations, frame_.tracked)) ball_.hand_over(*kick);

@@ -29,6 +29,7 @@ struct FieldSetup {
   std::shared_ptr<FieldPipeline> pipeline;
   FieldPipeline::Parameters parameters;
   FieldSize field;
+  BallModel ball;
   TrackerSource source;
   bool sends = false;  // tracks to the network
 };

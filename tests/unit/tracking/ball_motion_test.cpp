@@ -2,6 +2,7 @@
 #include "tracking/ball_motion.h"
 
 #include "halls/chance.h"
+#include "tracking/ball_flight.h"
 #include "tracking/kick_fit.h"
 
 #include <cmath>
@@ -91,6 +92,32 @@ TEST_F(KickFit, FindsAShotAlongTheFloor) {
   ShotFit as_chip = guess;
   as_chip.shot.velocity_mm_s.z() = 2000;
   EXPECT_GT(fit_chip(as_chip, points, model_, {}, 8).chi2, flat.chi2 + 20);
+}
+
+TEST_F(KickFit, FindsABallInTheAirOfWhichNothingIsKnown) {
+  // One that came from a wall, and falls.
+  const BallShot shot{100, {500, -300}, {-1500, 900, 500}, 400};
+  const auto points = seen(shot, 16);
+  const auto flight = find_flight(points, model_);
+  ASSERT_TRUE(flight);
+  const BallState truth = shot.at(flight->t_s, model_);
+  EXPECT_NEAR((flight->state.head<3>() - truth.place_mm).norm(), 0, 60);
+  // It goes on through its next hop.
+  BallFlight later = *flight;
+  for (const ShotPoint& point : seen(shot, 80)) {
+    if (point.t_s > later.t_s && !later.is_over) later.correct(point, model_);
+  }
+  EXPECT_TRUE(later.has_hopped);
+  EXPECT_NEAR((later.state.head<3>() - shot.at(later.t_s, model_).place_mm).norm(), 0, 15);
+}
+
+TEST_F(KickFit, FindsNoBallInTheAirThatSlidesOrRolls) {
+  for (const double speed : {300.0, 2000.0, 5000.0}) {
+    for (const std::size_t count : {5U, 12U, 30U}) {
+      const auto points = seen({100, {500, -300}, {speed, 0.4 * speed, 0}}, 30);
+      EXPECT_FALSE(find_flight(std::span(points).first(count), model_)) << speed << " " << count;
+    }
+  }
 }
 
 TEST_F(KickFit, FindsAChipByWhereCamerasSeeIt) {

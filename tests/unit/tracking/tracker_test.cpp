@@ -91,6 +91,24 @@ TEST(Tracker, ASecondBallThatLiesStillTakesNothingFromTheFirst) {
   EXPECT_LE(score.counts["ball off while seen (s)"], 0.03 * score.counts["ball seen (s)"]);
 }
 
+TEST(Tracker, TheBallThatIsPlayedComesFirst) {
+  WorldOptions options = short_world(26);
+  options.has_second_ball = true;
+  const World world(options);
+  Ours ours;
+  for (const auto& image : world.images()) {
+    ours.add(image);
+    TrackedField field;
+    ours.tracker().at(image.arrival_s, field);
+    const auto played = ours.ball(image.arrival_s);
+    if (!played) continue;
+    ASSERT_FALSE(field.balls.empty());
+    EXPECT_EQ(field.balls.front().place_mm, played->place_mm);
+    EXPECT_GE(played->visibility, 0);
+    EXPECT_LE(played->visibility, 1);
+  }
+}
+
 /// One robot before one camera.
 class OneRobot : public testing::Test {
  protected:

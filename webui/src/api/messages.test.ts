@@ -15,6 +15,7 @@ describe('text messages', () => {
   it('knows its topics', () => {
     expect(parseText('{"topic":"status","data":{"site":"A"}}')).toMatchObject({ kind: 'status', data: { site: 'A' } });
     expect(parseText('{"topic":"detections","data":{"camera":1}}')).toMatchObject({ kind: 'detections' });
+    expect(parseText('{"topic":"field","data":{"number":7}}')).toMatchObject({ kind: 'field', data: { number: 7 } });
     expect(parseText('{"error":"preview: no camera 7"}')).toEqual({ kind: 'error', text: 'preview: no camera 7' });
   });
 

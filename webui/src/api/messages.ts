@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-import type { Detections, PreviewHeader, Status } from './types';
+import type { Detections, FieldTracks, PreviewHeader, Status } from './types';
 
 export type ServerText =
   | { kind: 'status'; data: Status }
   | { kind: 'detections'; data: Detections }
+  | { kind: 'field'; data: FieldTracks }
   | { kind: 'error'; text: string };
 
 export interface PreviewMessage {
@@ -28,6 +29,7 @@ export function parseText(text: string): ServerText | null {
   if (message.data === null || typeof message.data !== 'object') return null;
   if (message.topic === 'status') return { kind: 'status', data: message.data as Status };
   if (message.topic === 'detections') return { kind: 'detections', data: message.data as Detections };
+  if (message.topic === 'field') return { kind: 'field', data: message.data as FieldTracks };
   return null;
 }
 

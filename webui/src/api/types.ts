@@ -37,6 +37,14 @@ export type Robot = Schemas['Robot'];
 export type Team = Robot['team'];
 export type Ball = Schemas['Ball'];
 export type Detections = Schemas['Detections'];
+export type TrackedRobot = Schemas['TrackedRobot'];
+export type TrackedBall = Schemas['TrackedBall'];
+export type FieldTracks = Schemas['FieldTracks'];
+export type FieldNow = Schemas['FieldNow'];
+export type FieldAgreement = Schemas['FieldAgreement'];
+export type FieldDifference = FieldAgreement['differences'][number];
+export type FieldKick = Schemas['FieldKick'];
+export type FieldKicks = Schemas['FieldKicks'];
 export type PictureKind = Schemas['PictureKind'];
 export type PreviewHeader = Schemas['PreviewHeader'];
 export type PreviewRegions = Schemas['PreviewRegions'];
@@ -84,10 +92,11 @@ export type LearningPicture = Schemas['LearningPicture'];
 export type LearningDetections = Schemas['LearningDetections'];
 export type LearningGuide = NonNullable<Schemas['LearningRequest']['guide']>[number];
 
-export type Topic = 'status' | 'detections';
+export type Topic = 'status' | 'detections' | 'field';
 
 export type ClientMessage =
   | { subscribe: Topic[] }
+  | { unsubscribe: Topic[] }
   | { preview: PreviewRequest }
   | { ack: { camera: number; frame: number } }
   | { stop_preview: number };

@@ -3,7 +3,7 @@
 import { computed, ref, shallowReactive, shallowRef } from 'vue';
 import { api } from '../api/client';
 import { PanelSocket } from '../api/socket';
-import type { Detections, PacketTimeline, PreviewRequest, Status, Timeline } from '../api/types';
+import type { Detections, FieldTracks, PacketTimeline, PreviewRequest, Status, Timeline } from '../api/types';
 import type { PreviewMessage } from '../api/messages';
 import { mergeBalls, mergeRobots, type SeenBall, type SeenRobot } from '../field/merge';
 import { History, HISTORY_MS } from './history';
@@ -97,6 +97,20 @@ function onDetections(data: Detections): void {
   if (redraw) return;
   redraw = true;
   requestAnimationFrame(gatherObjects);
+}
+
+const trackWatchers = new Set<(tracks: FieldTracks) => void>();
+
+/**
+ * Calls with what the service makes of all cameras, some thirty times a second; the service sends it only while somebody
+ * watches. Returns how to stop that.
+ */
+export function watchTracks(watcher: (tracks: FieldTracks) => void): () => void {
+  if (trackWatchers.size === 0) socket?.send({ subscribe: ['field'] });
+  trackWatchers.add(watcher);
+  return () => {
+    if (trackWatchers.delete(watcher) && trackWatchers.size === 0) socket?.send({ unsubscribe: ['field'] });
+  };
 }
 
 /** Of each camera, how many images the service had when its number grew last, and the uptime then. */
@@ -218,12 +232,13 @@ export function connect(): void {
       isOpen.value = true;
       hasGap = true;
       meter.opened();
-      socket!.send({ subscribe: ['status', 'detections'] });
+      socket!.send({ subscribe: ['status', 'detections', ...(trackWatchers.size ? ['field' as const] : [])] });
       for (const { request } of previews.values()) socket!.send({ preview: request });
     },
     text(message) {
       if (message.kind === 'status') onStatus(message.data);
       else if (message.kind === 'detections') onDetections(message.data);
+      else if (message.kind === 'field') for (const watcher of trackWatchers) watcher(message.data);
       else console.warn(`ssl-visiond: ${message.text}`);
     },
     preview(message) {

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far cameras are apart, by places of the field.
+import type { FieldAgreement, FieldDifference } from '../../../api/types';
+
+/** Colours are CSS variables: a scale that all eyes can read. */
+export const BANDS = [
+  { below_mm: 2, text: 'under 2 mm', colour: '--q2' },
+  { below_mm: 5, text: '2 to 5 mm', colour: '--q3' },
+  { below_mm: 10, text: '5 to 10 mm', colour: '--q4' },
+  { below_mm: Infinity, text: 'over 10 mm', colour: '--q5' },
+] as const;
+
+export const bandOf = (mm: number): (typeof BANDS)[number] => BANDS.find(({ below_mm }) => mm < below_mm) ?? BANDS[3];
+export const lengthOf = ({ off_x_mm, off_y_mm }: Pick<FieldDifference, 'off_x_mm' | 'off_y_mm'>): number => Math.hypot(off_x_mm, off_y_mm);
+
+/** No robot was there for so long: what was measured then may no longer hold. */
+const OLD_S = 120;
+
+export interface Square {
+  x: number;
+  y: number;
+  /** The worst pair of cameras there comes first. */
+  pairs: FieldDifference[];
+  mm: number;
+  isOld: boolean;
+}
+
+const worseFirst = (a: FieldDifference, b: FieldDifference) => lengthOf(b) - lengthOf(a);
+
+/** Places with what their worst pair of cameras is apart. */
+export function squaresOf({ differences, time }: FieldAgreement): Square[] {
+  const places = new Map<string, FieldDifference[]>();
+  for (const one of differences) {
+    const key = `${one.x} ${one.y}`;
+    places.set(key, [...(places.get(key) ?? []), one]);
+  }
+  return [...places.values()].map((all) => {
+    const pairs = all.sort(worseFirst);
+    const [{ x, y }] = pairs as [FieldDifference];
+    return { x, y, pairs, mm: lengthOf(pairs[0]!), isOld: time - Math.max(...pairs.map((pair) => pair.time)) > OLD_S };
+  });
+}
+
+export const worstOf = ({ differences }: FieldAgreement, count: number): FieldDifference[] => [...differences].sort(worseFirst).slice(0, count);
+
+/** Arrows are this much longer than what they stand for. */
+export const ARROW_TIMES = 40;
+/** Longer ones would hide what is beside them. */
+const ARROW_MOST_MM = 800;
+
+/** An arrow on the field, mm. */
+export function arrowOf({ off_x_mm, off_y_mm }: Pick<FieldDifference, 'off_x_mm' | 'off_y_mm'>): { dx: number; dy: number } {
+  const times = Math.min(ARROW_TIMES, ARROW_MOST_MM / Math.max(1e-9, Math.hypot(off_x_mm, off_y_mm)));
+  return { dx: times * off_x_mm, dy: times * off_y_mm };
+}
