@@ -196,6 +196,8 @@ bool RobotTrack::add(const RobotObservation& sighting) {
   const double acceleration = state_.tail<2>().norm();
   if (acceleration > kMaxAcceleration_mm_s2) state_.tail<2>() *= kMaxAcceleration_mm_s2 / acceleration;
   turn(sighting);
+  constexpr double kLearnsInterval = 0.1;
+  if (sighting.t_s > seen_s_) interval_s_ += kLearnsInterval * (sighting.t_s - seen_s_ - interval_s_);
   seen_s_ = std::max(seen_s_, sighting.t_s);
   ++sightings_;
   return true;
@@ -260,8 +262,10 @@ TrackedRobot RobotTrack::at(double t_s) const {
   out.turn_rad_s = angle_[1] + angle_[2] * accelerates_s;
   out.place_sigma_mm = std::sqrt(std::max(0.0, cov_.topLeftCorner<2, 2>().trace() / 2)) +
                        0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
-  constexpr double kLately_s = 0.05;  // with the way from the exposure to here, an image or two
-  out.visibility = std::clamp(1 - (t_s - seen_s_ - kLately_s) / (kGone_s - kLately_s), 0.0, 1.0);
+  // Two images that it was not seen in, and the way from the exposure to here.
+  constexpr double kImages = 2.5, kWay_s = 0.03;
+  const double lately_s = std::min(kImages * interval_s_ + kWay_s, kGone_s / 2);
+  out.visibility = std::clamp(1 - (t_s - seen_s_ - lately_s) / (kGone_s - lately_s), 0.0, 1.0);
   return out;
 }
 

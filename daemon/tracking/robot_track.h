@@ -39,6 +39,7 @@ class RobotTrack {
 
   RobotName name_;
   double t_s_ = 0, seen_s_ = 0;
+  double interval_s_ = 0.02;  // between two sightings, lately
   int sightings_ = 0;
   Vector6 state_;  // place, velocity, acceleration
   Matrix6 cov_;

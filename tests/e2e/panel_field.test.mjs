@@ -229,6 +229,35 @@ describe('panel: field and network', () => {
       await patch({ op: 'replace', path: '/teams/blue/robot_height', value: 140 });
     }));
 
+    it(`shows what all cameras together see on a ${name}`, withPage(viewport, '#/field/live', options, async (page) => {
+      await page.waitForFunction((selector) => document.querySelectorAll(selector).length === 12, byId('live-robot'));
+      await page.waitForSelector(`${byId('live-field')}[data-layer="tracked"]`);
+      await page.waitForFunction((selector) => /12 robots/.test(document.querySelector(selector).getAttribute('aria-label')), byId('live-field'));
+      assert.match(await page.textContent(byId('live-stages')), /gather.*clocks.*agreement.*track.*publish/s);
+      assert.match(await page.textContent(byId('live-sends')), /not sent/);
+      for (const layer of ['raw', 'agreement', 'coverage']) {
+        await page.click(byId(`live-layer-${layer}`));
+        await page.waitForSelector(`${byId('live-field')}[data-layer="${layer}"]`);
+      }
+      await page.click(byId('live-layer-agreement'));
+      await page.waitForSelector(`${byId('live-agreement')} table`);
+
+      // Without a stack there is nothing to show, and the page says so.
+      await patch({ op: 'replace', path: '/field/stack', value: [] });
+      await page.waitForSelector(byId('live-missing'));
+      await patch({ op: 'replace', path: '/field/stack', value: ['gather', 'clocks', 'agreement', 'track', 'publish'] });
+      await page.waitForSelector(byId('live-missing'), { state: 'detached' });
+    }));
+
+    it(`says what is known of the ball on a ${name}`, withPage(viewport, '#/field', options, async (page) => {
+      await dimension(page, 'field_length', 9000);
+      await page.click('label:text-is("Ball")');
+      // The simulated ball is never kicked.
+      await page.waitForSelector(`${byId('learnt-ball')} :text("0 kicks and 0 chips")`);
+      const refused = await fetch(address('api/field/ball_model/accept'), { method: 'POST' });
+      assert.equal(refused.status, 409);
+    }));
+
     itLong(`is accessible and fits on a ${name}`, withPage(viewport, '#/field', options, async (page) => {
       const fits = async (what) => {
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
@@ -247,11 +276,18 @@ describe('panel: field and network', () => {
       await page.click('nav a:text-is("Network")');
       await page.waitForSelector(byId('team-yellow'));
       await fits('the network');
+      await page.click('nav a:text-is("Live")');
+      for (const layer of ['tracked', 'raw', 'agreement', 'coverage']) {
+        await page.click(byId(`live-layer-${layer}`));
+        await page.waitForSelector(`${byId('live-field')}[data-layer="${layer}"]`);
+        await fits(`layer ${layer}`);
+      }
     }));
   }
 
   screenshots(['dark', 'light'].flatMap((theme) => [
     { file: `field-${theme}.jpg`, theme, path: '#/field', viewport: DESKTOP, options: {}, ready: (page) => page.focus(inputOf('/field/field_length')) },
+    { file: `field-live-${theme}.jpg`, theme, path: '#/field/live', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('live-robot')) },
     { file: `network-${theme}.jpg`, theme, path: '#/field/network', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('team-yellow')) },
   ]));
 });

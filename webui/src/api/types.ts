@@ -39,6 +39,7 @@ export type Ball = Schemas['Ball'];
 export type Detections = Schemas['Detections'];
 export type TrackedRobot = Schemas['TrackedRobot'];
 export type TrackedBall = Schemas['TrackedBall'];
+export type BallLearning = Schemas['BallLearning'];
 export type FieldTracks = Schemas['FieldTracks'];
 export type FieldNow = Schemas['FieldNow'];
 export type FieldAgreement = Schemas['FieldAgreement'];

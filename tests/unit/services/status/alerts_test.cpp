@@ -176,8 +176,8 @@ std::vector<Alert> field_alerts() {
   facts.now_s = 1000;
   facts.conflicts = {{3, "192.168.1.8", "192.168.1.7"}};
   for (int i = 0; i < 3; ++i)
-    facts.agreement.differences[static_cast<std::size_t>(i)] = {0, 1, 250, 250.0F + 500.0F * i,
-                                                                7, 0, 100, 999};
+    facts.agreement.differences[static_cast<std::size_t>(i)] = {
+        0, 1, 250, 250.0F + 500.0F * static_cast<float>(i), 7, 0, 100, 999};
   facts.agreement.difference_count = 3;
   HealthReport report;
   for (const auto why : {LeftOut::Why::kTime, LeftOut::Why::kTooMany}) {
