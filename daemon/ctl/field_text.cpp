@@ -65,8 +65,9 @@ std::string field_text(const Json& field) {
     out += fmt::format("  {:<12} {:>6.1f} us  p99 {:>6.1f} us\n", stage.at("name").get<std::string>(),
                        stage.at("p50_us").get<double>(), stage.at("p99_us").get<double>());
   for (const Json& camera : field.at("other_cameras"))
-    out += fmt::format("camera {} comes from {}\n", camera.at("camera").get<int>(),
-                       camera.at("address").get<std::string>());
+    out += fmt::format("camera {} comes from {}, whose clock is {:.1f} ms behind\n",
+                       camera.at("camera").get<int>(), camera.at("address").get<std::string>(),
+                       camera.at("clock_correction_ms").get<double>());
   out += field.at("sends") == true ? fmt::format("{} packets of tracks sent as \"{}\"\n",
                                                  field.at("packets_sent").get<std::uint64_t>(),
                                                  field.at("source").at("name").get<std::string>())

@@ -89,11 +89,10 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config, st
     ++out.packets;
     frame.arrived.is_of_other_computer = true;
     const double now_s = static_cast<double>(message.time_ns) * 1e-9;
-    if (!cameras.read(packet, "log", now_s, frame.arrived.image)) continue;
+    if (!cameras.read(packet, "log", now_s, now_s, frame.arrived.image)) continue;
     const CameraSightings& image = frame.arrived.image;
     ids.insert(image.camera);
-    // The logger's clock need not be the vision's.
-    clock.t_s = packet.detection().t_sent();
+    clock.t_s = now_s;
     if (!first_s) first_s = clock.t_s;
     out.seconds = clock.t_s - *first_s;
     for (const RobotSighting& robot : image.robots) {

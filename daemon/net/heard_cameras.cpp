@@ -3,6 +3,8 @@
 
 #include "ssl_vision_wrapper.pb.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace sslv {
@@ -29,8 +31,30 @@ void add_robots(const google::protobuf::RepeatedPtrField<SSL_DetectionRobot>& ro
 
 }  // namespace
 
+void OtherClock::heard(double t_sent_s, double t_heard_s) {
+  constexpr double kStretch_s = 5;
+  const double way_s = t_heard_s - t_sent_s;
+  if (!has_now_ || t_heard_s - since_s_ > kStretch_s || t_heard_s < since_s_) {
+    has_before_ = has_now_ && t_heard_s >= since_s_;
+    least_before_s_ = least_now_s_;
+    least_now_s_ = way_s;
+    since_s_ = t_heard_s;
+    has_now_ = true;
+    return;
+  }
+  least_now_s_ = std::min(least_now_s_, way_s);
+}
+
+double OtherClock::correction_s() const {
+  if (!has_now_) return 0;
+  const double least_s = has_before_ ? std::min(least_before_s_, least_now_s_) : least_now_s_;
+  // Synchronised clocks differ by less, and so do ways.
+  constexpr double kRight_s = 3e-3, kWay_s = 0.2e-3;
+  return std::abs(least_s) < kRight_s ? 0 : least_s - kWay_s;
+}
+
 bool HeardCameras::read(const SSL_WrapperPacket& packet, const std::string& address, double now_s,
-                        CameraSightings& out) {
+                        double unix_s, CameraSightings& out) {
   for (const SSL_GeometryCameraCalibration& camera : packet.geometry().calib()) {
     const Key key{address, static_cast<int>(camera.camera_id())};
     if (places_mm_.size() >= kMaxCameras && !places_mm_.contains(key)) continue;
@@ -52,11 +76,14 @@ bool HeardCameras::read(const SSL_WrapperPacket& packet, const std::string& addr
     return false;
   }
   if (holder == holders_.end() && holders_.size() >= kMaxCameras) return false;
-  holders_[key.second] = {address, now_s};
+  Holder& from = holders_[key.second];
+  from.address = address;
+  from.heard_s = now_s;
+  if (std::isfinite(frame.t_sent())) from.clock.heard(frame.t_sent(), unix_s);
 
   out.camera = key.second;
   out.frame_number = frame.frame_number();
-  out.t_capture_s = frame.t_capture();
+  out.t_capture_s = frame.t_capture() + from.clock.correction_s();
   out.camera_mm = place->second;
   out.robots.clear();
   add_robots(frame.robots_yellow(), Team::kYellow, out);
@@ -77,10 +104,10 @@ std::vector<HeardCameras::Conflict> HeardCameras::conflicts(double now_s) const 
   return out;
 }
 
-std::map<int, std::string> HeardCameras::cameras(double now_s) const {
-  std::map<int, std::string> out;
+std::map<int, HeardCameras::Heard> HeardCameras::cameras(double now_s) const {
+  std::map<int, Heard> out;
   for (const auto& [id, holder] : holders_) {
-    if (now_s - holder.heard_s <= kForgottenAfter_s) out[id] = holder.address;
+    if (now_s - holder.heard_s <= kForgottenAfter_s) out[id] = {holder.address, holder.clock.correction_s()};
   }
   return out;
 }

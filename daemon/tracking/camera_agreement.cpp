@@ -82,7 +82,7 @@ CameraAgreement::Track& CameraAgreement::track_of(const RobotName& robot) {
     cov_.col(at).setZero();
   }
   cov_(at, at) = kHeightMm * kHeightMm;
-  return tracks_.emplace(robot, Track{at, 0, {}}).first->second;
+  return tracks_.emplace(robot, Track{.at = at, .by_camera = {}}).first->second;
 }
 
 void CameraAgreement::see(int camera, const Seen& seen) {
@@ -94,14 +94,22 @@ void CameraAgreement::see(int camera, const Seen& seen) {
   before = now;
   now = {seen.place_mm, seen.t_s};
   const double passed_s = now.t_s - before.t_s;
-  constexpr double kNext_s = 0.03;
+  constexpr double kNext_s = 0.12;
   if (passed_s <= 0 || passed_s > kNext_s) return;
+  // What is learnt changes slowly: once it is known, not every image is needed.
+  constexpr int kAtFirst = 300;
+  constexpr double kEvery_s = 0.05;
+  if (track.compared > kAtFirst && seen.t_s >= track.compared_s && seen.t_s - track.compared_s < kEvery_s)
+    return;
   const Vector2d velocity = (now.place_mm - before.place_mm) / passed_s;
   for (const auto& [other_camera, lasts] : track.by_camera) {
     const Last& other = lasts.second;
     if (other_camera == camera || other.t_s <= before.t_s || other.t_s >= now.t_s) continue;
     const Vector2d place = before.place_mm + velocity * (other.t_s - before.t_s);
-    compare({camera, other_camera, place, other.place_mm, velocity, seen.height_mm, other.t_s}, track);
+    compare({camera, other_camera, place, other.place_mm, velocity, passed_s, seen.height_mm, other.t_s},
+            track);
+    track.compared_s = seen.t_s;
+    ++track.compared;
   }
 }
 
@@ -119,6 +127,9 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
   double common_mm = 0;
   for (const auto& [name, one] : tracks_) common_mm += states_[one.at] / static_cast<double>(tracks_.size());
   note_difference(pair, apart - higher * (states_[track.at] - common_mm) + pair.velocity_mm_s * ahead_s);
+  // Between two images it did not go straight on.
+  constexpr double kAcceleration_mm_s2 = 4000;
+  const double swerves_mm = kAcceleration_mm_s2 * pair.passed_s * pair.passed_s / 8;
   bool is_surprise = false;
   for (int axis = 0; axis < 2; ++axis) {
     row_.clear();
@@ -130,7 +141,7 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
     row_.emplace_back(a.at + 2 * kTerms, -pair.velocity_mm_s[axis]);
     row_.emplace_back(b.at + 2 * kTerms, pair.velocity_mm_s[axis]);
     row_.emplace_back(track.at, higher[axis]);
-    double expected = 0, variance = kDifferenceVarMm2;
+    double expected = 0, variance = kDifferenceVarMm2 + swerves_mm * swerves_mm;
     gain_.setZero(states_.size());
     for (const auto& [at, weight] : row_) {
       gain_ += weight * cov_.col(at);

@@ -90,7 +90,8 @@ class CameraAgreement {
   };
   struct Track {
     int at;  // its height's state
-    double seen_s = 0;
+    double seen_s = 0, compared_s = 0;
+    int compared = 0;
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };
   /// More than are on any field; another one takes the place of the one that was not seen for longest.
@@ -106,6 +107,7 @@ class CameraAgreement {
   struct Pair {
     int a, b;  // the cameras
     Eigen::Vector2d place_a_mm, place_b_mm, velocity_mm_s;
+    double passed_s;  // between the two images of `a` among which b's is
     double height_mm, t_s;
   };
   void compare(const Pair& pair, const Track& track);

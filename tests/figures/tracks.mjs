@@ -46,7 +46,6 @@ const service = await createService(GROUP);
 const { settings } = service;
 settings.cameras = ERRORS.map((_, id) => cameraOf(settings.cameras[0], id));
 settings.network.tracker = { enabled: true, group: GROUP, port: await freeUdpPort() };
-const get = async (path) => (await fetch(service.address(path))).json();
 const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').replace(/\/$/, ''), ...words], { encoding: 'utf8' });
 
 try {
@@ -63,9 +62,9 @@ try {
   const p99 = { with: [], without: [] };
   for (let i = 0; i < Number(options.stretches); ++i) {
     const way = i % 2 ? 'without' : 'with';
-    await service.patch({ op: 'replace', path: '/field/stack', value: i % 2 ? NONE : STACK });
+    ctl('settings', 'set', '/field/stack', JSON.stringify(i % 2 ? NONE : STACK));
     await pause(12_000); // all of the last 512 images are of this stretch
-    for (const camera of await get('api/cameras')) p99[way].push(camera.latency_ms.p99 * 1000);
+    for (const camera of JSON.parse(ctl('cameras', '--json'))) p99[way].push(camera.latency_ms.p99 * 1000);
   }
   const middle = (list) => [...list].sort((a, b) => a - b)[list.length >> 1];
   console.log(`\np99 from an image to its packet, median over cameras and stretches of 12 s: ${middle(p99.with).toFixed(0)} us with the field's stack, ${middle(p99.without).toFixed(0)} us without`);

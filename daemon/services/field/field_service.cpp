@@ -9,6 +9,7 @@
 #include "tracking/tracks_json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -97,7 +98,7 @@ Commit FieldService::prepare(const SettingsChange& change) {
 void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s) {
   const std::lock_guard lock(heard_mutex_);
   if (!takes_other_computers_) return;
-  if (heard_cameras_.read(packet, address, now_s, heard_)) heard_queue_->hand_over(heard_);
+  if (heard_cameras_.read(packet, address, now_s, unix_time_s(), heard_)) heard_queue_->hand_over(heard_);
 }
 
 void FieldService::each_second() {
@@ -144,8 +145,12 @@ Json FieldService::field_json() {
   }
   out["other_cameras"] = Json::array();
   const std::lock_guard lock(heard_mutex_);
-  for (const auto& [id, address] : heard_cameras_.cameras(steady_s()))
-    out["other_cameras"].push_back({{"camera", id}, {"address", address}});
+  for (const auto& [id, heard] : heard_cameras_.cameras(steady_s())) {
+    out["other_cameras"].push_back(
+        {{"camera", id},
+         {"address", heard.address},
+         {"clock_correction_ms", std::round(heard.clock_correction_s * 1e4) / 10}});
+  }
   return out;
 }
 

@@ -31,7 +31,7 @@ class Heard : public testing::Test {
     return packet;
   }
   bool read(const SSL_WrapperPacket& packet, const char* address, double now_s) {
-    return cameras_.read(packet, address, now_s, out_);
+    return cameras_.read(packet, address, now_s, 1000.0103, out_);
   }
 
   HeardCameras cameras_;
@@ -49,7 +49,8 @@ TEST_F(Heard, ACameraOfAnotherComputerIsOneOfOurs) {
   EXPECT_EQ(out_.robots[0].team, Team::kBlue);
   EXPECT_EQ(out_.robots[0].height_mm, 150);
   ASSERT_EQ(out_.balls.size(), 1U);
-  EXPECT_THAT(cameras_.cameras(0.2), testing::ElementsAre(testing::Pair(4, "a")));
+  EXPECT_THAT(cameras_.cameras(0.2),
+              testing::ElementsAre(testing::Pair(4, testing::Field(&HeardCameras::Heard::address, "a"))));
   EXPECT_TRUE(cameras_.cameras(60).empty());
 }
 
@@ -76,6 +77,22 @@ TEST_F(Heard, NumbersOfCamerasHaveAnEnd) {
     read(detection(id), "a", 0);
   }
   EXPECT_LE(cameras_.cameras(0).size(), 64U);
+}
+
+TEST(OtherClock, OneThatIsRightIsLeftAlone) {
+  OtherClock clock;
+  EXPECT_EQ(clock.correction_s(), 0);
+  for (int i = 0; i < 2000; ++i) clock.heard(1000 + 0.01 * i, 1000 + 0.01 * i + 0.0003 + 0.01 * (i % 7));
+  EXPECT_EQ(clock.correction_s(), 0) << "late packets say nothing of the clock";
+}
+
+TEST(OtherClock, OneThatIsSecondsOffIsSetRight) {
+  OtherClock clock;
+  for (int i = 0; i < 2000; ++i) clock.heard(1000 + 0.01 * i, 1002.84 + 0.01 * i + 0.0003 + 0.001 * (i % 7));
+  EXPECT_NEAR(clock.correction_s(), 2.84, 1e-3);
+  // It is set meanwhile.
+  for (int i = 0; i < 2000; ++i) clock.heard(1100 + 0.01 * i, 1100 + 0.01 * i + 0.0003);
+  EXPECT_EQ(clock.correction_s(), 0);
 }
 
 }  // namespace
