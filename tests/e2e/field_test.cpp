@@ -5,12 +5,17 @@
 #include "config/config.h"
 #include "ctl/track_score.h"
 #include "e2e/running_daemon.h"
+#include "net/packets.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -150,6 +155,61 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
   while (tracks_.receive(500)) {
   }
   EXPECT_EQ(daemon.get("/api/field").at("sends"), false);
+}
+
+TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
+  RunningDaemon daemon(settings_file(), state_);
+  wait_for_tracks([](const TrackedFrame& frame) { return frame.robots_size() == 12; });
+  MulticastSender stranger({.group = GroupListener::kGroup, .port = listener_.port(), .interface = "lo"});
+  std::vector<std::byte> buffer;
+  CameraCalibration above;
+  above.q0 = 1;
+  above.q3 = 0;
+  above.tz = 4000;
+  above.pixel_image_width = 640;
+  above.pixel_image_height = 480;
+  // Cameras of ids that nobody has, and one of ours.
+  std::vector<CalibratedCamera> cameras;
+  for (std::uint32_t id = 0; id < 60; ++id) cameras.push_back({id, CameraModel(above)});
+  SSL_WrapperPacket packet;
+  write_geometry({read_config(settings_).field, cameras, {}}, packet);
+  stranger.send(serialize(packet, buffer));
+
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  double worst_mm = 0;
+  const SimulatedWorld world = simulated_world(read_config(settings_));
+  for (std::uint32_t round = 0; round < 400; ++round) {
+    RobotList robots;
+    BallList balls;
+    for (int i = 0; i < (round % 4 == 0 ? 1000 : 3); ++i) {
+      // Robots that there are, where they are not; others; and some far away.
+      robots.robots.push_back(
+          {Team::kBlue, i % 300, round % 5 == 0 ? 1e7 : 3000.0 - i, 100, 0, 140, 0, 0, 0.9});
+    }
+    balls.balls.push_back({round % 3 == 0 ? nan : 100, 0, 0, 0, 50, 1});
+    const double t_s = now_s() + (round % 2 == 0 ? 1e6 : -1e6);
+    const std::uint32_t id = round % 7 == 0 ? 0 : 2 + round % 58;  // 0: is ours
+    write_detection({.camera_id = id, .number = round, .times = {.t_capture_s = t_s}}, robots, balls,
+                    round % 2 == 0 ? t_s : now_s(), packet);
+    stranger.send(serialize(packet, buffer));
+    const TrackerWrapperPacket tracks = receive_tracks();
+    const TrackedFrame& frame = tracks.tracked_frame();
+    const SimulatedScene truth = world.at(frame.timestamp());
+    for (const auto& robot : frame.robots()) {
+      for (const SimulatedRobot& one : truth.robots) {
+        const bool is_blue = one.team == Team::kBlue;
+        if (one.id != static_cast<int>(robot.robot_id().id()) || is_blue != (robot.robot_id().team() == BLUE))
+          continue;
+        worst_mm = std::max(worst_mm,
+                            std::hypot(robot.pos().x() * 1000 - one.x_mm, robot.pos().y() * 1000 - one.y_mm));
+      }
+    }
+  }
+  EXPECT_LT(worst_mm, 60) << "a robot of ours was dragged away";
+  const Json diagnostics = daemon.get("/api/diagnostics").at("field");
+  EXPECT_GT(diagnostics.at("sightings_left_out").get<int>() + diagnostics.at("images_off_time").get<int>(),
+            0);
+  EXPECT_EQ(diagnostics.at("lost"), 0);
 }
 
 TEST_F(Field, KeepsItsUuidAcrossRestarts) {
