@@ -99,6 +99,17 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual(memberships.map(({ interface: card }) => card), ['lo']);
   });
 
+  it('tells what all cameras together see', async () => {
+    const field = await becomes('/api/field', (value) => value.robots.length === 12 && value.balls.length > 0);
+    assert.deepEqual(field.stages.map(({ name }) => name), ['gather', 'clocks', 'agreement', 'track', 'publish']);
+    await becomes('/api/field/agreement', (value) => value.cameras.length === 2);
+    assert.deepEqual(await ask('get', '/api/field/kicks'), { kicks: [] });
+    const { numbers } = await ask('get', '/api/field/ball_model');
+    assert.deepEqual(numbers.map(({ learnt }) => learnt), Array(6).fill(null));
+    // Nobody has kicked the simulated ball.
+    await ask('post', '/api/field/ball_model/accept', { expect: 409 });
+  });
+
   it('tells what is wrong and whether a match may begin', async () => {
     const path = '/cameras/1/source';
     await becomes('/api/checks', (value) => value.go);

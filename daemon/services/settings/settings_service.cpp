@@ -196,7 +196,7 @@ void SettingsService::report(HealthReport& report) const {
   if (!report.status) return;
   const auto config = config_.load();
   report.status->update(Json{{"site", config->site},
-                             {"field", params_to_json(config->field)},
+                             {"field", params_to_json<FieldSize>(config->field)},
                              {"settings_revision", store_.revision()}});
 }
 

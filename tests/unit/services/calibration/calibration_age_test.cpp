@@ -37,6 +37,8 @@ TEST(CalibrationAge, IsContentWithAFieldThatWasChangedBack) {
 TEST(CalibrationAge, LooksOnlyAtWhatIsPainted) {
   const Json now = changed(changed(kSettings, "/field/goal_height", 200), "/site", "B");
   EXPECT_FALSE(field_changed_since(10, now, Json::array({step(20, kSettings, now)})));
+  const Json other_stack = changed(kSettings, "/field/stack", Json::array());
+  EXPECT_FALSE(field_changed_since(10, other_stack, Json::array({step(20, kSettings, other_stack)})));
 }
 
 TEST(CalibrationAge, GoesBackAsFarAsTheStepsFit) {
