@@ -339,7 +339,7 @@ void BallTrack::fly(const BallFlight& flight) {
   event_mm_ = chip_.place_mm;
 }
 
-/// A ball that begins anew where nobody saw it kicked may be in the air: its size tells, or its way.
+/// A ball that begins where nobody saw it kicked may be in the air: its size tells, or its way.
 void BallTrack::may_fly(double t_s, const RobotTracks& robots) {
   constexpr double kLongest_s = 0.6, kSurelySigmas = 2.5;
   constexpr int kSurprises = 2;

@@ -77,7 +77,7 @@ struct BallObservation {
   double height_mm, height_sigma_mm;
 };
 
-/// Of one image; both lists are empty for one that is left out.
+/// What one image shows; both lists are empty when it is left out.
 struct Observations {
   std::vector<RobotObservation> robots;
   std::vector<BallObservation> balls;

@@ -16,7 +16,7 @@ class Tracker {
  public:
   /// Of the ball, from now on.
   void set_ball_model(const BallModel& model) { balls_.set_model(model); }
-  /// Of one image.
+  /// What one image shows.
   void add(const Observations& observations);
 
   /// Nothing for a robot that is not on the field.

@@ -232,8 +232,8 @@ describe('panel: field and network', () => {
     it(`shows what all cameras together see on a ${name}`, withPage(viewport, '#/field/live', options, async (page) => {
       await page.waitForFunction((selector) => document.querySelectorAll(selector).length === 12, byId('live-robot'));
       await page.waitForSelector(`${byId('live-field')}[data-layer="tracked"]`);
-      await page.waitForFunction((selector) => /12 robots/.test(document.querySelector(selector).getAttribute('aria-label')), byId('live-field'));
-      assert.match(await page.textContent(byId('live-stages')), /gather.*clocks.*agreement.*track.*publish/s);
+      await page.waitForFunction((selector) => /6 yellow.*6 blue/.test(document.querySelector(selector).getAttribute('aria-label')), byId('live-field'));
+      assert.match(await page.textContent(byId('live-stages')), /gather.*clocks.*agreement.*track.*publish/si);
       assert.match(await page.textContent(byId('live-sends')), /not sent/);
       for (const layer of ['raw', 'agreement', 'coverage']) {
         await page.click(byId(`live-layer-${layer}`));
@@ -243,6 +243,7 @@ describe('panel: field and network', () => {
       await page.waitForSelector(`${byId('live-agreement')} table`);
 
       // Without a stack there is nothing to show, and the page says so.
+      await page.click(byId('live-layer-tracked'));
       await patch({ op: 'replace', path: '/field/stack', value: [] });
       await page.waitForSelector(byId('live-missing'));
       await patch({ op: 'replace', path: '/field/stack', value: ['gather', 'clocks', 'agreement', 'track', 'publish'] });

@@ -33,7 +33,7 @@ const DASH = [4, 3];
 
 const TEAMS: readonly Team[] = ['yellow', 'blue'];
 
-/** What was: it changes so slowly that not every frame needs it anew. */
+/** What was: it changes so slowly that not every frame needs it again. */
 export function drawPast(pen: Pen, scene: Scene): void {
   drawKicks(pen, scene);
   if (scene.trails) drawTrails(pen, scene.trails, scene.time);

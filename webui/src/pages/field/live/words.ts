@@ -38,7 +38,7 @@ export function summaryOf({ robots, balls }: Pick<FieldTracks, 'robots' | 'balls
 
 export interface Missing {
   text: string;
-  /** Where to mend it. */
+  /** Where to fix it. */
   page?: 'camera' | 'calibration' | 'settings' | 'diagnostics' | 'overview';
   place?: string;
   action?: string;
