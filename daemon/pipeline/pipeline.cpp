@@ -119,14 +119,16 @@ StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Js
   return out;
 }
 
-#define SSLV_FLOOR(Floor)                                                                        \
-  template class BasicPipeline<Floor>;                                                           \
-  template StageSettings read_stages<Floor>(std::span<const BasicStageType<Floor>>, const Json&, \
-                                            const std::string&);                                 \
-  template std::vector<const BasicStageType<Floor>*> check_stack<Floor>(                         \
-      std::span<const BasicStageType<Floor>>, const std::vector<std::string>&, const std::string&);
-SSLV_FLOOR(CameraFloor)
-SSLV_FLOOR(FieldFloor)
-#undef SSLV_FLOOR
+template class BasicPipeline<CameraFloor>;
+template StageSettings read_stages<CameraFloor>(std::span<const BasicStageType<CameraFloor>>, const Json&,
+                                                const std::string&);
+template std::vector<const BasicStageType<CameraFloor>*> check_stack<CameraFloor>(
+    std::span<const BasicStageType<CameraFloor>>, const std::vector<std::string>&, const std::string&);
+
+template class BasicPipeline<FieldFloor>;
+template StageSettings read_stages<FieldFloor>(std::span<const BasicStageType<FieldFloor>>, const Json&,
+                                               const std::string&);
+template std::vector<const BasicStageType<FieldFloor>*> check_stack<FieldFloor>(
+    std::span<const BasicStageType<FieldFloor>>, const std::vector<std::string>&, const std::string&);
 
 }  // namespace sslv

@@ -9,11 +9,15 @@
 #include "ctl/simulate.h"
 #include "ctl/track_log.h"
 #include "ctl/track_score.h"
+#include "settings/migrations.h"
+#include "settings/state_folder.h"
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
