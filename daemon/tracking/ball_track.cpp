@@ -205,7 +205,7 @@ Vector2d BallTrack::left_over_at_border(const BallObservation& sighting, const V
   for (Border& one : borders_) {
     if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
   }
-  const Vector2d out = border.off_mm;
+  Vector2d out = border.off_mm;
   if (count > 1 && (off_mm - out).norm() < kMostMm) border.off_mm += kLearns * (off_mm - out);
   return out;
 }
