@@ -9,7 +9,8 @@ if(NOT TARGET SslVision::proto)
   set(_ssl_vision_sources "")
   set(_ssl_vision_folder "${CMAKE_BINARY_DIR}/ssl-vision")
   file(MAKE_DIRECTORY "${_ssl_vision_folder}")
-  foreach(_ssl_vision_name ssl_gc_referee_message ssl_vision_detection ssl_vision_geometry ssl_vision_wrapper)
+  foreach(_ssl_vision_name ssl_gc_common ssl_gc_geometry ssl_gc_referee_message ssl_vision_detection
+      ssl_vision_detection_tracked ssl_vision_geometry ssl_vision_wrapper ssl_vision_wrapper_tracked)
     set(_ssl_vision_made "${_ssl_vision_folder}/${_ssl_vision_name}.pb.cc"
                          "${_ssl_vision_folder}/${_ssl_vision_name}.pb.h")
     add_custom_command(OUTPUT ${_ssl_vision_made}
