@@ -171,52 +171,13 @@ bool BallTrack::is_too_fast() const {
   return phase_ == Phase::kFree && flat_.velocity().norm() > kFastest_mm_s;
 }
 
-/// Instead of the one that saw it longest ago, when there is none yet.
-BallTrack::Border& BallTrack::border_of(const Vector3d& camera_mm) {
-  Border* oldest = &borders_[0];
-  for (Border& one : borders_) {
-    if (one.camera_mm == camera_mm) return one;
-    if (one.seen_s < oldest->seen_s) oldest = &one;
-  }
-  *oldest = {};
-  oldest->camera_mm = camera_mm;
-  return *oldest;
-}
-
-/// Cameras that see it at the same time keep their differences, so that it does not go to and fro between
-/// them; what they have in common fades.
-Vector2d BallTrack::left_over_at_border(const BallObservation& sighting, const Vector2d& off_mm) {
-  constexpr double kNew_s = 0.25, kAlso_s = 0.04, kMostMm = 6, kFades_s = 0.5, kLearns = 0.12;
-  Border& border = border_of(sighting.camera_mm);
-  const double gap_s = sighting.t_s - border.seen_s;
-  const bool is_alone = std::none_of(borders_.begin(), borders_.end(), [&](const Border& one) {
-    return &one != &border && sighting.t_s - one.seen_s < kNew_s;
-  });
-  if (gap_s > kNew_s) border.off_mm = !is_alone && off_mm.norm() < kMostMm ? off_mm : Vector2d(0, 0);
-  border.seen_s = sighting.t_s;
-  Vector2d common(0, 0);
-  int count = 0;
-  for (const Border& one : borders_) {
-    if (sighting.t_s - one.seen_s > kAlso_s) continue;
-    common += one.off_mm;
-    ++count;
-  }
-  common *= (1 - std::exp(-std::clamp(gap_s, 0.0, kAlso_s) / kFades_s)) / count;
-  for (Border& one : borders_) {
-    if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
-  }
-  Vector2d out = border.off_mm;
-  if (count > 1 && (off_mm - out).norm() < kMostMm) border.off_mm += kLearns * (off_mm - out);
-  return out;
-}
-
 void BallTrack::correct(const BallObservation& sighting) {
   flat_.predict(sighting.t_s, model_);
   const Vector2d velocity = flat_.velocity();
   const Matrix2d noise = sighting.sigma_mm * sighting.sigma_mm * Matrix2d::Identity() +
                          kFlatTimeSigma_s * kFlatTimeSigma_s * velocity * velocity.transpose();
   const Vector2d seen_off = sighting.place_mm - flat_.place(),
-                 off = seen_off - left_over_at_border(sighting, seen_off);
+                 off = seen_off - differences_.take(sighting.camera_mm, sighting.t_s, seen_off);
   Matrix2d spread = flat_.cov.topLeftCorner<2, 2>() + noise;
   const double surprise = off.dot(spread.inverse() * off);
   constexpr double kSurprise = 9;

@@ -3,6 +3,7 @@
 
 #include "tracking/ball_flight.h"
 #include "tracking/ball_motion.h"
+#include "tracking/camera_differences.h"
 #include "tracking/kick_fit.h"
 #include "tracking/robot_tracks.h"
 #include "tracking/sightings.h"
@@ -84,14 +85,6 @@ class BallTrack {
     double t_s, off_mm;  // when, and by how much they miss each other
     Eigen::Vector2d place_mm, before_mm_s;
   };
-  /// What a camera's places on the floor still differ by here, which fades.
-  struct Border {
-    Eigen::Vector3d camera_mm{0, 0, 0};
-    Eigen::Vector2d off_mm{0, 0};
-    double seen_s = -1e9;
-  };
-  Border& border_of(const Eigen::Vector3d& camera_mm);
-  Eigen::Vector2d left_over_at_border(const BallObservation& sighting, const Eigen::Vector2d& off_mm);
 
   void roll(const BallObservation& at, const Eigen::Vector2d& velocity_mm_s, bool slides, double began_mm_s);
   Eigen::Vector2d held_at(double t_s, const RobotTracks& robots) const;
@@ -132,7 +125,7 @@ class BallTrack {
   bool has_moved_ = false;  // away from there
   double moved_s_ = 0;
   Flat flat_;
-  std::array<Border, 4> borders_;  // of the cameras that saw it last
+  CameraDifferences<Eigen::Vector3d, 4> differences_{6, false};
   RobotName holder_;
   Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
   double held_var_mm2_ = 0;        // how far it shakes there

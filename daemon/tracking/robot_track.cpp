@@ -84,8 +84,7 @@ void RobotTrack::begin(const RobotObservation& first) {
   stands_var_mm2_ = 1;
   stands_share_ = 0;
   elsewhere_ = 0;
-  borders_.fill({});
-  border_of(first.camera).seen_s = first.t_s;
+  differences_.start(first.camera, first.t_s);
 }
 
 void RobotTrack::predict(double t_s) {
@@ -104,43 +103,6 @@ void RobotTrack::predict(double t_s) {
   angle_ = step * angle_;
   angle_cov_ = step * angle_cov_ * step.transpose() + kTurnJerk * jerk_noise(passed_s);
   t_s_ = t_s;
-}
-
-/// Instead of the one that saw it longest ago, when there is none yet.
-RobotTrack::Border& RobotTrack::border_of(int camera) {
-  Border* oldest = &borders_[0];
-  for (Border& one : borders_) {
-    if (one.camera == camera) return one;
-    if (one.seen_s < oldest->seen_s) oldest = &one;
-  }
-  *oldest = {};
-  oldest->camera = camera;
-  return *oldest;
-}
-
-Vector2d RobotTrack::left_over_at_border(const RobotObservation& sighting, const Vector2d& off) {
-  constexpr double kNew_s = 0.25, kMostMm = 8;
-  constexpr double kFades_s = 0.5, kLearns = 0.12;
-  Border& border = border_of(sighting.camera);
-  const double gap_s = sighting.t_s - border.seen_s;
-  if (gap_s > kNew_s) border.off_mm = off.norm() < kMostMm ? off : Vector2d(0, 0);
-  border.seen_s = sighting.t_s;
-  // Cameras that see it at the same time keep their differences; what they have in common fades.
-  constexpr double kAlso_s = 0.04;
-  Vector2d common(0, 0);
-  int count = 0;
-  for (const Border& one : borders_) {
-    if (sighting.t_s - one.seen_s > kAlso_s) continue;
-    common += one.off_mm;
-    ++count;
-  }
-  common *= (1 - std::exp(-std::clamp(gap_s, 0.0, kAlso_s) / kFades_s)) / count;
-  for (Border& one : borders_) {
-    if (sighting.t_s - one.seen_s <= kAlso_s) one.off_mm -= common;
-  }
-  Vector2d out = border.off_mm;
-  if (count > 1 && (off - out).norm() < kMostMm) border.off_mm += kLearns * (off - out);
-  return out;
 }
 
 bool RobotTrack::is_now_at(const RobotObservation& sighting) {
@@ -163,7 +125,7 @@ bool RobotTrack::add(const RobotObservation& sighting) {
   const RobotTrack before = *this;
   predict(sighting.t_s);
   Vector2d off = sighting.place_mm - state_.head<2>();
-  off -= left_over_at_border(sighting, off);
+  off -= differences_.take(sighting.camera, sighting.t_s, off);
   if (off.norm() > reach_mm(sighting.t_s - before.seen_s_)) {
     *this = before;
     if (!is_now_at(sighting)) return false;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tracking/camera_differences.h"
 #include "tracking/sightings.h"
-
-#include <array>
 
 #include <Eigen/Core>
 
@@ -35,7 +34,6 @@ class RobotTrack {
   void predict(double t_s);
   void turn(const RobotObservation& sighting);
   void stand(const RobotObservation& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
-  Eigen::Vector2d left_over_at_border(const RobotObservation& sighting, const Eigen::Vector2d& off);
 
   RobotName name_;
   double t_s_ = 0, seen_s_ = 0;
@@ -50,14 +48,7 @@ class RobotTrack {
   // A robot that stands, and how likely it does.
   Eigen::Vector2d stands_mm_;
   double stands_var_mm2_ = 0, stands_share_ = 0, stood_s_ = 0;
-  /// What a camera that sees it again still differs by, which fades.
-  struct Border {
-    int camera = -1;
-    Eigen::Vector2d off_mm{0, 0};
-    double seen_s = -1e9;
-  };
-  Border& border_of(int camera);
-  std::array<Border, 8> borders_;  // of the cameras that saw it last
+  CameraDifferences<int, 8> differences_{8, true};
   /// Sightings that cannot be this robot, but may be where it is now.
   Eigen::Vector2d elsewhere_mm_{0, 0};
   double elsewhere_s_ = 0;
