@@ -31,9 +31,9 @@ struct AgreementNow {
 
   double t_s = 0;
   std::uint32_t camera_count = 0, height_count = 0, difference_count = 0;
-  std::array<Camera, kMaxCameras> cameras;
-  std::array<Height, kMaxRobots> heights;
-  std::array<Difference, kMaxDifferences> differences;
+  std::array<Camera, kMaxCameras> cameras{};
+  std::array<Height, kMaxRobots> heights{};
+  std::array<Difference, kMaxDifferences> differences{};
 };
 
 /// What was seen long ago is forgotten.

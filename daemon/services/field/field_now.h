@@ -30,9 +30,9 @@ struct FieldNow {
   double t_s = 0;
   std::uint32_t number = 0;  // 0: nothing was tracked yet
   std::uint32_t robot_count = 0, ball_count = 0;
-  std::array<Robot, kMaxRobots> robots;
-  std::array<Ball, kMaxBalls> balls;
-  std::array<Kick, kKicks> kicks;  // the newest; the one with number n is at n % kKicks
+  std::array<Robot, kMaxRobots> robots{};
+  std::array<Ball, kMaxBalls> balls{};
+  std::array<Kick, kKicks> kicks{};  // the newest; the one with number n is at n % kKicks
 };
 
 /// Takes it over, and the kick among those that are there.
