@@ -65,6 +65,8 @@ void write_tracked(const TrackedField& tracked, const TrackerSource& source, Tra
     write_place(kick.place_mm, *out.mutable_pos());
     write_place(kick.velocity_mm_s, *out.mutable_vel());
     out.set_start_timestamp(kick.t_s);
+    out.set_stop_timestamp(kick.stop_s);
+    write_place(kick.stop_mm, *out.mutable_stop_pos());
     if (kick.robot) {
       write_name(*kick.robot, *out.mutable_robot_id());
     } else {

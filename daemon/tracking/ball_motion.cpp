@@ -61,6 +61,17 @@ BallState BallShot::at(double time_s, const BallModel& model) const {
   return {{place.x(), place.y(), model.radius_mm}, {velocity.x(), velocity.y(), 0}};
 }
 
+double BallShot::stops_s(const BallModel& model) const {
+  // No ball of the league is under way for longer.
+  constexpr double kLongest_s = 60, kStill_mm_s = 1;
+  double moves_s = 0, still_s = kLongest_s;
+  for (int i = 0; i < 16; ++i) {
+    const double middle_s = (moves_s + still_s) / 2;
+    (at(t_s + middle_s, model).velocity_mm_s.norm() > kStill_mm_s ? moves_s : still_s) = middle_s;
+  }
+  return t_s + still_s;
+}
+
 double BallShot::lands_after_s() const {
   const double up = velocity_mm_s.z(), down = std::sqrt(up * up + 2 * kGravity_mm_s2 * height_mm);
   return std::max(0.0, up + down) / kGravity_mm_s2;

@@ -33,6 +33,8 @@ struct BallShot {
   bool is_chip() const { return velocity_mm_s.z() > 0 || height_mm > 0; }
   BallState at(double time_s, const BallModel& model) const;
   double lands_after_s() const;
+  /// When it lies still.
+  double stops_s(const BallModel& model) const;
   /// Where a chip comes down first; the place itself for one along the floor.
   Eigen::Vector2d landing_mm() const;
 };

@@ -17,6 +17,7 @@ class BallTracks {
  public:
   BallTracks();
   void set_model(const BallModel& model);
+  const BallModel& model() const { return model_; }
   /// The balls of one image.
   void add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
 

@@ -43,6 +43,8 @@ struct TrackedKick {
   Eigen::Vector3d velocity_mm_s{0, 0, 0};
   bool is_chip = false;
   Eigen::Vector2d landing_mm{0, 0};  // of a chip
+  double stop_s = 0;                 // when the ball will lie still, if nothing meets it
+  Eigen::Vector2d stop_mm{0, 0};     // and where
   std::optional<RobotName> robot;
 };
 

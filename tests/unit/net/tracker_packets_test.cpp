@@ -28,6 +28,8 @@ TrackedField field() {
   kick.t_s = 1000.2;
   kick.place_mm = {200, 600};
   kick.velocity_mm_s = {4000, 0, 3000};
+  kick.stop_s = 1004;
+  kick.stop_mm = {5000, 600};
   kick.robot = RobotName{Team::kYellow, 3};
   out.kick = kick;
   return out;
@@ -55,6 +57,8 @@ TEST(TrackerPackets, AreInMetersAndSayWhatTheSourceCanTell) {
   EXPECT_FLOAT_EQ(frame.balls(0).vel().z(), -0.1F);
   EXPECT_EQ(frame.kicked_ball().start_timestamp(), 1000.2);
   EXPECT_FLOAT_EQ(frame.kicked_ball().pos().x(), 0.2F);
+  EXPECT_EQ(frame.kicked_ball().stop_timestamp(), 1004);
+  EXPECT_FLOAT_EQ(frame.kicked_ball().stop_pos().x(), 5);
   EXPECT_FLOAT_EQ(frame.kicked_ball().vel().z(), 3);
   EXPECT_EQ(frame.kicked_ball().robot_id().team(), ::YELLOW);
   EXPECT_THAT(frame.capabilities(),

@@ -134,5 +134,17 @@ TEST_F(KickFit, FindsAChipByWhereCamerasSeeIt) {
   EXPECT_GT(fit_flat(as_flat, points, model_, {}).chi2, chip.chi2 + 20);
 }
 
+TEST(BallShot, SaysWhenItLiesStill) {
+  const BallModel model;
+  const BallShot flat{.t_s = 10, .place_mm = {0, 0}, .velocity_mm_s = {3000, 0, 0}};
+  const double slides_s = 3000 * (1 - model.rolls_from_share) / model.slides_mm_s2;
+  const double rolls_s = 3000 * model.rolls_from_share / model.rolls_mm_s2;
+  EXPECT_NEAR(flat.stops_s(model), 10 + slides_s + rolls_s, 0.01);
+  const BallShot chip{.t_s = 10, .place_mm = {0, 0}, .velocity_mm_s = {2000, 0, 2500}};
+  const double stops_s = chip.stops_s(model);
+  EXPECT_LT(chip.at(stops_s, model).velocity_mm_s.norm(), 2);
+  EXPECT_GT(chip.at(stops_s - 0.1, model).velocity_mm_s.norm(), 20);
+}
+
 }  // namespace
 }  // namespace sslv
