@@ -12,6 +12,7 @@ namespace {
 
 /// More can only be an attack.
 constexpr std::size_t kMaxCameras = 64, kMaxOfAKind = 64;
+constexpr std::uint32_t kMaxId = 255;   // as in our own settings
 constexpr double kRobotHeightMm = 140;  // where a packet does not say it
 
 void add_robots(const google::protobuf::RepeatedPtrField<SSL_DetectionRobot>& robots, Team team,
@@ -58,7 +59,7 @@ bool HeardCameras::read(const SSL_WrapperPacket& packet, const std::string& addr
   for (const SSL_GeometryCameraCalibration& camera : packet.geometry().calib()) {
     const Key key{address, static_cast<int>(camera.camera_id())};
     if (places_mm_.size() >= kMaxCameras && !places_mm_.contains(key)) continue;
-    if (!camera.has_derived_camera_world_tz()) continue;
+    if (!camera.has_derived_camera_world_tz() || camera.camera_id() > kMaxId) continue;
     places_mm_[key] = {camera.derived_camera_world_tx(), camera.derived_camera_world_ty(),
                        camera.derived_camera_world_tz()};
   }

@@ -41,6 +41,9 @@ void CameraAgreement::forget(const Camera& camera, double error_mm) {
 void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
   const auto known = cameras_.find(camera);
   if (known != cameras_.end() && known->second.center_mm == center_mm) return;
+  // Of more cameras nothing is learnt: the work grows as the square of their number.
+  constexpr std::size_t kMaxCameras = 32;
+  if (known == cameras_.end() && cameras_.size() >= kMaxCameras) return;
   const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
   const Camera made{center_mm, at};
   cameras_[camera] = made;
@@ -195,6 +198,20 @@ void CameraAgreement::forget_differences(double before_s) {
 void CameraAgreement::follow(double passed_s) {
   constexpr double kFollows_s = 0.4;
   taken_off_ += (states_ - taken_off_) * (1 - std::exp(-passed_s / kFollows_s));
+  // Nothing stays as it is for hours: mounts warm up, clocks drift, a robot is replaced by another with its
+  // id. So what was learnt becomes as uncertain again as it was at first, in this time.
+  constexpr double kForgets_s = 600;
+  const double share = std::clamp(passed_s, 0.0, 1.0) / kForgets_s;
+  const auto forget_some = [&](int first, int count, double sigma) {
+    for (int i = first; i < first + count; ++i) {
+      if (cov_(i, i) < sigma * sigma) cov_(i, i) += share * sigma * sigma;
+    }
+  };
+  for (const auto& [id, camera] : cameras_) {
+    forget_some(camera.at, 2 * kTerms, kErrorMm);
+    forget_some(camera.at + 2 * kTerms, 1, kOffset_s);
+  }
+  for (const auto& [name, track] : tracks_) forget_some(track.at, 1, kHeightMm);
 }
 
 Vector2d CameraAgreement::error_of(int camera, const Vector2d& place_mm) const {

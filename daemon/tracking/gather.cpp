@@ -39,7 +39,8 @@ bool Gather::is_taken(const Params& params, const ArrivedSightings& arrived, dou
   constexpr double kForgotten_s = 10;
   std::erase_if(heard_s_, [&](const auto& one) { return now_s - one.second > kForgotten_s; });
   const auto known = heard_s_.find(image.camera);
-  if (known == heard_s_.end() && heard_s_.size() >= kMaxCameras)
+  // A stranger's cameras take no place from our own.
+  if (arrived.is_of_other_computer && known == heard_s_.end() && heard_s_.size() >= kMaxCameras)
     return leave_out(LeftOut::Why::kTooMany, left_out.images_of_too_many);
   const bool hangs = image.camera_mm.allFinite() && image.camera_mm.z() > kLowestCameraMm &&
                      image.camera_mm.norm() < kHighestCameraMm;

@@ -19,6 +19,11 @@ class Track {
   };
   void process(const Params&, const FieldClock& clock, const BallModel& ball, const Observations& seen,
                TrackedField& out) noexcept {
+    const double now_s = clock.now_s();
+    // Where the clock was set back, all that is known lies in the future.
+    constexpr double kSetBack_s = 0.5;
+    if (now_s < now_s_ - kSetBack_s) tracker_ = {};
+    now_s_ = now_s;
     tracker_.set_ball_model(ball);
     tracker_.add(seen);
     ++out.number;
@@ -26,6 +31,7 @@ class Track {
   }
 
  private:
+  double now_s_ = 0;
   Tracker tracker_;
 };
 

@@ -144,6 +144,8 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
   receive_tracks();
   daemon.set("/field/stack", Json::array());
   daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("stages").empty(); });
+  // What was tracked last is not shown as if it were still seen.
+  daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("robots").empty(); });
   daemon.set("/field/stack", {"gather", "clocks", "agreement", "track", "publish"});
   const double since_s = now_s();
   wait_for_tracks([&](const TrackedFrame& frame) { return frame.timestamp() > since_s; });

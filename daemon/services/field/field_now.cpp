@@ -28,7 +28,10 @@ void write_now(const TrackedField& tracked, FieldNow& out) noexcept {
     out.balls[i] = {ball.place_mm.x(),      ball.place_mm.y(),      ball.place_mm.z(), ball.velocity_mm_s.x(),
                     ball.velocity_mm_s.y(), ball.velocity_mm_s.z(), ball.visibility};
   }
-  if (!tracked.kick || tracked.kick->number <= 0) return;
+  if (!tracked.kick || tracked.kick->number <= 0) {
+    out.kicks = {};  // another tracker, which has seen none yet
+    return;
+  }
   const TrackedKick& kick = *tracked.kick;
   out.kicks[static_cast<std::size_t>(kick.number) % FieldNow::kKicks] = {
       kick.t_s,

@@ -55,6 +55,18 @@ std::set<int> ids_of(const Config& config) {
   return ids;
 }
 
+/// Tracks are made with every image. When no image comes, or no stage tracks, what was tracked last is not
+/// seen any more, and soon it is not known either.
+void fade(TrackedField& tracked, double age_s) {
+  constexpr double kFresh_s = 0.2, kGone_s = 0.7;
+  const double share = 1 - std::clamp((age_s - kFresh_s) / (kGone_s - kFresh_s), 0.0, 1.0);
+  for (TrackedRobot& robot : tracked.robots) robot.visibility *= share;
+  for (TrackedBall& ball : tracked.balls) ball.visibility *= share;
+  if (share > 0) return;
+  tracked.robots.clear();
+  tracked.balls.clear();
+}
+
 }  // namespace
 
 FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
@@ -111,8 +123,10 @@ void FieldService::take_kicks() {
   const std::vector<TrackedKick> newest = kicks_of(running_.now());
   const std::lock_guard lock(kicks_mutex_);
   for (const TrackedKick& kick : newest) {
-    const auto known = std::find_if(kicks_.begin(), kicks_.end(),
-                                    [&](const TrackedKick& one) { return one.number == kick.number; });
+    const auto known = std::find_if(kicks_.begin(), kicks_.end(), [&](const TrackedKick& one) {
+      // Another stack, or a clock that was set, counts from 1 again.
+      return one.number == kick.number && std::abs(one.t_s - kick.t_s) < 1;
+    });
     if (known != kicks_.end()) {
       *known = kick;  // known better by now
     } else {
@@ -123,7 +137,9 @@ void FieldService::take_kicks() {
 }
 
 Json FieldService::topic_data() {
-  return to_json(tracked_of(running_.now()));
+  TrackedField tracked = tracked_of(running_.now());
+  fade(tracked, std::abs(unix_time_s() - tracked.t_s));
+  return to_json(tracked);
 }
 
 Json FieldService::field_json() {

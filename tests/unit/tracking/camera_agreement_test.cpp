@@ -66,6 +66,13 @@ TEST_F(TwoCameras, ThatWereBumpedAreLearntAgain) {
   EXPECT_LT(apart_mm({0, 0}, bump), 1);
 }
 
+TEST_F(TwoCameras, ThatDriftAreFollowedHoweverLongTheyAgreed) {
+  play(300, {0, 0});
+  const Vector2d drift(1.5, -1.5);  // too little to be a surprise
+  play(60, drift);
+  EXPECT_LT(apart_mm({0, 0}, drift), 0.5);
+}
+
 TEST_F(TwoCameras, DifferencesAreShownWhereBothSeeRobots) {
   play(60, {3, 4});
   int parts = 0;

@@ -99,10 +99,16 @@ TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
 }
 
 TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
+  arrived_.is_of_other_computer = true;
   for (int camera = 0; camera < 100; ++camera) {
     arrived_.image.camera = camera;
     gather();
   }
+  arrived_.is_of_other_computer = false;
+  arrived_.image.camera = 200;
+  gather();
+  EXPECT_TRUE(out_.is_taken) << "our own camera, which comes late";
+  arrived_.is_of_other_computer = true;
   EXPECT_EQ(left_out_.images_of_too_many, 100 - Gather::kMaxCameras);
   arrived_.image.camera = 0;
   gather();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/tracker.h"
 
+#include "tracking/track.h"
 #include "worlds/ours.h"
 #include "worlds/score.h"
 
@@ -152,6 +153,36 @@ TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
   // Until it is gone, and only the other one is there.
   for (int i = 0; i < 10; ++i) see(-2000);
   EXPECT_NEAR(now()->place_mm.x(), -2000, 1);
+}
+
+TEST(Track, GoesOnWhenTheClockIsSetBack) {
+  struct Clock : FieldClock {
+    double t_s = 1e9;
+    double now_s() const noexcept override { return t_s; }
+  } clock;
+  Track track;
+  TrackedField tracked;
+  const auto see = [&](double x_mm) {
+    Observations seen;
+    seen.robots.push_back({{Team::kBlue, 3},
+                           0,
+                           clock.t_s - 0.015,
+                           2e-5,
+                           {x_mm, 0},
+                           0,
+                           Eigen::Matrix2d::Identity() * 0.01,
+                           1e-3});
+    seen.balls.push_back({clock.t_s - 0.015, {0, 0, 4000}, {x_mm, 500}, 0.3, 21.5, 1e9});
+    track.process({}, clock, BallModel{}, seen, tracked);
+    clock.t_s += 0.0125;
+  };
+  for (int i = 0; i < 80; ++i) see(0);
+  clock.t_s -= 3600;
+  for (int i = 0; i < 20; ++i) see(2000);
+  ASSERT_EQ(tracked.robots.size(), 1U);
+  EXPECT_NEAR(tracked.robots[0].place_mm.x(), 2000, 5) << "it is not where it was in the future";
+  ASSERT_EQ(tracked.balls.size(), 1U);
+  EXPECT_NEAR(tracked.balls[0].place_mm.x(), 2000, 5);
 }
 
 TEST_F(OneRobot, IsShownOnceItWasSeenTwice) {

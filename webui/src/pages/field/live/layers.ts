@@ -4,7 +4,7 @@ import { ref } from 'vue';
 
 export const LAYERS = [
   { value: 'tracked', text: 'Tracked', title: 'What the service makes of all cameras' },
-  { value: 'raw', text: 'Raw', title: 'What each camera reports by itself' },
+  { value: 'raw', text: 'Raw', title: 'What single cameras report' },
   { value: 'agreement', text: 'Agreement', title: 'How far cameras are apart, by places' },
   { value: 'coverage', text: 'Coverage', title: 'How many cameras see each place' },
 ] as const;
