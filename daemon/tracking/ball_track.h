@@ -42,6 +42,8 @@ class BallTrack {
   int sightings() const { return sightings_; }
   /// When it last moved, as far as was seen.
   double moved_s() const { return moved_s_; }
+  /// Well above the floor.
+  bool is_in_the_air(double t_s) const;
   /// It may be anywhere now.
   bool is_gone(double t_s) const;
   /// Of no ball of the league.
@@ -107,7 +109,6 @@ class BallTrack {
   void forget_branches();
   const Branch* reappears(double t_s) const;
   bool where_it_reappears(const Branch& branch, double t_s, BallState& out) const;
-  bool is_in_the_air(double t_s) const;
   void begin_kick(const TrackedRobot& robot, const Eigen::Vector2d& velocity_mm_s, bool is_new);
   void fly(const BallFlight& flight);
   void may_fly(double t_s, const RobotTracks& robots);

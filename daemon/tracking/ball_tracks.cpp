@@ -29,6 +29,7 @@ BallTracks::BallTracks() {
   balls_.reserve(2 * kMost + kSeen);
   unexplained_.reserve(kSeen);
   own_.reserve(kSeen);
+  seen_.reserve(kSeen);
 }
 
 bool BallTracks::is_sure(const BallTrack& track, double t_s) {
@@ -56,13 +57,17 @@ void BallTracks::set_model(const BallModel& model) {
   for (Ball& ball : balls_) ball.track.set_model(model);
 }
 
-void BallTracks::add(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
-  if (seen.empty()) return;
+void BallTracks::add(const std::vector<BallObservation>& all, const RobotTracks& robots) {
+  if (all.empty()) return;
+  std::vector<BallObservation>& seen = seen_;
+  seen = all;
+  for (BallObservation& one : seen) one.is_over_robot = robots.is_over_robot(one, model_.radius_mm);
   const double now_s = seen.front().t_s;
   const std::size_t count = balls_.size();  // without what is added here
   for (std::size_t i = 0; i < count; ++i) {
     own_.clear();
     for (const BallObservation& one : seen) {
+      if (one.is_over_robot && !balls_[i].track.is_in_the_air(now_s)) continue;
       if (!is_of_another(one, balls_[i], robots)) own_.push_back(one);
     }
     if (balls_[i].track.add(own_, robots, before_) != BallTrack::Saw::kTurn) continue;
@@ -154,6 +159,7 @@ void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const 
   const double t_s = seen.front().t_s;
   std::erase_if(unexplained_, [&](const auto& one) { return one.t_s < t_s - kLasts_s; });
   for (const BallObservation& now : seen) {
+    if (now.is_over_robot) continue;
     if (std::any_of(balls_.begin(), balls_.end(),
                     [&](const Ball& ball) { return ball.track.explains(now, robots); }))
       continue;

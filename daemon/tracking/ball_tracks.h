@@ -19,7 +19,7 @@ class BallTracks {
   void set_model(const BallModel& model);
   const BallModel& model() const { return model_; }
   /// The balls of one image.
-  void add(const std::vector<BallObservation>& seen, const RobotTracks& robots);
+  void add(const std::vector<BallObservation>& all, const RobotTracks& robots);
 
   /// The one that is played; nothing while it may be anywhere.
   std::optional<TrackedBall> played_at(double t_s, const RobotTracks& robots) const;
@@ -49,6 +49,7 @@ class BallTracks {
   double lost_s_ = -1e9;  // when the one that was played was seen last
   std::optional<BallTrack> before_;
   std::vector<BallObservation> unexplained_;  // lately
+  std::vector<BallObservation> seen_;         // in this image
   std::vector<BallObservation> own_;          // what one of them may be
   std::optional<TrackedKick> kick_;
   int numbers_ = 0, kicks_ = 0;

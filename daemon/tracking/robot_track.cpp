@@ -18,6 +18,8 @@ constexpr double kJerk = 1e7, kTurnJerk = 2e4;
 /// What a manoeuvre adds to the uncertainty of the acceleration, how long ago it began, and how surprising a
 /// sighting must be for one (in squares of sigmas).
 constexpr double kManoeuvre = 1.2e7, kManoeuvreAge_s = 0.012, kSurprise = 9, kGreatSurprise = 25;
+/// What a push by another robot adds to the uncertainty of the velocity (mm2/s2).
+constexpr double kPush = 3e5, kPushSurprise = 60;
 constexpr double kTurnManoeuvre = 1500, kTurnManoeuvreAge_s = 0.02, kTurnSurprise = 25;
 constexpr double kMaxAcceleration_mm_s2 = 6500, kMaxTurnAcceleration = 80;
 constexpr double kFastest_mm_s = 6000;
@@ -42,6 +44,13 @@ Matrix3d jerk_noise(double passed_s) {
 Matrix3d manoeuvre_noise(double age_s) {
   const Vector3d effect(age_s * age_s / 2, age_s, 1);
   return effect * effect.transpose();
+}
+
+/// The same of a velocity that it was given at some time of this.
+Matrix3d push_noise(double passed_s) {
+  Matrix3d out;
+  out << passed_s * passed_s / 3, passed_s / 2, 0, passed_s / 2, 1, 0, 0, 0, 0;
+  return out;
 }
 
 Matrix3d step_of(double passed_s) {
@@ -80,11 +89,25 @@ void RobotTrack::begin(const RobotObservation& first) {
   angle_cov_.diagonal() << 1e-6, 50, 2000;
   t_s_ = seen_s_ = first.t_s;
   sightings_ = 1;
+  height_mm_ = first.height_mm;
   stands_mm_ = first.place_mm;
   stands_var_mm2_ = 1;
   stands_share_ = 0;
   elsewhere_ = 0;
   differences_.start(first.camera, first.t_s);
+}
+
+bool RobotTrack::is_sure() const {
+  // Two in images that follow each other, or three.
+  constexpr double kNext_s = 0.03;
+  return sightings_ > 2 || (sightings_ == 2 && second_after_s_ < kNext_s);
+}
+
+bool RobotTrack::goes_on(const RobotObservation& second) const {
+  constexpr double kFastest_rad_s = 30, kTurnsRad = 0.1;
+  const double passed_s = second.t_s - t_s_;
+  return std::abs(wrapped(second.orientation_rad - angle_[0])) <
+         kFastest_rad_s * std::abs(passed_s) + kTurnsRad;
 }
 
 void RobotTrack::predict(double t_s) {
@@ -112,16 +135,26 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   elsewhere_ = is_again ? elsewhere_ + 1 : 1;
   elsewhere_mm_ = sighting.place_mm;
   elsewhere_s_ = sighting.t_s;
-  // While it is seen where it was, the other one is another robot with the same id.
+  // What is there while this one is seen where it was is another robot with the same id, and stays one.
   constexpr double kNotHere_s = 0.05;
-  return elsewhere_ >= kSure && sighting.t_s - seen_s_ > kNotHere_s;
+  const bool is_here = sighting.t_s - seen_s_ <= kNotHere_s;
+  const bool is_other = (sighting.place_mm - other_mm_).norm() < reach_mm(sighting.t_s - other_s_);
+  if (is_here || is_other) {
+    other_mm_ = sighting.place_mm;
+    other_s_ = sighting.t_s;
+    return false;
+  }
+  return elsewhere_ >= kSure;
 }
 
-bool RobotTrack::add(const RobotObservation& sighting) {
-  if (sighting.t_s - seen_s_ > kGone_s) {
+bool RobotTrack::add(const RobotObservation& sighting, bool touches) {
+  constexpr double kSecond_s = 0.1;  // so long after the first, at most
+  if (sighting.t_s - seen_s_ > (sightings_ == 1 ? kSecond_s : kGone_s)) {
     begin(sighting);
     return true;
   }
+  if (sightings_ == 1 && !goes_on(sighting)) return false;
+  if (sightings_ == 1) second_after_s_ = std::abs(sighting.t_s - t_s_);
   const RobotTrack before = *this;
   predict(sighting.t_s);
   Vector2d off = sighting.place_mm - state_.head<2>();
@@ -144,8 +177,9 @@ bool RobotTrack::add(const RobotObservation& sighting) {
   noise_factor_ =
       std::clamp(noise_factor_ * (1 + kLearns * (std::min(surprise, kMost) / kUsual - 1)), 1.0, kMostNoise);
   if (surprise > kSurprise) {
-    const Matrix3d more =
-        (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
+    Matrix3d more = (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
+    if (touches && surprise > kPushSurprise)
+      more += kPush * push_noise(std::abs(sighting.t_s - before.seen_s_));
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) cov_.block<2, 2>(2 * i, 2 * j) += more(i, j) * Matrix2d::Identity();
     }

@@ -13,15 +13,19 @@ namespace sslv {
 class RobotTrack {
  public:
   RobotTrack(const RobotObservation& first);
-  /// False: this cannot be the same robot.
-  bool add(const RobotObservation& sighting);
+  /// False: this cannot be the same robot. `touches`: another one, which may push it.
+  bool add(const RobotObservation& sighting, bool touches = false);
   TrackedRobot at(double t_s) const;
 
   double seen_s() const { return seen_s_; }
   /// Not seen for so long, a robot is no longer on the field.
   static constexpr double kGone_s = 0.5;
   int sightings() const { return sightings_; }
-  /// Without looking ahead.
+  /// Whether it is more than a pattern misread, or something that looks like one.
+  bool is_sure() const;
+  double height_mm() const { return height_mm_; }
+  /// Both without looking ahead.
+  Eigen::Vector2d place_mm() const { return state_.head<2>(); }
   Eigen::Vector2d velocity_mm_s() const { return state_.segment<2>(2); }
 
  private:
@@ -29,6 +33,8 @@ class RobotTrack {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   void begin(const RobotObservation& first);
+  /// Whether a second sighting may be of the same robot as the first.
+  bool goes_on(const RobotObservation& second) const;
   /// Whether it was seen there again and again, and nowhere else.
   bool is_now_at(const RobotObservation& sighting);
   void predict(double t_s);
@@ -39,7 +45,9 @@ class RobotTrack {
   double t_s_ = 0, seen_s_ = 0;
   double interval_s_ = 0.02;  // between two sightings, lately
   int sightings_ = 0;
-  Vector6 state_;  // place, velocity, acceleration
+  double second_after_s_ = 0;  // the second sighting, after the first
+  double height_mm_ = 0;       // of its pattern
+  Vector6 state_;              // place, velocity, acceleration
   Matrix6 cov_;
   Eigen::Vector3d angle_;  // orientation, turn, its acceleration
   Eigen::Matrix3d angle_cov_;
@@ -53,6 +61,9 @@ class RobotTrack {
   Eigen::Vector2d elsewhere_mm_{0, 0};
   double elsewhere_s_ = 0;
   int elsewhere_ = 0;
+  /// Where another robot with the same id was seen.
+  Eigen::Vector2d other_mm_{0, 0};
+  double other_s_ = -1e9;
 };
 
 }  // namespace sslv

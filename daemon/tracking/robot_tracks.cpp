@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/robot_tracks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,15 +14,55 @@ void RobotTracks::add(const RobotObservation& seen) {
   if (known == tracks.end()) {
     tracks.emplace(seen.name, RobotTrack(seen));
   } else {
-    known->second.add(seen);
+    known->second.add(seen, touches_another(seen));
   }
+}
+
+bool RobotTracks::touches_another(const RobotObservation& seen) const {
+  // Robots are 180 mm wide; the other one was seen an image ago.
+  constexpr double kTouchMm = 220, kLately_s = 0.05;
+  return std::any_of(tracks.begin(), tracks.end(), [&](const auto& one) {
+    return one.first != seen.name &&
+           (one.second.place_mm() - seen.place_mm).squaredNorm() < kTouchMm * kTouchMm &&
+           seen.t_s - one.second.seen_s() < kLately_s;
+  });
+}
+
+/// No two robots are at one place: of two, the one that was seen there for longer is the right one.
+bool RobotTracks::is_misread(const RobotName& name, const RobotTrack& track, double t_s) const {
+  constexpr int kOld = 10;
+  constexpr double kSameMm = 100, kLately_s = 0.1;
+  if (track.sightings() >= kOld) return false;
+  const Vector2d place = track.at(t_s).place_mm;
+  return std::any_of(tracks.begin(), tracks.end(), [&](const auto& one) {
+    const RobotTrack& other = one.second;
+    return one.first != name && other.sightings() > track.sightings() && t_s - other.seen_s() < kLately_s &&
+           (other.at(t_s).place_mm - place).squaredNorm() < kSameMm * kSameMm;
+  });
+}
+
+bool RobotTracks::is_over_robot(const BallObservation& ball, double ball_radius_mm) const {
+  // Less than any robot's top, as its height is not well known.
+  constexpr double kTopMm = 65, kSeen = 0.99;
+  constexpr int kOld = 10;
+  const double height_mm = ball.camera_mm.z();
+  return std::any_of(tracks.begin(), tracks.end(), [&](const auto& one) {
+    const RobotTrack& robot = one.second;
+    if (robot.sightings() < kOld) return false;
+    const double share = (height_mm - robot.height_mm()) / (height_mm - ball_radius_mm);
+    const Vector2d at_top =
+        ball.camera_mm.template head<2>() + share * (ball.place_mm - ball.camera_mm.template head<2>());
+    constexpr double kNearMm = 400;  // of where it was lately
+    if ((robot.place_mm() - at_top).squaredNorm() > kNearMm * kNearMm) return false;
+    const TrackedRobot now = robot.at(ball.t_s);
+    return now.visibility > kSeen && (now.place_mm - at_top).squaredNorm() < kTopMm * kTopMm;
+  });
 }
 
 std::optional<TrackedRobot> RobotTracks::at(const RobotName& name, double t_s) const {
   const auto known = tracks.find(name);
   if (known == tracks.end() || t_s - known->second.seen_s() > RobotTrack::kGone_s) return {};
-  constexpr int kSure = 2;  // one sighting is a pattern misread
-  if (known->second.sightings() < kSure) return {};
+  if (!known->second.is_sure() || is_misread(name, known->second, t_s)) return {};
   return known->second.at(t_s);
 }
 

@@ -16,6 +16,8 @@ namespace sslv {
 class RobotTracks {
  public:
   void add(const RobotObservation& seen);
+  /// Whether a camera sees the top of a robot where it sees this ball, so that the ball is not on the floor.
+  bool is_over_robot(const BallObservation& ball, double ball_radius_mm) const;
 
   /// Nothing for one that is not on the field.
   std::optional<TrackedRobot> at(const RobotName& name, double t_s) const;
@@ -27,6 +29,10 @@ class RobotTracks {
   std::optional<Nearest> nearest(const Eigen::Vector2d& place_mm, double t_s) const;
 
   std::map<RobotName, RobotTrack> tracks;
+
+ private:
+  bool touches_another(const RobotObservation& seen) const;
+  bool is_misread(const RobotName& name, const RobotTrack& track, double t_s) const;
 };
 
 }  // namespace sslv

@@ -66,6 +66,7 @@ struct RobotObservation {
   double orientation_rad;
   Eigen::Matrix2d place_cov_mm2;
   double orientation_sigma_rad;
+  double height_mm;  // of its pattern
 };
 
 /// Likewise of a ball.
@@ -75,6 +76,7 @@ struct BallObservation {
   Eigen::Vector2d place_mm;  // as if on the floor
   double sigma_mm;
   double height_mm, height_sigma_mm;
+  bool is_over_robot = false;  // in front of a robot's top: on it, or in the air, but not on the floor
 };
 
 /// What one image shows; both lists are empty when it is left out.

@@ -21,6 +21,10 @@ class Ours final : public Rival {
     return tracker_.robot(name, t_s);
   }
   std::optional<TrackedBall> ball(double t_s) override { return tracker_.ball(t_s); }
+  std::vector<TrackedBall> balls(double t_s) override {
+    tracker_.at(t_s, tracked_);
+    return tracked_.balls;
+  }
   std::optional<TrackedKick> kick() const override { return tracker_.kick(); }
   const CameraAgreement& agreement() const { return learnt_; }
   const Tracker& tracker() const { return tracker_; }
@@ -31,6 +35,7 @@ class Ours final : public Rival {
   Clocks clocks_;
   Agreement agreement_;
   Tracker tracker_;
+  TrackedField tracked_;
   ImageTime time_;
   Observations observations_;
   CameraAgreement learnt_;

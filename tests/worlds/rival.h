@@ -5,6 +5,7 @@
 #include "world.h"
 
 #include <optional>
+#include <vector>
 
 namespace sslv::worlds {
 
@@ -15,6 +16,11 @@ class Rival {
   virtual void add(const WorldImage& image) = 0;
   virtual std::optional<TrackedRobot> robot(const RobotName& name, double t_s) = 0;
   virtual std::optional<TrackedBall> ball(double t_s) = 0;
+  /// All that it takes for balls.
+  virtual std::vector<TrackedBall> balls(double t_s) {
+    const auto one = ball(t_s);
+    return one ? std::vector{*one} : std::vector<TrackedBall>{};
+  }
   virtual std::optional<TrackedKick> kick() const = 0;
 };
 

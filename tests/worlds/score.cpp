@@ -17,6 +17,8 @@ constexpr double kWork_s = 0.3e-3;
 /// Tracks settle; set-up has a row of its own.
 constexpr double kWarm_s = 6;
 constexpr double kShortly_s = 0.05;
+/// What is visible by half is taken for real; what is farther off is another thing.
+constexpr double kShown = 0.5, kElsewhereMm = 300;
 
 double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2 * std::numbers::pi);
@@ -50,11 +52,15 @@ class Scorer {
       if (image.true_balls > 0) ball_seen_s_ = image.t_true_s;
       for (const RobotSighting& robot : image.sightings.robots) {
         const int seen = World::robot_of(robot.team, robot.id);
-        robots_[static_cast<std::size_t>(seen)].seen_s = image.t_true_s;
+        if (seen < world_.options().robots) robots_[static_cast<std::size_t>(seen)].seen_s = image.t_true_s;
       }
       if (set_up_s_ < 0) watch_set_up(now_s);
       for (int i = 0; i < world_.options().robots; ++i)
         score_robot(i, now_s, before_s > 0 ? now_s - before_s : 0);
+      if (is_warm_) {
+        watch_ghost_robots(now_s);
+        watch_ghost_balls(now_s);
+      }
       if (is_warm_) score_ball(ball, now_s, before_s > 0 ? now_s - before_s : 0);
       score_kick(now_s);
       before_s = now_s;
@@ -72,11 +78,15 @@ class Scorer {
   }
 
  private:
+  /// Of moments after which the velocity is wrong for a while.
+  struct Watch {
+    std::size_t next = 0;
+    double began_s = -1;  // of what is watched; -1: nothing
+    double over_s = 0;    // so long the velocity has been wrong since
+  };
   struct RobotScore {
     double seen_s = -1e9;  // by any camera
-    std::size_t next_swerve = 0;
-    double swerve_s = -1;     // that is watched; -1: none
-    double over_s = 0;        // so long the velocity has been wrong since
+    Watch swerve, collision;
     Vector2d error_mm{0, 0};  // at the image before
     bool had_error = false;
   };
@@ -84,6 +94,59 @@ class Scorer {
     int number = 0;  // as reported; 0: not
     std::array<bool, 3> landing_scored{};
   };
+
+  /// Seconds since the last of these moments.
+  double since(const std::vector<double>& moments_s, Watch& watch, double now_s) const {
+    while (watch.next < moments_s.size() && moments_s[watch.next] < now_s) {
+      if (is_warm_ && now_s - moments_s[watch.next] < 0.02) {
+        watch.began_s = moments_s[watch.next];
+        watch.over_s = 0;
+      }
+      ++watch.next;
+    }
+    return watch.next > 0 ? now_s - moments_s[watch.next - 1] : 9;
+  }
+  void add_error(Watch& watch, const char* name, double velocity_error, double now_s, double passed_s) {
+    if (watch.began_s < 0) return;
+    if (velocity_error > 100) watch.over_s += passed_s;
+    if (now_s - watch.began_s <= 0.25) return;
+    out_.errors[name].add(1e3 * watch.over_s);
+    watch.began_s = -1;
+  }
+
+  /// Robots that are shown where none of their name is, and not only for a moment as if hidden.
+  void watch_ghost_robots(double now_s) {
+    for (int of_all = 0; of_all < static_cast<int>(is_ghost_.size()); ++of_all) {
+      const auto robot = estimate(of_all, now_s);
+      bool is_ghost = robot && robot->visibility >= kShown;
+      if (is_ghost && of_all < world_.options().robots) {
+        const Vector2d truth = world_.robot(of_all, now_s).place_mm;
+        const bool is_seen = now_s - robots_[static_cast<std::size_t>(of_all)].seen_s < kShortly_s;
+        is_ghost = is_seen && is_on_carpet(truth) && (robot->place_mm - truth).norm() > kElsewhereMm;
+        if (of_all == 0 && world_.options().has_twin && is_ghost)
+          is_ghost = (robot->place_mm - World::twin_mm(now_s)).norm() > kElsewhereMm;
+      }
+      bool& was_ghost = is_ghost_[static_cast<std::size_t>(of_all)];
+      if (is_ghost && !was_ghost) ++out_.counts["ghosts of robots"];
+      was_ghost = is_ghost;
+    }
+  }
+
+  void watch_ghost_balls(double now_s) {
+    bool is_ghost = false;
+    if (now_s - ball_seen_s_ < kShortly_s) {
+      const Vector2d truth = world_.ball(now_s).place_mm.head<2>();
+      for (const TrackedBall& ball : rival_.balls(now_s)) {
+        if (ball.visibility < kShown) continue;
+        const Vector2d place = ball.place_mm.head<2>();
+        const bool is_second =
+            world_.options().has_second_ball && (place - World::kSecondBallMm).norm() < kElsewhereMm;
+        is_ghost = is_ghost || (!is_second && (place - truth).norm() > kElsewhereMm);
+      }
+    }
+    if (is_ghost && !was_ghost_ball_) ++out_.counts["ghosts of balls"];
+    was_ghost_ball_ = is_ghost;
+  }
 
   bool turns_within(double from_s, double to_s) const {
     const auto first = std::lower_bound(turns_s_.begin(), turns_s_.end(), from_s);
@@ -106,19 +169,15 @@ class Scorer {
   }
 
   void score_robot(int i, double now_s, double passed_s) {
+    // Nobody can tell which of two is the right one, once neither was seen for a while.
+    if (i == 0 && world_.options().has_twin) return;
     RobotScore& state = robots_[static_cast<std::size_t>(i)];
     const RobotTruth truth = world_.robot(i, now_s);
-    const auto& swerves = world_.swerves_of(i);
-    while (state.next_swerve < swerves.size() && swerves[state.next_swerve] < now_s) {
-      if (is_warm_ && now_s - swerves[state.next_swerve] < 0.02) {
-        state.swerve_s = swerves[state.next_swerve];
-        state.over_s = 0;
-      }
-      ++state.next_swerve;
-    }
+    const double since_swerve_s = std::min(since(world_.swerves_of(i), state.swerve, now_s),
+                                           since(world_.collisions_of(i), state.collision, now_s));
     if (!is_on_carpet(truth.place_mm) || !is_on_carpet(world_.robot(i, now_s - 0.6).place_mm)) {
       state.had_error = false;
-      state.swerve_s = -1;
+      state.swerve.began_s = state.collision.began_s = -1;
       return;
     }
     const auto robot = estimate(i, now_s);
@@ -127,7 +186,7 @@ class Scorer {
     if (now_s - state.seen_s > kUnseen_s) {
       if (is_warm_ && robot && robot->visibility >= 1) ++out_.counts["unseen robots shown as seen (images)"];
       state.had_error = false;
-      state.swerve_s = -1;
+      state.swerve.began_s = state.collision.began_s = -1;
       return;
     }
     if (!robot) {
@@ -137,7 +196,6 @@ class Scorer {
     }
     const Vector2d error_mm = robot->place_mm - truth.place_mm;
     const double velocity_error = (robot->velocity_mm_s - truth.velocity_mm_s).norm();
-    const double since_swerve_s = state.next_swerve > 0 ? now_s - swerves[state.next_swerve - 1] : 9;
     if (is_warm_) {
       out_.errors["robot place"].add(error_mm.norm());
       out_.errors["robot velocity"].add(velocity_error);
@@ -156,14 +214,8 @@ class Scorer {
     }
     state.error_mm = error_mm;
     state.had_error = true;
-    if (state.swerve_s >= 0) {
-      const double after_s = now_s - state.swerve_s;
-      if (velocity_error > 100) state.over_s += passed_s;
-      if (after_s > 0.25) {
-        out_.errors["swerve ms"].add(1e3 * state.over_s);
-        state.swerve_s = -1;
-      }
-    }
+    add_error(state.swerve, "swerve ms", velocity_error, now_s, passed_s);
+    add_error(state.collision, "collision ms", velocity_error, now_s, passed_s);
   }
 
   void score_ball(const std::optional<TrackedBall>& ball, double now_s, double passed_s) {
@@ -284,6 +336,8 @@ class Scorer {
   std::vector<KickScore> kicks_;
   std::vector<double> turns_s_;
   std::array<bool, 3> hidden_scored_{};
+  std::array<bool, 32> is_ghost_{};  // robots of any id that a pattern can mean
+  bool was_ghost_ball_ = false;
   bool is_warm_ = false;
   double set_up_s_ = -1, ball_seen_s_ = -1;
   int last_number_ = 0;

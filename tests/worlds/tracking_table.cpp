@@ -57,6 +57,18 @@ const std::vector<Scenario>& scenarios() {
          world.robots_stand = true;
          world.false_ball_share = 0.2;
        }},
+      {"robots collide", [](WorldOptions& world) { world.robots_collide = true; }},
+      {"patterns misread", [](WorldOptions& world) { world.misread_share = 0.002; }},
+      {"a robot's id seen twice", [](WorldOptions& world) { world.has_twin = true; }},
+      {"a ball on a robot", [](WorldOptions& world) { world.has_ball_on_robot = true; }},
+      {"hands and shirts", [](WorldOptions& world) { world.hands_share = 0.5; }},
+      {"other kickers",
+       [](WorldOptions& world) {
+         world.kick_takes_s = 6e-3;
+         world.kick_passes_on = 1;
+         world.chip_rises_from_deg = 30;
+         world.chip_rises_to_deg = 60;
+       }},
   };
   return kAll;
 }

@@ -49,7 +49,7 @@ struct FreeBall {
   bool is_rolling = true, is_flying = false;
   int hops = 0;
   double slid_from_mm_s = 0;  // the speed at which it began to slide
-  // A kick takes three milliseconds.
+  // A kick takes some milliseconds.
   double ramp_s = 0;
   Vector3d ramp_to{0, 0, 0};
 };
@@ -63,6 +63,7 @@ class Play {
     drivers_.resize(count);
     robots_.resize(count);
     swerves.resize(count);
+    collisions.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
       robots_[i].place_mm = anywhere();
       robots_[i].angle_rad = chance_.uniform(-kPi, kPi);
@@ -73,6 +74,7 @@ class Play {
 
   void step(double t_s) {
     for (int i = 0; i < options_.robots; ++i) drive(i, t_s);
+    if (options_.robots_collide) collide(t_s);
     ball_.is_held = holder_ >= 0;
     if (holder_ >= 0) {
       hold(t_s);
@@ -91,7 +93,7 @@ class Play {
 
   std::vector<KickTruth> kicks;
   std::vector<std::pair<double, BallTurn>> turns;
-  std::vector<std::vector<double>> swerves;
+  std::vector<std::vector<double>> swerves, collisions;
 
  private:
   Vector2d anywhere() { return {chance_.uniform(-5500, 5500), chance_.uniform(-4200, 4200)}; }
@@ -109,6 +111,8 @@ class Play {
                                  : Driver::Mode::kDrive;
       driver.until_s = t_s + chance_.uniform(0.4, 2.2);
       driver.target_mm = anywhere();
+      if (options_.robots_collide && chance_.happens(0.5))
+        driver.target_mm = at(chance_.whole(0, options_.robots - 1)).place_mm;
       driver.speed_mm_s = chance_.uniform(1500, 4000);
       driver.heading_rad = chance_.uniform(-kPi, kPi);
       driver.spin_rad_s = chance_.sign() * chance_.uniform(5, 10);
@@ -160,6 +164,31 @@ class Play {
     }
   }
 
+  /// Robots that touch push each other away, as discs that hardly spring back.
+  void collide(double t_s) {
+    constexpr double kDiameterMm = 180, kSpringsBack = 0.2, kPush_mm_s = 300, kNext_s = 0.3;
+    for (int i = 0; i < options_.robots; ++i) {
+      for (int j = 0; j < i; ++j) {
+        RobotTruth &a = at(i), &b = at(j);
+        const Vector2d apart = b.place_mm - a.place_mm;
+        if (apart.norm() >= kDiameterMm) continue;
+        const Vector2d normal = unit(apart);
+        const double into = (a.velocity_mm_s - b.velocity_mm_s).dot(normal);
+        const double deep = kDiameterMm - apart.norm();
+        a.place_mm -= normal * deep / 2;
+        b.place_mm += normal * deep / 2;
+        if (into <= 0) continue;
+        a.velocity_mm_s -= normal * into * (1 + kSpringsBack) / 2;
+        b.velocity_mm_s += normal * into * (1 + kSpringsBack) / 2;
+        if (into < kPush_mm_s) continue;
+        for (const int one : {i, j}) {
+          auto& times_s = collisions[static_cast<std::size_t>(one)];
+          if (times_s.empty() || t_s - times_s.back() > kNext_s) times_s.push_back(t_s);
+        }
+      }
+    }
+  }
+
   void hold(double t_s) {
     const RobotTruth& robot = at(holder_);
     const Vector2d ahead = along(robot.angle_rad), side = left_of(ahead);
@@ -183,17 +212,18 @@ class Play {
     kick.robot = kicker;
     double up = 0;
     if (is_chip) {
-      const double rises_rad = chance_.uniform(42, 48) * kPi / 180;
+      const double rises_rad =
+          chance_.uniform(options_.chip_rises_from_deg, options_.chip_rises_to_deg) * kPi / 180;
       up = speed * std::sin(rises_rad);
       speed *= std::cos(rises_rad);
     }
-    Vector2d velocity = 0.5 * at(kicker).velocity_mm_s + along(angle_rad) * speed;
+    Vector2d velocity = options_.kick_passes_on * at(kicker).velocity_mm_s + along(angle_rad) * speed;
     constexpr double kFastest = 6500;
     if (velocity.norm() > kFastest) velocity *= kFastest / velocity.norm();
     kick.velocity_mm_s << velocity, up;
     free_ = {};
     free_.is_rolling = false;
-    free_.ramp_s = 3e-3;
+    free_.ramp_s = options_.kick_takes_s;
     free_.ramp_to = kick.velocity_mm_s;
     kicks.push_back(kick);
     last_kicker_ = kicker;
@@ -396,6 +426,7 @@ void World::play() {
   kicks_ = std::move(play.kicks);
   turns_ = std::move(play.turns);
   swerves_ = std::move(play.swerves);
+  collisions_ = std::move(play.collisions);
 }
 
 RobotTruth World::robot(int robot, double t_s) const {
@@ -463,6 +494,52 @@ void World::look() {
   }
 }
 
+Vector2d World::twin_mm(double t_s) {
+  return {3000 + 800 * std::cos(t_s), 2500 + 500 * std::sin(t_s)};
+}
+
+/// What is no robot and no ball of the field. The same whatever else happens.
+constexpr double kTwinComes_s = 10;
+
+void World::see_strangers(int index, double t_s, WorldImage& image) const {
+  const WorldCamera& camera = cameras_[static_cast<std::size_t>(index)];
+  const auto moment = static_cast<std::uint64_t>(t_s * 1e4);
+  halls::Chance chance(options_.seed + 7 * static_cast<std::uint64_t>(index), "strangers", moment);
+  const double side_x = camera.center_mm.x() > 0 ? 1 : -1, side_y = camera.center_mm.y() > 0 ? 1 : -1;
+  const auto add_robot = [&](Team team, int id, const Vector2d& place, double angle_rad) {
+    const Vector2d off(0.06 * chance.normal(), 0.06 * chance.normal());
+    image.sightings.robots.push_back({team, id, place + off, angle_rad + 1e-3 * chance.normal(),
+                                      kRobotHeightMm, Eigen::Matrix2d::Identity() * 0.0036, 1e-3});
+  };
+  if (options_.has_twin && t_s > kTwinComes_s && side_x > 0 && side_y > 0) {
+    add_robot(team_of(0), id_of(0), twin_mm(t_s), wrapped(t_s));
+  }
+  if (options_.hands_share <= 0) return;
+  // Somebody leans in for two seconds at a time, at a place of his own.
+  constexpr double kLeans_s = 2;
+  const auto visit = static_cast<std::uint64_t>(t_s / kLeans_s);
+  halls::Chance visitor(options_.seed + 7 * static_cast<std::uint64_t>(index), "visitor", visit);
+  if (!visitor.happens(options_.hands_share)) return;
+  const Vector2d stands(side_x * visitor.uniform(800, 5500), side_y * visitor.uniform(4300, 4700));
+  const Vector2d reaches(visitor.uniform(-300, 300), -side_y * visitor.uniform(0, 400));
+  const double share = std::fmod(t_s, kLeans_s) / kLeans_s;
+  const Vector2d hand = stands + reaches * std::sin(share * kPi);
+  // Skin and a shirt's print: a ball here and there, a dot of a team with whatever lies about it.
+  while (chance.happens(0.4)) {
+    BallSighting ball{};
+    ball.confidence = chance.uniform(0.3, 0.8);
+    ball.place_mm = hand + Vector2d(30 * chance.normal(), 30 * chance.normal());
+    ball.place_cov_mm2 = Eigen::Matrix2d::Identity() * 0.3;
+    ball.height_mm = kBallRadiusMm + 90 * chance.normal();
+    ball.height_sigma_mm = 70;
+    image.sightings.balls.push_back(ball);
+  }
+  if (!chance.happens(0.05)) return;
+  const Team team = chance.happens(0.5) ? Team::kYellow : Team::kBlue;
+  const Vector2d off(60 * chance.normal(), 60 * chance.normal());
+  add_robot(team, chance.whole(0, 15), hand + off, chance.uniform(-kPi, kPi));
+}
+
 void World::see(int index, long number, double t_s, Stray& stray) {
   const WorldCamera& camera = cameras_[static_cast<std::size_t>(index)];
   WorldImage image;
@@ -493,8 +570,10 @@ void World::see(int index, long number, double t_s, Stray& stray) {
     const double angle_sigma = options_.noise * (0.02 + 0.02 * off_axis(seen)) * kPi / 180;
     const auto off = [&] { return sigma * chance_.normal() + options_.wobble_mm * chance_.normal(); };
     const double off_x = off(), off_y = off();
+    int id = id_of(i);
+    if (options_.misread_share > 0 && chance_.happens(options_.misread_share)) id = chance_.whole(0, 15);
     image.sightings.robots.push_back(
-        {team_of(i), id_of(i), seen + bias + Vector2d(off_x, off_y),
+        {team_of(i), id, seen + bias + Vector2d(off_x, off_y),
          wrapped(truth.angle_rad + angle_sigma * chance_.normal() + 0.0006 * bias.x()), kRobotHeightMm,
          Eigen::Matrix2d::Identity() * sigma * sigma, angle_sigma});
   }
@@ -535,7 +614,12 @@ void World::see(int index, long number, double t_s, Stray& stray) {
     is_hidden = (on_floor + towards * nearest - robot_mm).norm() < 85;
   }
   if (!is_hidden) image.true_balls = add_ball(ball.place_mm);
-  if (options_.has_second_ball) add_ball({-2000, 4300, kBallRadiusMm});
+  if (options_.has_second_ball) add_ball({kSecondBallMm.x(), kSecondBallMm.y(), kBallRadiusMm});
+  if (options_.has_ball_on_robot) {
+    const Vector2d robot_mm = robot(options_.robots - 1, t_s).place_mm;
+    add_ball({robot_mm.x(), robot_mm.y(), kRobotHeightMm});
+  }
+  see_strangers(index, t_s, image);
 
   if (stray.images > 0) {
     --stray.images;

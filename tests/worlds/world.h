@@ -34,7 +34,15 @@ struct WorldOptions {
   double robot_height_spread_mm = 0;  // every robot's own, evenly up to this, within its team's
   bool only_chips = false;
   bool robots_stand = false;
-  bool has_second_ball = false;         // that lies still
+  bool has_second_ball = false;    // that lies still, at kSecondBallMm
+  bool robots_collide = false;     // and often drive where another one is; else they pass through
+  double misread_share = 0;        // of sightings of robots that say another id of the same team
+  bool has_twin = false;           // another robot wears what the first one wears
+  bool has_ball_on_robot = false;  // something on the last robot looks like a ball
+  double hands_share = 0;          // of the time in which hands and shirts show at the edge of the field
+  double kick_takes_s = 3e-3;
+  double kick_passes_on = 0.5;  // of the robot's velocity, to the ball that it kicks
+  double chip_rises_from_deg = 42, chip_rises_to_deg = 48;
   std::optional<double> camera_dies_s;  // camera 1 sends nothing from then on
 };
 
@@ -90,6 +98,10 @@ class World {
   static Team team_of(int robot) { return robot % 2 ? Team::kBlue : Team::kYellow; }
   static int id_of(int robot) { return robot / 2; }
   static int robot_of(Team team, int id) { return 2 * id + (team == Team::kBlue ? 1 : 0); }
+  /// When this robot was pushed by another one.
+  const std::vector<double>& collisions_of(int robot) const {
+    return collisions_[static_cast<std::size_t>(robot)];
+  }
 
   const WorldOptions& options() const { return options_; }
   const std::array<WorldCamera, 4>& cameras() const { return cameras_; }
@@ -104,6 +116,9 @@ class World {
   double height_of(int robot) const { return heights_mm_[static_cast<std::size_t>(robot)]; }
 
   static constexpr double kBallRadiusMm = 21.5, kRobotHeightMm = 145, kGravityMm_s2 = 9810;
+  /// Where the other robot is that wears what the first one wears.
+  static Eigen::Vector2d twin_mm(double t_s);
+  inline static const Eigen::Vector2d kSecondBallMm{-2000, 4300};
   static constexpr double kHalfLengthMm = 6000, kHalfWidthMm = 4500;
 
  private:
@@ -111,6 +126,7 @@ class World {
   void play();
   void look();
   void see(int camera, long number, double t_s, struct Stray& stray);
+  void see_strangers(int camera, double t_s, WorldImage& image) const;
   Eigen::Vector2d bias_of(const WorldCamera& camera, const Eigen::Vector2d& place_mm, bool of_robots) const;
 
   const WorldOptions options_;
@@ -122,7 +138,7 @@ class World {
   double slides_mm_s2_ = 0, rolls_mm_s2_ = 0;
   std::vector<KickTruth> kicks_;
   std::vector<std::pair<double, BallTurn>> turns_;
-  std::vector<std::vector<double>> swerves_;
+  std::vector<std::vector<double>> swerves_, collisions_;
   std::vector<std::pair<double, double>> occlusions_s_;
   std::vector<WorldImage> images_;
 };
