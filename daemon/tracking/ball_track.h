@@ -37,9 +37,12 @@ class BallTrack {
   bool explains(const BallObservation& sighting, const RobotTracks& robots) const;
   TrackedBall at(double t_s, const RobotTracks& robots) const;
   double seen_s() const { return seen_s_; }
+  Eigen::Vector2d seen_mm() const { return seen_mm_; }
   const std::optional<TrackedKick>& kick() const { return kick_; }
   /// Sightings since it began or turned.
   int sightings() const { return sightings_; }
+  /// Whether it goes its way without surprises.
+  bool is_steady() const { return 3 * surprises_ <= sightings_; }
   /// When it last moved, as far as was seen.
   double moved_s() const { return moved_s_; }
   /// Well above the floor.
@@ -80,6 +83,8 @@ class BallTrack {
     Eigen::Vector2d velocity() const { return (last().place_mm - first().place_mm) / passed_s(); }
     /// As something does that looks like a ball and is none.
     bool lies() const;
+    /// As a ball goes that meets nothing.
+    bool is_straight() const;
   };
 
   /// Of two ways.

@@ -32,9 +32,17 @@ BallTracks::BallTracks() {
   seen_.reserve(kSeen);
 }
 
-bool BallTracks::is_sure(const BallTrack& track, double t_s) {
-  // What looks like a ball for some images does not move.
-  return track.sightings() >= (lies(track, t_s) ? 6 : 3);
+bool BallTracks::is_sure(const BallTrack& track, double t_s, bool is_in_doubt) {
+  // What looks like a ball for some images does not move; a hand does, but not as a ball.
+  const int enough = lies(track, t_s) ? 6 : 3;
+  return track.is_steady() && track.sightings() >= (is_in_doubt ? 2 * enough + 2 : enough);
+}
+
+/// Whether one may have gone from where it was seen last to where the other was.
+bool BallTracks::reaches(const BallTrack& one, const BallTrack& other) {
+  constexpr double kFastest_mm_s = 8000, kNearMm = 300;
+  const double passed_s = std::abs(other.seen_s() - one.seen_s());
+  return (other.seen_mm() - one.seen_mm()).norm() < kFastest_mm_s * passed_s + kNearMm;
 }
 
 /// What one that is looked at since long explains is not what another has turned to.
@@ -90,7 +98,7 @@ void BallTracks::find_played(double t_s) {
   constexpr double kForgotten_s = 3;
   for (std::size_t i = 0; i < balls_.size() && !is_known_; ++i) {
     const Ball& ball = balls_[i];
-    if (t_s - ball.track.seen_s() > kLately_s || !is_sure(ball.track, t_s)) continue;
+    if (t_s - ball.track.seen_s() > kLately_s || !is_sure(ball.track, t_s, false)) continue;
     // One that lay there while another was played is not the one that is hidden.
     if (lies(ball.track, t_s) && ball.began_s < lost_s_ && t_s - lost_s_ < kForgotten_s) continue;
     is_known_ = true;
@@ -107,17 +115,19 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
                 [&](const Ball& ball) { return ball.track.is_gone(t_s) || ball.track.is_too_fast(); });
   if (!is_known_) find_played(t_s);
   if (!is_known_) return;
-  constexpr double kUnseen_s = 0.05, kStill_s = 1;
-  constexpr int kPlayed = 6;
+  constexpr double kUnseen_s = 0.05, kLost_s = 0.4, kStill_s = 1;
+  constexpr int kPlayed = 20;
   // One that turned was not it when what it was before is seen again, and it is not.
   std::size_t first = 0;
   for (std::size_t i = 1; i < balls_.size(); ++i) {
     const BallTrack &shown = balls_[first].track, &other = balls_[i].track;
-    if (t_s - other.seen_s() > kLately_s || !is_sure(other, t_s)) continue;
+    if (t_s - other.seen_s() > kLately_s) continue;
     const double unseen_s = other.seen_s() - shown.seen_s();
+    const bool is_near = balls_[i].is_past || (unseen_s > kLately_s && reaches(shown, other));
+    if (!is_sure(other, t_s, !is_near)) continue;
     // A ball that lies still elsewhere is not the one that is hidden.
     const bool may_be_it = balls_[i].is_past || !lies(other, t_s);
-    const bool shown_is_unseen = may_be_it && unseen_s > kUnseen_s;
+    const bool shown_is_unseen = may_be_it && unseen_s > (is_near ? kUnseen_s : kLost_s);
     const bool shown_is_young = may_be_it && shown.sightings() < kOld &&
                                 other.sightings() > 2 * shown.sightings() && unseen_s > kLately_s / 2;
     // Balls beside the field lie still; the one that is played does not.
@@ -127,7 +137,6 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
   if (first != 0) std::swap(balls_[0], balls_[first]);
   balls_[0].is_past = false;
   // What one was before its turn is of no use once the turn is sure; two on one way are one.
-  const auto a = balls_[0].track.at(t_s, robots);
   for (std::size_t i = balls_.size(); i-- > 1;) {
     const Ball& other = balls_[i];
     const bool is_over = other.is_past && balls_[0].track.sightings() >= kOld &&
@@ -135,7 +144,11 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
     const auto b = other.track.at(t_s, robots);
     constexpr double kSameMm = 15, kSame_mm_s = 300;
     const bool is_same =
-        (a.place_mm - b.place_mm).norm() < kSameMm && (a.velocity_mm_s - b.velocity_mm_s).norm() < kSame_mm_s;
+        std::any_of(balls_.begin(), balls_.begin() + static_cast<std::ptrdiff_t>(i), [&](const Ball& one) {
+          const auto a = one.track.at(t_s, robots);
+          return (a.place_mm - b.place_mm).norm() < kSameMm &&
+                 (a.velocity_mm_s - b.velocity_mm_s).norm() < kSame_mm_s;
+        });
     if (is_over || is_same || i >= kMost) balls_.erase(balls_.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
@@ -193,7 +206,8 @@ std::vector<TrackedBall> BallTracks::at(double t_s, const RobotTracks& robots) c
   for (std::size_t i = 0; i < balls_.size(); ++i) {
     const Ball& ball = balls_[i];
     const bool is_played = is_known_ && i == 0;
-    if (ball.is_past || ball.track.is_gone(t_s) || !(is_played || is_sure(ball.track, t_s))) continue;
+    if (ball.is_past || ball.track.is_gone(t_s) || !(is_played || is_sure(ball.track, t_s, is_known_)))
+      continue;
     out.push_back(ball.track.at(t_s, robots));
   }
   return out;

@@ -36,7 +36,8 @@ class BallTracks {
     double began_s = 0;
   };
   /// Whether it is more than something that looks like a ball for some images.
-  static bool is_sure(const BallTrack& track, double t_s);
+  static bool is_sure(const BallTrack& track, double t_s, bool is_in_doubt);
+  static bool reaches(const BallTrack& one, const BallTrack& other);
   bool is_of_another(const BallObservation& one, const Ball& ball, const RobotTracks& robots) const;
   void find_played(double t_s);
   void look_for_balls(const std::vector<BallObservation>& seen, const RobotTracks& robots);

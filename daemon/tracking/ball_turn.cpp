@@ -28,6 +28,15 @@ bool BallTrack::Branch::lies() const {
   return count > 1 && (last().place_mm - first().place_mm).norm() < kLies_mm_s * passed_s() + kShakesMm;
 }
 
+bool BallTrack::Branch::is_straight() const {
+  constexpr double kOffMm = 10;
+  const Vector2d goes_mm_s = velocity();
+  return std::all_of(
+      seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(count), [&](const BallObservation& one) {
+        return (first().place_mm + goes_mm_s * (one.t_s - first().t_s) - one.place_mm).norm() < kOffMm;
+      });
+}
+
 /// Whether a ball can have gone from where a branch began to here.
 bool BallTrack::tells_a_way(const Branch& branch, const BallObservation& now) {
   constexpr double kFastest_mm_s = 9500;
@@ -217,7 +226,7 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
       (touches_nothing && is_inside && (velocity - event.before_mm_s).norm() < kTurns_mm_s)) {
     constexpr std::size_t kEnough = 3;
     constexpr double kSlides_mm_s = 1500;
-    if (branch.count < kEnough) return Saw::kNothing;
+    if (branch.count < kEnough || !branch.is_straight()) return Saw::kNothing;
     roll(last, velocity, speed > kSlides_mm_s, speed);
     is_kick_ = false;
     follow(branch);
