@@ -213,6 +213,11 @@ std::vector<TrackedBall> BallTracks::at(double t_s, const RobotTracks& robots) c
   return out;
 }
 
+std::optional<double> BallTracks::played_seen_s() const {
+  if (!is_known_) return {};
+  return balls_[0].track.seen_s();
+}
+
 std::optional<TrackedBall> BallTracks::played_at(double t_s, const RobotTracks& robots) const {
   if (!is_known_ || balls_[0].track.is_gone(t_s)) return {};
   return balls_[0].track.at(t_s, robots);

@@ -23,6 +23,8 @@ class BallTracks {
 
   /// The one that is played; nothing while it may be anywhere.
   std::optional<TrackedBall> played_at(double t_s, const RobotTracks& robots) const;
+  /// When a camera saw that one last.
+  std::optional<double> played_seen_s() const;
   /// All of them, the one that is played first, while that is known.
   std::vector<TrackedBall> at(double t_s, const RobotTracks& robots) const;
   /// The newest.

@@ -59,6 +59,15 @@ Matrix3d step_of(double passed_s) {
   return out;
 }
 
+/// What holds of one axis holds of the other.
+RobotTrack::Matrix6 of_both_axes(const Matrix3d& one) {
+  RobotTrack::Matrix6 out = RobotTrack::Matrix6::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) out.block<2, 2>(2 * i, 2 * j) = one(i, j) * Matrix2d::Identity();
+  }
+  return out;
+}
+
 /// How far from where it is expected a robot can be after so long.
 double reach_mm(double passed_s) {
   constexpr double kJumpMm = 20, kLongest_s = 0.1;
@@ -114,13 +123,7 @@ void RobotTrack::predict(double t_s) {
   const double passed_s = t_s - t_s_;
   if (passed_s == 0) return;
   const Matrix3d step = step_of(passed_s), noise = kJerk * jerk_noise(passed_s);
-  Matrix6 whole = Matrix6::Zero(), more = Matrix6::Zero();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      whole.block<2, 2>(2 * i, 2 * j) = step(i, j) * Matrix2d::Identity();
-      more.block<2, 2>(2 * i, 2 * j) = noise(i, j) * Matrix2d::Identity();
-    }
-  }
+  const Matrix6 whole = of_both_axes(step), more = of_both_axes(noise);
   state_ = whole * state_;
   cov_ = whole * cov_ * whole.transpose() + more;
   angle_ = step * angle_;
@@ -147,10 +150,22 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   return elsewhere_ >= kSure;
 }
 
-bool RobotTrack::add(const RobotObservation& sighting, bool touches) {
+RobotTrack::Step RobotTrack::last_step() const {
+  Step out;
+  out.t_s = t_s_;
+  out.state = state_;
+  out.angle = angle_;
+  out.stands_mm = stands_mm_;
+  out.stands_share = stands_share_;
+  out.place_sigma_mm = std::sqrt(std::max(0.0, cov_.topLeftCorner<2, 2>().trace() / 2));
+  return out;
+}
+
+bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step) {
   constexpr double kSecond_s = 0.1;  // so long after the first, at most
   if (sighting.t_s - seen_s_ > (sightings_ == 1 ? kSecond_s : kGone_s)) {
     begin(sighting);
+    if (step) *step = last_step();
     return true;
   }
   if (sightings_ == 1 && !goes_on(sighting)) return false;
@@ -159,10 +174,15 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches) {
   predict(sighting.t_s);
   Vector2d off = sighting.place_mm - state_.head<2>();
   off -= differences_.take(sighting.camera, sighting.t_s, off);
-  if (off.norm() > reach_mm(sighting.t_s - before.seen_s_)) {
+  // What is nearer to where the other one with its id was is that one.
+  constexpr double kLately_s = 0.05;
+  const bool is_other =
+      sighting.t_s - other_s_ < kLately_s && (sighting.place_mm - other_mm_).norm() < off.norm();
+  if (is_other || off.norm() > reach_mm(sighting.t_s - before.seen_s_)) {
     *this = before;
     if (!is_now_at(sighting)) return false;
     begin(sighting);
+    if (step) *step = last_step();
     return true;
   }
   elsewhere_ = 0;
@@ -180,18 +200,31 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches) {
     Matrix3d more = (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
     if (touches && surprise > kPushSurprise)
       more += kPush * push_noise(std::abs(sighting.t_s - before.seen_s_));
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) cov_.block<2, 2>(2 * i, 2 * j) += more(i, j) * Matrix2d::Identity();
-    }
+    cov_ += of_both_axes(more);
     spread = cov_.topLeftCorner<2, 2>() + noise;
   }
+  const Vector6 predicted = state_;
+  Matrix6 back;
+  if (step) back = before.cov_ * of_both_axes(step_of(t_s_ - before.t_s_)).transpose() * cov_.inverse();
   const Eigen::Matrix<double, 6, 2> gain = cov_.leftCols<2>() * spread.inverse();
   state_ += gain * off;
   cov_ -= (gain * cov_.topRows<2>()).eval();
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
+  constexpr double kMost_mm_s = 8000;
+  const double speed = state_.segment<2>(2).norm();
+  if (speed > kMost_mm_s) state_.segment<2>(2) *= kMost_mm_s / speed;
   const double acceleration = state_.tail<2>().norm();
   if (acceleration > kMaxAcceleration_mm_s2) state_.tail<2>() *= kMaxAcceleration_mm_s2 / acceleration;
-  turn(sighting);
+  const Vector3d predicted_angle = angle_;
+  const Matrix3d angle_cov = turn(sighting);
+  if (step) {
+    *step = last_step();
+    step->is_first = false;
+    step->predicted = predicted;
+    step->back = back;
+    step->predicted_angle = predicted_angle;
+    step->angle_back = before.angle_cov_ * step_of(t_s_ - before.t_s_).transpose() * angle_cov.inverse();
+  }
   constexpr double kLearnsInterval = 0.1;
   if (sighting.t_s > seen_s_) interval_s_ += kLearnsInterval * (sighting.t_s - seen_s_ - interval_s_);
   seen_s_ = std::max(seen_s_, sighting.t_s);
@@ -225,7 +258,7 @@ void RobotTrack::stand(const RobotObservation& sighting, const Matrix2d& noise, 
   stands_var_mm2_ *= 1 - gain;
 }
 
-void RobotTrack::turn(const RobotObservation& sighting) {
+Matrix3d RobotTrack::turn(const RobotObservation& sighting) {
   const double off = wrapped(sighting.orientation_rad - angle_[0]);
   const double noise =
       std::pow(std::hypot(sighting.orientation_sigma_rad, kAngleSigma_rad), 2) * angle_noise_factor_;
@@ -234,30 +267,36 @@ void RobotTrack::turn(const RobotObservation& sighting) {
     angle_cov_ += kTurnManoeuvre * manoeuvre_noise(kTurnManoeuvreAge_s);
     spread = angle_cov_(0, 0) + noise;
   }
+  const Matrix3d expected_cov = angle_cov_;
   const Vector3d gain = angle_cov_.col(0) / spread;
   angle_ += gain * off;
   angle_[0] = wrapped(angle_[0]);
   angle_[2] = std::clamp(angle_[2], -kMaxTurnAcceleration, kMaxTurnAcceleration);
   angle_cov_ -= (gain * angle_cov_.row(0)).eval();
+  return expected_cov;
+}
+
+TrackedRobot RobotTrack::Step::robot_at(const RobotName& name, double then_s) const {
+  const double passed_s = then_s - t_s;
+  constexpr double kAccelerates_s = 0.05;
+  const double accelerates_s = std::clamp(passed_s, -kAccelerates_s, kAccelerates_s);
+  const Vector2d acceleration = state.tail<2>();
+  const Vector2d velocity = state.segment<2>(2) + acceleration * accelerates_s;
+  const Vector2d place = state.head<2>() + state.segment<2>(2) * passed_s +
+                         acceleration * (accelerates_s * (passed_s - accelerates_s / 2));
+  const double moves = 1 - stands_share;
+  TrackedRobot out;
+  out.name = name;
+  out.place_mm = stands_share * stands_mm + moves * place;
+  out.velocity_mm_s = moves * velocity;
+  out.orientation_rad = wrapped(angle[0] + angle[1] * passed_s + angle[2] * passed_s * passed_s / 2);
+  out.turn_rad_s = angle[1] + angle[2] * accelerates_s;
+  out.place_sigma_mm = place_sigma_mm + 0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
+  return out;
 }
 
 TrackedRobot RobotTrack::at(double t_s) const {
-  const double passed_s = t_s - t_s_;
-  constexpr double kAccelerates_s = 0.05;
-  const double accelerates_s = std::clamp(passed_s, -kAccelerates_s, kAccelerates_s);
-  const Vector2d acceleration = state_.tail<2>();
-  const Vector2d velocity = state_.segment<2>(2) + acceleration * accelerates_s;
-  const Vector2d place = state_.head<2>() + state_.segment<2>(2) * passed_s +
-                         acceleration * (accelerates_s * (passed_s - accelerates_s / 2));
-  const double moves = 1 - stands_share_;
-  TrackedRobot out;
-  out.name = name_;
-  out.place_mm = stands_share_ * stands_mm_ + moves * place;
-  out.velocity_mm_s = moves * velocity;
-  out.orientation_rad = wrapped(angle_[0] + angle_[1] * passed_s + angle_[2] * passed_s * passed_s / 2);
-  out.turn_rad_s = angle_[1] + angle_[2] * accelerates_s;
-  out.place_sigma_mm = std::sqrt(std::max(0.0, cov_.topLeftCorner<2, 2>().trace() / 2)) +
-                       0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
+  TrackedRobot out = last_step().robot_at(name_, t_s);
   // Two images that it was not seen in, and the way from the exposure to here.
   constexpr double kImages = 2.5, kWay_s = 0.03;
   const double lately_s = std::min(kImages * interval_s_ + kWay_s, kGone_s / 2);

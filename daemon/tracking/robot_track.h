@@ -13,9 +13,30 @@ namespace sslv {
 class RobotTrack {
  public:
   RobotTrack(const RobotObservation& first);
-  /// False: this cannot be the same robot. `touches`: another one, which may push it.
-  bool add(const RobotObservation& sighting, bool touches = false);
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  /// What one sighting made of it, and what a smoother needs to go back over it.
+  struct Step {
+    double t_s = 0;
+    bool is_first = true;
+    Vector6 state, predicted;  // place, velocity, acceleration; with and without this sighting
+    Matrix6 back;              // what one more of this step's state tells of the state before
+    Eigen::Vector3d angle, predicted_angle;
+    Eigen::Matrix3d angle_back;
+    Eigen::Vector2d stands_mm;
+    double stands_share, place_sigma_mm;
+
+    /// Near that time.
+    TrackedRobot robot_at(const RobotName& name, double t_s) const;
+  };
+
+  /// False: this cannot be the same robot. `touches`: another one, which may push it. `step`: gets what
+  /// became of it; null: nobody wants that.
+  bool add(const RobotObservation& sighting, bool touches = false, Step* step = nullptr);
   TrackedRobot at(double t_s) const;
+  /// What is known of it, as its first step.
+  Step last_step() const;
 
   double seen_s() const { return seen_s_; }
   /// Not seen for so long, a robot is no longer on the field.
@@ -29,16 +50,14 @@ class RobotTrack {
   Eigen::Vector2d velocity_mm_s() const { return state_.segment<2>(2); }
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
   void begin(const RobotObservation& first);
   /// Whether a second sighting may be of the same robot as the first.
   bool goes_on(const RobotObservation& second) const;
   /// Whether it was seen there again and again, and nowhere else.
   bool is_now_at(const RobotObservation& sighting);
   void predict(double t_s);
-  void turn(const RobotObservation& sighting);
+  /// Gives what was uncertain before.
+  Eigen::Matrix3d turn(const RobotObservation& sighting);
   void stand(const RobotObservation& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
 
   RobotName name_;

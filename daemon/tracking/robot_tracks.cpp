@@ -9,13 +9,12 @@ namespace sslv {
 
 using Eigen::Vector2d;
 
-void RobotTracks::add(const RobotObservation& seen) {
+bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   const auto known = tracks.find(seen.name);
-  if (known == tracks.end()) {
-    tracks.emplace(seen.name, RobotTrack(seen));
-  } else {
-    known->second.add(seen, touches_another(seen));
-  }
+  if (known != tracks.end()) return known->second.add(seen, touches_another(seen), step);
+  const RobotTrack& made = tracks.emplace(seen.name, RobotTrack(seen)).first->second;
+  if (step) *step = made.last_step();
+  return true;
 }
 
 bool RobotTracks::touches_another(const RobotObservation& seen) const {

@@ -15,7 +15,8 @@ namespace sslv {
 /// The robots on the field.
 class RobotTracks {
  public:
-  void add(const RobotObservation& seen);
+  /// False: it cannot be the robot that it says. `step`: as RobotTrack::add.
+  bool add(const RobotObservation& seen, RobotTrack::Step* step = nullptr);
   /// Whether a camera sees the top of a robot where it sees this ball, so that the ball is not on the floor.
   bool is_over_robot(const BallObservation& ball, double ball_radius_mm) const;
 

@@ -4,6 +4,7 @@
 #include "rival.h"
 #include "tracking/agreement.h"
 #include "tracking/clocks.h"
+#include "tracking/smoother.h"
 #include "tracking/tracker.h"
 
 namespace sslv::worlds {
@@ -39,6 +40,24 @@ class Ours final : public Rival {
   ImageTime time_;
   Observations observations_;
   CameraAgreement learnt_;
+};
+
+/// What is known of a world with a delay, for recordings: it is compared with the truth of that time.
+class Later {
+ public:
+  explicit Later(double lag_s) : smoother_(lag_s) {}
+  /// Gives the field as it was that long before.
+  const TrackedField& add(const WorldImage& image) {
+    ours_.add(image);
+    smoother_.add(ours_.observations());
+    smoother_.at(field_);
+    return field_;
+  }
+
+ private:
+  Ours ours_;
+  Smoother smoother_;
+  TrackedField field_;
 };
 
 }  // namespace sslv::worlds

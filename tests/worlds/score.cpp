@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "score.h"
 
+#include "ours.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -378,6 +380,32 @@ void Score::append(const Score& other) {
 double Score::a_minute(const std::string& count) const {
   const auto found = counts.find(count);
   return found == counts.end() ? 0 : 60 * found->second / scored_s;
+}
+
+Score score_later(const World& world, double lag_s) {
+  Score out;
+  Later later(lag_s);
+  std::vector<double> seen_s(static_cast<std::size_t>(world.options().robots), -1e9);
+  for (const WorldImage& image : world.images()) {
+    const TrackedField& field = later.add(image);
+    if (field.t_s < kWarm_s) continue;
+    for (const TrackedRobot& robot : field.robots) {
+      const int i = World::robot_of(robot.name.team, robot.name.id);
+      if (i >= world.options().robots || robot.visibility < 1) continue;
+      const RobotTruth truth = world.robot(i, field.t_s);
+      if (!is_on_carpet(truth.place_mm)) continue;
+      out.errors["robot place"].add((robot.place_mm - truth.place_mm).norm());
+      out.errors["robot velocity"].add((robot.velocity_mm_s - truth.velocity_mm_s).norm());
+      out.errors["robot turn"].add(robot.turn_rad_s - truth.turn_rad_s);
+    }
+    if (field.balls.empty()) continue;
+    const TrackedBall& ball = field.balls[0];
+    const BallTruth truth = world.ball(field.t_s);
+    const double error_mm = (ball.place_mm - truth.place_mm).head<2>().norm();
+    out.errors[ball.visibility < 1 ? "ball hidden" : "ball"].add(error_mm);
+  }
+  out.scored_s = world.options().duration_s - kWarm_s;
+  return out;
 }
 
 Score score(const World& world, Rival& rival) {

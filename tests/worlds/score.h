@@ -35,6 +35,9 @@ struct Score {
   double a_minute(const std::string& count) const;
 };
 
+/// What is off of robots and of the ball as they are known so much later.
+Score score_later(const World& world, double lag_s);
+
 /// Shows a world's images to a rival, and compares what it says when its packet leaves.
 Score score(const World& world, Rival& rival);
 

@@ -73,6 +73,9 @@ const std::vector<Scenario>& scenarios() {
   return kAll;
 }
 
+/// So long after a moment recordings say what was then.
+constexpr double kLater_s = 0.25;
+
 constexpr const char* kBallModel = "ball's model after 20 kicks";
 
 using Figure = std::function<double(const Score&)>;
@@ -97,6 +100,9 @@ Figure share_of(const char* name, double share) {
 }
 Figure a_minute(const char* name) {
   return [name](const Score& score) { return score.a_minute(name); };
+}
+Figure an_hour(const char* name) {
+  return [name](const Score& score) { return 60 * score.a_minute(name); };
 }
 Figure percent(const char* name, const char* of) {
   return
@@ -147,11 +153,26 @@ std::vector<Row> rows() {
        [](const Score& score) { return count(score, "robots missing (images)"); }, 0},
       {"the same", "robots stand among false balls",
        [](const Score& score) { return count(score, "robots missing (images)"); }, 0},
+      {"ghosts of robots (an hour)", "play", an_hour("ghosts of robots"), 0},
+      {"the same", "patterns misread", an_hour("ghosts of robots"), 0},
+      {"the same", "a robot's id seen twice", an_hour("ghosts of robots"), 0},
+      {"the same", "hands and shirts", an_hour("ghosts of robots"), 0},
+      {"ghosts of balls (an hour)", "play", an_hour("ghosts of balls"), 0},
+      {"the same", "robots stand among false balls", an_hour("ghosts of balls"), 0},
+      {"the same", "a ball on a robot", an_hour("ghosts of balls"), 0},
+      {"the same", "hands and shirts", an_hour("ghosts of balls"), 0},
       {"set-up (ms)", "play", rms_of("set-up ms"), 30},
       {"robot's place, p50 (mm)", "robots' heights +- 8 mm", share_of("robot place", 0.5), 0.5},
       {"robot's height, rms (mm)", "robots' heights +- 8 mm", rms_of("height"), 1.5},
       {"ball more than 300 mm off while seen (%)", "two balls",
        percent("ball off while seen (s)", "ball seen (s)"), 0.5},
+      {"the same", "a ball on a robot", percent("ball off while seen (s)", "ball seen (s)"), 0.1},
+      {"the same", "hands and shirts", percent("ball off while seen (s)", "ball seen (s)"), 1},
+      {"kicks missed (%)", "hands and shirts", percent("kicks missed", "kicks"), 5},
+      {"more than 100 mm/s off after a collision, rms (ms)", "robots collide", rms_of("collision ms"), 70},
+      {"kick's speed after 100 ms, rms (mm/s)", "other kickers", rms_of("kick speed at 100 ms"), 25},
+      {"chip's landing after 200 ms, p50 (mm)", "other kickers", share_of("chip landing at 200 ms", 0.5),
+       100},
       {"robot velocity, p50 (mm/s)", "a camera dies", share_of("robot velocity", 0.5), 9},
       {"robot velocity, rms (mm/s)", "a camera dies", rms_of("robot velocity"), 40},
       {"images in which a robot that is not seen is shown as seen", "a camera dies",
@@ -163,6 +184,9 @@ std::vector<Row> rows() {
       {"speed left by the first hop, most off (%)", kBallModel, share_of("first hop", 1), 3},
       {"speed left by later hops, most off (%)", kBallModel, share_of("later hops", 1), 3},
       {"upward speed left by hops, most off (%)", kBallModel, share_of("hops up", 1), 3},
+      {"robot velocity .25 s later, rms (mm/s)", "play", rms_of("later: robot velocity"), 10},
+      {"angular velocity .25 s later, rms (rad/s)", "play", rms_of("later: robot turn"), 0.1},
+      {"ball's place .25 s later, p99 (mm)", "play", share_of("later: ball", 0.99), 50},
       {"work for an image (us)", "play", rms_of("work us"), 60},
   };
 }
@@ -184,6 +208,12 @@ Scores play(const Scenario& scenario, const Seeds& seeds, double seconds) {
     Incumbent usual;
     out.ours.append(score(world, ours));
     out.usual.append(score(world, usual));
+    // Those who do not look back know later what they knew at once.
+    for (const auto& [what, errors] : score_later(world, kLater_s).errors) {
+      out.ours.errors["later: " + what].append(errors);
+      if (const auto at_once = out.usual.errors.find(what); at_once != out.usual.errors.end())
+        out.usual.errors["later: " + what] = at_once->second;
+    }
     for (int i = 0; i < options.robots; ++i) {
       const double truth_mm = world.height_of(i) - World::kRobotHeightMm;
       const auto height = ours.agreement().height_of({World::team_of(i), World::id_of(i)});
