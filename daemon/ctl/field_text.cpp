@@ -105,6 +105,13 @@ std::string agreement_text(const Json& agreement) {
                                                {"there (mm)", true},
                                                {"places", true}},
                                               rows);
+  for (const Json& trend : agreement.at("trends")) {
+    if (trend.at("since").is_null()) continue;
+    out +=
+        fmt::format("cameras {} and {} have differed by more than 5 mm since {}; before, it was {:.1f} mm\n",
+                    trend.at("cameras").at(0).get<int>(), trend.at("cameras").at(1).get<int>(),
+                    local_time_text(trend.at("since").get<double>()), trend.at("before_mm").get<double>());
+  }
   rows.clear();
   for (const Json& camera : agreement.at("cameras"))
     rows.push_back({std::to_string(camera.at("camera").get<int>()), rounded(camera.at("time_offset_ms"), 2),

@@ -9,6 +9,7 @@
 #include "net/vision_log.h"
 #include "pipeline/pipeline.h"
 #include "ssl_vision_wrapper.pb.h"
+#include "tracking/smoother.h"
 #include "tracking/tracks_json.h"
 
 #include <algorithm>
@@ -66,7 +67,8 @@ struct LogClock : FieldClock {
 
 }  // namespace
 
-TrackedLog track_log(const std::filesystem::path& file, const Config& config, std::ostream* tracks) {
+TrackedLog track_log(const std::filesystem::path& file, const Config& config,
+                     const TrackLogOptions& options) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw StorageError(fmt::format("{}: cannot be read", file.string()));
   VisionLogReader reader(in, file.string());
@@ -77,6 +79,9 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config, st
   Sink sink;
   LogClock clock;
   HeardCameras cameras;
+  std::optional<Smoother> smoother;
+  if (options.later_s > 0) smoother.emplace(options.later_s).set_ball_model(ball);
+  TrackedField later;
   TrackedLog out;
   std::map<RobotName, Watch> before, after;
   Watch ball_before, ball_after;
@@ -106,13 +111,18 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config, st
       ball_before.see(image.t_capture_s, surest->place_mm, kBallFastest_mm_s, out.ball_before);
 
     pipeline.run({frame, config.field, ball, clock, sink}, parameters);
-    const TrackedField& tracked = frame.tracked;
+    if (smoother) {
+      smoother->add(frame.observations);
+      smoother->at(later);
+      ++later.number;
+    }
+    const TrackedField& tracked = smoother ? later : frame.tracked;
     for (const TrackedRobot& robot : tracked.robots)
       after[robot.name].see(tracked.t_s, robot.place_mm, kRobotFastest_mm_s, out.robots_after);
     if (!tracked.balls.empty())
       ball_after.see(tracked.t_s, tracked.balls[0].place_mm.head<2>(), kBallFastest_mm_s, out.ball_after);
     if (tracked.kick) out.kicks = static_cast<std::size_t>(tracked.kick->number);
-    if (tracks) *tracks << to_json(tracked).dump() << "\n";
+    if (options.tracks) *options.tracks << to_json(tracked).dump() << "\n";
   }
   out.cameras = ids.size();
   return out;

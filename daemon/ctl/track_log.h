@@ -30,9 +30,13 @@ struct TrackedLog {
   std::size_t kicks = 0;
 };
 
-/// Runs the field's stack over the vision packets of a log of the league's logger. `tracks`: gets a line of
-/// JSON, as docs/openapi.json's FieldTracks, for each packet; null: nobody wants them. Throws StorageError.
-TrackedLog track_log(const std::filesystem::path& file, const Config& config, std::ostream* tracks);
+struct TrackLogOptions {
+  double later_s = 0;              // tracks as they are known so much later; 0: as they are at once
+  std::ostream* tracks = nullptr;  // gets a line of JSON, as docs/openapi.json's FieldTracks, for each packet
+};
+
+/// Runs the field's stack over the vision packets of a log of the league's logger. Throws StorageError.
+TrackedLog track_log(const std::filesystem::path& file, const Config& config, const TrackLogOptions& options);
 
 Json tracked_log_json(const TrackedLog& log);
 std::string tracked_log_text(const TrackedLog& log);

@@ -201,8 +201,8 @@ void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const 
   }
 }
 
-std::vector<TrackedBall> BallTracks::at(double t_s, const RobotTracks& robots) const {
-  std::vector<TrackedBall> out;
+void BallTracks::at(double t_s, const RobotTracks& robots, std::vector<TrackedBall>& out) const {
+  out.clear();
   for (std::size_t i = 0; i < balls_.size(); ++i) {
     const Ball& ball = balls_[i];
     const bool is_played = is_known_ && i == 0;
@@ -210,7 +210,6 @@ std::vector<TrackedBall> BallTracks::at(double t_s, const RobotTracks& robots) c
       continue;
     out.push_back(ball.track.at(t_s, robots));
   }
-  return out;
 }
 
 std::optional<double> BallTracks::played_seen_s() const {

@@ -25,8 +25,8 @@ class BallTracks {
   std::optional<TrackedBall> played_at(double t_s, const RobotTracks& robots) const;
   /// When a camera saw that one last.
   std::optional<double> played_seen_s() const;
-  /// All of them, the one that is played first, while that is known.
-  std::vector<TrackedBall> at(double t_s, const RobotTracks& robots) const;
+  /// Makes `out` all of them, the one that is played first, while that is known.
+  void at(double t_s, const RobotTracks& robots, std::vector<TrackedBall>& out) const;
   /// The newest.
   const std::optional<TrackedKick>& kick() const { return kick_; }
 

@@ -66,7 +66,7 @@ struct RobotObservation {
   double orientation_rad;
   Eigen::Matrix2d place_cov_mm2;
   double orientation_sigma_rad;
-  double height_mm;  // of its pattern
+  double height_mm = 0;  // of its pattern
 };
 
 /// Likewise of a ball.

@@ -12,23 +12,30 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Between two sightings that are farther apart, one was hidden.
-constexpr double kHidden_s = 0.05;
-
 /// 1 where it was seen, 0 in the middle of a long time in which it was not.
 double visibility_at(double before_s, double after_s, double t_s) {
   const double unseen_s = std::min(t_s - before_s, after_s - t_s);
-  constexpr double kGone_s = 0.5;
+  constexpr double kHidden_s = 0.05, kGone_s = 0.5;
   return std::clamp(1 - (unseen_s - kHidden_s) / kGone_s, 0.0, 1.0);
 }
 
 }  // namespace
 
 void Smoother::add(const Observations& observations) {
+  const double t_s = !observations.robots.empty()  ? observations.robots.front().t_s
+                     : !observations.balls.empty() ? observations.balls.front().t_s
+                                                   : newest_s_;
+  // Where the clock was set back, all that is known lies in the future.
+  constexpr double kSetBack_s = 0.5;
+  if (t_s < newest_s_ - kSetBack_s) {
+    const BallModel model = balls_.model();
+    *this = Smoother(lag_s_);
+    set_ball_model(model);
+  }
+  newest_s_ = std::max(newest_s_, t_s);
   for (const RobotObservation& robot : observations.robots) {
     RobotTrack::Step step;
     if (!robots_.add(robot, &step)) continue;
-    newest_s_ = std::max(newest_s_, robot.t_s);
     auto& steps = steps_[robot.name].steps;
     steps.push_back(step);
     while (steps.size() > 2 && steps[1].t_s < newest_s_ - lag_s_) steps.pop_front();
@@ -38,8 +45,6 @@ void Smoother::add(const Observations& observations) {
   });
   balls_.add(observations.balls, robots_);
   if (observations.balls.empty()) return;
-  const double t_s = observations.balls.front().t_s;
-  newest_s_ = std::max(newest_s_, t_s);
   if (balls_.played_seen_s() != t_s) return;
   const auto ball = balls_.played_at(t_s, robots_);
   if (!ball) return;

@@ -14,7 +14,7 @@ void Tracker::at(double t_s, TrackedField& out) const {
   for (const auto& [name, track] : robots_.tracks) {
     if (auto robot = robots_.at(name, t_s)) out.robots.push_back(*robot);
   }
-  out.balls = balls_.at(t_s, robots_);
+  balls_.at(t_s, robots_, out.balls);
   out.kick = balls_.kick();
   if (!out.kick) return;
   const BallShot shot{

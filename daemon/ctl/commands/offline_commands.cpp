@@ -125,6 +125,7 @@ void add_track(CommandLine& line) {
   struct Options {
     std::filesystem::path log_file, settings_file;
     std::string tracks_file;
+    double later_s = 0;
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
@@ -134,6 +135,10 @@ void add_track(CommandLine& line) {
   command->add_option("--config", o->settings_file, "settings whose field and field's stack are used");
   command->add_option("--tracks", o->tracks_file,
                       "file for the tracks, a line for each packet; -: standard output");
+  command
+      ->add_option("--later", o->later_s,
+                   "tracks as they are known so many seconds later, which are smoother; .25 is enough")
+      ->check(CLI::Range(0.05, 2.0));
   command->add_flag("--json", o->as_json, "as JSON");
   line.on(command, [o] {
     Config config;
@@ -144,7 +149,8 @@ void add_track(CommandLine& line) {
     }
     std::optional<Output> tracks;
     if (!o->tracks_file.empty()) tracks.emplace(o->tracks_file);
-    const TrackedLog log = track_log(o->log_file, config, tracks ? &tracks->stream() : nullptr);
+    const TrackedLog log = track_log(o->log_file, config,
+                                     {.later_s = o->later_s, .tracks = tracks ? &tracks->stream() : nullptr});
     if (tracks) tracks->finish();
     (o->tracks_file == "-" ? std::cerr : std::cout)
         << (o->as_json ? tracked_log_json(log).dump(2) + "\n" : tracked_log_text(log));

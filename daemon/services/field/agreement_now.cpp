@@ -3,12 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace sslv {
 namespace {
 
 /// Robots come to a part of the field again and again; a camera may have been moved since.
 constexpr double kForgotten_s = 600;
+
+constexpr float kMinSamples = 30;  // in a part of the field
+constexpr std::size_t kMinParts = 3;
 
 double to_hundredths(double value) {
   return std::round(value * 100) / 100;
@@ -50,6 +55,37 @@ void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noex
     if (out.height_count == AgreementNow::kMaxRobots) return;
     out.heights[out.height_count++] = {static_cast<int>(name.team), name.id, height.more_mm, height.sigma_mm};
   });
+}
+
+std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement) {
+  std::map<std::pair<int, int>, std::vector<const AgreementNow::Difference*>> parts;
+  for (std::size_t i = 0; i < agreement.difference_count; ++i) {
+    const AgreementNow::Difference& one = agreement.differences[i];
+    if (one.samples >= kMinSamples) parts[{one.camera, one.other}].push_back(&one);
+  }
+  const auto length = [](const AgreementNow::Difference* one) {
+    return static_cast<double>(std::hypot(one->off_x_mm, one->off_y_mm));
+  };
+  std::vector<CameraPairNow> out;
+  std::map<int, double> worst_of;  // by camera
+  for (auto& [cameras, places] : parts) {
+    if (places.size() < kMinParts) continue;
+    std::sort(places.begin(), places.end(),
+              [&](const auto* a, const auto* b) { return length(a) < length(b); });
+    const auto* worst = places.back();
+    out.push_back({.camera = cameras.first,
+                   .other = cameras.second,
+                   .off_mm = length(places[places.size() / 2]),
+                   .parts = places.size(),
+                   .worst_mm = {worst->x_mm, worst->y_mm}});
+    worst_of[cameras.first] += out.back().off_mm;
+    worst_of[cameras.second] += out.back().off_mm;
+  }
+  // First the one that others differ from, too.
+  for (CameraPairNow& pair : out) {
+    if (worst_of[pair.other] > worst_of[pair.camera]) std::swap(pair.camera, pair.other);
+  }
+  return out;
 }
 
 Json to_json(const AgreementNow& now) {

@@ -8,6 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
 
 namespace sslv {
 
@@ -39,7 +42,17 @@ struct AgreementNow {
 /// What was seen long ago is forgotten.
 void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noexcept;
 
-/// As docs/openapi.json's FieldAgreement.
+/// What two cameras differ by, where both see robots.
+struct CameraPairNow {
+  int camera, other;
+  double off_mm;             // median over the parts of the field
+  std::size_t parts;         // so many
+  Eigen::Vector2d worst_mm;  // the middle of the one where they differ most
+};
+/// Of each two that share enough of the field.
+std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement);
+
+/// As docs/openapi.json's FieldAgreement, without what was before.
 Json to_json(const AgreementNow& now);
 
 }  // namespace sslv

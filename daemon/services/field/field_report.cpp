@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/field/field_report.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <utility>
-
 #include <fmt/format.h>
 
 namespace sslv {
@@ -13,14 +8,18 @@ namespace {
 
 /// What was left out so long ago is over.
 constexpr double kLately_s = 10;
-/// Calibrations are good to a millimetre or two; farther apart, one of the cameras is no longer where it was.
 /// The verdict says what is too far to play (verdict_report.cpp).
-constexpr double kDriftMm = 5, kDisagreeMm = 25;
-constexpr float kMinSamples = 30;  // in a part of the field
-constexpr std::size_t kMinParts = 3;
+constexpr double kDisagreeMm = 25;
 
-void report_drift(const AgreementNow& agreement, HealthReport& report) {
-  for (const CameraPairNow& pair : pairs_of(agreement)) {
+/// When it began the alert's own time says.
+std::string before_text(const FieldFacts& facts, const CameraPairNow& pair) {
+  const auto* history = facts.history ? facts.history->of(pair.camera, pair.other) : nullptr;
+  if (!history || !history->since_s || history->before_mm > kDriftMm) return "";
+  return fmt::format(" Before, it was {:.1f} mm.", history->before_mm);
+}
+
+void report_drift(const FieldFacts& facts, HealthReport& report) {
+  for (const CameraPairNow& pair : pairs_of(facts.agreement)) {
     if (pair.off_mm <= kDriftMm || pair.off_mm > kDisagreeMm) continue;
     report.alerts.push_back(
         {.id = "camera_drifted",
@@ -28,7 +27,8 @@ void report_drift(const AgreementNow& agreement, HealthReport& report) {
          .severity = Severity::kWarn,
          .title = fmt::format("Camera {} differs from camera {} by {:.0f} mm, most at ({:.0f}, {:.0f}) mm",
                               pair.camera, pair.other, pair.off_mm, pair.worst_mm.x(), pair.worst_mm.y()),
-         .fix = "Was one of them bumped? Calibrate it again, or both of them together.",
+         .fix = fmt::format("Was one of them bumped?{} Calibrate it again, or both of them together.",
+                            before_text(facts, pair)),
          .page = "#/calibration",
          .camera = pair.camera,
          .about = fmt::format("{} {}", pair.camera, pair.other)});
@@ -37,39 +37,8 @@ void report_drift(const AgreementNow& agreement, HealthReport& report) {
 
 }  // namespace
 
-std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement) {
-  std::map<std::pair<int, int>, std::vector<const AgreementNow::Difference*>> parts;
-  for (std::size_t i = 0; i < agreement.difference_count; ++i) {
-    const AgreementNow::Difference& one = agreement.differences[i];
-    if (one.samples >= kMinSamples) parts[{one.camera, one.other}].push_back(&one);
-  }
-  const auto length = [](const AgreementNow::Difference* one) {
-    return static_cast<double>(std::hypot(one->off_x_mm, one->off_y_mm));
-  };
-  std::vector<CameraPairNow> out;
-  std::map<int, double> worst_of;  // by camera
-  for (auto& [cameras, places] : parts) {
-    if (places.size() < kMinParts) continue;
-    std::sort(places.begin(), places.end(),
-              [&](const auto* a, const auto* b) { return length(a) < length(b); });
-    const auto* worst = places.back();
-    out.push_back({.camera = cameras.first,
-                   .other = cameras.second,
-                   .off_mm = length(places[places.size() / 2]),
-                   .parts = places.size(),
-                   .worst_mm = {worst->x_mm, worst->y_mm}});
-    worst_of[cameras.first] += out.back().off_mm;
-    worst_of[cameras.second] += out.back().off_mm;
-  }
-  // First the one that others differ from, too.
-  for (CameraPairNow& pair : out) {
-    if (worst_of[pair.other] > worst_of[pair.camera]) std::swap(pair.camera, pair.other);
-  }
-  return out;
-}
-
 void report_field(const FieldFacts& facts, HealthReport& report) {
-  report_drift(facts.agreement, report);
+  report_drift(facts, report);
   if (!facts.sending_error.empty()) {
     report.alerts.push_back({.id = "tracks_not_sent",
                              .check = "network",

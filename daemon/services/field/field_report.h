@@ -3,6 +3,7 @@
 
 #include "config/config.h"
 #include "net/heard_cameras.h"
+#include "services/field/agreement_history.h"
 #include "services/field/agreement_now.h"
 #include "services/health_report.h"
 #include "tracking/gather.h"
@@ -20,21 +21,12 @@ namespace sslv {
 struct FieldFacts {
   std::shared_ptr<const Config> config;
   AgreementNow agreement;
+  const AgreementHistory* history = nullptr;  // null: nothing is known of the time before
   LeftOut left_out;
   double now_s = 0;           // Unix time
   std::string sending_error;  // why no tracks leave; empty: they do, or are not to
   std::vector<HeardCameras::Conflict> conflicts;
 };
-
-/// What two cameras differ by, where both see robots.
-struct CameraPairNow {
-  int camera, other;
-  double off_mm;             // median over the parts of the field
-  std::size_t parts;         // so many
-  Eigen::Vector2d worst_mm;  // the middle of the one where they differ most
-};
-/// Of each two that share enough of the field.
-std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement);
 
 void report_field(const FieldFacts& facts, HealthReport& report);
 

@@ -116,6 +116,11 @@ void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& addr
 void FieldService::each_second() {
   intake_.drop_unused();
   take_kicks();
+  {
+    const auto pairs = pairs_of(running_.agreement());
+    const std::lock_guard lock(history_mutex_);
+    history_.add(pairs, unix_time_s());
+  }
   ball_.learn(ball_model_of(*config_.load()));
 }
 
@@ -178,10 +183,16 @@ Json FieldService::kicks_json() {
   return {{"kicks", std::move(out)}};
 }
 
+Json FieldService::agreement_json() const {
+  Json out = to_json(running_.agreement());
+  const std::lock_guard lock(history_mutex_);
+  out["trends"] = history_.to_json();
+  return out;
+}
+
 std::vector<Route> FieldService::routes() {
   return {{"GET", "/api/field", [this](const Request&) { return json_response(field_json()); }},
-          {"GET", "/api/field/agreement",
-           [this](const Request&) { return json_response(to_json(running_.agreement())); }},
+          {"GET", "/api/field/agreement", [this](const Request&) { return json_response(agreement_json()); }},
           {"GET", "/api/field/kicks", [this](const Request&) { return json_response(kicks_json()); }},
           {"GET", "/api/field/ball_model",
            [this](const Request&) { return json_response(ball_.to_json(config_.load()->ball_models)); }},
@@ -192,8 +203,10 @@ std::vector<Route> FieldService::routes() {
 }
 
 void FieldService::report(HealthReport& report) const {
+  const std::lock_guard history_lock(history_mutex_);
   FieldFacts facts{.config = config_.load(),
                    .agreement = running_.agreement(),
+                   .history = &history_,
                    .left_out = running_.left_out(),
                    .now_s = unix_time_s(),
                    .sending_error = running_.setup()->sends ? sender_.status().error : "",

@@ -6,6 +6,7 @@
 #include "net/heard_cameras.h"
 #include "net/multicast.h"
 #include "pipeline/field_intake.h"
+#include "services/field/agreement_history.h"
 #include "services/field/ball_learning.h"
 #include "services/field/running_field.h"
 #include "services/service.h"
@@ -50,6 +51,7 @@ class FieldService final : public Service, public Topic {
   FieldSetup make_setup(const Config& config) const;
   Json field_json();
   Json kicks_json();
+  Json agreement_json() const;
   void take_kicks();
 
   const Snapshot<Config>& config_;
@@ -62,6 +64,8 @@ class FieldService final : public Service, public Topic {
   HeardCameras heard_cameras_;
   CameraSightings heard_;
   bool takes_other_computers_ = true;
+  mutable std::mutex history_mutex_;
+  AgreementHistory history_;
   std::mutex kicks_mutex_;
   std::deque<TrackedKick> kicks_;  // the newest last
   BallLearning ball_;

@@ -92,6 +92,55 @@ TEST(Tracker, ASecondBallThatLiesStillTakesNothingFromTheFirst) {
   EXPECT_LE(score.counts["ball off while seen (s)"], 0.03 * score.counts["ball seen (s)"]);
 }
 
+TEST(Tracker, SomethingOrangeOnARobotIsNoBall) {
+  WorldOptions options = short_world(27);
+  options.has_ball_on_robot = true;
+  const World world(options);
+  Ours ours;
+  Score score = worlds::score(world, ours);
+  EXPECT_LE(score.counts["ball off while seen (s)"], 0.01 * score.counts["ball seen (s)"]);
+  EXPECT_EQ(score.counts["kicks missed"], 0);
+}
+
+TEST(Tracker, PatternsThatAreMisreadAreNoRobots) {
+  WorldOptions options = short_world(28);
+  options.misread_share = 0.005;
+  const World world(options);
+  Ours ours;
+  Score score = worlds::score(world, ours);
+  EXPECT_EQ(score.counts["ghosts of robots"], 0);
+  EXPECT_EQ(score.counts["robots missing (images)"], 0);
+}
+
+TEST(Tracker, TwoRobotsWithOneIdMakeNoThird) {
+  WorldOptions options = short_world(29);
+  options.has_twin = true;
+  const World world(options);
+  Ours ours;
+  Score score = worlds::score(world, ours);
+  EXPECT_EQ(score.counts["ghosts of robots"], 0);
+}
+
+TEST(Tracker, HandsAndShirtsAreHardlyEverTakenForTheBall) {
+  WorldOptions options = short_world(30);
+  options.hands_share = 0.5;
+  const World world(options);
+  Ours ours;
+  Score score = worlds::score(world, ours);
+  EXPECT_EQ(score.counts["ghosts of robots"], 0);
+  EXPECT_LE(score.counts["ball off while seen (s)"], 0.03 * score.counts["ball seen (s)"]);
+}
+
+TEST(Tracker, RobotsThatCollideAreSoonKnownAgain) {
+  WorldOptions options = short_world(31);
+  options.robots_collide = true;
+  const World world(options);
+  Ours ours;
+  const Score score = worlds::score(world, ours);
+  EXPECT_GE(score.errors.at("collision ms").count(), 50U);
+  EXPECT_LE(score.errors.at("collision ms").rms(), 80);
+}
+
 TEST(Tracker, TheBallThatIsPlayedComesFirst) {
   WorldOptions options = short_world(26);
   options.has_second_ball = true;
@@ -152,7 +201,22 @@ TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
   }
   // Until it is gone, and only the other one is there.
   for (int i = 0; i < 10; ++i) see(-2000);
+  EXPECT_NEAR(now()->place_mm.x(), 1000, 1) << "it is hidden";
+  for (int i = 0; i < 40; ++i) see(-2000);
   EXPECT_NEAR(now()->place_mm.x(), -2000, 1);
+}
+
+TEST_F(OneRobot, StaysItselfWhenAnotherWithItsIdComesNear) {
+  for (int i = 0; i < 80; ++i) see(1000);
+  for (int i = 0; i < 200; ++i) {
+    if (i % 4) see(1000);  // it is hidden now and then
+    Observations seen;
+    const double other_mm = 2000 - 4.0 * i;
+    seen.robots.push_back({kName, 1, t_s_, 2e-5, {other_mm, 0}, 2, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    tracker_.add(seen);
+    if (i % 4 == 0) t_s_ += 0.0125;
+    ASSERT_NEAR(now()->place_mm.x(), 1000, 2) << other_mm;
+  }
 }
 
 TEST(Track, GoesOnWhenTheClockIsSetBack) {

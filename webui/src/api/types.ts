@@ -43,6 +43,7 @@ export type BallLearning = Schemas['BallLearning'];
 export type FieldTracks = Schemas['FieldTracks'];
 export type FieldNow = Schemas['FieldNow'];
 export type FieldAgreement = Schemas['FieldAgreement'];
+export type AgreementTrend = FieldAgreement['trends'][number];
 export type FieldDifference = FieldAgreement['differences'][number];
 export type FieldKick = Schemas['FieldKick'];
 export type FieldKicks = Schemas['FieldKicks'];

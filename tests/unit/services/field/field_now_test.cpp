@@ -112,6 +112,16 @@ TEST(CameraPairs, NameFirstTheCameraThatOthersDifferFromToo) {
   ASSERT_EQ(report.alerts.size(), 2U) << "a millimetre is none";
   EXPECT_THAT(report.alerts[0].title,
               testing::StartsWith("Camera 2 differs from camera 0 by 7 mm, most at (1750, 250) mm"));
+  EXPECT_EQ(report.alerts[0].fix, "Was one of them bumped? Calibrate it again, or both of them together.");
+
+  AgreementHistory history;
+  history.add({{.camera = 0, .other = 2, .off_mm = 1.1, .parts = 4, .worst_mm = {0, 0}}}, 1000);
+  history.add(pairs, 1010);
+  facts.history = &history;
+  report = {};
+  report_field(facts, report);
+  EXPECT_EQ(report.alerts.at(0).fix,
+            "Was one of them bumped? Before, it was 1.1 mm. Calibrate it again, or both of them together.");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far cameras are apart, by places of the field.
-import type { FieldAgreement, FieldDifference } from '../../../api/types';
+import type { AgreementTrend, FieldAgreement, FieldDifference } from '../../../api/types';
 
 /** Colours are CSS variables: a scale that all eyes can read. */
 export const BANDS = [
@@ -42,6 +42,16 @@ export function squaresOf({ differences, time }: FieldAgreement): Square[] {
 }
 
 export const worstOf = ({ differences }: FieldAgreement, count: number): FieldDifference[] => [...differences].sort(worseFirst).slice(0, count);
+
+/** A line through the minutes of the last two hours, in a box of 120 x 20; its top is 10 mm. */
+export function trendPoints({ minutes, time, off_mm }: Pick<AgreementTrend, 'minutes' | 'time' | 'off_mm'>): string {
+  const MOST_MM = 10;
+  return [...minutes, { time, off_mm }]
+    .map((one) => ({ x: 120 - (time - one.time) / 60, y: 20 - (20 * Math.min(one.off_mm, MOST_MM)) / MOST_MM }))
+    .filter(({ x }) => x >= 0)
+    .map(({ x, y }) => `${x.toFixed(1)},${y.toFixed(1)}`)
+    .join(' ');
+}
 
 /** Arrows are this much longer than what they stand for. */
 export const ARROW_TIMES = 40;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/field/agreement_history.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sslv {
+namespace {
+
+constexpr double kMinute_s = 60, kForgotten_s = 7200;
+constexpr std::size_t kMinutes = 120;
+
+double to_hundredths(double value) {
+  return std::round(value * 100) / 100;
+}
+
+}  // namespace
+
+void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s) {
+  for (const CameraPairNow& now : pairs) {
+    Pair& pair = pairs_[std::minmax(now.camera, now.other)];
+    // A clock that was set begins anew.
+    if (now_s < pair.t_s) pair = {};
+    // Near the limit it would come and go.
+    constexpr double kAgainMm = 0.8 * kDriftMm;
+    if (!pair.since_s && now.off_mm > kDriftMm) {
+      pair.since_s = now_s;
+      // What is noted now and then is older than what is seen while it grows.
+      pair.before_mm = pair.minutes.empty() ? now.off_mm : pair.minutes.back().off_mm;
+    } else if (now.off_mm < kAgainMm) {
+      pair.since_s.reset();
+    }
+    pair.t_s = now_s;
+    pair.off_mm = now.off_mm;
+    if (!pair.minutes.empty() && now_s - pair.minutes.back().t_s < kMinute_s) continue;
+    pair.minutes.push_back({now_s, now.off_mm});
+    if (pair.minutes.size() > kMinutes) pair.minutes.pop_front();
+  }
+  std::erase_if(pairs_, [&](const auto& one) { return now_s - one.second.t_s > kForgotten_s; });
+}
+
+const AgreementHistory::Pair* AgreementHistory::of(int camera, int other) const {
+  const auto found = pairs_.find(std::minmax(camera, other));
+  return found == pairs_.end() ? nullptr : &found->second;
+}
+
+Json AgreementHistory::to_json() const {
+  Json out = Json::array();
+  for (const auto& [cameras, pair] : pairs_) {
+    Json minutes = Json::array();
+    for (const Minute& minute : pair.minutes)
+      minutes.push_back({{"time", minute.t_s}, {"off_mm", to_hundredths(minute.off_mm)}});
+    out.push_back({{"cameras", {cameras.first, cameras.second}},
+                   {"time", pair.t_s},
+                   {"off_mm", to_hundredths(pair.off_mm)},
+                   {"since", pair.since_s ? Json(*pair.since_s) : Json()},
+                   {"before_mm", pair.since_s ? Json(to_hundredths(pair.before_mm)) : Json()},
+                   {"minutes", std::move(minutes)}});
+  }
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tracking/smoother.h"
+
+#include "worlds/ours.h"
+#include "worlds/score.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+constexpr double kLag_s = 0.25, kPeriod_s = 0.0125;
+
+/// One robot and one ball before one camera.
+class OneOfEach : public testing::Test {
+ protected:
+  void see(double x_mm, bool shows_ball = true) {
+    Observations seen;
+    seen.robots.push_back({kName, 0, t_s_, 2e-5, {x_mm, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    if (shows_ball) seen.balls.push_back({t_s_, {0, 0, 4000}, {x_mm, 500}, 0.3, 21.5, 1e9});
+    smoother_.add(seen);
+    smoother_.at(field_);
+    t_s_ += kPeriod_s;
+  }
+
+  static constexpr RobotName kName{Team::kBlue, 3};
+  Smoother smoother_{kLag_s};
+  TrackedField field_;
+  double t_s_ = 1e9;
+};
+
+TEST(Smoother, KnowsLaterWhatNoFilterKnowsAtOnce) {
+  worlds::WorldOptions options;
+  options.seed = 41;
+  options.duration_s = 20;
+  const worlds::World world(options);
+  worlds::Ours ours;
+  const worlds::Score at_once = worlds::score(world, ours), later = worlds::score_later(world, kLag_s);
+  EXPECT_LE(later.errors.at("robot velocity").rms(), 10);
+  EXPECT_LE(later.errors.at("robot velocity").rms(), 0.5 * at_once.errors.at("robot velocity").rms());
+  EXPECT_LE(later.errors.at("robot turn").rms(), 0.1);
+  EXPECT_GE(later.errors.at("robot place").count(), at_once.errors.at("robot place").count() * 9 / 10);
+}
+
+TEST_F(OneOfEach, IsToldFromTheFirstSightingOn) {
+  const double began_s = t_s_;
+  double first_s = 0;
+  for (int i = 0; i < 60 && first_s == 0; ++i) {
+    see(20.0 * i);
+    if (!field_.robots.empty()) first_s = field_.t_s;
+  }
+  EXPECT_NEAR(first_s, began_s, kPeriod_s);
+  EXPECT_NEAR(field_.robots.at(0).velocity_mm_s.x(), 20 / kPeriod_s, 5) << "what came later tells it";
+}
+
+TEST_F(OneOfEach, WentFromWhereItWasLastSeenToWhereItWasSeenAgain) {
+  int i = 0;
+  for (; i < 80; ++i) see(10.0 * i);
+  for (; i < 92; ++i) see(10.0 * i, false);
+  double worst_mm = 0, least = 1;
+  for (; i < 130; ++i) {
+    see(10.0 * i);
+    ASSERT_EQ(field_.balls.size(), 1U);
+    const double truth_mm = 10.0 * (field_.t_s - 1e9) / kPeriod_s;
+    worst_mm = std::max(worst_mm, std::abs(field_.balls[0].place_mm.x() - truth_mm));
+    least = std::min(least, field_.balls[0].visibility);
+  }
+  EXPECT_LE(worst_mm, 10);
+  EXPECT_LT(least, 1) << "it was not seen all the time";
+}
+
+TEST_F(OneOfEach, BeginsAgainWhenTheClockIsSetBack) {
+  for (int i = 0; i < 60; ++i) see(0);
+  t_s_ -= 3600;
+  for (int i = 0; i < 60; ++i) see(2000);
+  ASSERT_EQ(field_.robots.size(), 1U);
+  EXPECT_NEAR(field_.robots[0].place_mm.x(), 2000, 1);
+}
+
+}  // namespace
+}  // namespace sslv
