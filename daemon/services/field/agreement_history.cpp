@@ -2,17 +2,12 @@
 #include "services/field/agreement_history.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sslv {
 namespace {
 
-constexpr double kMinute_s = 60, kForgotten_s = 7200;
+constexpr double kMinute_s = 60, kPairForgotten_s = 7200;
 constexpr std::size_t kMinutes = 120;
-
-double to_hundredths(double value) {
-  return std::round(value * 100) / 100;
-}
 
 }  // namespace
 
@@ -36,7 +31,7 @@ void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s
     pair.minutes.push_back({now_s, now.off_mm});
     if (pair.minutes.size() > kMinutes) pair.minutes.pop_front();
   }
-  std::erase_if(pairs_, [&](const auto& one) { return now_s - one.second.t_s > kForgotten_s; });
+  std::erase_if(pairs_, [&](const auto& one) { return now_s - one.second.t_s > kPairForgotten_s; });
 }
 
 const AgreementHistory::Pair* AgreementHistory::of(int camera, int other) const {

@@ -15,10 +15,6 @@ constexpr double kForgotten_s = 600;
 constexpr float kMinSamples = 30;  // in a part of the field
 constexpr std::size_t kMinParts = 3;
 
-double to_hundredths(double value) {
-  return std::round(value * 100) / 100;
-}
-
 }  // namespace
 
 void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noexcept {

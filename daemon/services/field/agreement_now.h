@@ -6,6 +6,7 @@
 #include "tracking/camera_agreement.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -38,6 +39,11 @@ struct AgreementNow {
   std::array<Height, kMaxRobots> heights{};
   std::array<Difference, kMaxDifferences> differences{};
 };
+
+/// As JSON has it; nobody reads more.
+inline double to_hundredths(double value) {
+  return std::round(value * 100) / 100;
+}
 
 /// What was seen long ago is forgotten.
 void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noexcept;
