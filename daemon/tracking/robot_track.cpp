@@ -103,6 +103,7 @@ void RobotTrack::begin(const RobotObservation& first) {
   stands_var_mm2_ = 1;
   stands_share_ = 0;
   elsewhere_ = 0;
+  other_s_ = -1e9;
   differences_.start(first.camera, first.t_s);
 }
 
@@ -138,16 +139,25 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   elsewhere_ = is_again ? elsewhere_ + 1 : 1;
   elsewhere_mm_ = sighting.place_mm;
   elsewhere_s_ = sighting.t_s;
-  // What is there while this one is seen where it was is another robot with the same id, and stays one.
-  constexpr double kNotHere_s = 0.05;
-  const bool is_here = sighting.t_s - seen_s_ <= kNotHere_s;
-  const bool is_other = (sighting.place_mm - other_mm_).norm() < reach_mm(sighting.t_s - other_s_);
-  if (is_here || is_other) {
+  if ((sighting.place_mm - other_mm_).norm() < reach_mm(sighting.t_s - other_s_)) {
     other_mm_ = sighting.place_mm;
     other_s_ = sighting.t_s;
     return false;
   }
-  return elsewhere_ >= kSure;
+  // While it is seen where it was, the other one is another robot with the same id.
+  constexpr double kNotHere_s = 0.05;
+  return elsewhere_ >= kSure && sighting.t_s - seen_s_ > kNotHere_s;
+}
+
+/// One that is seen elsewhere while this one is seen here is another robot with the same id, and stays one.
+void RobotTrack::is_seen_here(const RobotObservation& sighting) {
+  constexpr double kLately_s = 0.05, kApartMm = 150;  // no two robots are nearer
+  if (elsewhere_ > 0 && std::abs(sighting.t_s - elsewhere_s_) < kLately_s &&
+      (elsewhere_mm_ - sighting.place_mm).norm() > kApartMm) {
+    other_mm_ = elsewhere_mm_;
+    other_s_ = elsewhere_s_;
+  }
+  elsewhere_ = 0;
 }
 
 RobotTrack::Step RobotTrack::last_step() const {
@@ -185,7 +195,7 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step)
     if (step) *step = last_step();
     return true;
   }
-  elsewhere_ = 0;
+  is_seen_here(sighting);
   const Vector2d velocity = state_.segment<2>(2);
   const Matrix2d noise =
       noise_factor_ * (sighting.place_cov_mm2 + kPlaceSigmaMm * kPlaceSigmaMm * Matrix2d::Identity()) +

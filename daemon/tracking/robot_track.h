@@ -55,6 +55,7 @@ class RobotTrack {
   bool goes_on(const RobotObservation& second) const;
   /// Whether it was seen there again and again, and nowhere else.
   bool is_now_at(const RobotObservation& sighting);
+  void is_seen_here(const RobotObservation& sighting);
   void predict(double t_s);
   /// Gives what was uncertain before.
   Eigen::Matrix3d turn(const RobotObservation& sighting);
