@@ -169,11 +169,14 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
   const double error_mm = std::max(kErrorMm, apart.norm());
   forget(a, error_mm);
   forget(b, error_mm);
+  std::erase_if(differences_, [&](const auto& one) {
+    return one.first.camera == std::min(pair.a, pair.b) && one.first.other == std::max(pair.a, pair.b);
+  });
 }
 
 void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {
   constexpr std::size_t kMostParts = 1024;  // as of a field of 16 x 16 m
-  constexpr double kRemembers = 400;        // samples
+  constexpr double kRemembers = 100;        // samples
   const bool is_swapped = pair.b < pair.a;
   const Vector2d place = pair.place_a_mm / kPartMm;
   const PartKey key{std::min(pair.a, pair.b), std::max(pair.a, pair.b),

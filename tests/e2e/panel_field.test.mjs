@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, saved, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, saved, views } from './browser.mjs';
 import { fieldsOf } from './protobuf.mjs';
 import { createService, eventually, freeUdpPort, PATIENCE_MS } from './service.mjs';
 
@@ -289,6 +289,7 @@ describe('panel: field and network', () => {
   screenshots(['dark', 'light'].flatMap((theme) => [
     { file: `field-${theme}.jpg`, theme, path: '#/field', viewport: DESKTOP, options: {}, ready: (page) => page.focus(inputOf('/field/field_length')) },
     { file: `field-live-${theme}.jpg`, theme, path: '#/field/live', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('live-robot')) },
+    { file: `field-live-phone-${theme}.jpg`, theme, path: '#/field/live', viewport: PHONE, options: phone, ready: (page) => page.waitForSelector(byId('live-robot')) },
     { file: `network-${theme}.jpg`, theme, path: '#/field/network', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('team-yellow')) },
   ]));
 });
