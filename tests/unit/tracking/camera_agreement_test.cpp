@@ -88,6 +88,21 @@ TEST_F(TwoCameras, DifferencesAreShownWhereBothSeeRobots) {
   EXPECT_GT(parts, 5);
 }
 
+TEST_F(TwoCameras, ABumpShowsInTheDifferencesWithinHalfAMinute) {
+  play(120, {0, 0});
+  for (const double bump_mm : {5.5, 9.0, 12.0}) {
+    play(30, {bump_mm, 0});
+    int parts = 0, right = 0;
+    agreement_.for_differences([&](const CameraAgreement::Difference& one) {
+      if (one.samples < 30) return;
+      ++parts;
+      if (std::abs(one.off_mm.x() + bump_mm) < 1) ++right;
+    });
+    EXPECT_GE(parts, 5) << bump_mm;
+    EXPECT_GT(2 * right, parts) << bump_mm;
+  }
+}
+
 TEST_F(TwoCameras, ANewCalibrationForgetsWhatWasLearntOfTheOldOne) {
   play(25, {2, -1});
   agreement_.set_camera(1, {2000.5, 0, 4000});
