@@ -14,7 +14,7 @@ constexpr std::size_t kMinutes = 120;
 void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s) {
   for (const CameraPairNow& now : pairs) {
     Pair& pair = pairs_[std::minmax(now.camera, now.other)];
-    // A clock that was set begins anew.
+    // Where the clock was set back, it begins again.
     if (now_s < pair.t_s) pair = {};
     // Near the limit it would come and go.
     constexpr double kAgainMm = 0.8 * kDriftMm;

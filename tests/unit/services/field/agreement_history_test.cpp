@@ -48,7 +48,7 @@ TEST(AgreementHistory, ForgetsCamerasThatAreGone) {
   EXPECT_FALSE(history.of(0, 2));
 }
 
-TEST(AgreementHistory, BeginsAnewWhenTheClockIsSetBack) {
+TEST(AgreementHistory, BeginsAgainWhenTheClockIsSetBack) {
   AgreementHistory history;
   for (int i = 0; i < 300; ++i) history.add({apart(7)}, 1e9 + i);
   history.add({apart(1)}, 1e9 - 3600);
