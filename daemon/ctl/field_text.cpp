@@ -107,10 +107,11 @@ std::string agreement_text(const Json& agreement) {
                                               rows);
   for (const Json& trend : agreement.at("trends")) {
     if (trend.at("since").is_null()) continue;
-    out +=
-        fmt::format("cameras {} and {} have differed by more than 5 mm since {}; before, it was {:.1f} mm\n",
-                    trend.at("cameras").at(0).get<int>(), trend.at("cameras").at(1).get<int>(),
-                    local_time_text(trend.at("since").get<double>()), trend.at("before_mm").get<double>());
+    const Json& before_mm = trend.at("before_mm");
+    out += fmt::format(
+        "cameras {} and {} have differed too much since {}{}\n", trend.at("cameras").at(0).get<int>(),
+        trend.at("cameras").at(1).get<int>(), local_time_text(trend.at("since").get<double>()),
+        before_mm.is_null() ? "" : fmt::format("; before, it was {:.1f} mm", before_mm.get<double>()));
   }
   rows.clear();
   for (const Json& camera : agreement.at("cameras"))

@@ -85,6 +85,20 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
   TrackedLog out;
   std::map<RobotName, Watch> before, after;
   Watch ball_before, ball_after;
+  const auto take = [&](const TrackedField& tracked) {
+    for (const TrackedRobot& robot : tracked.robots)
+      after[robot.name].see(tracked.t_s, robot.place_mm, kRobotFastest_mm_s, out.robots_after);
+    if (!tracked.balls.empty())
+      ball_after.see(tracked.t_s, tracked.balls[0].place_mm.head<2>(), kBallFastest_mm_s, out.ball_after);
+    if (tracked.kick) out.kicks = static_cast<std::size_t>(tracked.kick->number);
+    if (options.tracks) *options.tracks << to_json(tracked).dump() << "\n";
+  };
+  const auto take_later = [&](const Observations& seen, double now_s) {
+    smoother->add(seen, now_s);
+    if (!smoother->at(later)) return;
+    ++later.number;
+    take(later);
+  };
   std::set<int> ids;
   std::optional<double> first_s;
   LoggedMessage message;
@@ -111,19 +125,13 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
       ball_before.see(image.t_capture_s, surest->place_mm, kBallFastest_mm_s, out.ball_before);
 
     pipeline.run({frame, config.field, ball, clock, sink}, parameters);
-    if (smoother) {
-      smoother->add(frame.observations);
-      smoother->at(later);
-      ++later.number;
-    }
-    const TrackedField& tracked = smoother ? later : frame.tracked;
-    for (const TrackedRobot& robot : tracked.robots)
-      after[robot.name].see(tracked.t_s, robot.place_mm, kRobotFastest_mm_s, out.robots_after);
-    if (!tracked.balls.empty())
-      ball_after.see(tracked.t_s, tracked.balls[0].place_mm.head<2>(), kBallFastest_mm_s, out.ball_after);
-    if (tracked.kick) out.kicks = static_cast<std::size_t>(tracked.kick->number);
-    if (options.tracks) *options.tracks << to_json(tracked).dump() << "\n";
+    if (!smoother) take(frame.tracked);
+    if (smoother) take_later(frame.observations, now_s);
   }
+  // What is left is known by now.
+  constexpr double kPeriod_s = 1.0 / 75;
+  for (double t_s = 0; smoother && first_s && t_s < options.later_s; t_s += kPeriod_s)
+    take_later({}, clock.t_s + t_s);
   out.cameras = ids.size();
   return out;
 }

@@ -146,7 +146,7 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
     const bool is_same =
         std::any_of(balls_.begin(), balls_.begin() + static_cast<std::ptrdiff_t>(i), [&](const Ball& one) {
           const auto a = one.track.at(t_s, robots);
-          return (a.place_mm - b.place_mm).norm() < kSameMm &&
+          return !one.is_past && (a.place_mm - b.place_mm).norm() < kSameMm &&
                  (a.velocity_mm_s - b.velocity_mm_s).norm() < kSame_mm_s;
         });
     if (is_over || is_same || i >= kMost) balls_.erase(balls_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -164,6 +164,9 @@ void BallTracks::take_kick() {
   }
   kick_ = kick;
   kick_->number = kicks_;
+  const BallShot shot{.t_s = kick.t_s, .place_mm = kick.place_mm, .velocity_mm_s = kick.velocity_mm_s};
+  kick_->stop_s = shot.stops_s(model_);
+  kick_->stop_mm = shot.at(kick_->stop_s, model_).place_mm.head<2>();
 }
 
 /// Three sightings that one ball on its way may be, and that no other explains.

@@ -18,8 +18,11 @@ constexpr int kMaxId = 255;
 constexpr double kLowestCameraMm = 300, kHighestCameraMm = 100'000, kLowestRobotMm = 0,
                  kHighestRobotMm = 1000;
 
-bool is_finite(const Matrix2d& cov) {
-  return cov.allFinite() && cov(0, 0) > 0 && cov(1, 1) > 0 && cov.determinant() > 0;
+/// Neither nothing nor more than any field is long.
+bool is_sensible(const Matrix2d& cov_mm2) {
+  constexpr double kMostMm2 = 1e10;
+  return cov_mm2.allFinite() && cov_mm2(0, 0) > 0 && cov_mm2(1, 1) > 0 && cov_mm2.determinant() > 0 &&
+         cov_mm2.trace() < kMostMm2;
 }
 
 }  // namespace
@@ -79,7 +82,7 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
         continue;
       }
       RobotSighting robot = seen;
-      if (arrived.is_of_other_computer || !is_finite(robot.place_cov_mm2) ||
+      if (arrived.is_of_other_computer || !is_sensible(robot.place_cov_mm2) ||
           !(robot.orientation_sigma_rad > 0)) {
         robot.place_cov_mm2 = params.robot_sigma_mm * params.robot_sigma_mm * Matrix2d::Identity();
         robot.orientation_sigma_rad = params.orientation_sigma_deg * std::numbers::pi / 180;
@@ -92,7 +95,7 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
         continue;
       }
       BallSighting ball = seen;
-      if (arrived.is_of_other_computer || !is_finite(ball.place_cov_mm2))
+      if (arrived.is_of_other_computer || !is_sensible(ball.place_cov_mm2))
         ball.place_cov_mm2 = params.ball_sigma_mm * params.ball_sigma_mm * Matrix2d::Identity();
       if (!std::isfinite(ball.height_mm)) ball.height_sigma_mm = std::numeric_limits<double>::infinity();
       out.balls.push_back(ball);

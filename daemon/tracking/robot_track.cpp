@@ -114,7 +114,7 @@ bool RobotTrack::is_sure() const {
 }
 
 bool RobotTrack::goes_on(const RobotObservation& second) const {
-  constexpr double kFastest_rad_s = 30, kTurnsRad = 0.1;
+  constexpr double kFastest_rad_s = 45, kTurnsRad = 0.1;
   const double passed_s = second.t_s - t_s_;
   return std::abs(wrapped(second.orientation_rad - angle_[0])) <
          kFastest_rad_s * std::abs(passed_s) + kTurnsRad;
@@ -139,7 +139,8 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   elsewhere_ = is_again ? elsewhere_ + 1 : 1;
   elsewhere_mm_ = sighting.place_mm;
   elsewhere_s_ = sighting.t_s;
-  if ((sighting.place_mm - other_mm_).norm() < reach_mm(sighting.t_s - other_s_)) {
+  if (std::abs(sighting.t_s - other_s_) < kGone_s &&
+      (sighting.place_mm - other_mm_).norm() < reach_mm(sighting.t_s - other_s_)) {
     other_mm_ = sighting.place_mm;
     other_s_ = sighting.t_s;
     return false;
@@ -172,13 +173,16 @@ RobotTrack::Step RobotTrack::last_step() const {
 }
 
 bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step) {
-  constexpr double kSecond_s = 0.1;  // so long after the first, at most
-  if (sighting.t_s - seen_s_ > (sightings_ == 1 ? kSecond_s : kGone_s)) {
+  // A second one that cannot go on from the first takes its place, unless it is of the same moment.
+  constexpr double kSecond_s = 0.25, kSameTime_s = 0.03;
+  const double unseen_s = sighting.t_s - seen_s_;
+  const bool goes_on = sightings_ > 1 || this->goes_on(sighting);
+  if (unseen_s > (sightings_ == 1 ? kSecond_s : kGone_s) || (!goes_on && unseen_s > kSameTime_s)) {
     begin(sighting);
     if (step) *step = last_step();
     return true;
   }
-  if (sightings_ == 1 && !goes_on(sighting)) return false;
+  if (!goes_on) return false;
   if (sightings_ == 1) second_after_s_ = std::abs(sighting.t_s - t_s_);
   const RobotTrack before = *this;
   predict(sighting.t_s);
@@ -220,7 +224,8 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step)
   state_ += gain * off;
   cov_ -= (gain * cov_.topRows<2>()).eval();
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
-  constexpr double kMost_mm_s = 8000;
+  // Less than what is let through, or a robot that two cameras see at different places flies off.
+  constexpr double kMost_mm_s = kFastest_mm_s - 500;
   const double speed = state_.segment<2>(2).norm();
   if (speed > kMost_mm_s) state_.segment<2>(2) *= kMost_mm_s / speed;
   const double acceleration = state_.tail<2>().norm();

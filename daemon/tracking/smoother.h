@@ -24,15 +24,18 @@ class Smoother {
 
   /// From now on.
   void set_ball_model(const BallModel& model) { balls_.set_model(model); }
-  /// What one image shows.
-  void add(const Observations& observations);
-  /// Makes `out` the field as it was that long before the newest image; its number stays.
-  void at(TrackedField& out) const;
+  /// What one image shows, at the moment `now_s` at which it came. Where that is set back, all begins again.
+  void add(const Observations& observations, double now_s);
+  /// Makes `out` the field as it was that long before the last `now_s`; its number stays. False: that was
+  /// before the first image.
+  bool at(TrackedField& out) const;
 
  private:
-  struct RobotSteps {
+  /// One robot, from when it was seen until it was gone.
+  struct Run {
     std::deque<RobotTrack::Step> steps;  // as long ago as is asked for, and the one before
-    /// The same with what came later.
+    bool is_sure = false;
+    /// The last step before `t_s`, with what came later.
     RobotTrack::Step at(double t_s) const;
   };
   struct BallSeen {
@@ -40,15 +43,21 @@ class Smoother {
     TrackedBall ball;
   };
 
-  std::optional<TrackedRobot> robot_at(const RobotName& name, const RobotSteps& robot, double t_s) const;
+  void add_robot(const RobotObservation& seen);
+  void add_ball(const BallObservation& seen);
+  void take_kick();
+  void forget(double before_s);
+  std::optional<TrackedRobot> robot_at(const RobotName& name, const std::deque<Run>& runs, double t_s) const;
   std::optional<TrackedBall> ball_at(double t_s) const;
 
   double lag_s_;
+  std::optional<double> first_s_;
   double newest_s_ = 0;
   RobotTracks robots_;
   BallTracks balls_;
-  std::map<RobotName, RobotSteps> steps_;
+  std::map<RobotName, std::deque<Run>> runs_;
   std::deque<BallSeen> ball_;
+  std::deque<TrackedKick> kicks_;
 };
 
 }  // namespace sslv

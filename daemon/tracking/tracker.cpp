@@ -16,11 +16,6 @@ void Tracker::at(double t_s, TrackedField& out) const {
   }
   balls_.at(t_s, robots_, out.balls);
   out.kick = balls_.kick();
-  if (!out.kick) return;
-  const BallShot shot{
-      .t_s = out.kick->t_s, .place_mm = out.kick->place_mm, .velocity_mm_s = out.kick->velocity_mm_s};
-  out.kick->stop_s = shot.stops_s(balls_.model());
-  out.kick->stop_mm = shot.at(out.kick->stop_s, balls_.model()).place_mm.head<2>();
 }
 
 }  // namespace sslv

@@ -49,7 +49,7 @@ class Later {
   /// Gives the field as it was that long before.
   const TrackedField& add(const WorldImage& image) {
     ours_.add(image);
-    smoother_.add(ours_.observations());
+    smoother_.add(ours_.observations(), image.arrival_s);
     smoother_.at(field_);
     return field_;
   }

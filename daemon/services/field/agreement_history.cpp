@@ -6,8 +6,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kMinute_s = 60, kPairForgotten_s = 7200;
-constexpr std::size_t kMinutes = 120;
+constexpr double kMinute_s = 60, kUnknown_s = 600, kKept_s = 7200;
 
 }  // namespace
 
@@ -16,22 +15,26 @@ void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s
     Pair& pair = pairs_[std::minmax(now.camera, now.other)];
     // Where the clock was set back, it begins again.
     if (now_s < pair.t_s) pair = {};
-    // Near the limit it would come and go.
-    constexpr double kAgainMm = 0.8 * kDriftMm;
     if (!pair.since_s && now.off_mm > kDriftMm) {
       pair.since_s = now_s;
+      pair.before_mm.reset();
       // What is noted now and then is older than what is seen while it grows.
-      pair.before_mm = pair.minutes.empty() ? now.off_mm : pair.minutes.back().off_mm;
-    } else if (now.off_mm < kAgainMm) {
+      if (!pair.minutes.empty() && pair.minutes.back().off_mm < kDriftMm)
+        pair.before_mm = pair.minutes.back().off_mm;
+    } else if (now.off_mm < kAgreeMm) {
       pair.since_s.reset();
     }
     pair.t_s = now_s;
     pair.off_mm = now.off_mm;
     if (!pair.minutes.empty() && now_s - pair.minutes.back().t_s < kMinute_s) continue;
     pair.minutes.push_back({now_s, now.off_mm});
-    if (pair.minutes.size() > kMinutes) pair.minutes.pop_front();
   }
-  std::erase_if(pairs_, [&](const auto& one) { return now_s - one.second.t_s > kPairForgotten_s; });
+  for (auto& [cameras, pair] : pairs_) {
+    while (!pair.minutes.empty() && now_s - pair.minutes.front().t_s > kKept_s) pair.minutes.pop_front();
+    // Nobody knows any more; they may have been calibrated since.
+    if (now_s - pair.t_s > kUnknown_s) pair.since_s.reset();
+  }
+  std::erase_if(pairs_, [&](const auto& one) { return now_s - one.second.t_s > kKept_s; });
 }
 
 const AgreementHistory::Pair* AgreementHistory::of(int camera, int other) const {
@@ -45,12 +48,13 @@ Json AgreementHistory::to_json() const {
     Json minutes = Json::array();
     for (const Minute& minute : pair.minutes)
       minutes.push_back({{"time", minute.t_s}, {"off_mm", to_hundredths(minute.off_mm)}});
-    out.push_back({{"cameras", {cameras.first, cameras.second}},
-                   {"time", pair.t_s},
-                   {"off_mm", to_hundredths(pair.off_mm)},
-                   {"since", pair.since_s ? Json(*pair.since_s) : Json()},
-                   {"before_mm", pair.since_s ? Json(to_hundredths(pair.before_mm)) : Json()},
-                   {"minutes", std::move(minutes)}});
+    out.push_back(
+        {{"cameras", {cameras.first, cameras.second}},
+         {"time", pair.t_s},
+         {"off_mm", to_hundredths(pair.off_mm)},
+         {"since", pair.since_s ? Json(*pair.since_s) : Json()},
+         {"before_mm", pair.since_s && pair.before_mm ? Json(to_hundredths(*pair.before_mm)) : Json()},
+         {"minutes", std::move(minutes)}});
   }
   return out;
 }

@@ -14,8 +14,8 @@ constexpr double kDisagreeMm = 25;
 /// When it began the alert's own time says.
 std::string before_text(const FieldFacts& facts, const CameraPairNow& pair) {
   const auto* history = facts.history ? facts.history->of(pair.camera, pair.other) : nullptr;
-  if (!history || !history->since_s || history->before_mm > kDriftMm) return "";
-  return fmt::format(" Before, it was {:.1f} mm.", history->before_mm);
+  if (!history || !history->since_s || !history->before_mm) return "";
+  return fmt::format(" Before, it was {:.1f} mm.", *history->before_mm);
 }
 
 void report_drift(const FieldFacts& facts, HealthReport& report) {

@@ -117,9 +117,14 @@ void FieldService::each_second() {
   intake_.drop_unused();
   take_kicks();
   {
-    const auto pairs = pairs_of(running_.agreement());
+    const AgreementNow agreement = running_.agreement();
+    // Written as long as images come.
+    constexpr double kFresh_s = 5;
+    const double now_s = unix_time_s();
+    const bool is_fresh = std::abs(now_s - agreement.t_s) < kFresh_s;
+    const auto pairs = is_fresh ? pairs_of(agreement) : std::vector<CameraPairNow>{};
     const std::lock_guard lock(history_mutex_);
-    history_.add(pairs, unix_time_s());
+    history_.add(pairs, now_s);
   }
   ball_.learn(ball_model_of(*config_.load()));
 }

@@ -17,12 +17,13 @@ constexpr double kLag_s = 0.25, kPeriod_s = 0.0125;
 /// One robot and one ball before one camera.
 class OneOfEach : public testing::Test {
  protected:
-  void see(double x_mm, bool shows_ball = true) {
+  void see(double x_mm, bool shows_ball = true, bool shows_robot = true) {
     Observations seen;
-    seen.robots.push_back({kName, 0, t_s_, 2e-5, {x_mm, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    if (shows_robot)
+      seen.robots.push_back({kName, 0, t_s_, 2e-5, {x_mm, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
     if (shows_ball) seen.balls.push_back({t_s_, {0, 0, 4000}, {x_mm, 500}, 0.3, 21.5, 1e9});
-    smoother_.add(seen);
-    smoother_.at(field_);
+    smoother_.add(seen, t_s_);
+    if (!smoother_.at(field_)) field_ = {};
     t_s_ += kPeriod_s;
   }
 
@@ -70,6 +71,41 @@ TEST_F(OneOfEach, WentFromWhereItWasLastSeenToWhereItWasSeenAgain) {
   }
   EXPECT_LE(worst_mm, 10);
   EXPECT_LT(least, 1) << "it was not seen all the time";
+}
+
+TEST_F(OneOfEach, ARobotThatWasCarriedAwayWasWhereItWasUntilThen) {
+  int i = 0;
+  for (; i < 80; ++i) see(0);
+  for (; i < 128; ++i) see(0, false, false);  // for longer than one is taken for hidden
+  for (; i < 200; ++i) {
+    see(3000, false);
+    for (const TrackedRobot& robot : field_.robots) {
+      if (robot.visibility < 0.9) continue;
+      const double then = (field_.t_s - 1e9) / kPeriod_s;  // images ago
+      EXPECT_NEAR(robot.place_mm.x(), then < 127.5 ? 0 : 3000, 2) << then;
+    }
+  }
+  ASSERT_EQ(field_.robots.size(), 1U);
+}
+
+TEST_F(OneOfEach, IsNotShownBeforeItWasThereBecauseItsIdWasMisread) {
+  int i = 0;
+  see(0, false);
+  for (++i; i < 60; ++i) see(0, true, false);
+  for (; i < 120; ++i) {
+    see(3000, false);
+    if (field_.t_s < 1e9 + 59.5 * kPeriod_s) EXPECT_TRUE(field_.robots.empty()) << field_.t_s;
+  }
+  ASSERT_EQ(field_.robots.size(), 1U);
+}
+
+TEST_F(OneOfEach, GoesOnWhenNothingIsSeen) {
+  for (int i = 0; i < 80; ++i) see(0);
+  const double before_s = field_.t_s;
+  for (int i = 0; i < 100; ++i) see(0, false, false);
+  EXPECT_NEAR(field_.t_s, before_s + 100 * kPeriod_s, 1e-5);
+  EXPECT_TRUE(field_.robots.empty());
+  EXPECT_TRUE(field_.balls.empty());
 }
 
 TEST_F(OneOfEach, BeginsAgainWhenTheClockIsSetBack) {

