@@ -36,7 +36,7 @@ class OneOfEach : public testing::Test {
 TEST(Smoother, KnowsLaterWhatNoFilterKnowsAtOnce) {
   worlds::WorldOptions options;
   options.seed = 41;
-  options.duration_s = 20;
+  options.duration_s = 12;
   const worlds::World world(options);
   worlds::Ours ours;
   const worlds::Score at_once = worlds::score(world, ours), later = worlds::score_later(world, kLag_s);
