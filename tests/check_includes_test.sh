@@ -43,6 +43,9 @@ expect allowed services/colors/color_service.cpp services/cameras/cameras.h
 expect allowed services/colors/color_service.cpp services/service.h
 expect allowed services/cameras/camera_json.cpp config/stages.h
 expect "services/colors may include only:" services/colors/color_service.cpp services/cameras/camera_service.h
+expect allowed gpu/gpu_threshold.cpp vision/lut.h
+expect "gpu may include only: itself, base, image, vision" gpu/gpu_threshold.cpp pipeline/frame.h
+expect "pipeline may include only:" pipeline/camera_pipeline.cpp gpu/gpu_context.h
 expect "services may include only:" services/health_report.cpp services/cameras/cameras.h
 expect "pipeline/frame.h may include only:" pipeline/frame.h base/log.h
 expect "pipeline/frame.h may include only:" pipeline/frame.h pipeline/stage.h

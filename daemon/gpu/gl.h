@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The second needs the first.
+// clang-format off
+#include <GLES3/gl31.h>
+#include <GLES2/gl2ext.h>
+// clang-format on

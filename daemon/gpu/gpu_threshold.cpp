@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gpu/gpu_threshold.h"
+
+#include "gpu/gl.h"
+#include "gpu/threshold_pass.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <variant>
+
+#include <EGL/egl.h>
+
+namespace sslv {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool is_rgb(PixelFormat format) {
+  return is_bayer(format) || format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24;
+}
+
+/// What the labels count of a row, without what a driver puts behind it: that of the last row need not exist.
+std::size_t used_row_bytes(const ImageView& view, const LabelImage& labels) {
+  return static_cast<std::size_t>(labels.width * labels.cell_px * bytes_per_pixel(view.format));
+}
+
+void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage& grouped, std::uint8_t* out) {
+  const std::size_t out_row = grouped.image_row_bytes();
+  const auto rows = static_cast<std::size_t>(grouped.image_rows());
+  if (view.stride_bytes == static_cast<std::ptrdiff_t>(out_row)) {
+    std::memcpy(out, view.data, (rows - 1) * out_row + row_bytes);
+    return;
+  }
+  for (int y = 0; y < grouped.image_rows(); ++y, out += out_row) std::memcpy(out, view.row(y), row_bytes);
+}
+
+/// Only what the mask shows.
+void copy_labels(const Mask& mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
+  for (int y = 0; y < labels.height; ++y, in += in_row) {
+    Label* row = labels.row(y);
+    int clear_from = 0;
+    for (const Mask::Interval interval : mask.row(y, labels.cell_px)) {
+      const int begin = std::min<int>(interval.begin, labels.width);
+      const int end = std::min<int>(interval.end, labels.width);
+      std::fill(row + clear_from, row + begin, label::kClear);
+      std::copy(in + begin, in + end, row + begin);
+      clear_from = end;
+    }
+    std::fill(row + clear_from, row + labels.width, label::kClear);
+  }
+}
+
+}  // namespace
+
+/// What this GPU works with: all of it goes with the context.
+struct GpuThreshold::Pass {
+  using Way = std::variant<ComputeThreshold, FragmentThreshold>;
+  explicit Pass(Path path)
+      : way(path == Path::kCompute ? Way(std::in_place_type<ComputeThreshold>)
+                                   : Way(std::in_place_type<FragmentThreshold>)) {}
+  Way way;
+};
+
+/// The GPU's own clock for what a shader takes.
+struct GpuThreshold::Timer {
+  GlName query{[](GLuint name) { glDeleteQueries(1, &name); }};
+  PFNGLGETQUERYOBJECTUI64VEXTPROC result = nullptr;
+
+  Timer() {
+    result = reinterpret_cast<PFNGLGETQUERYOBJECTUI64VEXTPROC>(eglGetProcAddress("glGetQueryObjectui64vEXT"));
+    GLuint name = 0;
+    glGenQueries(1, &name);
+    query = GlName(name, [](GLuint old) { glDeleteQueries(1, &old); });
+    clear_disjoint();
+  }
+  /// Whether the clock jumped since the last time.
+  static bool clear_disjoint() {
+    GLint jumped = 0;
+    glGetIntegerv(GL_GPU_DISJOINT_EXT, &jumped);
+    return jumped != 0;
+  }
+  void begin() const { glBeginQuery(GL_TIME_ELAPSED_EXT, query.get()); }
+  static void end() { glEndQuery(GL_TIME_ELAPSED_EXT); }
+  /// After glFinish(); `otherwise` when the clock does not tell.
+  std::chrono::nanoseconds elapsed(std::chrono::nanoseconds otherwise) const {
+    GLuint64 ns = 0;
+    if (result != nullptr) result(query.get(), GL_QUERY_RESULT, &ns);
+    const bool jumped = clear_disjoint();
+    return jumped || ns == 0 ? otherwise : std::chrono::nanoseconds(ns);
+  }
+};
+
+GpuThreshold::GpuThreshold(GpuContext& context, Path path) : context_(context), path_(path) {
+  if (path == Path::kCompute && !context.has_compute())
+    throw GpuError("no compute shaders: " + context.renderer());
+  const GpuContext::Use use(context_);
+  if (!use) throw GpuError("the context is lost or in use: " + context.renderer());
+  start_again();
+  // Mesa's renderer on the CPU counts only what its rasteriser does.
+  if (context.has_timer() && !context.is_software()) timer_ = std::make_unique<Timer>();
+}
+
+GpuThreshold::~GpuThreshold() {
+  // So that what GL holds is given back, unless it went with the context.
+  const GpuContext::Use use(context_);
+  pass_.reset();
+  timer_.reset();
+}
+
+void GpuThreshold::start_again() {
+  loaded_.reset();
+  pass_ = std::make_unique<Pass>(path_);
+}
+
+bool GpuThreshold::fail(std::string problem) {
+  problem_ = std::move(problem);
+  return false;
+}
+
+bool GpuThreshold::set_lut(const Lut& lut, PixelFormat format) noexcept {
+  const GpuContext::Use use(context_);
+  if (!use) return fail(context_.is_lost() ? "the context is lost" : "another thread uses the context");
+  return load(lut, format);
+}
+
+bool GpuThreshold::load(const Lut& lut, PixelFormat format) {
+  const LutTable& table = is_rgb(format) ? lut.rgb() : lut.yuv();
+  std::string problem;
+  if (!std::visit([&](auto& way) { return way.prepare(format, table.bits, problem); }, pass_->way))
+    return fail(std::move(problem));
+  const std::pair wanted{lut.id(), is_rgb(format)};
+  if (loaded_ == wanted) return true;
+  std::visit([&](auto& way) { way.load(table); }, pass_->way);
+  problem = context_.take_problem();
+  if (problem.empty()) {
+    loaded_ = wanted;
+    return true;
+  }
+  start_again();
+  return fail(std::move(problem));
+}
+
+bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
+                           Steps* steps) noexcept {
+  const ImageView& view = image.view();
+  labels.cell_px = is_bayer(view.format) ? 2 : 1;
+  labels.width = view.width / labels.cell_px;
+  labels.height = view.height / labels.cell_px;
+  labels.labels.resize(static_cast<std::size_t>(labels.width) * static_cast<std::size_t>(labels.height));
+  const GpuContext::Use use(context_);
+  if (!use) return fail(context_.is_lost() ? "the context is lost" : "another thread uses the context");
+  if (steps != nullptr) *steps = {};
+  if (labels.labels.empty()) return true;
+  const GroupedImage grouped{view.format, (labels.width + kCellsAGroup - 1) / kCellsAGroup, labels.height};
+  if (!std::visit([&](const auto& way) { return way.takes(grouped); }, pass_->way))
+    return fail("the image is too large for this GPU");
+  if (!load(lut, view.format)) return false;
+  const bool is_made = make_labels(grouped, mask, view, labels, steps);
+  std::string problem = context_.take_problem();
+  if (is_made && problem.empty()) return true;
+  // Whatever GL has not done (memory that it did not get) must not be taken for done with the next image.
+  start_again();
+  return problem.empty() ? false : fail(std::move(problem));
+}
+
+bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask& mask, const ImageView& view,
+                               LabelImage& labels, Steps* steps) {
+  auto before = Clock::now();
+  const auto step = [&](std::chrono::nanoseconds Steps::*member) {
+    if (steps == nullptr) return;
+    glFinish();
+    const auto now = Clock::now();
+    steps->*member = now - before;
+    before = now;
+  };
+  const auto make = [&](auto& way) {
+    std::uint8_t* memory = way.image_memory(grouped);
+    if (memory == nullptr) return fail("the GPU gives no memory for the image");
+    copy_rows(view, used_row_bytes(view, labels), grouped, memory);
+    if (!way.upload(grouped)) return fail("the GPU lost the image on its way");
+    step(&Steps::upload);
+    if (steps != nullptr && timer_) timer_->begin();
+    way.run(grouped);
+    if (steps != nullptr && timer_) timer_->end();
+    step(&Steps::shader);
+    const std::uint8_t* found = way.labels(grouped);
+    if (found == nullptr) return fail("the GPU gives no labels");
+    copy_labels(mask, found, grouped.label_row_bytes(), labels);
+    if (!way.release_labels()) return fail("the GPU lost the labels on their way");
+    step(&Steps::read_back);
+    return true;
+  };
+  if (!std::visit(make, pass_->way)) return false;
+  if (steps != nullptr && timer_) steps->shader = timer_->elapsed(steps->shader);
+  return true;
+}
+
+}  // namespace sslv

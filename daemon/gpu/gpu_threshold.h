@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gpu/gpu_context.h"
+#include "image/image.h"
+#include "vision/lut.h"
+#include "vision/mask.h"
+#include "vision/regions.h"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace sslv {
+
+struct GroupedImage;
+
+/// Threshold (vision/threshold.h) on the GPU: the same labels, bit by bit, of every format, size, stride,
+/// table and mask.
+class GpuThreshold {
+ public:
+  enum class Path : std::uint8_t {
+    kCompute,   // OpenGL ES 3.1
+    kFragment,  // OpenGL ES 3.0
+  };
+  /// What one image took, measured with waits between the steps, so that all of them together take longer
+  /// than an image that is not measured.
+  struct Steps {
+    std::chrono::nanoseconds upload, shader, read_back;
+  };
+
+  /// The context stays longer than this. Throws GpuError when it does not have this path.
+  GpuThreshold(GpuContext& context, Path path);
+  /// By compute shaders where there are any.
+  explicit GpuThreshold(GpuContext& context)
+      : GpuThreshold(context, context.has_compute() ? Path::kCompute : Path::kFragment) {}
+  ~GpuThreshold();
+
+  /// Makes the next images of this format quicker, when it is called before the first one: takes the table to
+  /// the GPU and makes the program. False as of process().
+  bool set_lut(const Lut& lut, PixelFormat format) noexcept;
+
+  /// Blocks until the labels are there. False: they are not, and the CPU must make them; problem() says why.
+  /// After a lost context (GpuContext::is_lost) that is so for ever; images that are too large for this GPU
+  /// do not keep it from others.
+  bool process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
+               Steps* steps = nullptr) noexcept;
+
+  Path path() const { return path_; }
+  /// Of the last call that gave false; a few words.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  struct Pass;
+  struct Timer;
+  bool fail(std::string problem);
+  void start_again();
+  bool load(const Lut& lut, PixelFormat format);
+  bool make_labels(const GroupedImage& grouped, const Mask& mask, const ImageView& view, LabelImage& labels,
+                   Steps* steps);
+
+  GpuContext& context_;
+  Path path_;
+  std::unique_ptr<Pass> pass_;
+  std::unique_ptr<Timer> timer_;
+  /// The table in the GPU's memory: its id, and whether it is the one over RGB.
+  std::optional<std::pair<std::uint64_t, bool>> loaded_;
+  std::string problem_;
+};
+
+}  // namespace sslv

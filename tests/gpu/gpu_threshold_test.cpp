@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: Apache-2.0
+// Labels of the GPU against those of the CPU's plain stage: every format, both paths, tables of 7 and 8 bits.
+#include "gpu/gpu_threshold.h"
+
+#include "gpu/gl.h"
+#include "gpu_or_skip.h"
+#include "support/segment_check.h"
+#include "vision/threshold.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace sslv {
+namespace {
+
+using Path = GpuThreshold::Path;
+using Random = std::mt19937;
+
+constexpr std::array kAllFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,     PixelFormat::kRgb24,
+                                 PixelFormat::kBgr24,    PixelFormat::kMono8,    PixelFormat::kBayerRg8,
+                                 PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8};
+
+int random_int(Random& random, int low, int high) {
+  return std::uniform_int_distribution(low, high)(random);
+}
+
+/// An image in a buffer that ends with its last byte, so that a sanitizer sees who reads beyond.
+class Drawn {
+ public:
+  /// `more` bytes lie between two rows.
+  Drawn(PixelFormat format, int width, int height, int more = 0)
+      : row_(static_cast<std::size_t>(width * bytes_per_pixel(format))),
+        size_((row_ + static_cast<std::size_t>(more)) * static_cast<std::size_t>(height) -
+              static_cast<std::size_t>(more)),
+        bytes_(std::make_unique<std::uint8_t[]>(size_)),
+        view_{bytes_.get(), width, height, static_cast<std::ptrdiff_t>(row_) + more, format} {}
+
+  void fill(Random& random) {
+    std::generate_n(bytes_.get(), size_, [&] { return static_cast<std::uint8_t>(random() >> 8); });
+  }
+  /// As some drivers give images: the last row first.
+  void turn_over() {
+    view_.data += view_.stride_bytes * (view_.height - 1);
+    view_.stride_bytes = -view_.stride_bytes;
+  }
+  std::uint8_t* row(int y) { return bytes_.get() + (view_.row(y) - bytes_.get()); }
+  const ImageView& view() const { return view_; }
+  Image image() const { return {view_, nullptr, nullptr, nullptr}; }
+
+ private:
+  std::size_t row_, size_;
+  std::unique_ptr<std::uint8_t[]> bytes_;
+  ImageView view_;
+};
+
+Mask random_mask(Random& random, int width, int height) {
+  MaskSettings settings;
+  for (auto* polygons : {&settings.include, &settings.exclude}) {
+    for (int count = random_int(random, 0, 2); count > 0; --count) {
+      MaskPolygon& polygon = polygons->emplace_back();
+      for (int corners = random_int(random, 3, 6); corners > 0; --corners) {
+        polygon.points.push_back(
+            {random_int(random, -20, 2 * width + 20) * 0.5, random_int(random, -20, 2 * height + 20) * 0.5});
+      }
+    }
+  }
+  return Mask(settings);
+}
+
+/// Any label for any colour.
+Lut random_lut(Random& random, int bits) {
+  ColorTable table(bits);
+  for (Label& label : table.labels) label = static_cast<Label>(random() % label::kMaxCount);
+  return Lut(std::move(table));
+}
+
+/// One of each number of bits: they take longer to make than an image to label.
+const std::vector<Lut>& random_luts() {
+  static const auto made = [] {
+    Random random(10);
+    std::vector<Lut> all;
+    for (const int bits : {5, 6, 7, 8}) all.push_back(random_lut(random, bits));
+    return all;
+  }();
+  return made;
+}
+const Lut& random_lut(int bits) {
+  return random_luts()[static_cast<std::size_t>(bits - 5)];
+}
+
+/// Compares with the CPU; empty: they are the same.
+class Comparison {
+ public:
+  explicit Comparison(GpuContext& context, Path path) : gpu_(context, path) {}
+
+  std::string operator()(const Lut& lut, const Mask& mask, const Image& image) {
+    cpu_.process({}, lut, mask, image, plain_);
+    // What an earlier image left in it must not pass for labels.
+    std::fill(labels_.labels.begin(), labels_.labels.end(), Label{77});
+    if (!gpu_.process(lut, mask, image, labels_)) return "no labels: " + gpu_.problem();
+    const auto size = [](const LabelImage& of) { return std::tuple(of.width, of.height, of.cell_px); };
+    if (size(plain_) != size(labels_) || plain_.labels.size() != labels_.labels.size()) return "another size";
+    const auto [here, there] =
+        std::mismatch(plain_.labels.begin(), plain_.labels.end(), labels_.labels.begin());
+    if (here == plain_.labels.end()) return {};
+    const auto at = static_cast<int>(here - plain_.labels.begin());
+    return std::to_string(at % plain_.width) + ", " + std::to_string(at / plain_.width) + ": CPU " +
+           std::to_string(*here) + ", GPU " + std::to_string(*there);
+  }
+
+  GpuThreshold& gpu() { return gpu_; }
+  const LabelImage& plain() const { return plain_; }
+
+ private:
+  Threshold cpu_;
+  GpuThreshold gpu_;
+  LabelImage plain_, labels_;
+};
+
+std::string name_of(Path path) {
+  return path == Path::kCompute ? "compute" : "fragment";
+}
+
+class GpuThresholdBy : public WithGpu, public ::testing::WithParamInterface<Path> {
+ protected:
+  void SetUp() override {
+    WithGpu::SetUp();
+    if (IsSkipped()) return;
+    if (GetParam() == Path::kCompute && !context().has_compute()) GTEST_SKIP() << "no compute shaders";
+    compare_ = std::make_unique<Comparison>(context(), GetParam());
+  }
+  Comparison& compare() { return *compare_; }
+
+  std::unique_ptr<Comparison> compare_;
+};
+
+class GpuThresholdIn : public WithGpu, public ::testing::WithParamInterface<std::tuple<Path, PixelFormat>> {
+ protected:
+  void SetUp() override {
+    WithGpu::SetUp();
+    if (IsSkipped()) return;
+    const auto [path, format] = GetParam();
+    if (path == Path::kCompute && !context().has_compute()) GTEST_SKIP() << "no compute shaders";
+    format_ = format;
+    compare_ = std::make_unique<Comparison>(context(), path);
+  }
+  Comparison& compare() { return *compare_; }
+  /// Widths and heights are whole numbers of these (ImageView).
+  int unit_x() const { return is_bayer(format_) || is_yuv422(format_) ? 2 : 1; }
+  int unit_y() const { return is_bayer(format_) ? 2 : 1; }
+
+  PixelFormat format_{};
+  std::unique_ptr<Comparison> compare_;
+};
+
+TEST_P(GpuThresholdIn, EveryWidth) {
+  Random random(1);
+  for (int x = 1; x <= 70; ++x) {
+    for (int y = 1; y <= 3; ++y) {
+      Drawn drawn(format_, x * unit_x(), y * unit_y());
+      drawn.fill(random);
+      ASSERT_EQ(compare()(random_lut(7), Mask(), drawn.image()), "") << x * unit_x() << " x " << y * unit_y();
+    }
+  }
+}
+
+TEST_P(GpuThresholdIn, EveryStride) {
+  Random random(2);
+  for (int more = 0; more <= 40; ++more) {
+    for (const bool is_turned : {false, true}) {
+      Drawn drawn(format_, 46 * unit_x(), 3 * unit_y(), more);
+      drawn.fill(random);
+      if (is_turned) drawn.turn_over();
+      ASSERT_EQ(compare()(random_lut(7), Mask(), drawn.image()), "")
+          << more << " bytes more, turned: " << is_turned;
+    }
+  }
+}
+
+TEST_P(GpuThresholdIn, EveryTableAndMask) {
+  Random random(3);
+  std::vector<const Lut*> luts;
+  for (const auto& lut : test_luts()) luts.push_back(lut.get());
+  for (const Lut& lut : random_luts()) luts.push_back(&lut);
+  for (std::size_t i = 0; i < luts.size(); ++i) {
+    Drawn drawn(format_, 161 * unit_x(), 67 * unit_y(), 3);
+    drawn.fill(random);
+    for (int masks = 0; masks < 4; ++masks) {
+      const Mask mask = random_mask(random, drawn.view().width, drawn.view().height);
+      ASSERT_EQ(compare()(*luts[i], mask, drawn.image()), "") << "table " << i;
+    }
+  }
+}
+
+/// Bytes as images have them, and as they never should.
+void fill_tile(Random& random, const Drawn& shape, std::uint8_t* first, std::size_t bytes_a_row, int rows) {
+  constexpr std::array<std::uint8_t, 10> kEdges{0, 1, 2, 126, 127, 128, 129, 253, 254, 255};
+  const int kind = random_int(random, 0, 4);
+  const auto base = static_cast<std::uint8_t>(random());
+  const Rgb color = random_int(random, 0, 1) == 0 ? kCarpet : kColors[random() % kColors.size()];
+  const std::array<std::uint8_t, 3> rgb{color.r, color.g, color.b};
+  for (int y = 0; y < rows; ++y) {
+    std::uint8_t* row = first + y * shape.view().stride_bytes;
+    for (std::size_t x = 0; x < bytes_a_row; ++x) {
+      const auto noise = static_cast<int>(random() % 9) - 4;
+      switch (kind) {
+        case 0: row[x] = static_cast<std::uint8_t>(random() >> 8); break;
+        case 1: row[x] = base; break;
+        case 2: row[x] = kEdges[random() % kEdges.size()]; break;
+        case 3: row[x] = static_cast<std::uint8_t>(base + noise); break;
+        default: row[x] = static_cast<std::uint8_t>(std::clamp(rgb[x % 3] + noise, 0, 255)); break;
+      }
+    }
+  }
+}
+
+// Labels of a cell depend on nothing beside it, so that thousands of small images can lie in a large one.
+TEST_P(GpuThresholdIn, ElevenThousandTiles) {
+  constexpr int kTileX = 8, kTileY = 4, kColumns = 60, kRows = 62, kImages = 3;  // 11,160 a format
+  Random random(static_cast<unsigned>(format_) + 4);
+  const std::array luts{&random_lut(7), &random_lut(8), test_luts()[2].get()};
+  for (int i = 0; i < kImages; ++i) {
+    const int width = kTileX * kColumns * unit_x(), height = kTileY * kRows * unit_y();
+    Drawn drawn(format_, width, height, random_int(random, 0, 50));
+    const auto tile_bytes = static_cast<std::size_t>(kTileX * unit_x() * bytes_per_pixel(format_));
+    for (int row = 0; row < kRows; ++row) {
+      for (int column = 0; column < kColumns; ++column) {
+        std::uint8_t* first =
+            drawn.row(row * kTileY * unit_y()) + static_cast<std::size_t>(column) * tile_bytes;
+        fill_tile(random, drawn, first, tile_bytes, kTileY * unit_y());
+      }
+    }
+    ASSERT_EQ(
+        compare()(*luts[static_cast<std::size_t>(i)], random_mask(random, width, height), drawn.image()), "");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, GpuThresholdIn,
+                         ::testing::Combine(::testing::Values(Path::kCompute, Path::kFragment),
+                                            ::testing::ValuesIn(kAllFormats)),
+                         [](const auto& of) {
+                           return name_of(std::get<0>(of.param)) + "_" +
+                                  std::string(sslv::name_of(std::get<1>(of.param)));
+                         });
+
+/// All 2^24 colours: a pixel, pair or quad for each.
+Drawn every_color(PixelFormat format) {
+  constexpr int kSide = 4096;
+  const bool is_rgb = format == PixelFormat::kRgb24;
+  Drawn drawn(format, is_rgb ? kSide : 2 * kSide, is_bayer(format) ? 2 * kSide : kSide);
+  for (int y = 0; y < kSide; ++y) {
+    std::uint8_t* upper = drawn.row(is_bayer(format) ? 2 * y : y);
+    std::uint8_t* lower = is_bayer(format) ? drawn.row(2 * y + 1) : nullptr;
+    for (int x = 0; x < kSide; ++x) {
+      const auto a = static_cast<std::uint8_t>(y >> 4), b = static_cast<std::uint8_t>(x >> 4);
+      const auto c = static_cast<std::uint8_t>((y & 15) << 4 | (x & 15));
+      if (is_rgb) {
+        upper[3 * x] = a, upper[3 * x + 1] = b, upper[3 * x + 2] = c;
+      } else if (is_bayer(format)) {
+        // The second green takes another way through all values.
+        upper[2 * x] = a, upper[2 * x + 1] = b, lower[2 * x] = static_cast<std::uint8_t>(b * 7 + a + c);
+        lower[2 * x + 1] = c;
+      } else {
+        upper[4 * x] = a, upper[4 * x + 1] = b, upper[4 * x + 2] = c;
+        upper[4 * x + 3] = static_cast<std::uint8_t>(255 - b);
+      }
+    }
+  }
+  return drawn;
+}
+
+TEST_P(GpuThresholdBy, EveryColor) {
+  for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8}) {
+    const Drawn drawn = every_color(format);
+    for (const int bits : {7, 8}) {
+      ASSERT_EQ(compare()(random_lut(bits), Mask(), drawn.image()), "")
+          << sslv::name_of(format) << ", " << bits << " bits";
+    }
+  }
+}
+
+TEST_P(GpuThresholdBy, TableFormatAndSizeMayChangeWithEveryImage) {
+  Random random(6);
+  for (int i = 0; i < 150; ++i) {
+    const PixelFormat format = kAllFormats[random() % kAllFormats.size()];
+    const int width = 2 * random_int(random, 1, 200), height = 2 * random_int(random, 1, 60);
+    Drawn drawn(format, width, height, random_int(random, 0, 9));
+    drawn.fill(random);
+    ASSERT_EQ(compare()(random_luts()[random() % random_luts().size()], random_mask(random, width, height),
+                        drawn.image()),
+              "")
+        << i;
+  }
+}
+
+TEST_P(GpuThresholdBy, AnotherTableAtTheSamePlaceIsAnotherTable) {
+  Random random(7);
+  Drawn drawn(PixelFormat::kRgb24, 64, 8);
+  drawn.fill(random);
+  // Made and freed one after the other, as followed light does it: they may well lie in the same memory.
+  for (int i = 0; i < 5; ++i) {
+    const auto lut = std::make_unique<const Lut>(random_lut(random, 7));
+    ASSERT_EQ(compare()(*lut, Mask(), drawn.image()), "");
+  }
+}
+
+TEST_P(GpuThresholdBy, AnEmptyImageHasNoLabels) {
+  const Image nothing(ImageView{nullptr, 0, 0, 0, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
+  EXPECT_EQ(compare()(*test_luts()[0], Mask(), nothing), "");
+}
+
+TEST_P(GpuThresholdBy, TooLargeAnImageIsRefusedAndTheNextOneTaken) {
+  // One row again and again: more than the 128 MiB that every GPU must take at once. The largest take it.
+  constexpr int kWidth = 16'384, kHeight = 8'200;
+  const std::vector<std::uint8_t> row(kWidth, 200);
+  const Image large(ImageView{row.data(), kWidth, kHeight, 0, PixelFormat::kMono8}, nullptr, nullptr,
+                    nullptr);
+  const auto limit = [this](GLenum name) {
+    const GpuContext::Use use(context());
+    GLint64 value = 0;
+    glGetInteger64v(name, &value);
+    return value;
+  };
+  const bool fits = GetParam() == Path::kCompute
+                        ? limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE) >= GLint64{kWidth} * kHeight
+                        : limit(GL_MAX_TEXTURE_SIZE) >= kHeight;
+  const auto& lut = *test_luts()[3];
+  LabelImage labels;
+  EXPECT_EQ(compare().gpu().process(lut, Mask(), large, labels), fits);
+  if (fits) {
+    const Label label = lut.of_yuv(200, 128, 128);
+    EXPECT_TRUE(
+        std::all_of(labels.labels.begin(), labels.labels.end(), [=](Label is) { return is == label; }));
+  } else {
+    EXPECT_EQ(compare().gpu().problem(), "the image is too large for this GPU");
+    EXPECT_FALSE(context().is_lost());
+  }
+  Random random(8);
+  Drawn drawn(PixelFormat::kMono8, 99, 5);
+  drawn.fill(random);
+  EXPECT_EQ(compare()(lut, Mask(), drawn.image()), "");
+}
+
+TEST_P(GpuThresholdBy, MeasuresEachStepOfTheSameLabels) {
+  Random random(9);
+  Drawn drawn(PixelFormat::kUyvy, 640, 480);
+  drawn.fill(random);
+  const Lut& lut = random_lut(7);
+  ASSERT_EQ(compare()(lut, Mask(), drawn.image()), "");
+  LabelImage labels;
+  GpuThreshold::Steps steps{};
+  ASSERT_TRUE(compare().gpu().process(lut, Mask(), drawn.image(), labels, &steps));
+  EXPECT_EQ(labels.labels, compare().plain().labels);
+  for (const auto step : {steps.upload, steps.shader, steps.read_back}) {
+    EXPECT_GT(step.count(), 0);
+    EXPECT_LT(step, std::chrono::minutes(1));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Paths, GpuThresholdBy, ::testing::Values(Path::kCompute, Path::kFragment),
+                         [](const auto& of) { return name_of(of.param); });
+
+}  // namespace
+}  // namespace sslv
