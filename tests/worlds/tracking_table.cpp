@@ -57,6 +57,11 @@ const std::vector<Scenario>& scenarios() {
          world.robots_stand = true;
          world.false_ball_share = 0.2;
        }},
+      {"occlusions with false balls",
+       [](WorldOptions& world) {
+         world.occlusions_per_s = 1;
+         world.false_ball_share = 0.1;
+       }},
       {"robots collide", [](WorldOptions& world) { world.robots_collide = true; }},
       {"patterns misread", [](WorldOptions& world) { world.misread_share = 0.002; }},
       {"a robot's id seen twice", [](WorldOptions& world) { world.has_twin = true; }},
@@ -148,6 +153,7 @@ std::vector<Row> rows() {
        -95},
       {"ball hidden for 100 ms, p50 (mm)", "play", share_of("ball hidden 100 ms", 0.5), 1.7},
       {"ball hidden for 200 ms, p50 (mm)", "play", share_of("ball hidden 200 ms", 0.5), 7},
+      {"the same", "occlusions with false balls", share_of("ball hidden 200 ms", 0.5), 10},
       {"held ball hidden for 300 ms, p50 (mm)", "play", share_of("held ball hidden 300 ms", 0.5), 2},
       {"images in which a robot is missing", "play",
        [](const Score& score) { return count(score, "robots missing (images)"); }, 0},
@@ -166,6 +172,7 @@ std::vector<Row> rows() {
       {"robot's height, rms (mm)", "robots' heights +- 8 mm", rms_of("height"), 1.5},
       {"ball more than 300 mm off while seen (%)", "two balls",
        percent("ball off while seen (s)", "ball seen (s)"), 0.5},
+      {"the same", "occlusions with false balls", percent("ball off while seen (s)", "ball seen (s)"), 0.5},
       {"the same", "a ball on a robot", percent("ball off while seen (s)", "ball seen (s)"), 0.1},
       {"the same", "hands and shirts", percent("ball off while seen (s)", "ball seen (s)"), 1},
       {"kicks missed (%)", "hands and shirts", percent("kicks missed", "kicks"), 5},
@@ -178,6 +185,7 @@ std::vector<Row> rows() {
       {"images in which a robot that is not seen is shown as seen", "a camera dies",
        [](const Score& score) { return count(score, "unseen robots shown as seen (images)"); }, 0},
       {"false kicks (a minute)", "robots stand among false balls", a_minute("false kicks"), 0.2},
+      {"the same", "occlusions with false balls", a_minute("false kicks"), 0.5},
       {"ball's sliding, most off (%)", kBallModel, share_of("slides", 1), 3},
       {"ball's rolling, most off (%)", kBallModel, share_of("rolls", 1), 3},
       {"where it begins to roll, most off (%)", kBallModel, share_of("rolls from", 1), 3},
