@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +45,29 @@ TEST(Smoother, KnowsLaterWhatNoFilterKnowsAtOnce) {
   EXPECT_LE(later.errors.at("robot velocity").rms(), 0.5 * at_once.errors.at("robot velocity").rms());
   EXPECT_LE(later.errors.at("robot turn").rms(), 0.1);
   EXPECT_GE(later.errors.at("robot place").count(), at_once.errors.at("robot place").count() * 9 / 10);
+}
+
+TEST(Smoother, TellsEveryKickHoweverSoonTheNextOneFollows) {
+  worlds::WorldOptions options;
+  options.seed = 42;
+  options.duration_s = 20;
+  const worlds::World world(options);
+  constexpr double kLong_s = 2;
+  worlds::Ours ours;
+  Smoother smoother(kLong_s);
+  TrackedField later;
+  std::set<int> at_once, told;
+  for (const worlds::WorldImage& image : world.images()) {
+    ours.add(image);
+    const auto& kick = ours.tracker().kick();
+    if (kick && image.arrival_s < options.duration_s - kLong_s - 0.2) at_once.insert(kick->number);
+    smoother.add(ours.observations(), image.arrival_s);
+    if (!smoother.at(later) || !later.kick) continue;
+    told.insert(later.kick->number);
+    EXPECT_LE(later.kick->t_s, later.t_s);
+  }
+  EXPECT_GE(at_once.size(), 4U);
+  for (const int number : at_once) EXPECT_TRUE(told.count(number)) << number;
 }
 
 TEST_F(OneOfEach, IsToldFromTheFirstSightingOn) {
