@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/robot_track.h"
 
+#include "tracking/planar.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/LU>
 
@@ -25,10 +26,6 @@ constexpr double kMaxAcceleration_mm_s2 = 6500, kMaxTurnAcceleration = 80;
 constexpr double kFastest_mm_s = 6000;
 /// What calibrations still differ by from one place to the next.
 constexpr double kPlaceSigmaMm = 0.05, kAngleSigma_rad = 8e-4;
-
-double wrapped(double angle_rad) {
-  return std::remainder(angle_rad, 2 * std::numbers::pi);
-}
 
 /// White noise of the third derivative over this time, of one axis.
 Matrix3d jerk_noise(double passed_s) {
@@ -116,7 +113,7 @@ bool RobotTrack::is_sure() const {
 bool RobotTrack::goes_on(const RobotObservation& second) const {
   constexpr double kFastest_rad_s = 45, kTurnsRad = 0.1;
   const double passed_s = second.t_s - t_s_;
-  return std::abs(wrapped(second.orientation_rad - angle_[0])) <
+  return std::abs(around(second.orientation_rad - angle_[0])) <
          kFastest_rad_s * std::abs(passed_s) + kTurnsRad;
 }
 
@@ -274,7 +271,7 @@ void RobotTrack::stand(const RobotObservation& sighting, const Matrix2d& noise, 
 }
 
 Matrix3d RobotTrack::turn(const RobotObservation& sighting) {
-  const double off = wrapped(sighting.orientation_rad - angle_[0]);
+  const double off = around(sighting.orientation_rad - angle_[0]);
   const double noise =
       std::pow(std::hypot(sighting.orientation_sigma_rad, kAngleSigma_rad), 2) * angle_noise_factor_;
   double spread = angle_cov_(0, 0) + noise;
@@ -285,7 +282,7 @@ Matrix3d RobotTrack::turn(const RobotObservation& sighting) {
   const Matrix3d expected_cov = angle_cov_;
   const Vector3d gain = angle_cov_.col(0) / spread;
   angle_ += gain * off;
-  angle_[0] = wrapped(angle_[0]);
+  angle_[0] = around(angle_[0]);
   angle_[2] = std::clamp(angle_[2], -kMaxTurnAcceleration, kMaxTurnAcceleration);
   angle_cov_ -= (gain * angle_cov_.row(0)).eval();
   return expected_cov;
@@ -304,7 +301,7 @@ TrackedRobot RobotTrack::Step::robot_at(const RobotName& name, double then_s) co
   out.name = name;
   out.place_mm = stands_share * stands_mm + moves * place;
   out.velocity_mm_s = moves * velocity;
-  out.orientation_rad = wrapped(angle[0] + angle[1] * passed_s + angle[2] * passed_s * passed_s / 2);
+  out.orientation_rad = around(angle[0] + angle[1] * passed_s + angle[2] * passed_s * passed_s / 2);
   out.turn_rad_s = angle[1] + angle[2] * accelerates_s;
   out.place_sigma_mm = place_sigma_mm + 0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
   return out;

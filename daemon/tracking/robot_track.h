@@ -35,7 +35,7 @@ class RobotTrack {
   /// became of it; null: nobody wants that.
   bool add(const RobotObservation& sighting, bool touches = false, Step* step = nullptr);
   TrackedRobot at(double t_s) const;
-  /// What is known of it, as its first step.
+  /// What is known of it by now, as if it had just begun.
   Step last_step() const;
 
   double seen_s() const { return seen_s_; }

@@ -44,13 +44,13 @@ bool RobotTracks::is_over_robot(const BallObservation& ball, double ball_radius_
   // Less than any robot's top, as its height is not well known.
   constexpr double kTopMm = 65, kSeen = 0.99;
   constexpr int kOld = 10;
+  const Vector2d below_camera = ball.camera_mm.head<2>();
   const double height_mm = ball.camera_mm.z();
   return std::any_of(tracks.begin(), tracks.end(), [&](const auto& one) {
     const RobotTrack& robot = one.second;
     if (robot.sightings() < kOld) return false;
     const double share = (height_mm - robot.height_mm()) / (height_mm - ball_radius_mm);
-    const Vector2d at_top =
-        ball.camera_mm.template head<2>() + share * (ball.place_mm - ball.camera_mm.template head<2>());
+    const Vector2d at_top = below_camera + share * (ball.place_mm - below_camera);
     constexpr double kNearMm = 400;  // of where it was lately
     if ((robot.place_mm() - at_top).squaredNorm() > kNearMm * kNearMm) return false;
     const TrackedRobot now = robot.at(ball.t_s);

@@ -8,6 +8,17 @@ namespace {
 
 constexpr double kMinute_s = 60, kUnknown_s = 600, kKept_s = 7200;
 
+/// What a mean that now grew past the limit was before it began to grow; nothing where that was too much.
+std::optional<double> before(const AgreementHistory::Pair& pair, double now_s) {
+  constexpr double kGrows_s = 120;
+  const AgreementHistory::Minute* out = nullptr;
+  for (const AgreementHistory::Minute& minute : pair.minutes) {
+    if (!out || minute.t_s < now_s - kGrows_s) out = &minute;
+  }
+  if (!out || out->off_mm > kDriftMm) return {};
+  return out->off_mm;
+}
+
 }  // namespace
 
 void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s) {
@@ -17,10 +28,7 @@ void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s
     if (now_s < pair.t_s) pair = {};
     if (!pair.since_s && now.off_mm > kDriftMm) {
       pair.since_s = now_s;
-      pair.before_mm.reset();
-      // What is noted now and then is older than what is seen while it grows.
-      if (!pair.minutes.empty() && pair.minutes.back().off_mm < kDriftMm)
-        pair.before_mm = pair.minutes.back().off_mm;
+      pair.before_mm = before(pair, now_s);
     } else if (now.off_mm < kAgreeMm) {
       pair.since_s.reset();
     }
