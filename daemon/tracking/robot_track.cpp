@@ -279,7 +279,7 @@ Matrix3d RobotTrack::turn(const RobotObservation& sighting) {
     angle_cov_ += kTurnManoeuvre * manoeuvre_noise(kTurnManoeuvreAge_s);
     spread = angle_cov_(0, 0) + noise;
   }
-  const Matrix3d expected_cov = angle_cov_;
+  Matrix3d expected_cov = angle_cov_;
   const Vector3d gain = angle_cov_.col(0) / spread;
   angle_ += gain * off;
   angle_[0] = around(angle_[0]);
