@@ -15,12 +15,10 @@
 #include "vision/segment.h"
 #include "vision/threshold.h"
 
-#include <array>
-
 namespace sslv {
 
 std::span<const StageType> stage_table() {
-  static const std::array kStages{
+  static const std::vector kStages{
       stage<Segment>("segment",
                      "finds the regions of labelled pixels: threshold, find_runs and find_regions in one"),
       stage<Threshold>("threshold", "labels every pixel by the colour lookup table"),
@@ -38,7 +36,7 @@ std::vector<std::string> default_stack() {
 }
 
 std::span<const FieldStageType> field_stage_table() {
-  static const std::array kStages{
+  static const std::vector kStages{
       field_stage<Gather>("gather", "takes what a camera saw, once it makes sense"),
       field_stage<Clocks>("clocks", "says when an image was really taken"),
       field_stage<Agreement>("agreement", "learns what cameras differ by, and takes it off"),

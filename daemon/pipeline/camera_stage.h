@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <type_traits>
 
 namespace sslv {
@@ -42,6 +43,7 @@ struct CameraFloor {
     }
   };
 
+  using Given = std::tuple<const Scene&, const Lut&, const Mask&, const PatternTable&, DetectionSink&>;
   static const Scene& given(const Inputs& in, std::type_identity<const Scene&>) { return *in.context.scene; }
   static const Lut& given(const Inputs& in, std::type_identity<const Lut&>) {
     return *in.context.adapted_lut;

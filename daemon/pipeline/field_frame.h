@@ -4,6 +4,7 @@
 // The schema of the field: everything known about it after one image of one camera. A new kind of data is one
 // member here and one line in field_stage.h.
 
+#include "pipeline/own_parts.h"
 #include "tracking/camera_agreement.h"
 #include "tracking/gather.h"
 #include "tracking/sightings.h"
@@ -24,6 +25,7 @@ struct FieldFrame {
   Observations observations;
   CameraAgreement agreement;
   TrackedField tracked;
+  OwnParts own_parts;                  // what stage libraries brought
   std::vector<std::int64_t> stage_ns;  // time each stage of the stack took, written by the pipeline
 };
 

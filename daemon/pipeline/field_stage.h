@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <type_traits>
 
 namespace sslv {
@@ -47,6 +48,7 @@ struct FieldFloor {
     }
   };
 
+  using Given = std::tuple<const FieldSize&, const BallModel&, const FieldClock&, FieldSink&>;
   static const FieldSize& given(const Inputs& in, std::type_identity<const FieldSize&>) { return in.field; }
   static const BallModel& given(const Inputs& in, std::type_identity<const BallModel&>) { return in.ball; }
   static const FieldClock& given(const Inputs& in, std::type_identity<const FieldClock&>) { return in.clock; }

@@ -7,6 +7,7 @@
 #include "geometry/scene.h"
 #include "image/frame_info.h"
 #include "image/image.h"
+#include "pipeline/own_parts.h"
 #include "vision/detections.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
@@ -28,6 +29,7 @@ struct Frame {
   RegionList regions;
   RobotList robots;
   BallList balls;
+  OwnParts own_parts;                  // what stage libraries brought
   std::vector<std::int64_t> stage_ns;  // time each stage of the stack took, written by the pipeline
 };
 

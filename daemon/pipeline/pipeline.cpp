@@ -11,11 +11,17 @@
 namespace sslv {
 namespace {
 
+/// Of a part of the frame, or of one that a library brought.
 template <class Floor>
-std::string part_name(std::size_t index) {
+std::string part_name(std::span<const BasicStageType<Floor>> table, std::size_t index) {
   static constexpr auto kNames =
       std::apply([](const auto&... part) { return std::array{part.name...}; }, Floor::kParts);
-  return std::string(kNames[index]);
+  if (index < kNames.size()) return std::string(kNames[index]);
+  for (const auto& type : table) {
+    for (const OwnPartUse& use : type.own_parts)
+      if (kNames.size() + *use.place == index) return use.type.name;
+  }
+  return {};
 }
 
 template <class Floor>
@@ -36,9 +42,8 @@ std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStage
                                                       const std::vector<std::string>& stack,
                                                       const std::string& path) {
   using Type = BasicStageType<Floor>;
-  constexpr std::size_t kParts = kPartCount<Floor>;
   PartSet have = Floor::kProvided;
-  std::array<std::string, kParts> writer;
+  std::array<std::string, PartSet().size()> writer;
   std::vector<const Type*> stages;
   for (std::size_t s = 0; s < stack.size(); ++s) {
     const std::string here = fmt::format("{}/{}", path, s);
@@ -46,15 +51,16 @@ std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStage
     if (std::count(stack.begin(), stack.end(), stack[s]) > 1) {
       throw SettingsError(fmt::format("{}: stage '{}' is in the stack twice", here, stack[s]));
     }
-    for (std::size_t i = 0; i < kParts; ++i) {
+    for (std::size_t i = 0; i < have.size(); ++i) {
       if (type.reads[i] && !have[i]) {
         throw SettingsError(fmt::format("{}: stage '{}' needs '{}', which no earlier stage provides", here,
-                                        type.name, part_name<Floor>(i)));
+                                        type.name, part_name<Floor>(table, i)));
       }
       if (type.writes[i] && have[i]) {
-        throw SettingsError(fmt::format(
-            "{}: stage '{}' would overwrite '{}', which {} provides", here, type.name, part_name<Floor>(i),
-            writer[i].empty() ? std::string(Floor::kProvider) : "'" + writer[i] + "'"));
+        throw SettingsError(
+            fmt::format("{}: stage '{}' would overwrite '{}', which {} provides", here, type.name,
+                        part_name<Floor>(table, i),
+                        writer[i].empty() ? std::string(Floor::kProvider) : "'" + writer[i] + "'"));
       }
       if (type.writes[i]) writer[i] = type.name;
     }
@@ -68,8 +74,17 @@ template <class Floor>
 BasicPipeline<Floor>::BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
                                     const std::string& path)
     : table_(table), stack_(stack) {
-  for (const StageType* type : check_stack<Floor>(table, stack, path))
-    steps_.push_back(std::make_unique<Running>(*type));
+  std::size_t s = 0;
+  for (const StageType* type : check_stack<Floor>(table, stack, path)) {
+    try {
+      steps_.push_back(std::make_unique<Running>(*type));
+    } catch (const std::exception& error) {
+      throw SettingsError(
+          fmt::format("{}/{}: stage '{}' cannot start: {}", path, s, type->name, shortened(error.what())));
+    }
+    for (const OwnPartUse& use : type->own_parts) own_parts_.emplace_back(*use.place, use.type);
+    ++s;
+  }
 }
 
 template <class Floor>
@@ -91,6 +106,7 @@ template <class Floor>
 void BasicPipeline<Floor>::run(const Inputs& inputs, const Parameters& parameters) noexcept {
   auto& stage_ns = inputs.frame.stage_ns;
   stage_ns.resize(steps_.size());
+  for (const auto& [place, type] : own_parts_) inputs.frame.own_parts.prepare(place, type);
   std::int64_t before = steady_ns();
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     steps_[i]->step->run(inputs, parameters[i].get());

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sslv {
@@ -39,7 +40,8 @@ class BasicPipeline {
   using StageType = BasicStageType<Floor>;
   using Inputs = typename Floor::Inputs;
 
-  /// Throws as check_stack() does. `table` must outlive the pipeline.
+  /// Throws as check_stack() does, and for a stage whose constructor throws. `table` must outlive the
+  /// pipeline.
   BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
                 const std::string& path);
 
@@ -59,6 +61,8 @@ class BasicPipeline {
   const std::vector<std::string>& stack() const { return stack_; }
   /// Recent durations of stage i of the stack; may be read from any thread.
   const RecentDurations& durations(std::size_t i) const { return steps_[i]->durations; }
+  /// What stage i has to say at the moment; likewise.
+  StageNotes::Note note(std::size_t i) const { return steps_[i]->step->notes.read(); }
 
  private:
   struct Running {
@@ -70,6 +74,7 @@ class BasicPipeline {
   std::span<const StageType> table_;
   std::vector<std::string> stack_;
   std::vector<std::unique_ptr<Running>> steps_;
+  std::vector<std::pair<std::size_t, OwnPartType>> own_parts_;  // by place: of all stages of the stack
 };
 
 /// The stages of one camera.

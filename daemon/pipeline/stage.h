@@ -8,14 +8,19 @@
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
 // whose signature is the contract: `const T&` reads the part of type T, `T&` writes it from scratch,
-// `Update<T>` edits it in place. What else a stage can be given is the floor's: camera_stage.h for the stages
-// of one camera, field_stage.h for those of the whole field. Any other parameter does not compile.
+// `Update<T>` edits it in place. Parts are those of the floor's frame, and those that a stage library brings
+// (own_parts.h). `StageNotes&` is what the stage tells the admin. What else a stage can be given is the
+// floor's: camera_stage.h for the stages of one camera, field_stage.h for those of the whole field. Any other
+// parameter does not compile.
 
 #include "base/params_json.h"
+#include "pipeline/own_parts.h"
+#include "pipeline/stage_notes.h"
 
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -39,8 +44,10 @@ Part(std::string_view, T Frame::*) -> Part<Frame, T>;
 //   Frame                   the frame, with the member stage_ns
 //   kParts                  a tuple of its parts
 //   kProvided, kProvider    the parts (a PartSet) that are there before the first stage, and who provides
-//   them Inputs                  all that a stage can be given: `frame`, and a stage_took(place in the table,
-//   ns) given(inputs, type)     an overload for each parameter of a stage that is no part
+//                           them
+//   Inputs                  all that a stage can be given: `frame`, and a stage_took(place in the table, ns)
+//   Given                   a tuple of what a stage can be given that is no part
+//   given(inputs, type)     an overload for each of them
 
 template <class Floor>
 inline constexpr std::size_t kPartCount = std::tuple_size_v<std::remove_cvref_t<decltype(Floor::kParts)>>;
@@ -60,8 +67,10 @@ constexpr std::size_t part_index() {
   return index;
 }
 
-/// Which parts; of whatever floor.
-using PartSet = std::bitset<16>;
+/// Which parts, of whatever floor: those of its frame, then those that libraries brought, by their place.
+using PartSet = std::bitset<64>;
+/// Which of a floor's Given.
+using GivenSet = std::bitset<16>;
 
 /// A part that a stage both reads and changes in place.
 template <class T>
@@ -79,36 +88,16 @@ concept GivenBy = requires(const typename Floor::Inputs& inputs) {
   { Floor::given(inputs, std::type_identity<Arg>{}) } -> std::same_as<Arg>;
 };
 
-/// How one parameter of process() is fed, and what it says about the stage's needs.
+/// Position of Arg in the floor's Given.
 template <class Floor, class Arg>
-struct Feed {
-  static_assert(
-      GivenBy<Floor, Arg>,
-      "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor anything "
-      "else that this floor gives its stages: see pipeline/camera_stage.h and pipeline/field_stage.h");
-  static Arg get(const typename Floor::Inputs& in) { return Floor::given(in, std::type_identity<Arg>{}); }
-  static void declare(PartSet&, PartSet&) {}
-};
-template <class Floor, class T>
-requires kIsPart<Floor, T>
-struct Feed<Floor, const T&> {
-  static const T& get(const typename Floor::Inputs& in) { return part(in); }
-  static T& part(const typename Floor::Inputs& in) {
-    return in.frame.*std::get<Part<typename Floor::Frame, T>>(Floor::kParts).member;
-  }
-  static void declare(PartSet& reads, PartSet&) { reads.set(part_index<Floor, T>()); }
-};
-template <class Floor, class T>
-requires(kIsPart<Floor, T> && !std::is_const_v<T>) struct Feed<Floor, T&> {
-  static T& get(const typename Floor::Inputs& in) { return Feed<Floor, const T&>::part(in); }
-  static void declare(PartSet&, PartSet& writes) { writes.set(part_index<Floor, T>()); }
-};
-template <class Floor, class T>
-requires kIsPart<Floor, T>
-struct Feed<Floor, Update<T>> {
-  static Update<T> get(const typename Floor::Inputs& in) { return {Feed<Floor, const T&>::part(in)}; }
-  static void declare(PartSet& reads, PartSet&) { reads.set(part_index<Floor, T>()); }
-};
+constexpr std::size_t given_index() {
+  std::size_t index = 0;
+  bool found = false;
+  [&]<class... All>(std::type_identity<std::tuple<All...>>) {
+    ((found = found || std::is_same_v<All, Arg>, index += found ? 0 : 1), ...);
+  }(std::type_identity<typename Floor::Given>{});
+  return index;
+}
 
 /// Parameters of one stage, immutable, with their type erased.
 using StageParams = std::shared_ptr<const void>;
@@ -120,20 +109,88 @@ class Step {
   virtual ~Step() = default;
   /// `params` was made by the same StageType.
   virtual void run(const typename Floor::Inputs& in, const void* params) noexcept = 0;
+
+  StageNotes notes;
 };
 
 /// A row of a floor's stage table.
 template <class Floor>
 struct BasicStageType {
-  std::string_view name, help;
+  std::string name, help;
   PartSet reads, writes;
-  std::unique_ptr<Step<Floor>> (*create)();
+  GivenSet takes;
+  std::vector<OwnPartUse> own_parts;
+  /// Throws what the stage's constructor throws.
+  std::function<std::unique_ptr<Step<Floor>>()> create;
   struct Parsed {
     StageParams params;
     Json complete;  // with defaults filled in
   };
-  Parsed (*parse)(const Json& json, const std::string& path);  // throws SettingsError
-  Json (*schema)();
+  std::function<Parsed(const Json& json, const std::string& path)> parse;  // throws SettingsError
+  std::function<Json()> schema;
+  std::string library{};  // the file it comes from; empty: it is the service's own
+};
+
+/// How one parameter of process() is fed, and what it says about the stage's needs.
+template <class Floor, class Arg>
+struct Feed {
+  static_assert(
+      GivenBy<Floor, Arg>,
+      "process() takes a parameter that is neither a part of Frame (const T&, T&, Update<T>) nor anything "
+      "else that this floor gives its stages: see pipeline/camera_stage.h and pipeline/field_stage.h");
+  static Arg get(const typename Floor::Inputs& in, Step<Floor>&) {
+    return Floor::given(in, std::type_identity<Arg>{});
+  }
+  static void declare(BasicStageType<Floor>& type) {
+    static_assert(given_index<Floor, Arg>() < std::tuple_size_v<typename Floor::Given>);
+    type.takes.set(given_index<Floor, Arg>());
+  }
+};
+template <class Floor>
+struct Feed<Floor, StageNotes&> {
+  static StageNotes& get(const typename Floor::Inputs&, Step<Floor>& step) { return step.notes; }
+  static void declare(BasicStageType<Floor>&) {}
+};
+template <class Floor, class T>
+requires kIsPart<Floor, T>
+struct Feed<Floor, const T&> {
+  static const T& get(const typename Floor::Inputs& in, Step<Floor>&) { return part(in); }
+  static T& part(const typename Floor::Inputs& in) {
+    return in.frame.*std::get<Part<typename Floor::Frame, T>>(Floor::kParts).member;
+  }
+  static void declare(BasicStageType<Floor>& type) { type.reads.set(part_index<Floor, T>()); }
+};
+template <class Floor, class T>
+requires(kIsPart<Floor, T> && !std::is_const_v<T>) struct Feed<Floor, T&> {
+  static T& get(const typename Floor::Inputs& in, Step<Floor>&) { return Feed<Floor, const T&>::part(in); }
+  static void declare(BasicStageType<Floor>& type) { type.writes.set(part_index<Floor, T>()); }
+};
+template <class Floor, class T>
+requires kIsPart<Floor, T>
+struct Feed<Floor, Update<T>> {
+  static Update<T> get(const typename Floor::Inputs& in, Step<Floor>&) {
+    return {Feed<Floor, const T&>::part(in)};
+  }
+  static void declare(BasicStageType<Floor>& type) { type.reads.set(part_index<Floor, T>()); }
+};
+// Those that a library brings.
+template <class Floor, OwnPart T>
+struct Feed<Floor, const T&> {
+  static const T& get(const typename Floor::Inputs& in, Step<Floor>&) { return part(in); }
+  static T& part(const typename Floor::Inputs& in) { return in.frame.own_parts.template get<T>(); }
+  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(false)); }
+};
+template <class Floor, OwnPart T>
+requires(!std::is_const_v<T>) struct Feed<Floor, T&> {
+  static T& get(const typename Floor::Inputs& in, Step<Floor>&) { return Feed<Floor, const T&>::part(in); }
+  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(true)); }
+};
+template <class Floor, OwnPart T>
+struct Feed<Floor, Update<T>> {
+  static Update<T> get(const typename Floor::Inputs& in, Step<Floor>&) {
+    return {Feed<Floor, const T&>::part(in)};
+  }
+  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(false)); }
 };
 
 template <class Floor, class S, bool kNoexcept, class... Args>
@@ -145,21 +202,20 @@ BasicStageType<Floor> describe_stage(std::string_view name, std::string_view hel
   struct Bound final : Step<Floor> {
     S stage;
     void run(const typename Floor::Inputs& in, const void* params) noexcept override {
-      stage.process(*static_cast<const Params*>(params), Feed<Floor, Args>::get(in)...);
+      stage.process(*static_cast<const Params*>(params), Feed<Floor, Args>::get(in, *this)...);
     }
   };
-  Type type{name,
-            help,
-            {},
-            {},
-            +[]() -> std::unique_ptr<Step<Floor>> { return std::make_unique<Bound>(); },
-            +[](const Json& json, const std::string& path) -> typename Type::Parsed {
-              auto params = std::make_shared<const Params>(params_from_json<Params>(json, path));
-              Json complete = params_to_json(*params);
-              return {std::move(params), std::move(complete)};
-            },
-            &params_schema<Params>};
-  (Feed<Floor, Args>::declare(type.reads, type.writes), ...);
+  Type type;
+  type.name = name;
+  type.help = help;
+  type.create = []() -> std::unique_ptr<Step<Floor>> { return std::make_unique<Bound>(); };
+  type.parse = [](const Json& json, const std::string& path) -> typename Type::Parsed {
+    auto params = std::make_shared<const Params>(params_from_json<Params>(json, path));
+    Json complete = params_to_json(*params);
+    return {std::move(params), std::move(complete)};
+  };
+  type.schema = &params_schema<Params>;
+  (Feed<Floor, Args>::declare(type), ...);
   return type;
 }
 

@@ -140,7 +140,7 @@ std::optional<TrackedBall> Smoother::ball_at(double t_s) const {
   const double passed_s = after->t_s - before.t_s, share = (t_s - before.t_s) / passed_s;
   const double s2 = share * share, s3 = s2 * share;
   const Vector3d way = after->ball.place_mm - before.ball.place_mm;
-  const auto at_most = [&](Vector3d goes) -> Vector3d {
+  const auto at_most = [&](const Vector3d& goes) -> Vector3d {
     constexpr double kTimes = 3;  // more goes past the end and back
     const double most = kTimes * way.norm(), length = goes.norm();
     return length > most ? Vector3d(goes * (most / length)) : goes;
