@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "config/backends.h"
 #include "config/config.h"
+#include "config/stages.h"
 #include "config/version.h"
 #include "daemon.h"
 #include "settings/store.h"
@@ -138,7 +139,7 @@ int main(int argc, char** argv) {
       "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);
   std::filesystem::path settings_file, check_file, panel = panel_folder();
-  std::vector<std::filesystem::path> file_folders;
+  std::vector<std::filesystem::path> file_folders, stage_folders;
   bool print = false, list = false;
   app.add_option("--config", settings_file, "the settings file to run with");
   app.add_option("--check-config", check_file,
@@ -148,6 +149,9 @@ int main(int argc, char** argv) {
       "--files", file_folders,
       "a folder in which the panel may name files, besides the folders of the settings file and of "
       "the service's own state");
+  app.add_option("--stages", stage_folders,
+                 "a folder of stage libraries (*.so), whose stages a stack may name; their code runs in this "
+                 "program");
   app.add_flag("--print-config", print,
                "print the whole settings tree, defaults filled in (with --config: of that file)");
   app.add_flag("--list-cameras", list,
@@ -160,6 +164,7 @@ int main(int argc, char** argv) {
   const bool is_service = !list && !print && check_file.empty() && !settings_file.empty();
   if (!is_service) unblock_own_signals();
   try {
+    add_stage_libraries(stage_folders, is_service ? MissingStages::kLeftOut : MissingStages::kRefused);
     if (list) {
       Json list_json = Json::array();
       for (const FoundCamera& found : found_cameras()) list_json.push_back(found_camera_json(found));

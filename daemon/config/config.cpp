@@ -75,8 +75,10 @@ Config read_config(const Json& settings) {
   check_group(config.network.referee.group, "/network/referee/group");
   static_cast<void>(LabelSet(config.own_labels, "/own_labels"));  // refuses bad names
   check_group(config.network.tracker.group, "/network/tracker/group");
-  check_stack(field_stage_table(), config.field.stack, "/field/stack");
-  StageSettings field_stages = read_stages(field_stage_table(), config.field.stages, "/field/stages");
+  const MissingStages missing = missing_stages();
+  config.field.running = running_stack(field_stage_table(), config.field.stack, "/field/stack", missing);
+  StageSettings field_stages =
+      read_stages(field_stage_table(), config.field.stages, "/field/stages", missing);
   config.field.stages = std::move(field_stages.complete);
   config.field.stage_params = std::move(field_stages.params);
   std::map<int, std::size_t> camera_with_id;
@@ -91,8 +93,8 @@ Config read_config(const Json& settings) {
     camera.source = complete_source(camera.source, path + "/source");
     check_mask(camera.mask, path + "/mask");
     if (camera.calibration) CameraModel(*camera.calibration, path + "/calibration");
-    check_stack(stage_table(), camera.stack, path + "/stack");
-    StageSettings stages = read_stages(stage_table(), camera.stages, path + "/stages");
+    camera.running = running_stack(stage_table(), camera.stack, path + "/stack", missing);
+    StageSettings stages = read_stages(stage_table(), camera.stages, path + "/stages", missing);
     camera.stages = std::move(stages.complete);
     camera.stage_params = std::move(stages.params);
   }

@@ -60,8 +60,10 @@ struct TeamsSettings {
 struct FieldSettings : FieldSize {
   std::vector<std::string> stack = default_field_stack();
   Json stages = Json::object();
-  std::vector<StageParams>
-      stage_params{};  // of `stages`, by the table of the field's stages; read_config() fills them in
+  // By read_config(): the parameters of `stages`, by the table of the field's stages, and what of `stack`
+  // runs.
+  std::vector<StageParams> stage_params{};
+  RunningStack running{};
   bool other_computers = true;
   static constexpr auto fields() {
     using F = FieldSettings;
@@ -120,8 +122,9 @@ struct CameraSettings {
   MaskSettings mask;
   std::vector<std::string> stack = default_stack();
   Json stages = Json::object();
-  std::vector<StageParams>
-      stage_params{};  // of `stages`, by the table of stages; read_config() fills them in
+  // By read_config(): the parameters of `stages`, by the table of stages, and what of `stack` runs.
+  std::vector<StageParams> stage_params{};
+  RunningStack running{};
   ThreadSettings thread;
   static constexpr auto fields() {
     using C = CameraSettings;

@@ -3,6 +3,8 @@
 // (docs/extending.md).
 #include "config/stages.h"
 
+#include "base/log.h"
+#include "kit/read_stamp.h"
 #include "pipeline/publish.h"
 #include "tracking/agreement.h"
 #include "tracking/clocks.h"
@@ -15,9 +17,59 @@
 #include "vision/segment.h"
 #include "vision/threshold.h"
 
-namespace sslv {
+#include <algorithm>
+#include <utility>
 
-std::span<const StageType> stage_table() {
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+struct Outside {
+  StageRows rows;
+  std::vector<OwnPartType> camera_parts, field_parts;  // by place
+  std::vector<LeftOutLibrary> left_out;
+  MissingStages missing = MissingStages::kRefused;
+};
+Outside& outside() {
+  static Outside outside;
+  return outside;
+}
+
+template <class Floor>
+void check_new(const std::vector<BasicStageType<Floor>>& rows, std::span<const BasicStageType<Floor>> table,
+               const std::vector<OwnPartType>& parts) {
+  for (auto row = rows.begin(); row != rows.end(); ++row) {
+    const auto has_its_name = [&](const auto& other) { return other.name == row->name; };
+    if (std::any_of(rows.begin(), row, has_its_name) || std::ranges::any_of(table, has_its_name))
+      throw StageLibraryError(
+          fmt::format("has a stage '{}', and there is one of that name already", row->name));
+    for (const OwnPartUse& use : row->own_parts) {
+      const auto known = std::ranges::find(parts, use.type.name, &OwnPartType::name);
+      if (known != parts.end() && known->layout != use.type.layout) {
+        throw StageLibraryError(
+            fmt::format("has the part '{}' with another layout than the library before it", use.type.name));
+      }
+    }
+  }
+}
+
+/// Gives the parts of these stages their places, and takes the stages into the table.
+template <class Floor>
+void take(std::vector<BasicStageType<Floor>> rows, std::vector<BasicStageType<Floor>>& table,
+          std::vector<OwnPartType>& parts) {
+  for (auto& row : rows) {
+    for (const OwnPartUse& use : row.own_parts) {
+      const auto known = std::ranges::find(parts, use.type.name, &OwnPartType::name);
+      *use.place = static_cast<std::size_t>(known - parts.begin());
+      if (known == parts.end()) parts.push_back(use.type);
+      (use.is_written ? row.writes : row.reads).set(kPartCount<Floor> + *use.place);
+    }
+    table.push_back(std::move(row));
+  }
+}
+
+const std::vector<StageType>& own_stages() {
   static const std::vector kStages{
       stage<Segment>("segment",
                      "finds the regions of labelled pixels: threshold, find_runs and find_regions in one"),
@@ -31,11 +83,7 @@ std::span<const StageType> stage_table() {
   return kStages;
 }
 
-std::vector<std::string> default_stack() {
-  return {"segment", "detect_robots", "detect_balls", "publish"};
-}
-
-std::span<const FieldStageType> field_stage_table() {
+const std::vector<FieldStageType>& own_field_stages() {
   static const std::vector kStages{
       field_stage<Gather>("gather", "takes what a camera saw, once it makes sense"),
       field_stage<Clocks>("clocks", "says when an image was really taken"),
@@ -44,6 +92,62 @@ std::span<const FieldStageType> field_stage_table() {
       field_stage<PublishField>("publish", "sends the tracks, and shows them in the panel"),
   };
   return kStages;
+}
+
+template <class Row>
+std::vector<Row> joined(std::vector<Row> own, const std::vector<Row>& from_outside) {
+  own.insert(own.end(), from_outside.begin(), from_outside.end());
+  return own;
+}
+
+}  // namespace
+
+void add_stages(StageRows rows) {
+  Outside& all = outside();
+  check_new<CameraFloor>(rows.camera, joined(own_stages(), all.rows.camera), all.camera_parts);
+  check_new<FieldFloor>(rows.field, joined(own_field_stages(), all.rows.field), all.field_parts);
+  take(std::move(rows.camera), all.rows.camera, all.camera_parts);
+  take(std::move(rows.field), all.rows.field, all.field_parts);
+}
+
+void add_stage_libraries(const std::vector<std::filesystem::path>& folders, MissingStages missing) {
+  if (folders.empty()) return;
+  Outside& all = outside();
+  all.missing = missing;
+  LoadedStages loaded = load_stages(folders);
+  all.left_out = std::move(loaded.left_out);
+  for (StageLibrary& library : loaded.libraries) {
+    try {
+      add_stages(std::move(library.rows));
+      log::info("stages of {} loaded", library.file.string());
+    } catch (const StageLibraryError& error) {
+      all.left_out.push_back({library.file, error.what()});
+    }
+  }
+  for (const LeftOutLibrary& one : all.left_out)
+    log::error("{} {}; it is left out", one.file.string(), one.why);
+}
+
+std::span<const LeftOutLibrary> left_out_libraries() {
+  return outside().left_out;
+}
+
+MissingStages missing_stages() {
+  return outside().missing;
+}
+
+std::span<const StageType> stage_table() {
+  static const std::vector<StageType> kAll = joined(own_stages(), outside().rows.camera);
+  return kAll;
+}
+
+std::vector<std::string> default_stack() {
+  return {"segment", "detect_robots", "detect_balls", "publish"};
+}
+
+std::span<const FieldStageType> field_stage_table() {
+  static const std::vector<FieldStageType> kAll = joined(own_field_stages(), outside().rows.field);
+  return kAll;
 }
 
 std::vector<std::string> default_field_stack() {

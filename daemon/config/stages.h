@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kit/load_stages.h"
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
+#include "pipeline/pipeline.h"
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace sslv {
+
+// Tables are made at a program's start; once anything has used them, they stay as they are.
+
+/// Adds the stages of one library. Throws StageLibraryError, and adds nothing, for a stage whose name is
+/// taken and for a part that another library brings with another layout.
+void add_stages(StageRows rows);
+
+/// Adds those of all libraries in these folders (kit/load_stages.h). What is left out is logged. `missing`:
+/// what becomes of stages that settings name and that are not there, when there are any folders.
+void add_stage_libraries(const std::vector<std::filesystem::path>& folders, MissingStages missing);
+std::span<const LeftOutLibrary> left_out_libraries();
+MissingStages missing_stages();
 
 /// Every stage a stack may name.
 std::span<const StageType> stage_table();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/process.h"
 
+#include "base/plain_text.h"
 #include "config/backends.h"
 #include "ctl/no_sink.h"
 #include "pipeline/camera_pipeline.h"
@@ -11,6 +12,19 @@
 #include <vector>
 
 namespace sslv {
+namespace {
+
+/// What stages have to say in the end.
+void write_notes(const Pipeline& pipeline, std::ostream& out) {
+  for (std::size_t i = 0; i < pipeline.stack().size(); ++i) {
+    const StageNotes::Note note = pipeline.note(i);
+    if (note.kind != StageNotes::Kind::kNone)
+      out << pipeline.stack()[i] << ": " << escaped_text(note.text) << '\n';
+  }
+}
+
+}  // namespace
+
 int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
                       const std::function<void(const std::string& name, const Frame&)>& use,
                       std::ostream& problems) {
@@ -47,7 +61,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
         ++unreadable;
         break;
       case CaptureStatus::kTimeout: break;
-      case CaptureStatus::kEnd: return unreadable;
+      case CaptureStatus::kEnd: write_notes(*setup.pipeline, problems); return unreadable;
       case CaptureStatus::kLost: throw CaptureError(problem);
     }
   }

@@ -25,10 +25,14 @@ std::string part_name(std::span<const BasicStageType<Floor>> table, std::size_t 
 }
 
 template <class Floor>
+bool is_in(std::span<const BasicStageType<Floor>> table, const std::string& name) {
+  return std::ranges::find(table, name, &BasicStageType<Floor>::name) != table.end();
+}
+
+template <class Floor>
 const BasicStageType<Floor>& find_stage(std::span<const BasicStageType<Floor>> table, const std::string& name,
                                         const std::string& path) {
-  const auto found =
-      std::find_if(table.begin(), table.end(), [&](const auto& type) { return type.name == name; });
+  const auto found = std::ranges::find(table, name, &BasicStageType<Floor>::name);
   if (found != table.end()) return *found;
   std::string known;
   for (const auto& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
@@ -68,6 +72,29 @@ std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStage
     stages.push_back(&type);
   }
   return stages;
+}
+
+template <class Floor>
+RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
+                           const std::vector<std::string>& stack, const std::string& path,
+                           MissingStages missing) {
+  RunningStack out;
+  PartSet have = Floor::kProvided;
+  for (const std::string& name : stack) {
+    const auto found = std::ranges::find(table, name, &BasicStageType<Floor>::name);
+    if (found == table.end()) {
+      out.missing.push_back(name);
+    } else if ((found->reads & ~have).any() && !out.missing.empty()) {
+      out.idle.push_back(name);
+    } else {
+      out.stages.push_back(name);
+      have |= found->writes;
+    }
+  }
+  // With nothing left out, or nothing to be left out, messages count the stages as the settings do.
+  check_stack<Floor>(table, missing == MissingStages::kRefused || out.missing.empty() ? stack : out.stages,
+                     path);
+  return out;
 }
 
 template <class Floor>
@@ -120,12 +147,17 @@ void BasicPipeline<Floor>::run(const Inputs& inputs, const Parameters& parameter
 
 template <class Floor>
 StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Json& stages,
-                          const std::string& path) {
+                          const std::string& path, MissingStages missing) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");
-  for (const auto& item : stages.items()) {
-    if (item.key() != kCommentKey) find_stage<Floor>(table, item.key(), path + "/" + shortened(item.key()));
-  }
   StageSettings out{Json::object(), {}};
+  for (const auto& item : stages.items()) {
+    if (item.key() == kCommentKey) continue;
+    if (missing == MissingStages::kLeftOut && !is_in(table, item.key())) {
+      out.complete[item.key()] = item.value();
+    } else {
+      find_stage<Floor>(table, item.key(), path + "/" + shortened(item.key()));
+    }
+  }
   for (const auto& type : table) {
     const std::string name(type.name);
     auto parsed = type.parse(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
@@ -136,15 +168,22 @@ StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Js
 }
 
 template class BasicPipeline<CameraFloor>;
-template StageSettings read_stages<CameraFloor>(std::span<const BasicStageType<CameraFloor>>, const Json&,
-                                                const std::string&);
-template std::vector<const BasicStageType<CameraFloor>*> check_stack<CameraFloor>(
-    std::span<const BasicStageType<CameraFloor>>, const std::vector<std::string>&, const std::string&);
+template StageSettings read_stages<CameraFloor>(std::span<const StageType>, const Json&, const std::string&,
+                                                MissingStages);
+template std::vector<const StageType*> check_stack<CameraFloor>(std::span<const StageType>,
+                                                                const std::vector<std::string>&,
+                                                                const std::string&);
+template RunningStack running_stack<CameraFloor>(std::span<const StageType>, const std::vector<std::string>&,
+                                                 const std::string&, MissingStages);
 
 template class BasicPipeline<FieldFloor>;
-template StageSettings read_stages<FieldFloor>(std::span<const BasicStageType<FieldFloor>>, const Json&,
-                                               const std::string&);
-template std::vector<const BasicStageType<FieldFloor>*> check_stack<FieldFloor>(
-    std::span<const BasicStageType<FieldFloor>>, const std::vector<std::string>&, const std::string&);
+template StageSettings read_stages<FieldFloor>(std::span<const FieldStageType>, const Json&,
+                                               const std::string&, MissingStages);
+template std::vector<const FieldStageType*> check_stack<FieldFloor>(std::span<const FieldStageType>,
+                                                                    const std::vector<std::string>&,
+                                                                    const std::string&);
+template RunningStack running_stack<FieldFloor>(std::span<const FieldStageType>,
+                                                const std::vector<std::string>&, const std::string&,
+                                                MissingStages);
 
 }  // namespace sslv

@@ -19,11 +19,17 @@ struct StageSettings {
   std::vector<StageParams> params;  // by the table
 };
 
+/// Stages that settings name and that are not in the table.
+enum class MissingStages {
+  kRefused,
+  kLeftOut,  // their library was left out: the rest runs, their parameters are kept as they are
+};
+
 /// `stages` maps stage names to their parameters; absent ones have their defaults. Throws SettingsError,
 /// beginning with `path`, for a stage that is not in the table or a parameter that is not allowed.
 template <class Floor>
 StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Json& stages,
-                          const std::string& path);
+                          const std::string& path, MissingStages missing = MissingStages::kRefused);
 
 /// Whether the stack may run: its stages, in order. Throws SettingsError, beginning with `path`, for an
 /// unknown stage, a stage listed twice, a part that no earlier stage provides or that two stages write.
@@ -31,6 +37,19 @@ template <class Floor>
 std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStageType<Floor>> table,
                                                       const std::vector<std::string>& stack,
                                                       const std::string& path);
+
+/// What of a stack can run.
+struct RunningStack {
+  std::vector<std::string> stages;
+  std::vector<std::string> missing;  // not in the table
+  std::vector<std::string> idle{};   // they need what a missing one would have made
+};
+
+/// All of it, unless stages are missing. The rest throws as check_stack() does.
+template <class Floor>
+RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
+                           const std::vector<std::string>& stack, const std::string& path,
+                           MissingStages missing);
 
 /// The stages of one stack in their order, checked. Made when the stack changes; parameters may change
 /// without (Parameters below). Used by one thread at a time.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/commands/offline_options.h"
 
+#include "config/stages.h"
 #include "settings/store.h"
 
 #include <cstdio>
@@ -12,6 +13,8 @@ namespace sslv {
 void CameraChoice::add_to(CLI::App* command) {
   command->add_option("--settings", settings_file, "settings file")->required();
   command->add_option("--camera", camera_id, "id of the camera in it")->capture_default_str();
+  command->add_option("--stages", stage_folders,
+                      "a folder of stage libraries (*.so), whose stages its stack may name");
 }
 
 void CameraChoice::add_lut_to(CLI::App* command) {
@@ -19,6 +22,7 @@ void CameraChoice::add_lut_to(CLI::App* command) {
 }
 
 Config CameraChoice::config() const {
+  add_stage_libraries(stage_folders, MissingStages::kRefused);
   try {
     Config config = read_config(up_to_date(read_json_file(settings_file), settings_migrations()));
     if (!lut_file.empty()) {

@@ -4,7 +4,9 @@
 #include "config/config.h"
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -15,10 +17,11 @@ struct CameraChoice {
   std::string settings_file;
   int camera_id = 0;
   std::string lut_file;  // empty: the camera's own colours
+  std::vector<std::filesystem::path> stage_folders;
 
   void add_to(CLI::App* command);
   void add_lut_to(CLI::App* command);
-  /// These throw SettingsError, beginning with the file's name.
+  /// These throw SettingsError, beginning with the file's name. To be called once: it loads stage libraries.
   Config config() const;
   std::size_t index_in(const Config& config) const;
 };

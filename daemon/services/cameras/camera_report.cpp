@@ -2,6 +2,7 @@
 #include "services/cameras/camera_report.h"
 
 #include "config/backends.h"
+#include "config/missing_stages.h"
 
 #include <algorithm>
 #include <utility>
@@ -69,6 +70,15 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                                  ? "Check source/path in its settings; the service tries again automatically."
                                  : "Check its cable and power; the service tries again automatically.",
                       .page = camera_page(camera),
+                      .camera = camera.id});
+  }
+  if (!camera.missing_stages.empty()) {
+    alerts.push_back({.id = "stage_missing",
+                      .check = "cameras",
+                      .severity = camera.has_idle_stages ? Severity::kBad : Severity::kWarn,
+                      .title = fmt::format("Camera {} runs {}", camera.id, camera.missing_stages),
+                      .fix = missing_fix(),
+                      .page = "#/settings/cameras",
                       .camera = camera.id});
   }
   if (!camera.sends) {
@@ -285,6 +295,15 @@ const char* name_of(ImageOrigin origin) {
 
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) {
   add_origin_alerts(report.alerts, cameras);
+  for (const LeftOutLibrary& library : left_out_libraries()) {
+    report.alerts.push_back(
+        {.id = "stage_library",
+         .check = "cameras",
+         .severity = Severity::kWarn,
+         .title = fmt::format("The stage library {} is left out: it {}", library.file.string(), library.why),
+         .fix = "Put a good one in its place, or take it away, and restart the service.",
+         .about = library.file.string()});
+  }
   for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
   for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
   for (const auto check : {check_cameras, check_pictures, check_latency})

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "config/missing_stages.h"
 #include "services/cameras/camera_json.h"
 #include "services/cameras/camera_routes.h"
 #include "vision/flood_cut.h"
@@ -69,21 +70,24 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
     };
     const bool is_flooded = counters.flood.blocks > 0 && counters.frames_since_flood <= last_minute.frames;
     const auto labels = camera->pipeline().setup()->context.labels;
-    out.push_back({.id = id,
-                   .backend = settings->source.at("backend"),
-                   .wanted_fps = wanted_fps(settings->source),
-                   .health = camera->health(),
-                   .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
-                   .latency_images = camera->latency().count(),
-                   .last_minute = last_minute,
-                   .last_seconds = newest(CameraFacts::kLastSeconds),
-                   .newest_seconds = newest(CameraFacts::kNewestSeconds),
-                   .exposure = watch_.exposure(id),
-                   .controls_unsaved = camera->unsaved_controls().size(),
-                   .sends = std::ranges::find(settings->stack, "publish") != settings->stack.end(),
-                   .origin = origin_of(settings->source),
-                   .flood = is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label))
-                                       : std::string()});
+    out.push_back(
+        {.id = id,
+         .backend = settings->source.at("backend"),
+         .wanted_fps = wanted_fps(settings->source),
+         .health = camera->health(),
+         .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
+         .latency_images = camera->latency().count(),
+         .last_minute = last_minute,
+         .last_seconds = newest(CameraFacts::kLastSeconds),
+         .newest_seconds = newest(CameraFacts::kNewestSeconds),
+         .exposure = watch_.exposure(id),
+         .controls_unsaved = camera->unsaved_controls().size(),
+         .sends = std::ranges::find(settings->running.stages, "publish") != settings->running.stages.end(),
+         .origin = origin_of(settings->source),
+         .missing_stages = missing_text(settings->running),
+         .has_idle_stages = !settings->running.idle.empty(),
+         .flood =
+             is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label)) : std::string()});
   }
   return out;
 }

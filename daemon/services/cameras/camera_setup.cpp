@@ -43,8 +43,8 @@ std::optional<NewSetup> make_setup(const Config& config, std::size_t i,
   if (previous && previous->settings.stack == camera.stack) {
     setup.pipeline = previous->setup.pipeline;
   } else {
-    setup.pipeline =
-        std::make_shared<Pipeline>(stage_table(), camera.stack, "/cameras/" + std::to_string(i) + "/stack");
+    setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.running.stages,
+                                                "/cameras/" + std::to_string(i) + "/stack");
   }
   setup.parameters = setup.pipeline->parameters_of(camera.stage_params);
   out.keeps_colors =

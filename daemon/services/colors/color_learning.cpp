@@ -54,8 +54,8 @@ class Detector {
  public:
   Detector(const CameraSettings& settings, const CameraContext& context, std::shared_ptr<const Lut> lut) {
     CameraSetup setup;
-    setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.stack, "/stack");
-    setup.parameters = setup.pipeline->make_parameters(settings.stages, "/stages");
+    setup.pipeline = std::make_shared<Pipeline>(stage_table(), settings.running.stages, "/stack");
+    setup.parameters = setup.pipeline->parameters_of(settings.stage_params);
     setup.context = context;
     setup.context.adapted_lut = std::move(lut);
     pipeline_ =

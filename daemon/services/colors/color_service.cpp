@@ -364,8 +364,8 @@ void ColorService::report(HealthReport& report) const {
       one.missing_labels = found->second.missing;
       one.swapped_labels = found->second.swapped;
     }
-    const bool is_labelled =
-        std::ranges::find(camera.settings->stack, "segment") != camera.settings->stack.end();
+    const bool is_labelled = std::ranges::find(camera.settings->running.stages, "segment") !=
+                             camera.settings->running.stages.end();
     if (is_labelled && camera.health.width > 0 && !has_colors(camera.health.format))
       one.grey_format = name_of(camera.health.format);
     facts.push_back(std::move(one));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/field/field_report.h"
 
+#include "config/missing_stages.h"
+
 #include <fmt/format.h>
 
 namespace sslv {
@@ -39,6 +41,14 @@ void report_drift(const FieldFacts& facts, HealthReport& report) {
 
 void report_field(const FieldFacts& facts, HealthReport& report) {
   report_drift(facts, report);
+  if (const RunningStack& running = facts.config->field.running; !running.missing.empty()) {
+    report.alerts.push_back({.id = "stage_missing",
+                             .check = "network",
+                             .severity = running.idle.empty() ? Severity::kWarn : Severity::kBad,
+                             .title = fmt::format("The field's stack runs {}", missing_text(running)),
+                             .fix = missing_fix(),
+                             .page = "#/settings/field/stack"});
+  }
   if (!facts.sending_error.empty()) {
     report.alerts.push_back({.id = "tracks_not_sent",
                              .check = "network",

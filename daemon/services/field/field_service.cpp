@@ -81,7 +81,8 @@ FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, 
 
 FieldSetup FieldService::make_setup(const Config& config) const {
   FieldSetup setup;
-  setup.pipeline = std::make_shared<FieldPipeline>(field_stage_table(), config.field.stack, "/field/stack");
+  setup.pipeline =
+      std::make_shared<FieldPipeline>(field_stage_table(), config.field.running.stages, "/field/stack");
   setup.parameters = setup.pipeline->parameters_of(config.field.stage_params);
   setup.field = config.field;
   setup.ball = ball_model_of(config);
@@ -94,7 +95,7 @@ Commit FieldService::prepare(const SettingsChange& change) {
   auto setup = std::make_shared<FieldSetup>(make_setup(change.next));
   // What stages have learnt goes on as long as they do.
   const auto before = running_.setup();
-  if (before->pipeline->stack() == change.next.field.stack) setup->pipeline = before->pipeline;
+  if (before->pipeline->stack() == change.next.field.running.stages) setup->pipeline = before->pipeline;
   return [this, setup, ids = ids_of(change.next), others = change.next.field.other_computers,
           multicast = multicast_of(change.next.network)]() mutable noexcept {
     sender_.configure(multicast, "/network/tracker");

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/params_json.h"
 #include "base/plain_text.h"
+#include "config/missing_stages.h"
 #include "health/metrics_text.h"
 #include "services/settings/settings_events.h"
 #include "services/settings/settings_report.h"
@@ -79,6 +80,7 @@ Commit SettingsService::prepare_all(const CheckedSettings& next, SettingsChange:
   if (origin == SettingsChange::Origin::kNetwork) {
     static const Json kSchema = settings_schema();
     check_named_files(kSchema, next.tree, {store_.current().settings}, file_folders_);
+    refuse_new_missing(*config_.load(), *next.config);
   }
   const auto now = config_.load();
   std::vector<Commit> commits;

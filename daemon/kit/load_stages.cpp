@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/load_stages.h"
+
+#include "base/log.h"
+#include "base/plain_text.h"
+#include "kit/read_stamp.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <climits>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+/// A library that takes longer to load keeps the service from its start.
+constexpr std::chrono::seconds kMaxLoading{10};
+
+std::string first_line(std::string_view text) {
+  return escaped_text(text.substr(0, text.find('\n')));
+}
+
+/// Throws StageLibraryError, and whatever the library's own code throws.
+StageRows rows_of(const std::filesystem::path& file) {
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) {
+    const char* problem = dlerror();
+    std::string why = first_line(problem == nullptr ? "nobody says why" : problem);
+    // The loader begins with the file's name, which stands before this text anyway.
+    if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
+    throw StageLibraryError(fmt::format("cannot be loaded: {}", why));
+  }
+  // A function's address as POSIX has it.
+  const auto function = reinterpret_cast<StageRowsFunction>(dlsym(library, kStageRowsFunction));
+  if (function == nullptr) throw StageLibraryError("names no stages: SSLV_STAGES(...) is missing");
+  StageRows rows;
+  function(rows);
+  return rows;
+}
+
+void check_name(std::string_view name) {
+  constexpr std::size_t kMaxName = 40;
+  const auto is_allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  if (!name.empty() && name.size() <= kMaxName && std::ranges::all_of(name, is_allowed)) return;
+  throw StageLibraryError(fmt::format("has a stage '{}'; a name has 1 to {} characters of a-z, 0-9 and _",
+                                      escaped_text(name.substr(0, kMaxName)), kMaxName));
+}
+
+/// Makes each stage once, with its default parameters.
+template <class Floor>
+void try_out(const std::vector<BasicStageType<Floor>>& rows) {
+  for (const auto& row : rows) {
+    check_name(row.name);
+    try {
+      row.parse(Json::object(), "/" + row.name);
+      static_cast<void>(row.schema());
+      static_cast<void>(row.create());
+    } catch (const std::exception& error) {
+      throw StageLibraryError(
+          fmt::format("cannot make its stage '{}': {}", row.name, first_line(error.what())));
+    } catch (...) {
+      throw StageLibraryError(fmt::format("cannot make its stage '{}': it throws", row.name));
+    }
+  }
+}
+
+/// What is wrong with the library, or nothing. In the process that may crash.
+std::string try_library(const std::filesystem::path& file) {
+  try {
+    const StageRows rows = rows_of(file);
+    if (rows.camera.empty() && rows.field.empty()) return "has no stages";
+    try_out(rows.camera);
+    try_out(rows.field);
+    return {};
+  } catch (const StageLibraryError& error) {
+    return error.what();
+  } catch (const std::exception& error) {
+    return fmt::format("throws while it is loaded: {}", first_line(error.what()));
+  } catch (...) {
+    return "throws while it is loaded";
+  }
+}
+
+/// All that comes within the time that a library has.
+std::string read_until_closed(int from, bool& is_late) {
+  const auto end = std::chrono::steady_clock::now() + kMaxLoading;
+  std::string text;
+  for (;;) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    pollfd ready{from, POLLIN, 0};
+    const int count = left.count() > 0 ? poll(&ready, 1, static_cast<int>(left.count())) : 0;
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      is_late = true;
+      return text;
+    }
+    std::array<char, 512> part{};
+    const ssize_t size = read(from, part.data(), part.size());
+    if (size <= 0) return text;
+    text.append(part.data(), static_cast<std::size_t>(size));
+  }
+}
+
+/// try_library() in a process of its own. Throws StageLibraryError.
+void try_apart(const std::filesystem::path& file) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0)
+    throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(errno)));
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(EXIT_FAILURE);
+    // The marker tells "nothing is wrong" from an end before that could be said.
+    const std::string said = try_library(file) + '\n';
+    const ssize_t written = write(ends[1], said.data(), std::min<std::size_t>(said.size(), PIPE_BUF));
+    _exit(written > 0 ? EXIT_SUCCESS : EXIT_FAILURE);
+  }
+  close(ends[1]);
+  bool is_late = false;
+  const std::string said = child > 0 ? read_until_closed(ends[0], is_late) : std::string();
+  close(ends[0]);
+  if (child < 0)
+    throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(errno)));
+  if (is_late) kill(child, SIGKILL);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (is_late) throw StageLibraryError(fmt::format("is not loaded within {} seconds", kMaxLoading.count()));
+  if (WIFSIGNALED(status)) {
+    throw StageLibraryError(fmt::format("crashes while it is loaded ({})", sigdescr_np(WTERMSIG(status))));
+  }
+  if (said.empty()) throw StageLibraryError("ends the process that loads it");
+  if (said != "\n") throw StageLibraryError(first_line(said));
+}
+
+std::vector<std::filesystem::path> libraries_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".so") files.push_back(entry.path());
+  std::ranges::sort(files);  // the same order on every computer
+  return files;
+}
+
+}  // namespace
+
+LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
+  LoadedStages out;
+  for (const std::filesystem::path& folder : folders) {
+    std::vector<std::filesystem::path> files;
+    try {
+      files = libraries_in(folder);
+    } catch (const std::filesystem::filesystem_error& error) {
+      // A folder for libraries of one's own need not be there.
+      log::info("{} is no folder of stage libraries: {}", folder.string(), error.code().message());
+      continue;
+    }
+    for (const std::filesystem::path& file : files) {
+      try {
+        check_stamp(read_stamp(file));
+        try_apart(file);
+        StageLibrary library{file, rows_of(std::filesystem::absolute(file))};
+        for (StageType& row : library.rows.camera) row.library = file.filename().string();
+        for (FieldStageType& row : library.rows.field) row.library = file.filename().string();
+        out.libraries.push_back(std::move(library));
+      } catch (const std::exception& error) {
+        out.left_out.push_back({file, error.what()});
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace sslv

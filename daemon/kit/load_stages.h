@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kit/stages.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// A file that was left out, and why; one line.
+struct LeftOutLibrary {
+  std::filesystem::path file;
+  std::string why;
+};
+
+struct StageLibrary {
+  std::filesystem::path file;
+  StageRows rows;  // each with the file's name
+};
+
+struct LoadedStages {
+  std::vector<StageLibrary> libraries;
+  std::vector<LeftOutLibrary> left_out;
+};
+
+/// Loads the stage libraries (*.so) of these folders, for good. Before a library is loaded its stamp is read,
+/// and a process of its own loads it and makes each of its stages once: what throws, crashes or hangs does so
+/// there. To be called before any thread starts. A folder that is not there has none.
+LoadedStages load_stages(const std::vector<std::filesystem::path>& folders);
+
+}  // namespace sslv

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/read_stamp.h"
+
+#include "base/plain_text.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <elf.h>
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+constexpr auto kThisProcessor =
+#if defined __x86_64__
+    EM_X86_64;
+#elif defined __aarch64__
+    EM_AARCH64;
+#else
+    EM_NONE;
+#endif
+
+std::string processor_name(unsigned machine) {
+  switch (machine) {
+    case EM_X86_64: return "x86-64";
+    case EM_AARCH64: return "aarch64";
+    case EM_386: return "x86 of 32 bits";
+    case EM_ARM: return "ARM of 32 bits";
+    case EM_RISCV: return "RISC-V";
+    default: return fmt::format("processor {} of ELF's list", machine);
+  }
+}
+
+/// Bounded reads of a file: what it says of itself may be wrong.
+class ElfFile {
+ public:
+  explicit ElfFile(const std::filesystem::path& file) : in_(file, std::ios::binary) {
+    if (!in_)
+      throw StageLibraryError(fmt::format("cannot be read: {}", std::generic_category().message(errno)));
+  }
+
+  template <class T>
+  T at(std::uint64_t offset) {
+    T value;
+    read(offset, &value, sizeof value);
+    return value;
+  }
+
+  void read(std::uint64_t offset, void* to, std::size_t bytes) {
+    in_.clear();
+    if (offset > std::uint64_t{std::numeric_limits<std::int32_t>::max()} ||
+        !in_.seekg(static_cast<std::streamoff>(offset)) ||
+        !in_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes))) {
+      throw StageLibraryError("is cut off or no shared object");
+    }
+  }
+
+ private:
+  std::ifstream in_;
+};
+
+template <std::size_t kSize>
+std::string_view text_in(const std::array<char, kSize>& chars) {
+  return {chars.data(), strnlen(chars.data(), chars.size())};
+}
+
+}  // namespace
+
+StageStamp read_stamp(const std::filesystem::path& file) {
+  ElfFile elf(file);
+  std::array<unsigned char, EI_NIDENT> ident{};
+  elf.read(0, ident.data(), ident.size());
+  if (std::memcmp(ident.data(), ELFMAG, SELFMAG) != 0) throw StageLibraryError("is no shared object");
+  if (ident[EI_CLASS] != ELFCLASS64 || ident[EI_DATA] != ELFDATA2LSB) {
+    throw StageLibraryError(fmt::format(
+        "is made for a processor of {} bits and the other byte order or size; this program runs on {}",
+        ident[EI_CLASS] == ELFCLASS64 ? 64 : 32, processor_name(kThisProcessor)));
+  }
+  const auto header = elf.at<Elf64_Ehdr>(0);
+  if (header.e_machine != kThisProcessor) {
+    throw StageLibraryError(fmt::format("is made for {}, this program runs on {}",
+                                        processor_name(header.e_machine), processor_name(kThisProcessor)));
+  }
+  if (header.e_type != ET_DYN) throw StageLibraryError("is no shared object");
+  const auto section = [&](std::uint64_t index) {
+    return elf.at<Elf64_Shdr>(header.e_shoff + index * sizeof(Elf64_Shdr));
+  };
+  constexpr std::string_view kNoStamp =
+      "has no stamp of the stage kit: build it with the package ssl-visiond-stages-dev, and name its stages "
+      "with SSLV_STAGES";
+  if (header.e_shoff == 0 || header.e_shstrndx >= header.e_shnum)
+    throw StageLibraryError(std::string(kNoStamp));
+  const Elf64_Shdr names = section(header.e_shstrndx);
+  for (std::uint64_t i = 0; i < header.e_shnum; ++i) {
+    const Elf64_Shdr one = section(i);
+    std::array<char, kStampSection.size() + 1> name{};
+    if (one.sh_type != SHT_PROGBITS || one.sh_name > names.sh_size ||
+        names.sh_size - one.sh_name < name.size())
+      continue;
+    elf.read(names.sh_offset + one.sh_name, name.data(), name.size());
+    if (name.back() != '\0' || text_in(name) != kStampSection) continue;
+    StageStamp stamp;
+    // One of another version may be shorter or longer: its first words are the same in all.
+    std::vector<char> bytes(std::min<std::uint64_t>(one.sh_size, sizeof stamp));
+    elf.read(one.sh_offset, bytes.data(), bytes.size());
+    std::memcpy(static_cast<void*>(&stamp), bytes.data(), bytes.size());
+    if (text_in(stamp.magic) != kStampMagic) throw StageLibraryError(std::string(kNoStamp));
+    return stamp;
+  }
+  throw StageLibraryError(std::string(kNoStamp));
+}
+
+void check_stamp(const StageStamp& stamp) {
+  static constexpr StageStamp kOurs = this_stamp();
+  const std::string_view again = "build it again with this version's ssl-visiond-stages-dev";
+  if (stamp.kit_version != kKitVersion) {
+    throw StageLibraryError(fmt::format("is built for version {} of the stage kit, this is version {}: {}",
+                                        stamp.kit_version, kKitVersion, again));
+  }
+  if (stamp.compiler != kOurs.compiler) {
+    throw StageLibraryError(fmt::format("is built with {}, this program with {}: {}",
+                                        escaped_text(text_in(stamp.compiler)), kStampCompiler, again));
+  }
+  for (std::size_t i = 0; i < kOurs.types.size(); ++i) {
+    const StampedType &theirs = stamp.types[i], &ours = kOurs.types[i];
+    if (theirs == ours) continue;
+    throw StageLibraryError(fmt::format(
+        "has another layout of {} ({} bytes) than this program ({} bytes): {}",
+        escaped_text(text_in(ours.size == 0 ? theirs.name : ours.name)), theirs.size, ours.size, again));
+  }
+}
+
+}  // namespace sslv
