@@ -1,8 +1,8 @@
-# The two packages: ssl-visiond and ssl-visiond-dev. Included by systemd/CMakeLists.txt.
+# The packages: ssl-visiond, ssl-visiond-dev and ssl-visiond-stages-dev. Included by systemd/CMakeLists.txt.
 set(debian ${CMAKE_CURRENT_SOURCE_DIR}/debian)
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL service dev)
+set(CPACK_COMPONENTS_ALL service dev stages)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/package)
@@ -44,5 +44,15 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION
 "messages of the RoboCup Small Size League's vision, for teams
 The .proto files of what ssl-visiond sends, for CMake's find_package and
 pkg-config, and a sample client that receives and prints it.")
+
+set(CPACK_DEBIAN_STAGES_PACKAGE_NAME ssl-visiond-stages-dev)
+set(CPACK_DEBIAN_STAGES_PACKAGE_SECTION devel)
+set(CPACK_DEBIAN_STAGES_PACKAGE_DEPENDS "libeigen3-dev, nlohmann-json3-dev")
+set(CPACK_DEBIAN_STAGES_PACKAGE_RECOMMENDS "ssl-visiond (= ${PROJECT_VERSION}-1), cmake, g++")
+set(CPACK_COMPONENT_STAGES_DESCRIPTION
+"stages of one's own for ssl-visiond
+Headers, a static library, CMake's find_package and examples for shared
+objects that bring stages into the stacks of ssl-visiond: a detector of one's
+own, a recorder, another marker. They are compiled for this version of it.")
 
 include(CPack)

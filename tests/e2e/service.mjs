@@ -95,6 +95,8 @@ export async function createService(group) {
     settings,
     /** The built panel that it serves. */
     panelFolder: join(root, 'webui/dist'),
+    /** Further arguments of its command line. */
+    options: [],
     /** What it said since it was started. */
     log: () => log.join('\n'),
     pid: () => daemon.pid,
@@ -104,7 +106,7 @@ export async function createService(group) {
     async start() {
       mkdirSync(stateFolder, { recursive: true });
       writeFileSync(settingsFile, JSON.stringify(settings));
-      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panelFolder, '--files', join(root, 'tests')], {
+      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panelFolder, '--files', join(root, 'tests'), ...service.options], {
         env: { ...process.env, STATE_DIRECTORY: stateFolder },
         stdio: ['ignore', 'ignore', 'pipe'],
       });

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage libraries and the real service: what it makes of good ones, bad ones and ones that are gone.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, beforeEach, describe, it } from 'node:test';
+import { createService, DAEMON, root } from './service.mjs';
+
+const LIBRARIES = process.env.SSLV_KIT_LIBRARIES ?? join(root, 'build/release/kit');
+const service = await createService('239.255.77.92');
+const folder = join(service.folder, 'stages');
+const put = (name) => copyFileSync(join(LIBRARIES, name, `${name}.so`), join(folder, `${name}.so`));
+const ask = async (path) => (await fetch(service.address(path))).json();
+const patch = (...operations) => fetch(service.address('api/settings'), { method: 'PATCH', body: JSON.stringify(operations) });
+const STACK = ['segment', 'detect_robots', 'detect_balls', 'count_balls', 'tell_balls', 'publish'];
+const setStack = (stack, camera = 0) => service.patch({ op: 'replace', path: `/cameras/${camera}/stack`, value: stack });
+const alertsOf = (status, id) => status.alerts.filter((alert) => alert.id === id);
+
+describe('stage libraries', () => {
+  before(() => {
+    mkdirSync(folder);
+    service.options = ['--stages', folder];
+  });
+  beforeEach(async () => {
+    await service.stop();
+    await service.forget();
+    rmSync(folder, { recursive: true });
+    mkdirSync(folder);
+  });
+  after(() => service.end());
+
+  it('bring stages with parameters, parts of their own and times', async () => {
+    put('counting');
+    await service.start();
+    const { properties } = await ask('api/schema');
+    const camera = properties.cameras.items.properties;
+    assert.ok(camera.stack.items.enum.includes('count_balls'));
+    assert.deepEqual(camera.stages.properties.count_balls.properties.at_least.maximum, 100);
+
+    await setStack(STACK);
+    const { cameras } = await service.statusBecomes((status) => status.cameras[0].stages.length === STACK.length && status.cameras[0].stages[3].p50_us > 0);
+    assert.deepEqual(cameras[0].stages.map(({ name }) => name), STACK);
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/at_least', value: 7 });
+    assert.equal((await patch({ op: 'replace', path: '/cameras/0/stages/count_balls/at_least', value: 101 })).status, 422);
+    const metrics = await (await fetch(service.address('metrics'))).text();
+    assert.match(metrics, /sslv_stage_duration_seconds_count\{camera="0",stage="count_balls"\} \d+/);
+    assert.deepEqual(alertsOf(await ask('api/status'), 'stage_library'), []);
+  });
+
+  it('that are no good are named and left out, and the service runs', async () => {
+    for (const name of ['counting', 'no_stamp', 'missing_symbol', 'throws_loading', 'crashes_loading', 'exits_loading', 'throws_making']) put(name);
+    writeFileSync(join(folder, 'cut_off.so'), readFileSync(join(folder, 'counting.so')).subarray(0, 5000));
+    await service.start();
+    const status = await service.statusBecomes(({ cameras }) => cameras.every(({ state }) => state === 'running'));
+    const titles = alertsOf(status, 'stage_library').map(({ title }) => title).sort();
+    assert.deepEqual(titles.map((title) => /^The stage library .*\/(\w+)\.so is left out: it \S/.exec(title)?.[1]),
+      ['crashes_loading', 'cut_off', 'exits_loading', 'missing_symbol', 'no_stamp', 'throws_loading', 'throws_making'], titles.join('\n'));
+    for (const name of ['cut_off', 'no_stamp']) assert.equal(service.log().split('\n').filter((line) => line.includes(`${name}.so`)).length, 1, `one line for ${name}`);
+    await setStack(STACK);
+  });
+
+  it('that are gone leave a camera with the rest of its stack, which says so, and lose no setting', async () => {
+    put('counting');
+    await service.start();
+    await setStack(STACK);
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/at_least', value: 3 });
+    await service.stop();
+    rmSync(join(folder, 'counting.so'));
+    await service.start();
+    const status = await service.statusBecomes(({ cameras }) => cameras.every(({ state, robots }) => state === 'running' && robots > 0));
+    assert.deepEqual(status.cameras[0].stages.map(({ name }) => name), ['segment', 'detect_robots', 'detect_balls', 'publish']);
+    const [alert, ...more] = alertsOf(status, 'stage_missing');
+    assert.deepEqual(more, []);
+    assert.equal(alert.title, "Camera 0 runs without the stages 'count_balls' and 'tell_balls', which are not there");
+    assert.equal(alert.camera, 0);
+    assert.match(alert.fix, /No library in the folders of stages brings it\. /);
+
+    const { settings } = await ask('api/settings');
+    assert.deepEqual(settings.cameras[0].stack, STACK);
+    assert.equal(settings.cameras[0].stages.count_balls.at_least, 3);
+    await service.patch({ op: 'replace', path: '/cameras/0/name', value: 'Other changes go on' });
+    const refused = await patch({ op: 'replace', path: '/cameras/1/stack', value: ['segment', 'no_such_stage'] });
+    assert.equal(refused.status, 422);
+    assert.match(await refused.text(), /\/cameras\/1\/stack: the stage 'no_such_stage' is not there/);
+
+    await service.stop();
+    put('counting');
+    await service.start();
+    const again = await service.statusBecomes(({ cameras }) => cameras[0].stages.length === STACK.length);
+    assert.deepEqual(alertsOf(again, 'stage_missing'), []);
+  });
+
+  it('are needed by a settings file that is checked', () => {
+    const file = join(service.folder, 'checked.json');
+    writeFileSync(file, JSON.stringify({ cameras: [{ stack: STACK }] }));
+    const check = (...options) => spawnSync(DAEMON, ['--check-config', file, ...options], { encoding: 'utf8' });
+    assert.equal(check().status, 78);
+    assert.match(check('--stages', folder).stderr, /\/cameras\/0\/stack\/3: unknown stage 'count_balls'; known: /);
+    put('counting');
+    assert.equal(check('--stages', folder).status, 0);
+  });
+});

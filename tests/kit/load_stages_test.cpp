@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/load_stages.h"
+
+#include "kit/read_stamp.h"
+#include "support/temporary_folder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::StartsWith;
+
+std::filesystem::path library(const std::string& name) {
+  return std::filesystem::path(SSLV_KIT_LIBRARIES) / name / (name + ".so");
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A folder with libraries of one's own making.
+class LibraryFolder : public testing::Test {
+ protected:
+  void put(const std::string& name, const std::string& bytes) {
+    std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
+  }
+  /// Why the only library of the folder is left out; the loading itself must go on.
+  std::string why() {
+    const LoadedStages loaded = load_stages({folder_.path()});
+    EXPECT_THAT(loaded.libraries, IsEmpty());
+    return loaded.left_out.size() == 1 ? loaded.left_out.front().why
+                                       : std::to_string(loaded.left_out.size()) + " left out";
+  }
+  /// Likewise, of one that was built for these tests.
+  static std::string why_not(const std::string& name) {
+    const LoadedStages loaded = load_stages({library(name).parent_path()});
+    EXPECT_THAT(loaded.libraries, IsEmpty());
+    EXPECT_THAT(loaded.left_out, SizeIs(1));
+    return loaded.left_out.empty() ? "" : loaded.left_out.front().why;
+  }
+  /// The good library with other bytes from `offset` into its stamp on.
+  std::string with_stamp(std::size_t offset, const std::string& changed) {
+    std::string bytes = bytes_of(library("counting"));
+    const std::size_t at = bytes.find(std::string(kStampMagic) + '\0');
+    EXPECT_NE(at, std::string::npos);
+    return bytes.replace(at + offset, changed.size(), changed);
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(LibraryFolder, LoadsWhatIsGood) {
+  put("counting.so", bytes_of(library("counting")));
+  put("README.txt", "no library");
+  const LoadedStages loaded = load_stages({folder_.path()});
+  EXPECT_THAT(loaded.left_out, IsEmpty());
+  ASSERT_THAT(loaded.libraries, SizeIs(1));
+  const StageRows& rows = loaded.libraries[0].rows;
+  ASSERT_THAT(rows.camera, SizeIs(2));
+  ASSERT_THAT(rows.field, SizeIs(1));
+  EXPECT_EQ(rows.camera[0].name, "count_balls");
+  EXPECT_EQ(rows.camera[0].library, "counting.so");
+  EXPECT_EQ(rows.camera[0].schema().at("properties").at("at_least").at("maximum"), 100);
+  EXPECT_THROW(rows.camera[0].parse(Json{{"at_least", 101}}, "/stages/count_balls"), SettingsError)
+      << "what a library throws is caught here";
+}
+
+TEST_F(LibraryFolder, HasNoneWhereThereIsNoFolder) {
+  const LoadedStages loaded = load_stages({folder_.path() / "nowhere", "/dev/null"});
+  EXPECT_THAT(loaded.libraries, IsEmpty());
+  EXPECT_THAT(loaded.left_out, IsEmpty());
+}
+
+TEST_F(LibraryFolder, SaysWhatIsNoLibrary) {
+  put("text.so", "some words");
+  EXPECT_EQ(why(), "is no shared object");
+  put("text.so", "");
+  EXPECT_EQ(why(), "is cut off or no shared object");
+  put("text.so", bytes_of(library("counting")).substr(0, 1000));
+  EXPECT_EQ(why(), "is cut off or no shared object");
+  std::filesystem::remove(folder_.path() / "text.so");
+  std::filesystem::create_directory(folder_.path() / "folder.so");
+  EXPECT_THAT(why(), HasSubstr("is cut off or no shared object"));
+}
+
+TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {
+  std::string bytes = bytes_of(library("counting"));
+  bytes[18] = static_cast<char>(bytes[18] == '\xb7' ? 62 : 183);  // e_machine: x86-64 or aarch64
+  put("other.so", bytes);
+  EXPECT_THAT(why(), testing::MatchesRegex("is made for (aarch64|x86-64), this program runs on .*"));
+  bytes[4] = 1;  // 32 bits
+  put("other.so", bytes);
+  EXPECT_THAT(why(), StartsWith("is made for a processor of 32 bits"));
+}
+
+TEST_F(LibraryFolder, NeedsAStamp) {
+  EXPECT_THAT(why_not("no_stamp"), StartsWith("has no stamp of the stage kit: build it with"));
+  put("broken.so", with_stamp(0, "SSL"));
+  EXPECT_THAT(why(), StartsWith("has no stamp of the stage kit"));
+}
+
+TEST_F(LibraryFolder, NeedsTheKitsVersion) {
+  put("old.so", with_stamp(offsetof(StageStamp, kit_version), std::string("\x63\0\0\0", 4)));
+  EXPECT_THAT(why(),
+              StartsWith("is built for version 99 of the stage kit, this is version 1: build it again"));
+}
+
+TEST_F(LibraryFolder, NeedsTheSameCompilersAbi) {
+  put("old.so", with_stamp(offsetof(StageStamp, compiler), std::string("PDP-11\0", 7)));
+  EXPECT_THAT(why(), StartsWith("is built with PDP-11, this program with "));
+}
+
+TEST_F(LibraryFolder, NeedsTheSameLayoutOfEveryType) {
+  const StageStamp ours = this_stamp();
+  for (std::size_t i = 0; i < ours.type_count; ++i) {
+    const std::size_t type = offsetof(StageStamp, types) + i * sizeof(StampedType);
+    put("old.so", with_stamp(type + offsetof(StampedType, layout), "otherwis"));
+    EXPECT_THAT(why(), StartsWith("has another layout of " + std::string(ours.types[i].name.data()) + " ("));
+  }
+  // A type that only the library knows.
+  put("old.so", with_stamp(offsetof(StageStamp, types) + ours.type_count * sizeof(StampedType), "Extra"));
+  EXPECT_THAT(why(), StartsWith("has another layout of Extra (0 bytes)"));
+}
+
+TEST_F(LibraryFolder, SaysWhatTheLoaderMisses) {
+  EXPECT_THAT(why_not("missing_symbol"), testing::AllOf(StartsWith("cannot be loaded: undefined symbol: "),
+                                                        HasSubstr("nobody_has_this")));
+}
+
+TEST_F(LibraryFolder, SurvivesWhatALibraryDoesWhenItIsLoaded) {
+  EXPECT_THAT(why_not("throws_loading"),
+              testing::AnyOf(HasSubstr("no licence"), HasSubstr("crashes while it is loaded (Aborted)")));
+  EXPECT_EQ(why_not("crashes_loading"), "crashes while it is loaded (Aborted)");
+  EXPECT_EQ(why_not("exits_loading"), "ends the process that loads it");
+  EXPECT_EQ(why_not("throws_making"), "cannot make its stage 'throws_making': no camera for it");
+  EXPECT_EQ(why_not("bad_name"), "has a stage 'Bad Name'; a name has 1 to 40 characters of a-z, 0-9 and _");
+}
+
+TEST_F(LibraryFolder, EndsALibraryThatNeverComesToAnEnd) {
+  EXPECT_EQ(why_not("hangs_loading"), "is not loaded within 10 seconds");
+}
+
+}  // namespace
+}  // namespace sslv
