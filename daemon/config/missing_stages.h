@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// "without the stage 'tags', which is not there; 'aim' needs it and does not run either". Empty: all run.
+/// "without the stage 'tags', which is not there; 'aim' needs it and does not run either". Empty: none is missing.
 std::string missing_text(const RunningStack& running);
 
 /// What an admin can do about it: names the libraries that were left out, and why.

@@ -37,7 +37,7 @@ std::string processor_name(unsigned machine) {
   }
 }
 
-/// Bounded reads of a file: what it says of itself may be wrong.
+/// Bounded reads of a file: its tables may be wrong.
 class ElfFile {
  public:
   explicit ElfFile(const std::filesystem::path& file) : in_(file, std::ios::binary) {

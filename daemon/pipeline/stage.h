@@ -8,7 +8,7 @@
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
 // whose signature is the contract: `const T&` reads the part of type T, `T&` writes it from scratch,
-// `Update<T>` edits it in place. Parts are those of the floor's frame, and those that a stage library brings
+// `Update<T>` edits it in place. A part belongs to the floor's frame, or a stage library brings it
 // (own_parts.h). `StageNotes&` is what the stage tells the admin. What else a stage can be given is the
 // floor's: camera_stage.h for the stages of one camera, field_stage.h for those of the whole field. Any other
 // parameter does not compile.
