@@ -16,8 +16,10 @@ lines=$(cat hello/hello.cpp hello/CMakeLists.txt | wc -l)
 cmake -S hello -B hello/build -DCMAKE_PREFIX_PATH="$PWD/usr" >hello.log
 cmake --build hello/build >>hello.log 2>&1 || { tail -n 30 hello.log >&2; exit 1; }
 
-jq '.cameras |= [.[0] | .stack = ["segment", "detect_robots", "detect_balls", "hello", "publish"]]' \
-  "$sources/config/demo.json" >settings.json
+node -e '
+  const settings = JSON.parse(require("fs").readFileSync(process.argv[1]));
+  settings.cameras = [{ ...settings.cameras[0], stack: ["segment", "detect_robots", "detect_balls", "hello", "publish"] }];
+  console.log(JSON.stringify(settings));' "$sources/config/demo.json" >settings.json
 "$build/bin/ssl-visionctl" simulate --settings settings.json --frames 3 --output images
 "$build/bin/ssl-visionctl" process --stages hello/build --settings settings.json --input images >frames.jsonl 2>said.txt
 grep -qx 'hello: I see the ball' said.txt || { cat said.txt >&2; exit 1; }
