@@ -128,6 +128,10 @@ void add_stage_libraries(const std::vector<std::filesystem::path>& folders, Miss
     log::error("{} {}; it is left out", one.file.string(), one.why);
 }
 
+void leave_out_missing_stages() {
+  outside().missing = MissingStages::kLeftOut;
+}
+
 std::span<const LeftOutLibrary> left_out_libraries() {
   return outside().left_out;
 }

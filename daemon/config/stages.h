@@ -23,6 +23,8 @@ void add_stages(StageRows rows);
 /// what becomes of stages that settings name and that are not there, when there are any folders.
 void add_stage_libraries(const std::vector<std::filesystem::path>& folders, MissingStages missing);
 std::span<const LeftOutLibrary> left_out_libraries();
+/// Settings may name stages that are not there, as with kLeftOut above.
+void leave_out_missing_stages();
 MissingStages missing_stages();
 
 /// Every stage a stack may name.

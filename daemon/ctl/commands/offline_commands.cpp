@@ -124,6 +124,7 @@ void add_simulate(CommandLine& line) {
 void add_track(CommandLine& line) {
   struct Options {
     std::filesystem::path log_file, settings_file;
+    std::vector<std::filesystem::path> stage_folders;
     std::string tracks_file;
     double later_s = 0;
     bool as_json = false;
@@ -133,6 +134,7 @@ void add_track(CommandLine& line) {
       "track", "track what cameras saw in a log of the league's logger: gaps and jumps before and after");
   command->add_option("--log", o->log_file, "the log, not compressed")->required();
   command->add_option("--config", o->settings_file, "settings whose field and field's stack are used");
+  add_stages_option(command, o->stage_folders);
   command->add_option("--tracks", o->tracks_file,
                       "file for the tracks, a line for each packet; -: standard output");
   command
@@ -141,6 +143,7 @@ void add_track(CommandLine& line) {
       ->check(CLI::Range(0.05, 2.0));
   command->add_flag("--json", o->as_json, "as JSON");
   line.on(command, [o] {
+    add_stage_libraries(o->stage_folders, MissingStages::kRefused);
     Config config;
     if (o->settings_file.empty()) {
       config = read_config(Json::object());
@@ -226,6 +229,7 @@ void add_score(CommandLine& line) {
     return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
   };
   const auto score_running = [&line, o] {
+    leave_out_missing_stages();  // that only the daemon has
     const Config config = read_config(line.client().get_json("/api/settings").at("settings"));
     const SimulatedWorld world = simulated_world(config);
     const TrackScorer scorer = score_tracks(config, world, o->tracks_s);

@@ -10,11 +10,15 @@
 
 namespace sslv {
 
+void add_stages_option(CLI::App* command, std::vector<std::filesystem::path>& folders) {
+  command->add_option("--stages", folders,
+                      "a folder of stage libraries (*.so), whose stages a stack may name");
+}
+
 void CameraChoice::add_to(CLI::App* command) {
   command->add_option("--settings", settings_file, "settings file")->required();
   command->add_option("--camera", camera_id, "id of the camera in it")->capture_default_str();
-  command->add_option("--stages", stage_folders,
-                      "a folder of stage libraries (*.so), whose stages its stack may name");
+  add_stages_option(command, stage_folders);
 }
 
 void CameraChoice::add_lut_to(CLI::App* command) {

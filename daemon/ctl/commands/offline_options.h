@@ -26,6 +26,9 @@ struct CameraChoice {
   std::size_t index_in(const Config& config) const;
 };
 
+/// --stages, of every command that runs a stack.
+void add_stages_option(CLI::App* command, std::vector<std::filesystem::path>& folders);
+
 /// How to read raw frames.
 struct RawFormat {
   std::string pixel_format, size;
