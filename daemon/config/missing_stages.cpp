@@ -2,6 +2,7 @@
 #include "config/missing_stages.h"
 
 #include "base/error.h"
+#include "base/plain_text.h"
 
 #include <algorithm>
 #include <span>
@@ -27,13 +28,13 @@ std::string listed(std::string_view before, const std::vector<std::string>& name
   return fmt::format("{} stage{} {}", before, names.size() == 1 ? "" : "s", quoted_list(names));
 }
 
-bool is_missing(const Config& config, const std::string& name) {
-  const auto has = [&](const RunningStack& running) {
-    return std::ranges::find(running.missing, name) != running.missing.end();
+/// Whether a stack of it names the stage, or it has parameters of it.
+bool is_named(const Config& config, const std::string& name) {
+  const auto has = [&](const auto& part) {
+    return std::ranges::find(part.stack, name) != part.stack.end() || part.stages.contains(name);
   };
-  return has(config.field.running) || std::ranges::any_of(config.cameras, [&](const CameraSettings& camera) {
-           return has(camera.running);
-         });
+  return has(config.field) ||
+         std::ranges::any_of(config.cameras, [&](const CameraSettings& camera) { return has(camera); });
 }
 
 }  // namespace
@@ -54,21 +55,27 @@ std::string missing_text(const RunningStack& running) {
 std::string missing_fix() {
   std::string out;
   for (const LeftOutLibrary& one : left_out_libraries())
-    out += fmt::format("{}{} {}", out.empty() ? "" : "; ", one.file.filename().string(), one.why);
+    out +=
+        fmt::format("{}{} {}", out.empty() ? "" : "; ", escaped_text(one.file.filename().string()), one.why);
   if (out.empty()) out = "No library in the folders of stages brings it";
   return out + ". Install it and restart the service, or take it out of the stack.";
 }
 
 void refuse_new_missing(const Config& now, const Config& next) {
-  const auto check = [&now](const RunningStack& running, const std::string& path) {
-    for (const std::string& name : running.missing) {
-      if (is_missing(now, name)) continue;
-      throw SettingsError(fmt::format("{}: the stage '{}' is not there", path, shortened(name)));
+  const auto check = [&now](const std::string& name, const std::string& path) {
+    if (is_named(now, name)) return;
+    throw SettingsError(fmt::format("{}: the stage '{}' is not there", path, shortened(name)));
+  };
+  const auto check_part = [&check](const auto& part, auto table, const std::string& path) {
+    for (const std::string& name : part.running.missing) check(name, path + "/stack");
+    for (const auto& item : part.stages.items()) {
+      if (std::ranges::none_of(table, [&](const auto& type) { return type.name == item.key(); }))
+        check(item.key(), path + "/stages");
     }
   };
-  check(next.field.running, "/field/stack");
+  check_part(next.field, field_stage_table(), "/field");
   for (std::size_t i = 0; i < next.cameras.size(); ++i)
-    check(next.cameras[i].running, fmt::format("/cameras/{}/stack", i));
+    check_part(next.cameras[i], stage_table(), fmt::format("/cameras/{}", i));
 }
 
 }  // namespace sslv

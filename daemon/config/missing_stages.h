@@ -9,14 +9,15 @@
 
 namespace sslv {
 
-/// "without the stage 'tags', which is not there; 'aim' needs it and does not run either". Empty: none is missing.
+/// "without the stage 'tags', which is not there; 'aim' needs it and does not run either". Empty: none is
+/// missing.
 std::string missing_text(const RunningStack& running);
 
 /// What an admin can do about it: names the libraries that were left out, and why.
 std::string missing_fix();
 
-/// Throws SettingsError for a stage that is not there in a stack of `next`, unless a stack of `now` has it
-/// already: what is saved stays, what comes from the network must run.
+/// Throws SettingsError for a stage of `next`, in a stack or with parameters, that is not there, unless `now`
+/// has it already: what is saved stays, what comes from the network must run.
 void refuse_new_missing(const Config& now, const Config& next);
 
 }  // namespace sslv

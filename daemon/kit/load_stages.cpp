@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -29,8 +30,11 @@
 namespace sslv {
 namespace {
 
-/// A library that takes longer to load keeps the service from its start.
-constexpr std::chrono::seconds kMaxLoading{10};
+using Clock = std::chrono::steady_clock;
+
+/// A library that takes longer to load keeps the service from its start, for which systemd gives it 30
+/// seconds. All of them together have the second time; then a second is left for each.
+constexpr std::chrono::seconds kMaxLoading{10}, kMaxLoadingAll{15}, kMinLoading{1};
 
 std::string first_line(std::string_view text) {
   return escaped_text(text.substr(0, text.find('\n')));
@@ -68,8 +72,9 @@ void try_out(const std::vector<BasicStageType<Floor>>& rows) {
   for (const auto& row : rows) {
     check_name(row.name);
     try {
+      check_plain_text(row.help, "its help");
       row.parse(Json::object(), "/" + row.name);
-      static_cast<void>(row.schema());
+      static_cast<void>(row.schema().dump());  // throws unless all its texts are UTF-8
       static_cast<void>(row.create());
     } catch (const std::exception& error) {
       throw StageLibraryError(
@@ -80,13 +85,13 @@ void try_out(const std::vector<BasicStageType<Floor>>& rows) {
   }
 }
 
-/// What is wrong with the library, or nothing. In the process that may crash.
-std::string try_library(const std::filesystem::path& file) {
+/// What is wrong with the library, or nothing. `use` gets its rows.
+template <class Use>
+std::string with_rows(const std::filesystem::path& file, const Use& use) {
   try {
-    const StageRows rows = rows_of(file);
+    StageRows rows = rows_of(file);
     if (rows.camera.empty() && rows.field.empty()) return "has no stages";
-    try_out(rows.camera);
-    try_out(rows.field);
+    use(rows);
     return {};
   } catch (const StageLibraryError& error) {
     return error.what();
@@ -97,13 +102,23 @@ std::string try_library(const std::filesystem::path& file) {
   }
 }
 
-/// All that comes within the time that a library has.
-std::string read_until_closed(int from, bool& is_late) {
-  const auto end = std::chrono::steady_clock::now() + kMaxLoading;
+std::string load(const std::filesystem::path& file, StageRows& out) {
+  return with_rows(file, [&out](StageRows& rows) { out = std::move(rows); });
+}
+
+/// In the process that may crash.
+std::string try_library(const std::filesystem::path& file) {
+  return with_rows(file, [](const StageRows& rows) {
+    try_out(rows.camera);
+    try_out(rows.field);
+  });
+}
+
+/// All that comes before `end`.
+std::string read_until_closed(int from, Clock::time_point end, bool& is_late) {
   std::string text;
   for (;;) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
     pollfd ready{from, POLLIN, 0};
     const int count = left.count() > 0 ? poll(&ready, 1, static_cast<int>(left.count())) : 0;
     if (count < 0 && errno == EINTR) continue;
@@ -119,7 +134,7 @@ std::string read_until_closed(int from, bool& is_late) {
 }
 
 /// try_library() in a process of its own. Throws StageLibraryError.
-void try_apart(const std::filesystem::path& file) {
+void try_apart(const std::filesystem::path& file, std::chrono::seconds max) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
     throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(errno)));
@@ -135,7 +150,8 @@ void try_apart(const std::filesystem::path& file) {
   }
   close(ends[1]);
   bool is_late = false;
-  const std::string said = child > 0 ? read_until_closed(ends[0], is_late) : std::string();
+  const std::string said =
+      child > 0 ? read_until_closed(ends[0], Clock::now() + max, is_late) : std::string();
   close(ends[0]);
   if (child < 0)
     throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(errno)));
@@ -143,7 +159,9 @@ void try_apart(const std::filesystem::path& file) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (is_late) throw StageLibraryError(fmt::format("is not loaded within {} seconds", kMaxLoading.count()));
+  if (is_late)
+    throw StageLibraryError(
+        fmt::format("is not loaded within {} second{}", max.count(), max.count() == 1 ? "" : "s"));
   if (WIFSIGNALED(status)) {
     throw StageLibraryError(fmt::format("crashes while it is loaded ({})", sigdescr_np(WTERMSIG(status))));
   }
@@ -163,27 +181,38 @@ std::vector<std::filesystem::path> libraries_in(const std::filesystem::path& fol
 
 LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
   LoadedStages out;
+  std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& folder : folders) {
-    std::vector<std::filesystem::path> files;
     try {
-      files = libraries_in(folder);
+      std::ranges::copy(libraries_in(std::filesystem::absolute(folder)), std::back_inserter(files));
     } catch (const std::filesystem::filesystem_error& error) {
       // A folder for libraries of one's own need not be there.
       log::info("{} is no folder of stage libraries: {}", folder.string(), error.code().message());
+    }
+  }
+  // All are tried before the first one is loaded: it may start threads, and then no process is forked.
+  const auto end = Clock::now() + kMaxLoadingAll;
+  std::erase_if(files, [&](const std::filesystem::path& file) {
+    const auto left = std::chrono::duration_cast<std::chrono::seconds>(end - Clock::now());
+    try {
+      check_stamp(read_stamp(file));
+      try_apart(file, std::clamp(left, kMinLoading, kMaxLoading));
+      return false;
+    } catch (const std::exception& error) {
+      out.left_out.push_back({file, error.what()});
+      return true;
+    }
+  });
+  for (const std::filesystem::path& file : files) {
+    StageLibrary library{file, {}};
+    if (std::string problem = load(file, library.rows); !problem.empty()) {
+      out.left_out.push_back({file, std::move(problem)});
       continue;
     }
-    for (const std::filesystem::path& file : files) {
-      try {
-        check_stamp(read_stamp(file));
-        try_apart(file);
-        StageLibrary library{file, rows_of(std::filesystem::absolute(file))};
-        for (StageType& row : library.rows.camera) row.library = file.filename().string();
-        for (FieldStageType& row : library.rows.field) row.library = file.filename().string();
-        out.libraries.push_back(std::move(library));
-      } catch (const std::exception& error) {
-        out.left_out.push_back({file, error.what()});
-      }
-    }
+    const std::string name = escaped_text(file.filename().string());
+    for (StageType& row : library.rows.camera) row.library = name;
+    for (FieldStageType& row : library.rows.field) row.library = name;
+    out.libraries.push_back(std::move(library));
   }
   return out;
 }

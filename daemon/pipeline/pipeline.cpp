@@ -39,6 +39,26 @@ const BasicStageType<Floor>& find_stage(std::span<const BasicStageType<Floor>> t
   throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, shortened(name), known));
 }
 
+/// Stands for a stage of a library that could not be made: the rest of the stack goes on.
+template <class Floor>
+struct IdleStep final : Step<Floor> {
+  explicit IdleStep(const std::string& why) { this->notes.warn("cannot start: " + why); }
+  void run(const typename Floor::Inputs&, const void*) noexcept override {}
+};
+
+/// Throws what the service's own stages throw.
+template <class Floor>
+std::unique_ptr<Step<Floor>> make_step(const BasicStageType<Floor>& type) {
+  if (type.library.empty()) return type.create();
+  try {
+    return type.create();
+  } catch (const std::exception& error) {
+    return std::make_unique<IdleStep<Floor>>(error.what());
+  } catch (...) {
+    return std::make_unique<IdleStep<Floor>>("it throws");
+  }
+}
+
 }  // namespace
 
 template <class Floor>
@@ -98,19 +118,16 @@ RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
 }
 
 template <class Floor>
+BasicPipeline<Floor>::Running::Running(const StageType& stage_type)
+    : type(&stage_type), step(make_step(stage_type)) {}
+
+template <class Floor>
 BasicPipeline<Floor>::BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
                                     const std::string& path)
     : table_(table), stack_(stack) {
-  std::size_t s = 0;
   for (const StageType* type : check_stack<Floor>(table, stack, path)) {
-    try {
-      steps_.push_back(std::make_unique<Running>(*type));
-    } catch (const std::exception& error) {
-      throw SettingsError(
-          fmt::format("{}/{}: stage '{}' cannot start: {}", path, s, type->name, shortened(error.what())));
-    }
+    steps_.push_back(std::make_unique<Running>(*type));
     for (const OwnPartUse& use : type->own_parts) own_parts_.emplace_back(*use.place, use.type);
-    ++s;
   }
 }
 

@@ -59,8 +59,8 @@ class BasicPipeline {
   using StageType = BasicStageType<Floor>;
   using Inputs = typename Floor::Inputs;
 
-  /// Throws as check_stack() does, and for a stage whose constructor throws. `table` must outlive the
-  /// pipeline.
+  /// Throws as check_stack() does. `table` must outlive the pipeline. A stage of a library whose constructor
+  /// throws does nothing and says so (note()).
   BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
                 const std::string& path);
 
@@ -85,7 +85,7 @@ class BasicPipeline {
 
  private:
   struct Running {
-    explicit Running(const StageType& stage_type) : type(&stage_type), step(stage_type.create()) {}
+    explicit Running(const StageType& stage_type);
     const StageType* type;
     std::unique_ptr<Step<Floor>> step;
     RecentDurations durations;

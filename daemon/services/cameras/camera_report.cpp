@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/camera_report.h"
 
+#include "base/plain_text.h"
 #include "config/backends.h"
 #include "config/missing_stages.h"
 
@@ -296,13 +297,13 @@ const char* name_of(ImageOrigin origin) {
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) {
   add_origin_alerts(report.alerts, cameras);
   for (const LeftOutLibrary& library : left_out_libraries()) {
-    report.alerts.push_back(
-        {.id = "stage_library",
-         .check = "cameras",
-         .severity = Severity::kWarn,
-         .title = fmt::format("The stage library {} is left out: it {}", library.file.string(), library.why),
-         .fix = "Put a good one in its place, or take it away, and restart the service.",
-         .about = library.file.string()});
+    report.alerts.push_back({.id = "stage_library",
+                             .check = "cameras",
+                             .severity = Severity::kWarn,
+                             .title = fmt::format("The stage library {} is left out: it {}",
+                                                  escaped_text(library.file.string()), library.why),
+                             .fix = "Put a good one in its place, or take it away, and restart the service.",
+                             .about = escaped_text(library.file.string())});
   }
   for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
   for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
