@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Needs a function that nobody has.
 #include <cstdlib>
-#include <stdexcept>
 
 #include <kit/stages.h>
+
+void nobody_has_this();
 
 namespace {
 class Nothing {
@@ -14,7 +15,5 @@ class Nothing {
   void process(const Params&, const sslv::BallList&) noexcept { nobody_has_this(); }
 };
 }  // namespace
-
-void nobody_has_this();
 
 SSLV_STAGES(sslv::stage<Nothing>("missing_symbol", ""))
