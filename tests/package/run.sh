@@ -5,7 +5,7 @@
 # fake_gige_camera. The system is kept in FOLDER for the next time. Needs root. Exit code 77: cannot be done here.
 # TRIES: how often the service is killed (5); half as often it is made to hang.
 set -euo pipefail
-packages=$(realpath "$1") programs=$(realpath "$2")
+packages=$(realpath "$1") programs=$(realpath "$2") here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 mkdir -p "$3" && cd "$3"
 tries=${TRIES:-5}
 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
@@ -16,7 +16,8 @@ for tool in debootstrap systemd-nspawn nsenter curl jq; do
   command -v "$tool" >/dev/null || cannot "there is no $tool"
 done
 service=$(echo "$packages"/ssl-visiond_*.deb) dev=$(echo "$packages"/ssl-visiond-dev_*.deb)
-[[ -e $service && -e $dev ]] || { echo "package test: no packages in $packages" >&2; exit 64; }
+stages=$(echo "$packages"/ssl-visiond-stages-dev_*.deb)
+[[ -e $service && -e $dev && -e $stages ]] || { echo "package test: no packages in $packages" >&2; exit 64; }
 
 # ---- telling
 
@@ -188,6 +189,29 @@ check "both run, in the same process" eventually 5 has_reloaded
 listen() { beside timeout 20 "$programs/sample_client" --interface 127.0.0.1 --count "$1"; }
 sends_robots() { listen 200 | grep -E -c '^  (yellow|blue) [0-9]+  x' | awk '{exit !($1 > 100)}'; }
 check "teams receive robots by multicast" sends_robots
+
+# ---- a stage of one's own, under the unit's limits
+
+rm -rf kit hello && dpkg-deb -x "$stages" kit
+check "find_package(SslVisiondStages) builds a library of stages" "$here/../kit/build_hello.sh" kit/usr hello
+install -D -t machine/usr/local/lib/ssl-visiond/stages hello/build/hello.so
+install -D -m 644 /dev/null machine/usr/local/lib/ssl-visiond/stages/broken.so
+check "it is given to the service" inside systemctl restart "$unit"
+has_hello() { get /api/schema | jq -e '.properties.cameras.items.properties.stack.items.enum | index("hello")'; }
+check "its stage can be chosen" eventually 5 has_hello
+use_hello() { ctl settings set /cameras/0/stack '["segment", "detect_robots", "detect_balls", "hello", "publish"]'; }
+check "it is put into a stack" use_hello
+hello_runs() { get /api/status | jq -e '.cameras[0].stages[] | select(.name == "hello") | .p50_us > 0'; }
+check "it runs" eventually 5 hello_runs
+names_broken() { get /api/status | jq -e '.alerts[] | select(.id == "stage_library") | .title | test("broken.so is left out")'; }
+check "a broken library is named" eventually 5 names_broken
+rm -r machine/usr/local/lib/ssl-visiond kit hello
+inside systemctl restart "$unit"
+misses_hello() { get /api/status | jq -e '.alerts[] | select(.id == "stage_missing")'; }
+check "without it the camera says what it misses" eventually 5 misses_hello
+check "and runs with the rest of its stack" eventually 5 sends_robots
+check "its stack is put back" ctl settings set /cameras/0/stack '["segment", "detect_robots", "detect_balls", "publish"]'
+before=$(pid)
 
 # A GigE camera: UDP broadcasts, its control channel, and pictures through a packet socket.
 jq '.cameras[0] | {source: (.source + {pixel_format: "bayer_rg8", frame_rate_hz: 30}), calibration}' \
