@@ -35,12 +35,16 @@ void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage&
   for (int y = 0; y < grouped.image_rows(); ++y, out += out_row) std::memcpy(out, view.row(y), row_bytes);
 }
 
-/// Only what the mask shows.
-void copy_labels(const Mask& mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
+/// Only what the mask shows, where there is one.
+void copy_labels(const Mask* mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
   for (int y = 0; y < labels.height; ++y, in += in_row) {
     Label* row = labels.row(y);
+    if (mask == nullptr) {
+      std::copy(in, in + labels.width, row);
+      continue;
+    }
     int clear_from = 0;
-    for (const Mask::Interval interval : mask.row(y, labels.cell_px)) {
+    for (const Mask::Interval interval : mask->row(y, labels.cell_px)) {
       const int begin = std::min<int>(interval.begin, labels.width);
       const int end = std::min<int>(interval.end, labels.width);
       std::fill(row + clear_from, row + begin, label::kClear);
@@ -52,6 +56,11 @@ void copy_labels(const Mask& mask, const std::uint8_t* in, std::size_t in_row, L
 }
 
 }  // namespace
+
+TableView table_for(const Lut& lut, PixelFormat format) {
+  const LutTable& table = is_rgb(format) ? lut.rgb() : lut.yuv();
+  return {lut.id(), is_rgb(format), table.bits, table.labels};
+}
 
 /// What this GPU works with: all of it goes with the context.
 struct GpuThreshold::Pass {
@@ -121,17 +130,16 @@ bool GpuThreshold::fail(std::string problem) {
 bool GpuThreshold::set_lut(const Lut& lut, PixelFormat format) noexcept {
   const GpuContext::Use use(context_);
   if (!use) return fail(context_.is_lost() ? "the context is lost" : "another thread uses the context");
-  return load(lut, format);
+  return load(table_for(lut, format), format);
 }
 
-bool GpuThreshold::load(const Lut& lut, PixelFormat format) {
-  const LutTable& table = is_rgb(format) ? lut.rgb() : lut.yuv();
+bool GpuThreshold::load(const TableView& table, PixelFormat format) {
   std::string problem;
   if (!std::visit([&](auto& way) { return way.prepare(format, table.bits, problem); }, pass_->way))
     return fail(std::move(problem));
-  const std::pair wanted{lut.id(), is_rgb(format)};
+  const std::pair wanted{table.lut_id, table.is_rgb};
   if (loaded_ == wanted) return true;
-  std::visit([&](auto& way) { way.load(table); }, pass_->way);
+  std::visit([&](auto& way) { way.load(table.labels); }, pass_->way);
   problem = context_.take_problem();
   if (problem.empty()) {
     loaded_ = wanted;
@@ -141,9 +149,8 @@ bool GpuThreshold::load(const Lut& lut, PixelFormat format) {
   return fail(std::move(problem));
 }
 
-bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
-                           Steps* steps) noexcept {
-  const ImageView& view = image.view();
+bool GpuThreshold::process(const TableView& table, const Mask* mask, const ImageView& view,
+                           LabelImage& labels, Steps* steps) noexcept {
   labels.cell_px = is_bayer(view.format) ? 2 : 1;
   labels.width = view.width / labels.cell_px;
   labels.height = view.height / labels.cell_px;
@@ -155,7 +162,7 @@ bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image,
   const GroupedImage grouped{view.format, (labels.width + kCellsAGroup - 1) / kCellsAGroup, labels.height};
   if (!std::visit([&](const auto& way) { return way.takes(grouped); }, pass_->way))
     return fail("the image is too large for this GPU");
-  if (!load(lut, view.format)) return false;
+  if (!load(table, view.format)) return false;
   const bool is_made = make_labels(grouped, mask, view, labels, steps);
   std::string problem = context_.take_problem();
   if (is_made && problem.empty()) return true;
@@ -164,7 +171,7 @@ bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image,
   return problem.empty() ? false : fail(std::move(problem));
 }
 
-bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask& mask, const ImageView& view,
+bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask* mask, const ImageView& view,
                                LabelImage& labels, Steps* steps) {
   auto before = Clock::now();
   const auto step = [&](std::chrono::nanoseconds Steps::*member) {

@@ -11,12 +11,23 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 namespace sslv {
 
 struct GroupedImage;
+
+/// The labels of one table, ordered as LutTable has them: a Lut's own, or a copy of them.
+struct TableView {
+  std::uint64_t lut_id = 0;  // of the Lut that they are from
+  bool is_rgb = false;       // its table over RGB, else the one over YUV
+  int bits = LutTable::kBits;
+  std::span<const Label> labels;
+};
+/// The table that labels images of this format.
+TableView table_for(const Lut& lut, PixelFormat format);
 
 /// Threshold (vision/threshold.h) on the GPU: the same labels, bit by bit, of every format, size, stride,
 /// table and mask.
@@ -47,6 +58,11 @@ class GpuThreshold {
   /// After a lost context (GpuContext::is_lost) that is so for ever; images that are too large for this GPU
   /// do not keep it from others.
   bool process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
+               Steps* steps = nullptr) noexcept {
+    return process(table_for(lut, image.view().format), &mask, image.view(), labels, steps);
+  }
+  /// Likewise; `table` is that for the image's format. Without a mask all of the image is labelled.
+  bool process(const TableView& table, const Mask* mask, const ImageView& view, LabelImage& labels,
                Steps* steps = nullptr) noexcept;
 
   Path path() const { return path_; }
@@ -58,8 +74,8 @@ class GpuThreshold {
   struct Timer;
   bool fail(std::string problem);
   void start_again();
-  bool load(const Lut& lut, PixelFormat format);
-  bool make_labels(const GroupedImage& grouped, const Mask& mask, const ImageView& view, LabelImage& labels,
+  bool load(const TableView& table, PixelFormat format);
+  bool make_labels(const GroupedImage& grouped, const Mask* mask, const ImageView& view, LabelImage& labels,
                    Steps* steps);
 
   GpuContext& context_;
