@@ -25,14 +25,24 @@ std::size_t used_row_bytes(const ImageView& view, const LabelImage& labels) {
   return static_cast<std::size_t>(labels.width * labels.cell_px * bytes_per_pixel(view.format));
 }
 
-void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage& grouped, std::uint8_t* out) {
+void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage& grouped, std::uint8_t* out,
+               const RowsThere* there) {
   const std::size_t out_row = grouped.image_row_bytes();
-  const auto rows = static_cast<std::size_t>(grouped.image_rows());
-  if (view.stride_bytes == static_cast<std::ptrdiff_t>(out_row)) {
-    std::memcpy(out, view.data, (rows - 1) * out_row + row_bytes);
-    return;
+  const int rows = grouped.image_rows();
+  // What one thread reads while the next ones are written.
+  constexpr std::size_t kBandBytes = 128 << 10;
+  const int band = there == nullptr ? rows : static_cast<int>(std::max<std::size_t>(1, kBandBytes / out_row));
+  for (int begin = 0; begin < rows; begin += band) {
+    const int end = std::min(rows, begin + band);
+    if (there != nullptr) there->wait_for(end);
+    if (view.stride_bytes == static_cast<std::ptrdiff_t>(out_row)) {
+      const auto whole = static_cast<std::size_t>(end - begin - 1);
+      std::memcpy(out, view.row(begin), whole * out_row + row_bytes);
+      out += (whole + 1) * out_row;
+    } else {
+      for (int y = begin; y < end; ++y, out += out_row) std::memcpy(out, view.row(y), row_bytes);
+    }
   }
-  for (int y = 0; y < grouped.image_rows(); ++y, out += out_row) std::memcpy(out, view.row(y), row_bytes);
 }
 
 /// Only what the mask shows, where there is one.
@@ -150,7 +160,7 @@ bool GpuThreshold::load(const TableView& table, PixelFormat format) {
 }
 
 bool GpuThreshold::process(const TableView& table, const Mask* mask, const ImageView& view,
-                           LabelImage& labels, Steps* steps) noexcept {
+                           LabelImage& labels, Steps* steps, const RowsThere* rows) noexcept {
   labels.cell_px = is_bayer(view.format) ? 2 : 1;
   labels.width = view.width / labels.cell_px;
   labels.height = view.height / labels.cell_px;
@@ -163,7 +173,7 @@ bool GpuThreshold::process(const TableView& table, const Mask* mask, const Image
   if (!std::visit([&](const auto& way) { return way.takes(grouped); }, pass_->way))
     return fail("the image is too large for this GPU");
   if (!load(table, view.format)) return false;
-  const bool is_made = make_labels(grouped, mask, view, labels, steps);
+  const bool is_made = make_labels(grouped, mask, view, labels, steps, rows);
   std::string problem = context_.take_problem();
   if (is_made && problem.empty()) return true;
   // Whatever GL has not done (memory that it did not get) must not be taken for done with the next image.
@@ -172,7 +182,7 @@ bool GpuThreshold::process(const TableView& table, const Mask* mask, const Image
 }
 
 bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask* mask, const ImageView& view,
-                               LabelImage& labels, Steps* steps) {
+                               LabelImage& labels, Steps* steps, const RowsThere* rows) {
   auto before = Clock::now();
   const auto step = [&](std::chrono::nanoseconds Steps::*member) {
     if (steps == nullptr) return;
@@ -184,7 +194,7 @@ bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask* mask, co
   const auto make = [&](auto& way) {
     std::uint8_t* memory = way.image_memory(grouped);
     if (memory == nullptr) return fail("the GPU gives no memory for the image");
-    copy_rows(view, used_row_bytes(view, labels), grouped, memory);
+    copy_rows(view, used_row_bytes(view, labels), grouped, memory, rows);
     if (!way.upload(grouped)) return fail("the GPU lost the image on its way");
     step(&Steps::upload);
     if (steps != nullptr && timer_) timer_->begin();

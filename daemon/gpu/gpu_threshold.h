@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/gpu_context.h"
+#include "gpu/rows_there.h"
 #include "image/image.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
@@ -61,9 +62,10 @@ class GpuThreshold {
                Steps* steps = nullptr) noexcept {
     return process(table_for(lut, image.view().format), &mask, image.view(), labels, steps);
   }
-  /// Likewise; `table` is that for the image's format. Without a mask all of the image is labelled.
+  /// Likewise; `table` is that for the image's format. Without a mask all of the image is labelled. Where
+  /// `rows` are given, the image's rows are read as they come.
   bool process(const TableView& table, const Mask* mask, const ImageView& view, LabelImage& labels,
-               Steps* steps = nullptr) noexcept;
+               Steps* steps = nullptr, const RowsThere* rows = nullptr) noexcept;
 
   Path path() const { return path_; }
   /// Of the last call that gave false; a few words.
@@ -76,7 +78,7 @@ class GpuThreshold {
   void start_again();
   bool load(const TableView& table, PixelFormat format);
   bool make_labels(const GroupedImage& grouped, const Mask* mask, const ImageView& view, LabelImage& labels,
-                   Steps* steps);
+                   Steps* steps, const RowsThere* rows);
 
   GpuContext& context_;
   Path path_;

@@ -75,7 +75,9 @@ void GpuThresholdStage::process(const Params& params, const Lut& lut, const Mask
     if (was_on_gpu_) cost.cpu_time += worker_->cpu_time();
     choice_.took(by_gpu, cost, watch.begun());
   }
-  tell(told_now(params.use, *status, is_ready), *status, notes);
+  tell(hangs(*status, is_ready, watch.begun()) ? Told{Told::Kind::kHangs, params.use, status->number}
+                                               : told_now(params.use, *status, is_ready),
+       *status, notes);
 }
 
 /// Whether there is a worker to be asked.
@@ -100,9 +102,19 @@ bool GpuThresholdStage::label_on_gpu(const Lut& lut, const Mask& mask, const Ima
   return true;
 }
 
+/// With an image, or before it takes any.
+bool GpuThresholdStage::hangs(const GpuWorker::Status& status, bool is_ready, StageClock::time_point now) {
+  using Kind = GpuWorker::Status::Kind;
+  const bool is_opening = !is_ready && (status.kind == Kind::kOpening || status.kind == Kind::kOpen);
+  if (!is_opening)
+    opening_since_ = {};
+  else if (opening_since_ == StageClock::time_point())
+    opening_since_ = now;
+  return worker_->hangs() || (is_opening && now - opening_since_ > limits_.longest_opening);
+}
+
 GpuThresholdStage::Told GpuThresholdStage::told_now(Use use, const GpuWorker::Status& status,
                                                     bool is_ready) const {
-  if (worker_->hangs()) return {Told::Kind::kHangs, use, status.number};
   if (is_ready && status.is_software && use == Use::kWhenFaster)
     return {Told::Kind::kSoftware, use, status.number};
   if (is_ready && choice_.measured()) return {Told::Kind::kMeasured, use, choice_.number()};
@@ -123,7 +135,8 @@ void GpuThresholdStage::tell(const Told& now, const GpuWorker::Status& status, S
     case Told::Kind::kNever: say(false, "The CPU labels all images, as it is set."); break;
     case Told::Kind::kNoThread: say(true, "The system gives no thread for the GPU: the CPU labels."); break;
     case Told::Kind::kHangs:
-      say(true, NoteText("GPU ({}) does not answer: the CPU labels until it does.", status.name));
+      say(true, NoteText("GPU ({}) does not answer: the CPU labels until it does.",
+                         status.name.empty() ? "being opened" : status.name));
       break;
     case Told::Kind::kSoftware:
       say(false, NoteText("GPU ({}) is a program on the CPU: it is not used.", status.name));

@@ -40,6 +40,8 @@ class GpuThresholdStage {
   struct Limits {
     /// An image waits so long for the GPU, or twice the time that the CPU takes, if that is more.
     std::chrono::nanoseconds shortest_deadline = std::chrono::milliseconds(10);
+    /// One that is not ready by then hangs.
+    std::chrono::nanoseconds longest_opening = std::chrono::seconds(30);
     GpuWorker::Limits worker{};
   };
 
@@ -73,6 +75,7 @@ class GpuThresholdStage {
 
   bool start(Use use);
   bool label_on_gpu(const Lut& lut, const Mask& mask, const ImageView& image, LabelImage& labels);
+  bool hangs(const GpuWorker::Status& status, bool is_ready, std::chrono::steady_clock::time_point now);
   Told told_now(Use use, const GpuWorker::Status& status, bool is_ready) const;
   void tell(const Told& now, const GpuWorker::Status& status, StageNotes& notes);
   static void say_status(const GpuWorker::Status& status, bool is_wanted, StageNotes& notes);
@@ -83,7 +86,8 @@ class GpuThresholdStage {
   std::unique_ptr<GpuWorker> worker_;  // from the first image on that may need it
   bool has_no_thread_ = false;
   GpuChoice choice_;
-  int measured_status_ = -1;  // number of that which `choice_` is about
+  int measured_status_ = -1;                               // number of that which `choice_` is about
+  std::chrono::steady_clock::time_point opening_since_{};  // 0: it is not being opened
   bool was_on_gpu_ = false;
   Told told_;
 };

@@ -4,6 +4,7 @@
 #include "base/background.h"
 #include "base/futex.h"
 #include "gpu/gpu_context.h"
+#include "gpu/rows_there.h"
 #include "gpu/threshold_shaders.h"
 
 #include <algorithm>
@@ -39,8 +40,17 @@ std::chrono::nanoseconds this_threads_cpu_time() {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-std::size_t packed_row_bytes(const ImageView& image) {
-  return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bytes_per_pixel(image.format));
+void copy_rows_to(std::uint8_t* out, std::ptrdiff_t out_stride, const ImageView& image, RowsThere& there) {
+  const std::size_t row_bytes =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bytes_per_pixel(image.format));
+  // So seldom that the other thread has something to do, so often that it does not wait.
+  constexpr std::ptrdiff_t kBandBytes = 64 << 10;
+  const int band = static_cast<int>(std::max<std::ptrdiff_t>(1, kBandBytes / out_stride));
+  for (int begin = 0; begin < image.height; begin += band) {
+    const int end = std::min(image.height, begin + band);
+    for (int y = begin; y < end; ++y, out += out_stride) std::memcpy(out, image.row(y), row_bytes);
+    there.set(end);
+  }
 }
 
 }  // namespace
@@ -63,6 +73,7 @@ struct GpuWorker::Shared {
     Work unfit;                         // which it could not get ready for
     std::vector<std::uint8_t> image{};  // rows as the GPU has them
     std::ptrdiff_t stride_bytes = 0;
+    RowsThere rows{};  // of the image
     std::vector<Label> table{};
     TableView table_view{};
     LabelImage labels{};
@@ -168,10 +179,11 @@ std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
       .is_rgb = false,
       .bits = work.table_bits,
       .labels = request.table};
+  request.rows.set(work.height);
   // The second one finds everything made.
   bool is_made = true;
   for (int i = 0; i < 2 && is_made; ++i)
-    is_made = device.process(request.table_view, copy_of_image(), request.labels);
+    is_made = device.process(request.table_view, copy_of_image(), request.rows, request.labels);
   if (!is_made && device.is_lost()) return device.problem();
   Status now;
   now.kind = is_made ? Status::Kind::kOpen : Status::Kind::kUnfit;
@@ -190,7 +202,7 @@ std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
 std::string GpuWorker::Shared::make_labels(ThresholdDevice& device) {
   const auto begun = WorkerClock::now();
   const auto cpu_begun = this_threads_cpu_time();
-  const bool is_made = device.process(request.table_view, copy_of_image(), request.labels);
+  const bool is_made = device.process(request.table_view, copy_of_image(), request.rows, request.labels);
   request.cpu_time = this_threads_cpu_time() - cpu_begun;
   Turn now = Turn::kAsked;
   const bool in_time = turn.compare_exchange_strong(now, is_made ? Turn::kDone : Turn::kClosed);
@@ -265,19 +277,11 @@ GpuWorker::Answer GpuWorker::label(const Lut& lut, const ImageView& image, Label
     request.table_view = table;
     request.table_view.labels = request.table;
   }
-  const std::size_t row_bytes = packed_row_bytes(image);
-  std::uint8_t* out = request.image.data();
-  if (image.stride_bytes == request.stride_bytes) {
-    // What a driver puts behind a row: that of the last row need not exist.
-    std::memcpy(out, image.data,
-                static_cast<std::size_t>(request.stride_bytes) * static_cast<std::size_t>(image.height - 1) +
-                    row_bytes);
-  } else {
-    for (int y = 0; y < image.height; ++y, out += request.stride_bytes)
-      std::memcpy(out, image.row(y), row_bytes);
-  }
+  // It wakes up, and copies further what is there, while this thread still copies.
+  request.rows.set(0);
   shared.turn = Turn::kAsked;
   shared.to_worker.ring();
+  copy_rows_to(request.image.data(), request.stride_bytes, image, request.rows);
   for (;;) {
     const std::uint32_t mark = shared.to_camera.mark();
     Turn now = shared.turn.load();

@@ -11,9 +11,10 @@ namespace sslv {
 [[gnu::visibility("default")]] std::vector<StageType> gpu_stages();
 
 std::vector<StageType> gpu_stages() {
-  return {stage<GpuThresholdStage>("gpu_threshold",
-                                   "labels pixels by colour in the place of threshold, on a GPU where that is "
-                                   "faster than the CPU")};
+  return {
+      stage<GpuThresholdStage>("gpu_threshold",
+                               "labels pixels by colour in the place of threshold, on a GPU where that is "
+                               "faster than the CPU")};
 }
 
 }  // namespace sslv

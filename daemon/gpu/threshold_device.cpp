@@ -10,8 +10,9 @@ class Gpu final : public ThresholdDevice {
  public:
   const std::string& name() const override { return context_.name(); }
   bool is_software() const override { return context_.is_software(); }
-  bool process(const TableView& table, const ImageView& image, LabelImage& labels) noexcept override {
-    return threshold_.process(table, nullptr, image, labels);
+  bool process(const TableView& table, const ImageView& image, const RowsThere& rows,
+               LabelImage& labels) noexcept override {
+    return threshold_.process(table, nullptr, image, labels, nullptr, &rows);
   }
   const std::string& problem() const override { return threshold_.problem(); }
   bool is_lost() const override { return context_.is_lost(); }

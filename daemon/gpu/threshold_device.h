@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/gpu_threshold.h"
+#include "gpu/rows_there.h"
 #include "image/image.h"
 #include "vision/regions.h"
 
@@ -19,8 +20,10 @@ class ThresholdDevice {
   virtual const std::string& name() const = 0;
   /// It is a program on the CPU.
   virtual bool is_software() const = 0;
-  /// All of the image, without a mask. False: there are no labels, and problem() says why.
-  virtual bool process(const TableView& table, const ImageView& image, LabelImage& labels) noexcept = 0;
+  /// All of the image, without a mask; its rows are still being written. False: there are no labels, and
+  /// problem() says why.
+  virtual bool process(const TableView& table, const ImageView& image, const RowsThere& rows,
+                       LabelImage& labels) noexcept = 0;
   virtual const std::string& problem() const = 0;
   /// Nothing comes from it any more.
   virtual bool is_lost() const = 0;

@@ -41,7 +41,8 @@ class FakeGpu final : public ThresholdDevice {
   const std::string& problem() const override { return problem_; }
   bool is_lost() const override { return is_lost_; }
 
-  bool process(const TableView& table, const ImageView& image, LabelImage& labels) noexcept override {
+  bool process(const TableView& table, const ImageView& image, const RowsThere& rows,
+               LabelImage& labels) noexcept override {
     ++all_->asked;
     all_->asked.notify_all();
     all_->may_answer.wait(false);
@@ -59,6 +60,7 @@ class FakeGpu final : public ThresholdDevice {
     labels.height = image.height;
     labels.labels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
     for (int y = 0; y < image.height; ++y) {
+      rows.wait_for(y + 1);
       std::transform(image.row(y), image.row(y) + image.width, labels.row(y), [&table](std::uint8_t grey) {
         return table.labels[LutTable::index(128, 128, grey, table.bits)];
       });

@@ -205,7 +205,9 @@ class NoWork final : public ThresholdDevice {
  public:
   const std::string& name() const override { return name_; }
   bool is_software() const override { return false; }
-  bool process(const TableView&, const ImageView&, LabelImage&) noexcept override { return true; }
+  bool process(const TableView&, const ImageView&, const RowsThere&, LabelImage&) noexcept override {
+    return true;
+  }
   const std::string& problem() const override { return name_; }
   bool is_lost() const override { return false; }
 

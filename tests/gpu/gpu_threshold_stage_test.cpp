@@ -119,6 +119,17 @@ TEST_F(GpuThresholdStageTest, TheCpuLabelsUntilTheGpuIsOpen) {
   given_ = 1;
 }
 
+TEST_F(GpuThresholdStageTest, AGpuThatDoesNotOpenIsTold) {
+  gpus_->may_open = false;
+  auto limits = patient();
+  limits.longest_opening = 1ms;
+  start(limits);
+  ASSERT_TRUE(
+      note_becomes(Kind::kWarning, "GPU (being opened) does not answer: the CPU labels until it does."));
+  FakeGpus::set(gpus_->may_open);
+  EXPECT_TRUE(note_becomes(Kind::kNote, "the GPU is used"));
+}
+
 TEST_F(GpuThresholdStageTest, IsMeasuredAndSaysWhoIsFaster) {
   use_ = Use::kWhenFaster;
   start(patient());
