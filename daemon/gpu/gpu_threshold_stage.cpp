@@ -146,10 +146,11 @@ void GpuThresholdStage::tell(const Told& now, const GpuWorker::Status& status, S
       const auto& [gpu, cpu] = *choice_.measured();
       const auto ms = [](std::chrono::nanoseconds time) { return Milliseconds(time).count(); };
       const bool uses_gpu = is_wanted || choice_.measured()->gpu_is_faster();
-      say(false, NoteText("GPU ({}): {:.2f} ms an image, {:.2f} ms of them on a processor; CPU: {:.2f} ms: "
-                          "the {} is used{}.",
-                          status.name, ms(gpu.time), ms(gpu.cpu_time), ms(cpu.time), uses_gpu ? "GPU" : "CPU",
-                          is_wanted ? ", as it is set" : ""));
+      say(false,
+          NoteText("GPU ({}): {:.2f} ms an image ({:.2f} ms of processor time); CPU: {:.2f} ms: the {} is "
+                   "used{}.",
+                   status.name, ms(gpu.time), ms(gpu.cpu_time), ms(cpu.time), uses_gpu ? "GPU" : "CPU",
+                   is_wanted ? ", as it is set" : ""));
       break;
     }
     case Told::Kind::kStatus: say_status(status, is_wanted, notes); break;

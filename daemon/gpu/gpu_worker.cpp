@@ -34,6 +34,11 @@ enum class Turn : std::uint8_t {
   kDone,     // there they are
 };
 
+/// Never empty.
+std::string problem_of(const ThresholdDevice& device) {
+  return device.problem().empty() ? "there are no labels" : device.problem();
+}
+
 std::chrono::nanoseconds this_threads_cpu_time() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -102,28 +107,28 @@ struct GpuWorker::Shared {
 
 void GpuWorker::Shared::serve() noexcept {
   pthread_setname_np(pthread_self(), "gpu threshold");
+  Status gone;  // of the GPU that was open last
   for (auto wait = limits.shortest_wait; !is_ending; wait = std::min(2 * wait, limits.longest_wait)) {
-    Status failed;
-    failed.kind = Status::Kind::kNoGpu;
-    const auto begun = WorkerClock::now();
+    const auto tell_why = [&](std::string problem) {
+      turn = Turn::kClosed;
+      gone.kind = gone.name.empty() ? Status::Kind::kNoGpu : Status::Kind::kLost;
+      gone.problem = std::move(problem);
+      gone.wait = wait;
+      tell(gone);
+    };
     try {
       const auto device = open_beside();
-      failed.kind = Status::Kind::kLost;
-      failed.name = device->name();
-      failed.is_software = device->is_software();
-      failed.problem = work_with(*device);
+      const auto begun = WorkerClock::now();
+      gone.name = device->name();
+      gone.is_software = device->is_software();
+      std::string problem = work_with(*device);
+      if (is_ending) return;
+      if (WorkerClock::now() - begun >= limits.sound_after) wait = limits.shortest_wait;
       // Before the device is closed, which may take long or hang.
-      turn = Turn::kClosed;
+      tell_why(std::move(problem));
     } catch (const std::exception& error) {
-      turn = Turn::kClosed;
-      failed.problem = error.what();
+      tell_why(error.what());
     }
-    to_camera.ring();
-    if (is_ending) return;
-    if (failed.kind == Status::Kind::kLost && WorkerClock::now() - begun >= limits.sound_after)
-      wait = limits.shortest_wait;
-    failed.wait = wait;
-    tell(std::move(failed));
     sleep(wait);
   }
 }
@@ -145,7 +150,7 @@ std::unique_ptr<ThresholdDevice> GpuWorker::Shared::open_beside() const {
   return device;
 }
 
-/// Until it ends, or the device has failed: says why.
+/// Until it ends, or the device has failed: says why, and is not empty then.
 std::string GpuWorker::Shared::work_with(ThresholdDevice& device) {
   request.work = request.unfit = Work{};
   turn = Turn::kIdle;
@@ -184,13 +189,13 @@ std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
   bool is_made = true;
   for (int i = 0; i < 2 && is_made; ++i)
     is_made = device.process(request.table_view, copy_of_image(), request.rows, request.labels);
-  if (!is_made && device.is_lost()) return device.problem();
+  if (!is_made && device.is_lost()) return problem_of(device);
   Status now;
   now.kind = is_made ? Status::Kind::kOpen : Status::Kind::kUnfit;
   now.name = device.name();
   now.is_software = device.is_software();
   if (!is_made) {
-    now.problem = device.problem();
+    now.problem = problem_of(device);
     request.unfit = std::exchange(request.work, Work{});
   }
   tell(std::move(now));
@@ -207,7 +212,7 @@ std::string GpuWorker::Shared::make_labels(ThresholdDevice& device) {
   Turn now = Turn::kAsked;
   const bool in_time = turn.compare_exchange_strong(now, is_made ? Turn::kDone : Turn::kClosed);
   to_camera.ring();
-  if (!is_made) return device.problem();
+  if (!is_made) return problem_of(device);
   if (in_time) return {};
   const std::chrono::duration<double> took = WorkerClock::now() - begun;
   if (took > limits.hangs_after)

@@ -46,7 +46,7 @@ class GpuWorker {
     enum class Kind : std::uint8_t {
       kOpening,  // for the first time
       kOpen,     // and ready for what it was asked for
-      kNoGpu,    // is looked for again at `next_try`
+      kNoGpu,    // looked for again after `wait`
       kLost,     // likewise
       kUnfit,    // there is one, but not for the work that it was last asked for
     };

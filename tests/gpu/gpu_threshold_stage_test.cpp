@@ -136,7 +136,7 @@ TEST_F(GpuThresholdStageTest, IsMeasuredAndSaysWhoIsFaster) {
   ASSERT_TRUE(note_becomes(Kind::kNote, "ms an image"));
   const std::string text = notes_.read().text;
   EXPECT_THAT(text, ::testing::MatchesRegex(
-                        "GPU \\(Fake 3000\\): [0-9.]+ ms an image, [0-9.]+ ms of them on a processor; CPU: "
+                        "GPU \\(Fake 3000\\): [0-9.]+ ms an image \\([0-9.]+ ms of processor time\\); CPU: "
                         "[0-9.]+ ms: the [CG]PU is used\\."));
   EXPECT_EQ(image(), text.find("the GPU is used") != std::string::npos);
 }
@@ -195,6 +195,19 @@ TEST_F(GpuThresholdStageTest, AGpuThatIsLostCostsNoImageAndIsOpenedAgain) {
   EXPECT_GT(gpus_->opened, 1);
   EXPECT_TRUE(note_becomes(Kind::kNote, "the GPU is used"));
   given_ = 2;
+}
+
+TEST_F(GpuThresholdStageTest, ALostGpuThatDoesNotComeBackStaysAWarning) {
+  use_ = Use::kWhenFaster;
+  start(patient());
+  ASSERT_TRUE(note_becomes(Kind::kNote, "ms an image"));
+  gpus_->is_there = false;
+  gpus_->fails = gpus_->loses_itself = true;
+  use_ = Use::kAlways;
+  ASSERT_TRUE(becomes_missed());
+  use_ = Use::kWhenFaster;
+  EXPECT_TRUE(note_becomes(
+      Kind::kWarning, "GPU (Fake 3000) is lost: no GPU: it is not plugged in; the CPU labels, next try in"));
 }
 
 TEST_F(GpuThresholdStageTest, OneThatGivesNoLabelsIsOpenedAgainToo) {
