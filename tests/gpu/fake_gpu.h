@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace sslv {
 
@@ -55,15 +57,17 @@ class FakeGpu final : public ThresholdDevice {
       is_lost_ = all_->loses_itself;
       return false;
     }
+    // As a GPU, it takes another table only where the number says that it is another one.
+    if (std::exchange(table_id_, table.lut_id) != table.lut_id)
+      table_.assign(table.labels.begin(), table.labels.end());
     labels.cell_px = 1;
     labels.width = image.width;
     labels.height = image.height;
     labels.labels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
     for (int y = 0; y < image.height; ++y) {
       rows.wait_for(y + 1);
-      std::transform(image.row(y), image.row(y) + image.width, labels.row(y), [&table](std::uint8_t grey) {
-        return table.labels[LutTable::index(128, 128, grey, table.bits)];
-      });
+      std::transform(image.row(y), image.row(y) + image.width, labels.row(y),
+                     [&](std::uint8_t grey) { return table_[LutTable::index(128, 128, grey, table.bits)]; });
     }
     return true;
   }
@@ -72,6 +76,8 @@ class FakeGpu final : public ThresholdDevice {
   const std::shared_ptr<FakeGpus> all_;
   const std::string name_ = "Fake 3000";
   std::string problem_;
+  std::uint64_t table_id_ = 0;
+  std::vector<Label> table_;
   bool is_lost_ = false;
 };
 
