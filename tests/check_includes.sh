@@ -14,7 +14,8 @@ rules='
   tracking              base geometry
   vision                base image geometry
   colors                base image geometry vision
-  gpu                   base image vision
+  gpu                   base image vision pipeline/stage_notes.h
+  gpu/module.cpp        gpu pipeline
   capture               base image geometry vision/patterns.h vision/label.h
   pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
   pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h

@@ -133,11 +133,11 @@ bool GpuContext::make_context() {
 }
 
 void GpuContext::describe(const std::string& way) {
-  const std::string_view name = gl_text(GL_RENDERER);
-  renderer_ = fmt::format("{}, {}, {}", name, gl_text(GL_VERSION), way);
+  name_ = gl_text(GL_RENDERER);
+  renderer_ = fmt::format("{}, {}, {}", name_, gl_text(GL_VERSION), way);
   is_software_ = false;
   for (const std::string_view program : {"llvmpipe", "softpipe", "SWR", "SwiftShader"})
-    is_software_ = is_software_ || name.find(program) != std::string_view::npos;
+    is_software_ = is_software_ || name_.find(program) != std::string::npos;
   GLint major = 0, minor = 0;
   glGetIntegerv(GL_MAJOR_VERSION, &major);
   glGetIntegerv(GL_MINOR_VERSION, &minor);

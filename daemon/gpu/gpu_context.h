@@ -37,7 +37,9 @@ class GpuContext {
     bool is_current_;
   };
 
-  /// GL's name of the renderer and version, and how it was reached.
+  /// GL's name of the renderer.
+  const std::string& name() const { return name_; }
+  /// The same with the version, and how it was reached.
   const std::string& renderer() const { return renderer_; }
   /// It is a program on the CPU.
   bool is_software() const { return is_software_; }
@@ -65,7 +67,7 @@ class GpuContext {
   void* display_ = nullptr;
   void* context_ = nullptr;
   ResetStatus reset_status_ = nullptr;  // where the driver tells of resets
-  std::string renderer_;
+  std::string name_, renderer_;
   bool is_software_ = false, has_compute_ = false, has_timer_ = false, is_lost_ = false;
 };
 

@@ -25,22 +25,36 @@ std::size_t used_row_bytes(const ImageView& view, const LabelImage& labels) {
   return static_cast<std::size_t>(labels.width * labels.cell_px * bytes_per_pixel(view.format));
 }
 
-void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage& grouped, std::uint8_t* out) {
+void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage& grouped, std::uint8_t* out,
+               const RowsThere* there) {
   const std::size_t out_row = grouped.image_row_bytes();
-  const auto rows = static_cast<std::size_t>(grouped.image_rows());
-  if (view.stride_bytes == static_cast<std::ptrdiff_t>(out_row)) {
-    std::memcpy(out, view.data, (rows - 1) * out_row + row_bytes);
-    return;
+  const int rows = grouped.image_rows();
+  // What one thread reads while the next ones are written.
+  constexpr std::size_t kBandBytes = 128 << 10;
+  const int band = there == nullptr ? rows : static_cast<int>(std::max<std::size_t>(1, kBandBytes / out_row));
+  for (int begin = 0; begin < rows; begin += band) {
+    const int end = std::min(rows, begin + band);
+    if (there != nullptr) there->wait_for(end);
+    if (view.stride_bytes == static_cast<std::ptrdiff_t>(out_row)) {
+      const auto whole = static_cast<std::size_t>(end - begin - 1);
+      std::memcpy(out, view.row(begin), whole * out_row + row_bytes);
+      out += (whole + 1) * out_row;
+    } else {
+      for (int y = begin; y < end; ++y, out += out_row) std::memcpy(out, view.row(y), row_bytes);
+    }
   }
-  for (int y = 0; y < grouped.image_rows(); ++y, out += out_row) std::memcpy(out, view.row(y), row_bytes);
 }
 
-/// Only what the mask shows.
-void copy_labels(const Mask& mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
+/// Only what the mask shows, where there is one.
+void copy_labels(const Mask* mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
   for (int y = 0; y < labels.height; ++y, in += in_row) {
     Label* row = labels.row(y);
+    if (mask == nullptr) {
+      std::copy(in, in + labels.width, row);
+      continue;
+    }
     int clear_from = 0;
-    for (const Mask::Interval interval : mask.row(y, labels.cell_px)) {
+    for (const Mask::Interval interval : mask->row(y, labels.cell_px)) {
       const int begin = std::min<int>(interval.begin, labels.width);
       const int end = std::min<int>(interval.end, labels.width);
       std::fill(row + clear_from, row + begin, label::kClear);
@@ -52,6 +66,11 @@ void copy_labels(const Mask& mask, const std::uint8_t* in, std::size_t in_row, L
 }
 
 }  // namespace
+
+TableView table_for(const Lut& lut, PixelFormat format) {
+  const LutTable& table = is_rgb(format) ? lut.rgb() : lut.yuv();
+  return {lut.id(), is_rgb(format), table.bits, table.labels};
+}
 
 /// What this GPU works with: all of it goes with the context.
 struct GpuThreshold::Pass {
@@ -121,17 +140,16 @@ bool GpuThreshold::fail(std::string problem) {
 bool GpuThreshold::set_lut(const Lut& lut, PixelFormat format) noexcept {
   const GpuContext::Use use(context_);
   if (!use) return fail(context_.is_lost() ? "the context is lost" : "another thread uses the context");
-  return load(lut, format);
+  return load(table_for(lut, format), format);
 }
 
-bool GpuThreshold::load(const Lut& lut, PixelFormat format) {
-  const LutTable& table = is_rgb(format) ? lut.rgb() : lut.yuv();
+bool GpuThreshold::load(const TableView& table, PixelFormat format) {
   std::string problem;
   if (!std::visit([&](auto& way) { return way.prepare(format, table.bits, problem); }, pass_->way))
     return fail(std::move(problem));
-  const std::pair wanted{lut.id(), is_rgb(format)};
+  const std::pair wanted{table.lut_id, table.is_rgb};
   if (loaded_ == wanted) return true;
-  std::visit([&](auto& way) { way.load(table); }, pass_->way);
+  std::visit([&](auto& way) { way.load(table.labels); }, pass_->way);
   problem = context_.take_problem();
   if (problem.empty()) {
     loaded_ = wanted;
@@ -141,9 +159,8 @@ bool GpuThreshold::load(const Lut& lut, PixelFormat format) {
   return fail(std::move(problem));
 }
 
-bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
-                           Steps* steps) noexcept {
-  const ImageView& view = image.view();
+bool GpuThreshold::process(const TableView& table, const Mask* mask, const ImageView& view,
+                           LabelImage& labels, Steps* steps, const RowsThere* rows) noexcept {
   labels.cell_px = is_bayer(view.format) ? 2 : 1;
   labels.width = view.width / labels.cell_px;
   labels.height = view.height / labels.cell_px;
@@ -155,8 +172,8 @@ bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image,
   const GroupedImage grouped{view.format, (labels.width + kCellsAGroup - 1) / kCellsAGroup, labels.height};
   if (!std::visit([&](const auto& way) { return way.takes(grouped); }, pass_->way))
     return fail("the image is too large for this GPU");
-  if (!load(lut, view.format)) return false;
-  const bool is_made = make_labels(grouped, mask, view, labels, steps);
+  if (!load(table, view.format)) return false;
+  const bool is_made = make_labels(grouped, mask, view, labels, steps, rows);
   std::string problem = context_.take_problem();
   if (is_made && problem.empty()) return true;
   // Whatever GL has not done (memory that it did not get) must not be taken for done with the next image.
@@ -164,8 +181,8 @@ bool GpuThreshold::process(const Lut& lut, const Mask& mask, const Image& image,
   return problem.empty() ? false : fail(std::move(problem));
 }
 
-bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask& mask, const ImageView& view,
-                               LabelImage& labels, Steps* steps) {
+bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask* mask, const ImageView& view,
+                               LabelImage& labels, Steps* steps, const RowsThere* rows) {
   auto before = Clock::now();
   const auto step = [&](std::chrono::nanoseconds Steps::*member) {
     if (steps == nullptr) return;
@@ -177,7 +194,7 @@ bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask& mask, co
   const auto make = [&](auto& way) {
     std::uint8_t* memory = way.image_memory(grouped);
     if (memory == nullptr) return fail("the GPU gives no memory for the image");
-    copy_rows(view, used_row_bytes(view, labels), grouped, memory);
+    copy_rows(view, used_row_bytes(view, labels), grouped, memory, rows);
     if (!way.upload(grouped)) return fail("the GPU lost the image on its way");
     step(&Steps::upload);
     if (steps != nullptr && timer_) timer_->begin();

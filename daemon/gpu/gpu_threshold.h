@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/gpu_context.h"
+#include "gpu/rows_there.h"
 #include "image/image.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
@@ -11,12 +12,23 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 namespace sslv {
 
 struct GroupedImage;
+
+/// The labels of one table, ordered as LutTable has them: a Lut's own, or a copy of them.
+struct TableView {
+  std::uint64_t lut_id = 0;  // of the Lut that they are from
+  bool is_rgb = false;       // its table over RGB, else the one over YUV
+  int bits = LutTable::kBits;
+  std::span<const Label> labels;
+};
+/// The table that labels images of this format.
+TableView table_for(const Lut& lut, PixelFormat format);
 
 /// Threshold (vision/threshold.h) on the GPU: the same labels, bit by bit, of every format, size, stride,
 /// table and mask.
@@ -47,7 +59,13 @@ class GpuThreshold {
   /// After a lost context (GpuContext::is_lost) that is so for ever; images that are too large for this GPU
   /// do not keep it from others.
   bool process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
-               Steps* steps = nullptr) noexcept;
+               Steps* steps = nullptr) noexcept {
+    return process(table_for(lut, image.view().format), &mask, image.view(), labels, steps);
+  }
+  /// Likewise; `table` is that for the image's format. Without a mask all of the image is labelled. Where
+  /// `rows` are given, the image's rows are read as they come.
+  bool process(const TableView& table, const Mask* mask, const ImageView& view, LabelImage& labels,
+               Steps* steps = nullptr, const RowsThere* rows = nullptr) noexcept;
 
   Path path() const { return path_; }
   /// Of the last call that gave false; a few words.
@@ -58,9 +76,9 @@ class GpuThreshold {
   struct Timer;
   bool fail(std::string problem);
   void start_again();
-  bool load(const Lut& lut, PixelFormat format);
-  bool make_labels(const GroupedImage& grouped, const Mask& mask, const ImageView& view, LabelImage& labels,
-                   Steps* steps);
+  bool load(const TableView& table, PixelFormat format);
+  bool make_labels(const GroupedImage& grouped, const Mask* mask, const ImageView& view, LabelImage& labels,
+                   Steps* steps, const RowsThere* rows);
 
   GpuContext& context_;
   Path path_;

@@ -41,10 +41,9 @@ bool ComputeThreshold::prepare(PixelFormat format, int bits, std::string& proble
   return true;
 }
 
-void ComputeThreshold::load(const LutTable& table) {
-  table_.bind(table.labels.size());
-  glBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(table.labels.size()),
-                  table.labels.data());
+void ComputeThreshold::load(std::span<const Label> table) {
+  table_.bind(table.size());
+  glBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(table.size()), table.data());
 }
 
 std::uint8_t* ComputeThreshold::image_memory(const GroupedImage& image) {
@@ -104,13 +103,13 @@ bool FragmentThreshold::prepare(PixelFormat format, int bits, std::string& probl
   return true;
 }
 
-void FragmentThreshold::load(const LutTable& table) {
+void FragmentThreshold::load(std::span<const Label> table) {
   constexpr std::size_t kRowBytes = sizeof(std::uint32_t) * kTableTextureWidth;
-  table_rows_ = static_cast<int>(table.labels.size() / kRowBytes);
+  table_rows_ = static_cast<int>(table.size() / kRowBytes);
   table_.bind(kTableUnit, GL_R32UI, kTableTextureWidth, table_rows_);
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kTableTextureWidth, table_rows_, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                  table.labels.data());
+                  table.data());
 }
 
 std::uint8_t* FragmentThreshold::image_memory(const GroupedImage& image) {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 namespace sslv {
@@ -56,7 +57,7 @@ class ComputeThreshold {
   /// Whether this GPU takes so large an image.
   bool takes(const GroupedImage& image) const;
   bool prepare(PixelFormat format, int bits, std::string& problem);
-  void load(const LutTable& table);
+  void load(std::span<const Label> table);
   /// The image's bytes, to be written; or null. End it with upload().
   std::uint8_t* image_memory(const GroupedImage& image);
   bool upload(const GroupedImage& image);
@@ -81,7 +82,7 @@ class FragmentThreshold {
   FragmentThreshold();
   bool takes(const GroupedImage& image) const;
   bool prepare(PixelFormat format, int bits, std::string& problem);
-  void load(const LutTable& table);
+  void load(std::span<const Label> table);
   std::uint8_t* image_memory(const GroupedImage& image);
   bool upload(const GroupedImage& image);
   void run(const GroupedImage& image);

@@ -37,8 +37,7 @@ void label_bayer(const Lut& lut, const std::uint8_t* upper, const std::uint8_t* 
   }
 }
 
-/// Clears the cells of row `y` that the mask leaves out.
-void clear_masked(const Mask& mask, int y, LabelImage& labels) {
+void clear_masked_row(const Mask& mask, int y, LabelImage& labels) {
   Label* row = labels.row(y);
   int clear_from = 0;
   for (const Mask::Interval interval : mask.row(y, labels.cell_px)) {
@@ -50,6 +49,10 @@ void clear_masked(const Mask& mask, int y, LabelImage& labels) {
 }
 
 }  // namespace
+
+void clear_masked(const Mask& mask, LabelImage& labels) {
+  for (int y = 0; y < labels.height; ++y) clear_masked_row(mask, y, labels);
+}
 
 void Threshold::process(const Params&, const Lut& lut, const Mask& mask, const Image& image,
                         LabelImage& labels) noexcept {
@@ -72,7 +75,7 @@ void Threshold::process(const Params&, const Lut& lut, const Mask& mask, const I
       case PixelFormat::kBayerGb8: label_bayer<2>(lut, in, in + view.stride_bytes, out, labels.width); break;
       case PixelFormat::kBayerBg8: label_bayer<3>(lut, in, in + view.stride_bytes, out, labels.width); break;
     }
-    clear_masked(mask, y, labels);
+    clear_masked_row(mask, y, labels);
   }
 }
 

@@ -10,6 +10,9 @@
 
 namespace sslv {
 
+/// Makes the cells clear that the mask leaves out.
+void clear_masked(const Mask& mask, LabelImage& labels);
+
 /// Labels every pixel by the colour lookup table: the plain reference (Bruce, Balch, Veloso: Fast and
 /// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer images are read as 2x2
 /// quads of one red, two green (averaged, rounded up) and one blue sample, one label each; mono pixels count

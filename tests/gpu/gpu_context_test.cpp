@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/gpu_context.h"
 
+#include "faked_reset.h"
 #include "gpu/gl.h"
 #include "gpu/gpu_threshold.h"
 #include "gpu_or_skip.h"
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -17,12 +19,12 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 
+std::atomic<unsigned> sslv::faked_reset_status{GL_NO_ERROR};
+
 namespace {
 
-unsigned reset_status = GL_NO_ERROR;
-
-GLenum faked_reset_status() {
-  return reset_status;
+GLenum reset_status() {
+  return sslv::faked_reset_status;
 }
 
 }  // namespace
@@ -30,7 +32,7 @@ GLenum faked_reset_status() {
 /// In the place of EGL's own: a driver that tells of a reset when a test says so.
 extern "C" __eglMustCastToProperFunctionPointerType eglGetProcAddress(const char* name) {
   if (std::strncmp(name, "glGetGraphicsResetStatus", std::strlen("glGetGraphicsResetStatus")) == 0)
-    return reinterpret_cast<__eglMustCastToProperFunctionPointerType>(&faked_reset_status);
+    return reinterpret_cast<__eglMustCastToProperFunctionPointerType>(&reset_status);
   static const auto real =
       reinterpret_cast<decltype(&eglGetProcAddress)>(dlsym(RTLD_NEXT, "eglGetProcAddress"));
   return real(name);
@@ -56,7 +58,7 @@ Lut lut_of_one(Label label) {
 
 class GpuContextTest : public WithGpu {
  protected:
-  void TearDown() override { reset_status = GL_NO_ERROR; }
+  void TearDown() override { faked_reset_status = GL_NO_ERROR; }
 };
 
 TEST_F(GpuContextTest, SaysWhatItIs) {
@@ -100,12 +102,12 @@ TEST_F(GpuContextTest, AResetIsToldWithTheImageThatItTook) {
   const Lut lut = lut_of_one(4);
   Grey grey;
   ASSERT_TRUE(gpu.process(lut, grey.mask, grey.image, grey.labels));
-  reset_status = GL_UNKNOWN_CONTEXT_RESET_KHR;
+  faked_reset_status = GL_UNKNOWN_CONTEXT_RESET_KHR;
   EXPECT_FALSE(gpu.process(lut, grey.mask, grey.image, grey.labels));
   EXPECT_EQ(gpu.problem(), "the GPU was reset");
   EXPECT_TRUE(context().is_lost());
   // That the GPU works again does not bring back what was in it.
-  reset_status = GL_NO_ERROR;
+  faked_reset_status = GL_NO_ERROR;
   EXPECT_FALSE(gpu.process(lut, grey.mask, grey.image, grey.labels));
   EXPECT_EQ(gpu.problem(), "the context is lost");
 }

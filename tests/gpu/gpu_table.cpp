@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour thresholding on this computer's GPU against one core of its CPU, in turns, on drawn halls: a
-// Markdown table. Exit code 1 when a label differs, 77 when there is no GPU.
+// Colour thresholding on this computer's GPU against one core of its CPU, in turns, on drawn halls, and the
+// stage that does it, with all that it costs: two Markdown tables. Exit code 1 when a label differs, 77 when
+// there is no GPU.
 //   gpu_table [--runs 50]
 
 #include "camera_bytes.h"
 #include "draw.h"
 #include "gpu/gpu_context.h"
 #include "gpu/gpu_threshold.h"
+#include "gpu/gpu_threshold_stage.h"
+#include "gpu/gpu_worker.h"
 #include "hall.h"
 #include "play.h"
+#include "vision/find_regions.h"
+#include "vision/find_runs.h"
+#include "vision/segment.h"
 #include "vision/threshold.h"
 
 #include <algorithm>
@@ -23,6 +29,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <time.h>
 
 namespace sslv::halls {
 namespace {
@@ -85,6 +92,26 @@ double median(std::vector<double>& all) {
   return *middle;
 }
 
+double cpu_ms(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+/// Times of something that is done again and again.
+struct Times {
+  std::vector<double> time{}, this_thread{}, all_threads{};
+  template <class Do>
+  void add(const Do& act) {
+    const auto before = Clock::now();
+    const double thread = cpu_ms(CLOCK_THREAD_CPUTIME_ID), process = cpu_ms(CLOCK_PROCESS_CPUTIME_ID);
+    act();
+    time.push_back(ms(Clock::now() - before));
+    this_thread.push_back(cpu_ms(CLOCK_THREAD_CPUTIME_ID) - thread);
+    all_threads.push_back(cpu_ms(CLOCK_PROCESS_CPUTIME_ID) - process);
+  }
+};
+
 /// Times of one path, and whether it said what the CPU says.
 struct Timed {
   explicit Timed(GpuContext& context, Path path) : gpu(context, path) {}
@@ -118,14 +145,120 @@ struct Timed {
   LabelImage labels_;
 };
 
+std::vector<std::uint8_t> bytes_of(const Exposed& exposed, PixelFormat format) {
+  return camera_bytes(exposed.light, exposed.sensor, format, Chance(1, "noise", 1));
+}
+
+Image image_of(const std::vector<std::uint8_t>& bytes, const Exposed& exposed, PixelFormat format) {
+  const int width = exposed.light.width, height = exposed.light.height;
+  return {ImageView{bytes.data(), width, height, width * bytes_per_pixel(format), format}, nullptr, nullptr,
+          nullptr};
+}
+
+/// The stage, always on the GPU, and what follows it, against the CPU's stages. False: a label differs, or
+/// the GPU did not make them.
+bool stage_row(const Lut& lut, const Exposed& exposed, PixelFormat format, int runs, std::string& note) {
+  const std::vector<std::uint8_t> bytes = bytes_of(exposed, format);
+  const Image image = image_of(bytes, exposed, format);
+  const Mask mask;
+  GpuThresholdStage::Limits patient;  // with slow ones, too: this is a table
+  patient.shortest_deadline = std::chrono::seconds(1);
+  GpuThresholdStage stage(&open_gpu, patient);
+  StageNotes notes;
+  LabelImage labels, wanted;
+  RunList gpu_runs, cpu_runs, segment_runs;
+  RegionList regions;
+  Threshold threshold;
+  FindRuns find_runs;
+  FindRegions find_regions;
+  Segment segment;
+  const auto label_on_gpu = [&] {
+    stage.process({.use = GpuThresholdStage::Use::kAlways}, lut, mask, image, labels, notes);
+  };
+  constexpr int kMostToBegin = 100'000;
+  for (int i = 0; i < kMostToBegin && notes.read().text.find(" ms an image") == std::string::npos; ++i)
+    label_on_gpu();
+  note = notes.read().text;
+
+  Times gpu, follow, cpu, whole;
+  bool is_good = true;
+  for (int i = 0; i < runs; ++i) {
+    gpu.add(label_on_gpu);
+    is_good = is_good && stage.was_on_gpu();
+    follow.add([&] {
+      find_runs.process({}, labels, gpu_runs);
+      find_regions.process({}, gpu_runs, regions);
+    });
+    cpu.add([&] { threshold.process({}, lut, mask, image, wanted); });
+    is_good = is_good && labels.labels == wanted.labels;
+    whole.add([&] { segment.process({}, lut, mask, image, segment_runs, regions); });
+  }
+  fmt::print("| {}x{} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n",
+             image.view().width, image.view().height, name_of(format), median(gpu.time),
+             median(gpu.this_thread), median(gpu.all_threads), median(cpu.time), median(follow.time),
+             median(whole.time), is_good ? "identical" : "differ, or not the GPU's");
+  return is_good;
+}
+
+/// A GPU that has its labels at once.
+class NoWork final : public ThresholdDevice {
+ public:
+  const std::string& name() const override { return name_; }
+  bool is_software() const override { return false; }
+  bool process(const TableView&, const ImageView&, const RowsThere&, LabelImage&) noexcept override {
+    return true;
+  }
+  const std::string& problem() const override { return name_; }
+  bool is_lost() const override { return false; }
+
+ private:
+  const std::string name_ = "none";
+};
+
+/// What it takes to ask another thread and wait for it, `pause` after the time before.
+double hand_over_ms(const Lut& lut, int times, std::chrono::microseconds pause) {
+  GpuWorker worker([] { return std::make_unique<NoWork>(); });
+  const std::array<std::uint8_t, 32> grey{};
+  const ImageView image{grey.data(), 16, 2, 16, PixelFormat::kMono8};
+  LabelImage labels;
+  while (!worker.takes(GpuWorker::work_for(lut, image))) std::this_thread::yield();
+  worker.label(lut, image, labels, Clock::now() + std::chrono::minutes(1));  // which takes the table there
+  Times all;
+  for (int i = 0; i < times; ++i) {
+    if (pause.count() > 0) std::this_thread::sleep_for(pause);
+    all.add([&] { worker.label(lut, image, labels, Clock::now() + std::chrono::minutes(1)); });
+  }
+  return median(all.time);
+}
+
+bool stage_table(const Lut& lut, int runs) {
+  fmt::print(
+      "\nThe stage `gpu_threshold`, always on the GPU: *time* until the labels are there, of processors by "
+      "the camera's thread, and by all threads of the program (with the driver's). *CPU*: `threshold`. "
+      "*Follow*: `find_runs` and `find_regions`, that both need. *segment*: what does all three at once.\n\n"
+      "| size | format | time (ms) | camera's thread (ms) | all threads (ms) | CPU (ms) | follow (ms) | "
+      "segment (ms) | labels |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n");
+  bool is_good = true;
+  std::string notes, note;
+  for (const Shown& shown : kShown) {
+    const Exposed exposed = expose(shown);
+    for (const PixelFormat format : kFormats) {
+      is_good = stage_row(lut, exposed, format, runs, note) && is_good;
+      notes += fmt::format("- {}x{} {}: {}\n", shown.width, shown.height, name_of(format), note);
+    }
+  }
+  using std::chrono::microseconds;
+  fmt::print("\nTo the stage's thread and back, without work: {:.3f} ms; {:.3f} ms after a pause of 5 ms.\n",
+             hand_over_ms(lut, 5000, microseconds(0)), hand_over_ms(lut, 200, microseconds(5000)));
+  fmt::print("\nWhat it says:\n{}", notes);
+  return is_good;
+}
+
 /// False: a label differs, or there are none.
 bool row(GpuContext& context, const Lut& lut, const Exposed& exposed, PixelFormat format, int runs) {
   constexpr int kWarmUp = 5;
-  const std::vector<std::uint8_t> bytes =
-      camera_bytes(exposed.light, exposed.sensor, format, Chance(1, "noise", 1));
-  const int width = exposed.light.width, height = exposed.light.height;
-  const Image image(ImageView{bytes.data(), width, height, width * bytes_per_pixel(format), format}, nullptr,
-                    nullptr, nullptr);
+  const std::vector<std::uint8_t> bytes = bytes_of(exposed, format);
+  const Image image = image_of(bytes, exposed, format);
   std::vector<std::unique_ptr<Timed>> paths;
   if (context.has_compute()) paths.push_back(std::make_unique<Timed>(context, Path::kCompute));
   paths.push_back(std::make_unique<Timed>(context, Path::kFragment));
@@ -133,21 +266,22 @@ bool row(GpuContext& context, const Lut& lut, const Exposed& exposed, PixelForma
   Threshold cpu;
   const Mask mask;
   LabelImage wanted;
-  std::vector<double> cpu_ms;
+  std::vector<double> on_cpu_ms;
   for (int i = -kWarmUp; i < runs; ++i) {
     const auto before = Clock::now();
     cpu.process({}, lut, mask, image, wanted);
     const double took = ms(Clock::now() - before);
-    if (i >= 0) cpu_ms.push_back(took);
+    if (i >= 0) on_cpu_ms.push_back(took);
     for (const auto& path : paths) path->run(lut, image, wanted, i >= 0);
   }
   bool is_good = true;
   for (const auto& path : paths) {
     is_good = is_good && path->problem.empty();
-    fmt::print("| {}x{} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", width, height,
-               name_of(format), path->gpu.path() == Path::kCompute ? "compute" : "fragment",
-               median(path->upload_ms), median(path->shader_ms), median(path->read_back_ms),
-               median(path->all_ms), median(cpu_ms), path->problem.empty() ? "identical" : path->problem);
+    fmt::print("| {}x{} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", image.view().width,
+               image.view().height, name_of(format),
+               path->gpu.path() == Path::kCompute ? "compute" : "fragment", median(path->upload_ms),
+               median(path->shader_ms), median(path->read_back_ms), median(path->all_ms), median(on_cpu_ms),
+               path->problem.empty() ? "identical" : path->problem);
   }
   return is_good;
 }
@@ -169,6 +303,7 @@ int table(int runs) {
     const Exposed exposed = expose(shown);
     for (const PixelFormat format : kFormats) is_good = row(context, *lut, exposed, format, runs) && is_good;
   }
+  is_good = stage_table(*lut, runs) && is_good;
   return is_good ? 0 : 1;
 }
 
