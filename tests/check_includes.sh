@@ -15,10 +15,10 @@ rules='
   vision                base image geometry
   colors                base image geometry vision
   gpu                   base image vision pipeline/stage_notes.h
-  gpu/module.cpp        gpu pipeline
+  gpu/module.cpp        gpu kit
   capture               base image geometry vision/patterns.h vision/label.h
-  pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
-  pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h
+  pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h pipeline/own_parts.h
+  pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h pipeline/own_parts.h
   pipeline              base image geometry vision tracking
   kit                   base image geometry vision tracking pipeline
   net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h proto
