@@ -1,8 +1,11 @@
-# The packages: ssl-visiond, ssl-visiond-dev and ssl-visiond-stages-dev. Included by systemd/CMakeLists.txt.
+# The packages: ssl-visiond, ssl-visiond-dev, ssl-visiond-stages-dev and, where EGL is there, ssl-visiond-gpu. Included by systemd/CMakeLists.txt.
 set(debian ${CMAKE_CURRENT_SOURCE_DIR}/debian)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL service dev stages)
+if(SSLV_HAVE_GPU)
+  list(APPEND CPACK_COMPONENTS_ALL gpu)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/package)
@@ -54,5 +57,18 @@ set(CPACK_COMPONENT_STAGES_DESCRIPTION
 Headers, a static library, CMake's find_package and examples for shared
 objects that bring stages into the stacks of ssl-visiond: a detector of one's
 own, a recorder, another marker. They are compiled for this version of it.")
+
+set(CPACK_DEBIAN_GPU_PACKAGE_NAME ssl-visiond-gpu)
+set(CPACK_DEBIAN_GPU_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_GPU_PACKAGE_SHLIBDEPS ON)
+# Its stage is compiled for this version of the service.
+set(CPACK_DEBIAN_GPU_PACKAGE_DEPENDS "ssl-visiond (= ${PROJECT_VERSION}-1)")
+set(CPACK_DEBIAN_GPU_PACKAGE_RECOMMENDS "libgl1-mesa-dri | nvidia-driver")
+set(CPACK_COMPONENT_GPU_DESCRIPTION
+"colour thresholding on a GPU for ssl-visiond
+A stage that labels pixels by colour on a GPU, with the same labels as the
+CPU's, for stacks that need a labelled image. It measures both and uses the
+faster one; the CPU takes over in the same image when the GPU is late or
+gone.")
 
 include(CPack)

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# stack.sh BUILD FOLDER: the library of the GPU's stage in a stack of the command line: it finds what the CPU finds,
+# byte for byte.
+set -euo pipefail
+build=$(realpath "$1") sources=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
+rm -rf "$2" && mkdir -p "$2" && cd "$2"
+settings() {
+  node -e '
+    const settings = JSON.parse(require("fs").readFileSync(process.argv[1]));
+    const stack = [process.argv[2], "find_runs", "find_regions", "detect_robots", "detect_balls", "publish"];
+    const stages = process.argv[2] === "threshold" ? {} : { gpu_threshold: { use: "always" } };
+    settings.cameras = [{ ...settings.cameras[0], stack, stages }];
+    console.log(JSON.stringify(settings));' "$sources/config/demo.json" "$1"
+}
+settings threshold >cpu.json
+settings gpu_threshold >gpu.json
+"$build/bin/ssl-visionctl" simulate --settings cpu.json --frames 60 --output images
+"$build/bin/ssl-visionctl" process --settings cpu.json --input images >cpu.jsonl
+"$build/bin/ssl-visionctl" process --stages "$build/stages" --settings gpu.json --input images >gpu.jsonl 2>said.txt
+cat said.txt
+grep -q '^gpu_threshold: ' said.txt
+[[ -s cpu.jsonl ]]
+cmp cpu.jsonl gpu.jsonl
