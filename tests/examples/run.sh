@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# run.sh PREFIX FOLDER: builds the examples of stage libraries as an author does, with what is installed under
+# PREFIX, and runs them on simulated frames. What is made lies in FOLDER. Exit code 77: cannot be done here.
+# CTL: ssl-visionctl (PREFIX/bin/ssl-visionctl). EXAMPLES: their sources (docs/examples). DEMO: demo.json (config/demo.json).
+set -euo pipefail
+here=$(realpath "$(dirname "$0")")
+prefix=$(realpath "$1")
+mkdir -p "$2"
+folder=$(realpath "$2")
+ctl=${CTL:-$prefix/bin/ssl-visionctl}
+examples=${EXAMPLES:-$here/../../docs/examples}
+demo=${DEMO:-$here/../../config/demo.json}
+# Debian's, for which Debian has numpy.
+python=${PYTHON:-/usr/bin/python3}
+
+cannot() { printf 'examples: %s\n' "$*" >&2; exit 77; }
+command -v cmake >/dev/null || cannot "there is no cmake"
+"$python" -c 'import numpy' 2>/dev/null || cannot "there is no numpy (python3-numpy)"
+[[ -e /usr/include/apriltag/apriltag.h ]] || cannot "there is no AprilTag (libapriltag-dev)"
+[[ -e /usr/include/opencv4/opencv2/dnn.hpp ]] || cannot "there is no OpenCV (libopencv-dnn-dev)"
+
+# build SOURCE TARGET: with every warning that an author may have switched on.
+build() {
+  rm -rf "$2"
+  cmake -S "$1" -B "$2" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Wshadow -Werror" \
+    ${CMAKE_CXX_COMPILER_LAUNCHER:+-DCMAKE_CXX_COMPILER_LAUNCHER="$CMAKE_CXX_COMPILER_LAUNCHER"} &&
+    cmake --build "$2"
+}
+build_all() {
+  build "$examples/hello" "$folder/hello" && build "$examples" "$folder/all" &&
+    mkdir -p "$folder/stages" && find "$folder/all" -name '*.so' -exec cp -t "$folder/stages" {} +
+}
+rm -rf "$folder/stages"
+build_all >"$folder/build.log" 2>&1 || { tail -n 30 "$folder/build.log"; echo "FAIL  the examples do not build"; exit 1; }
+[[ -n $(find "$folder/hello" -name hello.so) ]] || { echo "FAIL  there is no hello.so"; exit 1; }
+echo "ok    the examples build"
+"$python" "$here/checks.py" "$ctl" "$folder/stages" "$examples" "$demo" "$folder/run"
