@@ -75,8 +75,9 @@ std::string_view text_in(const std::array<char, kSize>& chars) {
 StageStamp read_stamp(const std::filesystem::path& file) {
   ElfFile elf(file);
   std::array<unsigned char, EI_NIDENT> ident{};
-  elf.read(0, ident.data(), ident.size());
+  elf.read(0, ident.data(), SELFMAG);
   if (std::memcmp(ident.data(), ELFMAG, SELFMAG) != 0) throw StageLibraryError("is no shared object");
+  elf.read(0, ident.data(), ident.size());
   if (ident[EI_CLASS] != ELFCLASS64 || ident[EI_DATA] != ELFDATA2LSB) {
     throw StageLibraryError(fmt::format(
         "is made for a processor of {} bits and the other byte order or size; this program runs on {}",

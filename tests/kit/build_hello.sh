@@ -10,6 +10,7 @@ rm -rf "$2" && mkdir -p "$2" && cd "$2"
 block() { awk -v begin="^\`\`\`$1\$" '$0 ~ begin {inside = 1; next} /^```$/ {if (inside) exit} inside' "$docs/extending.md"; }
 block cpp >hello.cpp
 block cmake >CMakeLists.txt
+for file in hello.cpp CMakeLists.txt; do cmp "$file" "$docs/examples/hello/$file"; done
 lines=$(cat hello.cpp CMakeLists.txt | wc -l)
 ((lines <= 40)) || { echo "hello has $lines lines, 40 are promised" >&2; exit 1; }
 { cmake -S . -B build -DCMAKE_PREFIX_PATH="$prefix" && cmake --build build; } >build.log 2>&1 ||

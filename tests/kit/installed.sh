@@ -14,5 +14,5 @@ node -e '
   console.log(JSON.stringify(settings));' "$here/../../config/demo.json" >settings.json
 "$build/bin/ssl-visionctl" simulate --settings settings.json --frames 3 --output images
 "$build/bin/ssl-visionctl" process --stages hello/build --settings settings.json --input images >frames.jsonl 2>said.txt
-grep -qx 'hello: I see the ball' said.txt || { cat said.txt >&2; exit 1; }
+grep -qx 'hello: 0 balls removed' said.txt || { cat said.txt >&2; exit 1; }
 [[ $(wc -l <frames.jsonl) == 3 ]]

@@ -85,7 +85,7 @@ TEST_F(StageTable, ChecksPartsOfLibrariesAsItsOwn) {
 TEST_F(StageTable, OffersTheirParametersAsItsOwn) {
   const Json camera = settings_schema()["properties"]["cameras"]["items"]["properties"];
   EXPECT_THAT(camera["stack"]["items"]["enum"], testing::Contains("count_balls"));
-  EXPECT_EQ(camera["stages"]["properties"]["count_balls"]["properties"]["at_least"]["unit"], "balls");
+  EXPECT_EQ(camera["stages"]["properties"]["count_balls"]["properties"]["at_least"]["x-unit"], "balls");
   EXPECT_EQ(camera["stages"]["properties"]["count_balls"]["description"], "counts the balls");
   const Json tree = complete_settings(with_stack({"segment"}));
   EXPECT_EQ(tree["cameras"][0]["stages"]["count_balls"]["at_least"], 0);

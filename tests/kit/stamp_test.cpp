@@ -18,7 +18,7 @@ namespace {
 TEST(Stamp, KitsVersionFollowsItsHeaders) {
   std::istringstream names(SSLV_KIT_HEADERS);
   std::string all, name;
-  while (std::getline(names, name, ';')) {
+  while (std::getline(names, name, ':')) {
     std::ifstream in(std::string(SSLV_SOURCES) + "/daemon/" + name);
     ASSERT_TRUE(in) << name;
     all.append(std::istreambuf_iterator<char>(in), {});
