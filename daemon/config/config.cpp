@@ -66,6 +66,16 @@ void rename_light_limits(Json& tree) {
   }
 }
 
+/// Of a camera or the field: what of its stack runs, and with which parameters.
+template <class Floor, class Part>
+void read_stack(Part& part, std::span<const BasicStageType<Floor>> table, const std::string& path,
+                MissingStages missing) {
+  StageSettings stages = read_stages(table, part.stages, path + "/stages", missing);
+  part.running = running_stack(table, part.stack, path + "/stack", missing, std::move(stages.refused));
+  part.stages = std::move(stages.complete);
+  part.stage_params = std::move(stages.params);
+}
+
 }  // namespace
 
 Config read_config(const Json& settings) {
@@ -76,11 +86,7 @@ Config read_config(const Json& settings) {
   static_cast<void>(LabelSet(config.own_labels, "/own_labels"));  // refuses bad names
   check_group(config.network.tracker.group, "/network/tracker/group");
   const MissingStages missing = missing_stages();
-  config.field.running = running_stack(field_stage_table(), config.field.stack, "/field/stack", missing);
-  StageSettings field_stages =
-      read_stages(field_stage_table(), config.field.stages, "/field/stages", missing);
-  config.field.stages = std::move(field_stages.complete);
-  config.field.stage_params = std::move(field_stages.params);
+  read_stack<FieldFloor>(config.field, field_stage_table(), "/field", missing);
   std::map<int, std::size_t> camera_with_id;
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     CameraSettings& camera = config.cameras[i];
@@ -93,10 +99,7 @@ Config read_config(const Json& settings) {
     camera.source = complete_source(camera.source, path + "/source");
     check_mask(camera.mask, path + "/mask");
     if (camera.calibration) CameraModel(*camera.calibration, path + "/calibration");
-    camera.running = running_stack(stage_table(), camera.stack, path + "/stack", missing);
-    StageSettings stages = read_stages(stage_table(), camera.stages, path + "/stages", missing);
-    camera.stages = std::move(stages.complete);
-    camera.stage_params = std::move(stages.params);
+    read_stack<CameraFloor>(camera, stage_table(), path, missing);
   }
   check_simulated(config.cameras);
   return config;

@@ -37,28 +37,48 @@ bool is_named(const Config& config, const std::string& name) {
          std::ranges::any_of(config.cameras, [&](const CameraSettings& camera) { return has(camera); });
 }
 
+/// Whether parameters are refused in it for this reason, which names their place.
+bool is_refused(const Config& config, const std::string& why) {
+  const auto has = [&](const RunningStack& running) {
+    return std::ranges::find(running.refused, why, &RefusedStage::why) != running.refused.end();
+  };
+  return has(config.field.running) || std::ranges::any_of(config.cameras, [&](const CameraSettings& camera) {
+           return has(camera.running);
+         });
+}
+
 }  // namespace
 
 std::string missing_text(const RunningStack& running) {
-  if (running.missing.empty()) return {};
-  const bool is_one = running.missing.size() == 1;
-  std::string out =
-      fmt::format("{}, which {} not there", listed("without the", running.missing), is_one ? "is" : "are");
+  std::string out;
+  if (!running.missing.empty()) {
+    out = fmt::format("{}, which {} not there", listed("without the", running.missing),
+                      running.missing.size() == 1 ? "is" : "are");
+  }
+  for (const RefusedStage& stage : running.refused) {
+    out += fmt::format("{}without the stage '{}', whose parameters are of another version ({})",
+                       out.empty() ? "" : "; ", stage.name, stage.why);
+  }
   if (!running.idle.empty()) {
-    out += fmt::format("; {} need{} {} and do{} not run either", quoted_list(running.idle),
-                       running.idle.size() == 1 ? "s" : "", is_one ? "it" : "them",
-                       running.idle.size() == 1 ? "es" : "");
+    const bool is_one = running.idle.size() == 1;
+    out += fmt::format("; {} need{} what is missing and do{} not run either", quoted_list(running.idle),
+                       is_one ? "s" : "", is_one ? "es" : "");
   }
   return out;
 }
 
-std::string missing_fix() {
+std::string missing_fix(const RunningStack& running) {
   std::string out;
   for (const LeftOutLibrary& one : left_out_libraries())
     out +=
         fmt::format("{}{} {}", out.empty() ? "" : "; ", escaped_text(one.file.filename().string()), one.why);
-  if (out.empty()) out = "No library in the folders of stages brings it";
-  return out + ". Install it and restart the service, or take it out of the stack.";
+  if (running.missing.empty()) {
+    out = "Correct the parameters, or take the stage out of the stack.";
+  } else {
+    if (out.empty()) out = "No library in the folders of stages brings it";
+    out += ". Install it and restart the service, or take it out of the stack.";
+  }
+  return out;
 }
 
 void refuse_new_missing(const Config& now, const Config& next) {
@@ -66,12 +86,14 @@ void refuse_new_missing(const Config& now, const Config& next) {
     if (is_named(now, name)) return;
     throw SettingsError(fmt::format("{}: the stage '{}' is not there", path, shortened(name)));
   };
-  const auto check_part = [&check](const auto& part, auto table, const std::string& path) {
+  const auto check_part = [&](const auto& part, auto table, const std::string& path) {
     for (const std::string& name : part.running.missing) check(name, path + "/stack");
     for (const auto& item : part.stages.items()) {
       if (std::ranges::none_of(table, [&](const auto& type) { return type.name == item.key(); }))
         check(item.key(), path + "/stages");
     }
+    for (const RefusedStage& stage : part.running.refused)
+      if (!is_refused(now, stage.why)) throw SettingsError(stage.why);
   };
   check_part(next.field, field_stage_table(), "/field");
   for (std::size_t i = 0; i < next.cameras.size(); ++i)

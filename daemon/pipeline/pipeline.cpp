@@ -97,23 +97,27 @@ std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStage
 template <class Floor>
 RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
                            const std::vector<std::string>& stack, const std::string& path,
-                           MissingStages missing) {
+                           MissingStages missing, std::vector<RefusedStage> refused) {
   RunningStack out;
   PartSet have = Floor::kProvided;
+  bool is_whole = true;
   for (const std::string& name : stack) {
     const auto found = std::ranges::find(table, name, &BasicStageType<Floor>::name);
     if (found == table.end()) {
       out.missing.push_back(name);
-    } else if ((found->reads & ~have).any() && !out.missing.empty()) {
+      is_whole = false;
+    } else if (std::ranges::find(refused, name, &RefusedStage::name) != refused.end()) {
+      is_whole = false;
+    } else if ((found->reads & ~have).any() && !is_whole) {
       out.idle.push_back(name);
     } else {
       out.stages.push_back(name);
       have |= found->writes;
     }
   }
+  out.refused = std::move(refused);
   // With nothing left out, or nothing to be left out, messages count the stages as the settings do.
-  check_stack<Floor>(table, missing == MissingStages::kRefused || out.missing.empty() ? stack : out.stages,
-                     path);
+  check_stack<Floor>(table, missing == MissingStages::kRefused || is_whole ? stack : out.stages, path);
   return out;
 }
 
@@ -176,10 +180,22 @@ StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Js
     }
   }
   for (const auto& type : table) {
-    const std::string name(type.name);
-    auto parsed = type.parse(stages.contains(name) ? stages.at(name) : Json::object(), path + "/" + name);
-    out.complete[name] = std::move(parsed.complete);
-    out.params.push_back(std::move(parsed.params));
+    const auto take = [&](typename BasicStageType<Floor>::Parsed parsed) {
+      out.complete[type.name] = std::move(parsed.complete);
+      out.params.push_back(std::move(parsed.params));
+    };
+    const std::string here = path + "/" + type.name;
+    const Json given = stages.contains(type.name) ? stages.at(type.name) : Json::object();
+    const bool is_outside = !type.library.empty() && missing == MissingStages::kLeftOut;
+    try {
+      take(type.parse(given, here));
+    } catch (const SettingsError& error) {
+      // Another version of its library may know other parameters; all other settings are worth more.
+      if (!is_outside) throw;
+      take(type.parse(Json::object(), here));
+      out.complete[type.name] = given;
+      out.refused.push_back({type.name, error.what()});
+    }
   }
   return out;
 }
@@ -191,7 +207,8 @@ template std::vector<const StageType*> check_stack<CameraFloor>(std::span<const 
                                                                 const std::vector<std::string>&,
                                                                 const std::string&);
 template RunningStack running_stack<CameraFloor>(std::span<const StageType>, const std::vector<std::string>&,
-                                                 const std::string&, MissingStages);
+                                                 const std::string&, MissingStages,
+                                                 std::vector<RefusedStage>);
 
 template class BasicPipeline<FieldFloor>;
 template StageSettings read_stages<FieldFloor>(std::span<const FieldStageType>, const Json&,
@@ -201,6 +218,6 @@ template std::vector<const FieldStageType*> check_stack<FieldFloor>(std::span<co
                                                                     const std::string&);
 template RunningStack running_stack<FieldFloor>(std::span<const FieldStageType>,
                                                 const std::vector<std::string>&, const std::string&,
-                                                MissingStages);
+                                                MissingStages, std::vector<RefusedStage>);
 
 }  // namespace sslv

@@ -13,16 +13,22 @@
 
 namespace sslv {
 
-/// What the settings say of stages, read once.
-struct StageSettings {
-  Json complete;                    // of every stage of the table, with defaults filled in
-  std::vector<StageParams> params;  // by the table
-};
-
-/// Stages that settings name and that are not in the table.
+/// What becomes of stages whose library does not fit the settings.
 enum class MissingStages {
   kRefused,
-  kLeftOut,  // their library was left out: the rest runs, their parameters are kept as they are
+  kLeftOut,  // the rest runs; what settings say of them is kept as it is
+};
+
+/// A stage of a library that does not know its parameters.
+struct RefusedStage {
+  std::string name, why;
+};
+
+/// What the settings say of stages, read once.
+struct StageSettings {
+  Json complete;                        // of every stage of the table, with defaults filled in
+  std::vector<StageParams> params;      // by the table
+  std::vector<RefusedStage> refused{};  // left out: their params are their defaults
 };
 
 /// `stages` maps stage names to their parameters; absent ones have their defaults. Throws SettingsError,
@@ -41,15 +47,16 @@ std::vector<const BasicStageType<Floor>*> check_stack(std::span<const BasicStage
 /// What of a stack can run.
 struct RunningStack {
   std::vector<std::string> stages;
-  std::vector<std::string> missing;  // not in the table
-  std::vector<std::string> idle{};   // they need what a missing one would have made
+  std::vector<std::string> missing;   // not in the table
+  std::vector<RefusedStage> refused;  // of the stack or not
+  std::vector<std::string> idle;      // they need what one that is left out would have made
 };
 
-/// All of it, unless stages are missing. The rest throws as check_stack() does.
+/// All of it, unless stages are missing or refused. The rest throws as check_stack() does.
 template <class Floor>
 RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
                            const std::vector<std::string>& stack, const std::string& path,
-                           MissingStages missing);
+                           MissingStages missing, std::vector<RefusedStage> refused);
 
 /// The stages of one stack in their order, checked. Made when the stack changes; parameters may change
 /// without (Parameters below). Used by one thread at a time.

@@ -29,6 +29,22 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
   }
 }
 
+/// Gives `put_on` what changes are about and only the tree that they were made on has: parameters of a stage
+/// whose library is gone for now. What nobody knows is refused when the whole tree is checked.
+void add_absent(const Json& changes, const Json& made_on, Json& put_on) {
+  for (const Json& change : changes) {
+    const std::string path = change.at("path").get<std::string>();
+    for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
+      const Json::json_pointer place(path.substr(0, end));
+      if (put_on.contains(place)) continue;
+      const Json::json_pointer above = place.parent_pointer();
+      if (made_on.contains(place) && put_on.contains(above) && put_on.at(above).is_object())
+        put_on[place] = made_on.at(place);
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 SettingsStore::SettingsStore(std::filesystem::path admin_file, StateFolder& folder, Check check,
@@ -97,8 +113,12 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
       made_on = check_(migrated(made_on, version, migrations_)).tree;
       changes = Json::diff(made_on, changed);
     }
-    if (!made_on.is_null()) check_same_ids(changes, made_on, admin_settings_);
-    CheckedSettings result = check_(apply_patch(admin_settings_, changes));
+    Json put_on = admin_settings_;
+    if (!made_on.is_null()) {
+      check_same_ids(changes, made_on, admin_settings_);
+      add_absent(changes, made_on, put_on);
+    }
+    CheckedSettings result = check_(apply_patch(std::move(put_on), changes));
     Version loaded{saved.at("revision").get<std::uint64_t>(), std::move(result.tree),
                    std::move(result.config)};
     history_ = SettingsHistory(saved.value("history", Json::array()));

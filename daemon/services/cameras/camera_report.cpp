@@ -73,12 +73,12 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .page = camera_page(camera),
                       .camera = camera.id});
   }
-  if (!camera.missing_stages.empty()) {
+  if (const std::string missing = missing_text(camera.running); !missing.empty()) {
     alerts.push_back({.id = "stage_missing",
                       .check = "cameras",
-                      .severity = camera.has_idle_stages ? Severity::kBad : Severity::kWarn,
-                      .title = fmt::format("Camera {} runs {}", camera.id, camera.missing_stages),
-                      .fix = missing_fix(),
+                      .severity = camera.running.idle.empty() ? Severity::kWarn : Severity::kBad,
+                      .title = fmt::format("Camera {} runs {}", camera.id, missing),
+                      .fix = missing_fix(camera.running),
                       .page = "#/settings/cameras",
                       .camera = camera.id});
   }

@@ -7,6 +7,7 @@
 #include "capture/camera_thread.h"
 #include "health/exposure.h"
 #include "health/timeline.h"
+#include "pipeline/pipeline.h"
 #include "services/health_report.h"
 
 #include <cstddef>
@@ -39,9 +40,8 @@ struct CameraFacts {
   std::size_t controls_unsaved = 0;         // that are set and not saved
   bool sends = true;                        // its stack ends in the stage that sends
   ImageOrigin origin = ImageOrigin::kCamera;
-  std::string missing_stages{};  // of its stack, as missing_text() says; empty: none
-  bool has_idle_stages = false;  // that need what those make
-  std::string flood{};           // in the last minute: "green floods the image between ..."; empty: none
+  RunningStack running{};  // of its stack
+  std::string flood{};     // in the last minute: "green floods the image between ..."; empty: none
 
   static constexpr std::size_t kLastSeconds = 10, kNewestSeconds = 3;
 };

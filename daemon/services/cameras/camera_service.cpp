@@ -3,7 +3,6 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "config/missing_stages.h"
 #include "services/cameras/camera_json.h"
 #include "services/cameras/camera_routes.h"
 #include "vision/flood_cut.h"
@@ -84,8 +83,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
          .controls_unsaved = camera->unsaved_controls().size(),
          .sends = std::ranges::find(settings->running.stages, "publish") != settings->running.stages.end(),
          .origin = origin_of(settings->source),
-         .missing_stages = missing_text(settings->running),
-         .has_idle_stages = !settings->running.idle.empty(),
+         .running = settings->running,
          .flood =
              is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label)) : std::string()});
   }

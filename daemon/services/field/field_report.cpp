@@ -41,12 +41,13 @@ void report_drift(const FieldFacts& facts, HealthReport& report) {
 
 void report_field(const FieldFacts& facts, HealthReport& report) {
   report_drift(facts, report);
-  if (const RunningStack& running = facts.config->field.running; !running.missing.empty()) {
+  const RunningStack& running = facts.config->field.running;
+  if (const std::string missing = missing_text(running); !missing.empty()) {
     report.alerts.push_back({.id = "stage_missing",
                              .check = "network",
                              .severity = running.idle.empty() ? Severity::kWarn : Severity::kBad,
-                             .title = fmt::format("The field's stack runs {}", missing_text(running)),
-                             .fix = missing_fix(),
+                             .title = fmt::format("The field's stack runs {}", missing),
+                             .fix = missing_fix(running),
                              .page = "#/settings/field/stack"});
   }
   if (!facts.sending_error.empty()) {
