@@ -89,6 +89,27 @@ describe('stage libraries', () => {
     await service.start();
     const again = await service.statusBecomes(({ cameras }) => cameras[0].stages.length === STACK.length);
     assert.deepEqual(alertsOf(again, 'stage_missing'), []);
+    assert.equal((await ask('api/settings')).settings.cameras[0].stages.count_balls.at_least, 3);
+  });
+
+  it('of another version, with other parameters, cost their own stage and no other setting', async () => {
+    put('counting');
+    await service.start();
+    await setStack(['segment', 'detect_robots', 'detect_balls', 'count_balls', 'publish']);
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/at_least', value: 3 });
+    await service.patch({ op: 'replace', path: '/cameras/0/name', value: 'North' });
+    await service.stop();
+    rmSync(join(folder, 'counting.so'));
+    put('other_params');
+    await service.start();
+    const status = await service.statusBecomes(({ cameras }) => cameras.every(({ state, robots }) => state === 'running' && robots > 0));
+    const [{ title, fix }] = alertsOf(status, 'stage_missing');
+    assert.match(title, /^Camera 0 runs without the stage 'count_balls', whose parameters are of another version \(\/cameras\/0\/stages\/count_balls\/at_least: /);
+    assert.equal(fix, 'Correct the parameters, or take the stage out of the stack.');
+    assert.equal((await ask('api/settings')).settings.cameras[0].name, 'North');
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls', value: { at_most: 2 } });
+    const good = await service.statusBecomes(({ cameras }) => cameras[0].stages.length === 5);
+    assert.deepEqual(alertsOf(good, 'stage_missing'), []);
   });
 
   it('are needed by a settings file that is checked', () => {

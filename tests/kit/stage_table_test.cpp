@@ -77,9 +77,6 @@ TEST_F(StageTable, ChecksPartsOfLibrariesAsItsOwn) {
         error.what(),
         "/cameras/0/stack/0: stage 'tell_balls' needs 'ball_count', which no earlier stage provides");
   }
-  EXPECT_THROW(read_config(with_stack({"segment", "detect_robots", "detect_balls", "count_balls"},
-                                      {{"count_balls", {{"at_least", -1}}}})),
-               SettingsError);
 }
 
 TEST_F(StageTable, OffersTheirParametersAsItsOwn) {
@@ -100,9 +97,10 @@ TEST_F(StageTable, LeavesOutAStageThatIsNotThereAndWhatNeedsIt) {
   EXPECT_THAT(config.cameras[0].running.idle, ElementsAre("find_runs", "find_regions", "publish"));
   EXPECT_EQ(
       missing_text(config.cameras[0].running),
-      "without the stage 'gone', which is not there; 'find_runs', 'find_regions' and 'publish' need it and "
-      "do not run either");
-  EXPECT_THAT(missing_fix(), HasSubstr("taken_name.so has a stage 'threshold', and there is one"));
+      "without the stage 'gone', which is not there; 'find_runs', 'find_regions' and 'publish' need what is "
+      "missing and do not run either");
+  EXPECT_THAT(missing_fix(config.cameras[0].running),
+              HasSubstr("taken_name.so has a stage 'threshold', and there is one"));
   const Json tree = complete_settings(settings);
   EXPECT_EQ(tree["cameras"][0]["stack"], settings["cameras"][0]["stack"]) << "no setting is lost";
   EXPECT_EQ(tree["cameras"][0]["stages"]["gone"]["level"], 3);
@@ -116,6 +114,25 @@ TEST_F(StageTable, GoesOnWithTheRestOfAStack) {
   EXPECT_EQ(missing_text(config.cameras[0].running), "without the stage 'gone', which is not there");
   EXPECT_THROW(read_config(with_stack({"detect_robots", "gone", "publish"})), SettingsError)
       << "what could never run is no matter of a missing stage";
+}
+
+TEST_F(StageTable, LeavesOutAStageThatDoesNotKnowItsParameters) {
+  const Json settings = with_stack({"segment", "detect_robots", "detect_balls", "count_balls", "publish"},
+                                   {{"count_balls", {{"of_another_version", 2}}}});
+  const Config config = read_config(settings);
+  EXPECT_THAT(config.cameras[0].running.stages,
+              ElementsAre("segment", "detect_robots", "detect_balls", "publish"));
+  EXPECT_THAT(
+      missing_text(config.cameras[0].running),
+      testing::AllOf(HasSubstr("without the stage 'count_balls', whose parameters are of another version"),
+                     HasSubstr("/cameras/0/stages/count_balls/of_another_version")));
+  EXPECT_EQ(complete_settings(settings)["cameras"][0]["stages"]["count_balls"]["of_another_version"], 2);
+  EXPECT_NO_THROW(refuse_new_missing(config, config));
+  EXPECT_THROW(refuse_new_missing(read_config(with_stack({"segment"})), config), SettingsError)
+      << "from the network it is a mistake";
+  EXPECT_THROW(read_config(with_stack({"segment"}, {{"segment", {{"of_another_version", 2}}}})),
+               SettingsError)
+      << "the service's own stages know theirs";
 }
 
 TEST_F(StageTable, TakesNoNewMissingStageFromTheNetwork) {
