@@ -31,6 +31,16 @@ build_all() {
   build "$examples/hello" "$folder/hello" && build "$examples" "$folder/all" &&
     mkdir -p "$folder/stages" && find "$folder/all" -name '*.so' -exec cp -t "$folder/stages" {} +
 }
+# limit LINES FILE...: what is promised about their length.
+limit() {
+  local lines
+  lines=$(cat "${@:2}" | wc -l)
+  ((lines <= $1)) || { echo "FAIL  ${*:2}: $lines lines, $1 are promised"; exit 1; }
+}
+limit 40 "$examples"/hello/*
+limit 150 "$examples/april_tags/april_tags.cpp"
+limit 250 "$examples"/learned_balls/*
+limit 80 "$examples/record_patches/record_patches.cpp"
 rm -rf "$folder/stages"
 build_all >"$folder/build.log" 2>&1 || { tail -n 30 "$folder/build.log"; echo "FAIL  the examples do not build"; exit 1; }
 [[ -n $(find "$folder/hello" -name hello.so) ]] || { echo "FAIL  there is no hello.so"; exit 1; }

@@ -106,7 +106,7 @@ class AprilTags {
     detector_->nthreads = 1;  // the camera's own
     tags_ = family == Family::k16h5 ? std::shared_ptr<apriltag_family_t>(tag16h5_create(), tag16h5_destroy)
                                     : std::shared_ptr<apriltag_family_t>(tag36h11_create(), tag36h11_destroy);
-    apriltag_detector_add_family_bits(detector_.get(), tags_.get(), 1);  // reads over one wrong bit
+    apriltag_detector_add_family_bits(detector_.get(), tags_.get(), 0);  // no wrong bit: they are published
     family_ = family;
   }
 
