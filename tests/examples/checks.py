@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""checks.py SSL_VISIONCTL BUILD EXAMPLES SETTINGS FOLDER: runs the example stages of the folder BUILD on simulated frames, and
-says whether they find what is there. SETTINGS: demo.json. FOLDER, made again, keeps what was made."""
+"""checks.py SSL_VISIONCTL BUILD EXAMPLES SETTINGS FOLDER: runs the example stages of the folder BUILD on simulated
+frames, and says whether they find what is there. SETTINGS: demo.json. FOLDER keeps what was made."""
 import ctypes
 import json
 import os
@@ -52,9 +52,25 @@ def ctl(*words, **environment):
 def simulate(file, count, name, start=0):
     """Frames as an array of (count, height, width, 3), their truth, and the folder with both."""
     folder = FOLDER / name
-    ctl("simulate", "--settings", file, "--frames", count, "--start", start, "--stages", BUILD, "--raw", "--output", folder)
+    ctl(
+        "simulate",
+        "--settings",
+        file,
+        "--frames",
+        count,
+        "--start",
+        start,
+        "--stages",
+        BUILD,
+        "--raw",
+        "--output",
+        folder,
+    )
     index = json.loads((folder / "frames.json").read_text())
-    frames = [np.fromfile(folder / one["file"], np.uint8).reshape(index["height"], index["width"], 3) for one in index["frames"]]
+    frames = [
+        np.fromfile(folder / one["file"], np.uint8).reshape(index["height"], index["width"], 3)
+        for one in index["frames"]
+    ]
     return np.array(frames), [json.loads(line) for line in (folder / "truth.jsonl").open()], folder
 
 
@@ -66,8 +82,20 @@ def write(folder, frames):
 
 def process(file, folder, size=(WIDTH, HEIGHT), pixel_format="rgb24", **environment):
     """What was found in each frame, and what stages said in the end."""
-    done = ctl("process", "--settings", file, "--input", folder, "--stages", BUILD, "--pixel-format", pixel_format,
-               "--size", f"{size[0]}x{size[1]}", **environment)
+    done = ctl(
+        "process",
+        "--settings",
+        file,
+        "--input",
+        folder,
+        "--stages",
+        BUILD,
+        "--pixel-format",
+        pixel_format,
+        "--size",
+        f"{size[0]}x{size[1]}",
+        **environment,
+    )
     return [json.loads(line) for line in done.stdout.splitlines()], done.stderr
 
 
@@ -85,7 +113,9 @@ def in_format(frame, pixel_format):
         u, v = 128 + (b - luma) / 1.772, 128 + (r - luma) / 1.402
         pair = lambda plane: (plane[:, ::2] + plane[:, 1::2]) / 2
         chroma = np.stack([pair(u), pair(v)], 2).reshape(luma.shape)
-        return np.clip(np.stack([chroma, luma] if pixel_format == "uyvy" else [luma, chroma], 2), 0, 255).astype(np.uint8)
+        return np.clip(np.stack([chroma, luma] if pixel_format == "uyvy" else [luma, chroma], 2), 0, 255).astype(
+            np.uint8
+        )
     quad = {"rg": (0, 1, 1, 2), "gr": (1, 0, 2, 1), "gb": (1, 2, 0, 1), "bg": (2, 1, 1, 0)}[pixel_format[6:8]]
     out = np.empty(luma.shape, np.uint8)
     for i, channel in enumerate(quad):
@@ -99,12 +129,22 @@ def in_format(frame, pixel_format):
 class Camera:
     def __init__(self, file):
         c = json.loads(file.read_text())["cameras"][0]["calibration"]
-        x, y, z, w = np.array([c["q0"], c["q1"], c["q2"], c["q3"]]) / np.linalg.norm([c["q0"], c["q1"], c["q2"], c["q3"]])
-        self.turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                              [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                              [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        x, y, z, w = np.array([c["q0"], c["q1"], c["q2"], c["q3"]]) / np.linalg.norm(
+            [c["q0"], c["q1"], c["q2"], c["q3"]]
+        )
+        self.turn = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
         self.shift = np.array([c["tx"], c["ty"], c["tz"]])
-        self.middle, self.focal, self.distortion = np.array([c["principal_point_x"], c["principal_point_y"]]), c["focal_length"], c["distortion"]
+        self.middle, self.focal, self.distortion = (
+            np.array([c["principal_point_x"], c["principal_point_y"]]),
+            c["focal_length"],
+            c["distortion"],
+        )
 
     def project(self, place):
         p = self.turn @ np.asarray(place, float) + self.shift
@@ -123,17 +163,25 @@ class Camera:
 
 
 def draw(frame, camera, place, height, angle, reach, paint):
-    """Draws on the plane z = height what paint(x, y), in mm from the place and along `angle`, says: colours, and how much covers."""
+    """Draws on the plane z = height what paint(x, y) says, in mm from the place and along `angle`: colours, and where
+    they cover what is there."""
     at = np.rint(camera.project([*place, height])).astype(int)
-    px = int(np.linalg.norm(camera.project([place[0] + reach, place[1], height]) - camera.project([*place, height])) * 1.2) + 2
+    edge = camera.project([place[0] + reach, place[1], height])
+    px = int(np.linalg.norm(edge - camera.project([*place, height])) * 1.2) + 2
     left, top = np.maximum(at - px, 0)
     right, bottom = np.minimum(at + px + 1, [frame.shape[1], frame.shape[0]])
     if left >= right or top >= bottom:
         return
     fine = 4  # looks this often along each side of a pixel
-    x, y = np.meshgrid(left + (np.arange((right - left) * fine) + 0.5) / fine - 0.5, top + (np.arange((bottom - top) * fine) + 0.5) / fine - 0.5)
+    x, y = np.meshgrid(
+        left + (np.arange((right - left) * fine) + 0.5) / fine - 0.5,
+        top + (np.arange((bottom - top) * fine) + 0.5) / fine - 0.5,
+    )
     off = camera.unproject(np.stack([x, y], -1), height) - place
-    color, cover = paint(off[..., 0] * np.cos(angle) + off[..., 1] * np.sin(angle), off[..., 1] * np.cos(angle) - off[..., 0] * np.sin(angle))
+    color, cover = paint(
+        off[..., 0] * np.cos(angle) + off[..., 1] * np.sin(angle),
+        off[..., 1] * np.cos(angle) - off[..., 0] * np.sin(angle),
+    )
     mean = lambda a: a.reshape(bottom - top, fine, right - left, fine, -1).mean((1, 3))
     cover = cover[..., None].astype(float)
     part = frame[top:bottom, left:right]
@@ -141,7 +189,12 @@ def draw(frame, camera, place, height, angle, reach, paint):
 
 
 class GreyImage(ctypes.Structure):
-    _fields_ = [("width", ctypes.c_int32), ("height", ctypes.c_int32), ("stride", ctypes.c_int32), ("bytes", ctypes.POINTER(ctypes.c_uint8))]
+    _fields_ = [
+        ("width", ctypes.c_int32),
+        ("height", ctypes.c_int32),
+        ("stride", ctypes.c_int32),
+        ("bytes", ctypes.POINTER(ctypes.c_uint8)),
+    ]
 
 
 def tag_cells(family, number):
@@ -151,7 +204,9 @@ def tag_cells(family, number):
     create.restype = ctypes.c_void_p
     library.apriltag_to_image.restype = ctypes.POINTER(GreyImage)
     image = library.apriltag_to_image(ctypes.c_void_p(create()), number).contents
-    return np.array([[image.bytes[y * image.stride + x] > 0 for x in range(image.width)] for y in range(image.height)], float)
+    return np.array(
+        [[image.bytes[y * image.stride + x] > 0 for x in range(image.width)] for y in range(image.height)], float
+    )
 
 
 def draw_tag(frame, camera, number, place, height, angle, side, family="tag36h11"):
@@ -160,7 +215,9 @@ def draw_tag(frame, camera, number, place, height, angle, side, family="tag36h11
     cell_mm = side / (len(cells) - 2)
 
     def paint(front, left):
-        row, column = np.floor(len(cells) / 2 - front / cell_mm).astype(int), np.floor(len(cells) / 2 - left / cell_mm).astype(int)
+        row, column = np.floor(len(cells) / 2 - front / cell_mm).astype(int), np.floor(
+            len(cells) / 2 - left / cell_mm
+        ).astype(int)
         inside = (row >= 0) & (row < len(cells)) & (column >= 0) & (column < len(cells))
         return 30 + 190 * cells[row % len(cells), column % len(cells)][..., None] * np.ones(3), inside
 
@@ -175,15 +232,27 @@ def hello():
     scattered = {"balls": 8, "robots_yellow": 0, "robots_blue": 0, "placement": "scatter"}
     drawn = settings("hello_drawn", [], scattered)
     _, truth, folder = simulate(drawn, 10, "hello")
-    looks = settings("hello", ["hello"], scattered, stages={"hello": {"margin_mm": 0}, "detect_balls": {"max_outside_mm": 10000}}, mask={"beyond_boundary": None})
+    looks = settings(
+        "hello",
+        ["hello"],
+        scattered,
+        stages={"hello": {"margin_mm": 0}, "detect_balls": {"max_outside_mm": 10000}},
+        mask={"beyond_boundary": None},
+    )
     config = json.loads(looks.read_text())
     config["field"] = {"field_length": 4000, "field_width": 3000}
     looks.write_text(json.dumps(config))
     found, notes = process(looks, folder)
-    expected = [sum(abs(b["x"]) <= 2000 and abs(b["y"]) <= 1500 and b["visible"] for b in one["balls"]) for one in truth]
-    check("hello: balls inside the lines stay", [len(one["balls"]) for one in found] == expected, f"{sum(expected)} balls")
+    expected = [
+        sum(abs(b["x"]) <= 2000 and abs(b["y"]) <= 1500 and b["visible"] for b in one["balls"]) for one in truth
+    ]
+    check(
+        "hello: balls inside the lines stay", [len(one["balls"]) for one in found] == expected, f"{sum(expected)} balls"
+    )
     removed = sum(b["visible"] for one in truth for b in one["balls"]) - sum(expected)
-    check("hello: it says how many it removed", f"hello: {removed} balls removed" in notes, notes.strip().splitlines()[-1])
+    check(
+        "hello: it says how many it removed", f"hello: {removed} balls removed" in notes, notes.strip().splitlines()[-1]
+    )
 
 
 def off(one, other):
@@ -193,7 +262,12 @@ def off(one, other):
 def april_tags():
     chance = np.random.default_rng(3)
     stages = {"april_tags": {"team": "yellow", "robot_tags": [0, 11]}}
-    file = settings("tags", ["april_tags", "tag_corners"], {"robots_yellow": 1, "robots_blue": 2, "first_yellow_id": 5, "speed": 0}, stages=stages)
+    file = settings(
+        "tags",
+        ["april_tags", "tag_corners"],
+        {"robots_yellow": 1, "robots_blue": 2, "first_yellow_id": 5, "speed": 0},
+        stages=stages,
+    )
     camera, size = Camera(file), (WIDTH, HEIGHT)
     frames, truth, folder = simulate(file, 6, "tags")
     drawn = []
@@ -228,26 +302,52 @@ def april_tags():
 
     def told(found):
         places, angles, missed, others = errors(found)
-        return f"{len(places)} tags, {missed} missed, {others} wrong, {places.mean():.1f} mm (at most {places.max():.1f}), {angles.mean():.2f} degrees (at most {angles.max():.2f})"
+        spread = lambda errors, unit: f"{errors.mean():.2f} {unit} (at most {errors.max():.2f})"
+        counts = f"{len(places)} tags, {missed} missed, {others} wrong"
+        return f"{counts}, {spread(places, 'mm')}, {spread(angles, 'degrees')}"
 
     places, angles, missed, others = errors(found)
-    check("april_tags: robots by their tags", missed == 0 and others == 0 and places.max() < 1 and angles.max() < 2, told(found))
+    check(
+        "april_tags: robots by their tags",
+        missed == 0 and others == 0 and places.max() < 1 and angles.max() < 2,
+        told(found),
+    )
     fives = [[r for r in one["robots"] if r["team"] == "yellow" and r["id"] == 5] for one in found]
     true = next(r for r in truth[0]["robots"] if r["team"] == "yellow")
-    check("april_tags: a robot that its pattern shows stays where it is", any(5 in here for here in drawn) and
-          all(len(five) == 1 and np.hypot(five[0]["x"] - true["x"], five[0]["y"] - true["y"]) < 10 for five in fives))
-    corners = {int(n): np.array([float(x), float(y)]) for n, x, y in re.findall(r"tag (\d+) is off by \(([-+.\d]+), ([-+.\d]+)\) mm", notes)}
-    check("tag_corners: how far tags lie off the corners", corners.keys() == {101, 102} and np.abs(corners[101]).max() < 1 and
-          np.abs(corners[102] - [12, -5]).max() < 1, notes.strip().splitlines()[-1])
-    for what, changed, most_missed in (("edges in a smaller image", {"decimate": 2}, 8), ("only clear bits", {"min_margin": 255}, 34)):
+    check(
+        "april_tags: a robot that its pattern shows stays where it is",
+        any(5 in here for here in drawn)
+        and all(len(five) == 1 and np.hypot(five[0]["x"] - true["x"], five[0]["y"] - true["y"]) < 10 for five in fives),
+    )
+    corners = {
+        int(n): np.array([float(x), float(y)])
+        for n, x, y in re.findall(r"tag (\d+) is off by \(([-+.\d]+), ([-+.\d]+)\) mm", notes)
+    }
+    check(
+        "tag_corners: how far tags lie off the corners",
+        corners.keys() == {101, 102} and np.abs(corners[101]).max() < 1 and np.abs(corners[102] - [12, -5]).max() < 1,
+        notes.strip().splitlines()[-1],
+    )
+    for what, changed, most_missed in (
+        ("edges in a smaller image", {"decimate": 2}, 8),
+        ("only clear bits", {"min_margin": 255}, 34),
+    ):
         coarse = settings("tags_changed", ["april_tags"], stages={"april_tags": stages["april_tags"] | changed})
         _, _, missed, others = errors(found := process(coarse, folder)[0])
-        check(f"april_tags: {what}", others == 0 and (missed <= most_missed if most_missed < 34 else missed == 34), f"{missed} missed")
+        check(
+            f"april_tags: {what}",
+            others == 0 and (missed <= most_missed if most_missed < 34 else missed == 34),
+            f"{missed} missed",
+        )
     for pixel_format in ("uyvy", "yuyv", "bgr24", "mono8", "bayer_rg8", "bayer_gr8", "bayer_gb8", "bayer_bg8"):
         write(folder, [in_format(frame, pixel_format) for frame in frames])
         found, _ = process(file, folder, pixel_format=pixel_format)
         places, angles, missed, others = errors(found)
-        check(f"april_tags: {pixel_format}", missed <= 2 and others == 0 and places.max() < 1 and angles.max() < 2, told(found))
+        check(
+            f"april_tags: {pixel_format}",
+            missed <= 2 and others == 0 and places.max() < 1 and angles.max() < 2,
+            told(found),
+        )
 
 
 def other_tags():
@@ -259,11 +359,22 @@ def other_tags():
     draw_tag(frames[0], Camera(file), 9, (-3000, 700), 140, 1, 150, "tag16h5")
     write(folder, frames)
     robots = process(file, folder, (780, 580))[0][0]["robots"]
-    check("april_tags: tag16h5 on a blue robot", [(r["team"], r["id"]) for r in robots] == [("blue", 2)] and
-          np.hypot(robots[0]["x"] + 2000, robots[0]["y"] - 700) < 2, robots)
+    check(
+        "april_tags: tag16h5 on a blue robot",
+        [(r["team"], r["id"]) for r in robots] == [("blue", 2)]
+        and np.hypot(robots[0]["x"] + 2000, robots[0]["y"] - 700) < 2,
+        robots,
+    )
 
 
-SCATTERED = {"robots_yellow": 4, "robots_blue": 4, "balls": 4, "placement": "scatter", "noise_sigma": 3, "ball_gloss": 1}
+SCATTERED = {
+    "robots_yellow": 4,
+    "robots_blue": 4,
+    "balls": 4,
+    "placement": "scatter",
+    "noise_sigma": 3,
+    "ball_gloss": 1,
+}
 DOUBTFUL = {"detect_balls": {"min_confidence": 0.02}}  # for those who judge themselves
 
 
@@ -280,8 +391,12 @@ def draw_orange_things(frames, truth, camera, chance):
             taken.append(tuple(place))
 
             def paint(x, y):
-                cover = [(abs(x) < a / 2) & (abs(y) < b / 2), (x > -a / 2) & (abs(y) < (a / 2 - x) / 2),
-                         (np.hypot(x, y) < a / 2) & (np.hypot(x, y - a / 4) > a / 3), (abs(x) < a) & (abs(y) < 9)][kind]
+                cover = [
+                    (abs(x) < a / 2) & (abs(y) < b / 2),
+                    (x > -a / 2) & (abs(y) < (a / 2 - x) / 2),
+                    (np.hypot(x, y) < a / 2) & (np.hypot(x, y - a / 4) > a / 3),
+                    (abs(x) < a) & (abs(y) < 9),
+                ][kind]
                 return color + np.zeros(x.shape + (1,)), cover
 
             draw(frame, camera, place, 0, chance.uniform(-np.pi, np.pi), max(a, 45), paint)
@@ -299,7 +414,11 @@ def record_patches():
     balls = [(i, ball) for i, one in enumerate(found) for ball in one["balls"]]
     dropped = int(re.search(r"record_patches: (\d+) dropped", notes)[1])
     files = sorted(patches.iterdir())
-    check("record_patches: a patch of each ball", len(files) + dropped == len(balls) > 300, f"{len(files)} patches, {dropped} dropped")
+    check(
+        "record_patches: a patch of each ball",
+        len(files) + dropped == len(balls) > 300,
+        f"{len(files)} patches, {dropped} dropped",
+    )
 
     pixels = {(i, f"{ball['x']:.1f}_{ball['y']:.1f}"): (ball["pixel_x"], ball["pixel_y"]) for i, ball in balls}
     differences = []
@@ -309,20 +428,48 @@ def record_patches():
         middle = np.frombuffer(patch.read_bytes()[-12 * 12 * 3 :], np.uint8).reshape(12, 12, 3)[5:7, 5:7].mean((0, 1))
         near = frames[int(frame)][at[1] - 1 : at[1] + 2, at[0] - 1 : at[0] + 2].mean((0, 1))
         differences.append(np.abs(middle - near).mean())
-    check("record_patches: their middles show what is there", np.median(differences) < 15, f"median difference {np.median(differences):.1f} grey levels")
+    check(
+        "record_patches: their middles show what is there",
+        np.median(differences) < 15,
+        f"median difference {np.median(differences):.1f} grey levels",
+    )
 
     # A disk that hangs: the first file is a pipe that nobody reads. Frames go on, and what finds no room is counted.
     hanging = FOLDER / "hanging"
     hanging.mkdir()
-    first = hanging / f"ball_0_{balls[0][0]:06}_{balls[0][1]['x']:.1f}_{balls[0][1]['y']:.1f}_{balls[0][1]['confidence']:.3f}.ppm"
+    first = (
+        hanging
+        / f"ball_0_{balls[0][0]:06}_{balls[0][1]['x']:.1f}_{balls[0][1]['y']:.1f}_{balls[0][1]['confidence']:.3f}.ppm"
+    )
     os.mkfifo(first)
-    words = [CTL, "process", "--settings", file, "--input", folder, "--stages", BUILD, "--pixel-format", "rgb24", "--size", "780x580",
-             "--output", FOLDER / "hanging.jsonl"]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env={**os.environ, "SSLV_PATCHES": str(hanging)}) as running:
+    words = [
+        CTL,
+        "process",
+        "--settings",
+        file,
+        "--input",
+        folder,
+        "--stages",
+        BUILD,
+        "--pixel-format",
+        "rgb24",
+        "--size",
+        "780x580",
+        "--output",
+        FOLDER / "hanging.jsonl",
+    ]
+    with subprocess.Popen(
+        words, stderr=subprocess.PIPE, text=True, env={**os.environ, "SSLV_PATCHES": str(hanging)}
+    ) as running:
         dropped = next((int(line.split()[1]) for line in running.stderr if line.startswith("record_patches: ")), None)
         first.read_bytes()
-    check("record_patches: a disk that hangs costs patches, no frames", dropped == len(balls) - 256 and
-          len((FOLDER / "hanging.jsonl").read_text().splitlines()) == len(found) and len(list(hanging.iterdir())) == 256, f"{dropped} dropped")
+    check(
+        "record_patches: a disk that hangs costs patches, no frames",
+        dropped == len(balls) - 256
+        and len((FOLDER / "hanging.jsonl").read_text().splitlines()) == len(found)
+        and len(list(hanging.iterdir())) == 256,
+        f"{dropped} dropped",
+    )
     found, notes = process(file, folder, (780, 580))
     check("record_patches: without a folder it says so", "SSLV_PATCHES" in notes and len(found) == len(frames))
     return patches, folder / "truth.jsonl"
@@ -331,7 +478,9 @@ def record_patches():
 def score(found, truth):
     for name, lines in (("found", found), ("truth", truth)):
         (FOLDER / f"{name}.jsonl").write_text("\n".join(map(json.dumps, lines)))
-    return json.loads(ctl("score", "--json", "--detections", FOLDER / "found.jsonl", "--truth", FOLDER / "truth.jsonl").stdout)["balls"]
+    return json.loads(
+        ctl("score", "--json", "--detections", FOLDER / "found.jsonl", "--truth", FOLDER / "truth.jsonl").stdout
+    )["balls"]
 
 
 def learned_balls(patches, truth_of_patches):
@@ -341,15 +490,25 @@ def learned_balls(patches, truth_of_patches):
     write(folder, frames)
     before = score(process(file, folder, (780, 580))[0], truth)
     _, notes = process(file, folder, (780, 580))
-    check("learned_balls: without a network the library is left out, with a reason", "there is no" in notes and "balls.onnx; it is left out" in notes)
-    trained = subprocess.run([sys.executable, EXAMPLES / "learned_balls/train.py", patches, truth_of_patches, BUILD / "balls.onnx"],
-                             check=True, capture_output=True, text=True).stdout.strip()
+    check(
+        "learned_balls: without a network the library is left out, with a reason",
+        "there is no" in notes and "balls.onnx; it is left out" in notes,
+    )
+    trained = subprocess.run(
+        [sys.executable, EXAMPLES / "learned_balls/train.py", patches, truth_of_patches, BUILD / "balls.onnx"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.strip()
     found, _ = process(settings("learned", ["learned_balls"], SCATTERED, scale=1, stages=DOUBTFUL), folder, (780, 580))
     after = score(found, truth)
     took = np.median([one["timing_us"]["learned_balls"] for one in found])
     tell = lambda one: f"{one['found']} of {one['expected']} found, {one['invented']} invented"
-    check("learned_balls: better than without it", after["found"] > before["found"] and after["invented"] < before["invented"] / 4,
-          f"{tell(before)}; with it {tell(after)}; {took:.0f} us; {trained}")
+    check(
+        "learned_balls: better than without it",
+        after["found"] > before["found"] and after["invented"] < before["invented"] / 4,
+        f"{tell(before)}; with it {tell(after)}; {took:.0f} us; {trained}",
+    )
     by_confidence = [[ball["confidence"] for ball in one["balls"]] for one in found]
     check("learned_balls: sorted by confidence", all(one == sorted(one, reverse=True) for one in by_confidence))
 
@@ -357,12 +516,17 @@ def learned_balls(patches, truth_of_patches):
 def odd_frames():
     """All stages together on frames that show nothing."""
     stages = ["april_tags", "tag_corners", "record_patches", "learned_balls", "hello"]
-    for name, size, pixel_format, calibration in (("two pixels", (2, 2), "rgb24", True), ("no colours", (64, 48), "mono8", True),
-                                                  ("not calibrated", (64, 48), "bayer_gb8", False)):
+    for name, size, pixel_format, calibration in (
+        ("two pixels", (2, 2), "rgb24", True),
+        ("no colours", (64, 48), "mono8", True),
+        ("not calibrated", (64, 48), "bayer_gb8", False),
+    ):
         file = settings("odd", stages, scale=1, **({} if calibration else {"calibration": None}))
         folder = FOLDER / f"odd_{pixel_format}"
         folder.mkdir()
-        np.zeros(size[0] * size[1] * (3 if pixel_format == "rgb24" else 1), np.uint8).tofile(folder / "frame_000000.raw")
+        np.zeros(size[0] * size[1] * (3 if pixel_format == "rgb24" else 1), np.uint8).tofile(
+            folder / "frame_000000.raw"
+        )
         found, _ = process(file, folder, size, pixel_format, SSLV_PATCHES=str(FOLDER))
         check(f"all: {name}", len(found) == 1 and found[0]["robots"] == found[0]["balls"] == [])
 

@@ -22,7 +22,9 @@ def read_patches(folder, truth):
     for file in sorted(folder.glob("ball_*.ppm")):
         _, _, frame, x, y, _ = file.stem.split("_")
         patches.append(np.frombuffer(file.read_bytes().split(b"\n255\n", 1)[1], np.uint8) / 255)
-        labels.append(any(np.hypot(ball["x"] - float(x), ball["y"] - float(y)) < MAX_OFF_MM for ball in frames[int(frame)]))
+        labels.append(
+            any(np.hypot(ball["x"] - float(x), ball["y"] - float(y)) < MAX_OFF_MM for ball in frames[int(frame)])
+        )
     return np.array(patches, np.float32), np.array(labels, np.float32)
 
 
@@ -45,7 +47,12 @@ def train(patches, labels):
     """Two layers, by Adam (Kingma and Ba, 2015) on the cross entropy in which balls and others weigh the same."""
     chance = np.random.default_rng(1)
     size = patches.shape[1]
-    weights = [chance.normal(0, size**-0.5, (size, HIDDEN)), np.zeros(HIDDEN), chance.normal(0, HIDDEN**-0.5, (HIDDEN, 1)), np.zeros(1)]
+    weights = [
+        chance.normal(0, size**-0.5, (size, HIDDEN)),
+        np.zeros(HIDDEN),
+        chance.normal(0, HIDDEN**-0.5, (HIDDEN, 1)),
+        np.zeros(1),
+    ]
     means, squares = [0 * w for w in weights], [0 * w for w in weights]
     weight_of = np.where(labels > 0, 0.5 / max(labels.mean(), 1e-9), 0.5 / max(1 - labels.mean(), 1e-9))
     for step in range(1, ROUNDS + 1):
@@ -63,8 +70,10 @@ def train(patches, labels):
 
 def field(number, value):
     """A field of a protobuf message: a whole number, a text, or bytes (also of a message)."""
+
     def varint(n):
         return bytes([n]) if n < 128 else bytes([n & 127 | 128]) + varint(n >> 7)
+
     if isinstance(value, int):
         return varint(number << 3) + varint(value)
     value = value.encode() if isinstance(value, str) else value
@@ -73,18 +82,43 @@ def field(number, value):
 
 def onnx(weights):
     """The network as an ONNX file (onnx.proto3): Gemm, Relu, Gemm, Sigmoid."""
+
     def tensor(name, values):
-        return field(5, b"".join(field(1, n) for n in values.shape) + field(2, 1) + field(8, name) + field(9, values.astype("<f4").tobytes()))
+        return field(
+            5,
+            b"".join(field(1, n) for n in values.shape)
+            + field(2, 1)
+            + field(8, name)
+            + field(9, values.astype("<f4").tobytes()),
+        )
+
     def node(kind, inputs, output, attribute=b""):
-        return field(1, b"".join(field(1, name) for name in inputs) + field(2, output) + field(3, output) + field(4, kind) + attribute)
+        return field(
+            1,
+            b"".join(field(1, name) for name in inputs)
+            + field(2, output)
+            + field(3, output)
+            + field(4, kind)
+            + attribute,
+        )
+
     def value(number, name, shape):
         dimensions = b"".join(field(1, field(1, n)) for n in shape)
         return field(number, field(1, name) + field(2, field(1, field(1, 1) + field(2, dimensions))))
-    turned = field(5, field(1, "transB") + field(3, 1) + field(20, 2))  # a row of weights for each output, as PyTorch has it
-    graph = (node("Gemm", ["patch", "w1", "b1"], "sums", turned) + node("Relu", ["sums"], "hidden")
-             + node("Gemm", ["hidden", "w2", "b2"], "score", turned) + node("Sigmoid", ["score"], "ball") + field(2, "balls")
-             + b"".join(tensor(name, w.T) for name, w in zip(("w1", "b1", "w2", "b2"), weights))
-             + value(11, "patch", (1, weights[0].shape[0])) + value(12, "ball", (1, 1)))
+
+    turned = field(
+        5, field(1, "transB") + field(3, 1) + field(20, 2)
+    )  # a row of weights for each output, as PyTorch has it
+    graph = (
+        node("Gemm", ["patch", "w1", "b1"], "sums", turned)
+        + node("Relu", ["sums"], "hidden")
+        + node("Gemm", ["hidden", "w2", "b2"], "score", turned)
+        + node("Sigmoid", ["score"], "ball")
+        + field(2, "balls")
+        + b"".join(tensor(name, w.T) for name, w in zip(("w1", "b1", "w2", "b2"), weights))
+        + value(11, "patch", (1, weights[0].shape[0]))
+        + value(12, "ball", (1, 1))
+    )
     return field(1, 7) + field(7, graph) + field(8, field(1, "") + field(2, 11))
 
 
@@ -98,7 +132,8 @@ def main():
     is_apart = np.arange(len(labels)) % 5 == 0
     weights = train(*turned(patches[~is_apart], labels[~is_apart]))
     right = (run(weights, patches[is_apart])[1] > 0.5) == (labels[is_apart] > 0)
-    print(f"{len(labels)} patches, {int(labels.sum())} of balls; of {len(right)} kept apart, {right.mean():.1%} are judged right")
+    print(f"{len(labels)} patches, {int(labels.sum())} of balls;", end=" ")
+    print(f"of {len(right)} kept apart, {right.mean():.1%} are judged right")
     pathlib.Path(sys.argv[3]).write_bytes(onnx(weights))
 
 
