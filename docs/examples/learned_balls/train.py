@@ -12,7 +12,7 @@ import sys
 import numpy as np
 
 MAX_OFF_MM = 30  # a patch farther than this from every true ball shows something else
-HIDDEN, ROUNDS, RATE = 12, 400, 0.01
+HIDDEN, ROUNDS, RATE = 12, 600, 0.002
 
 
 def read_patches(folder, truth):
@@ -56,7 +56,7 @@ def train(patches, labels):
     means, squares = [0 * w for w in weights], [0 * w for w in weights]
     weight_of = np.where(labels > 0, 0.5 / max(labels.mean(), 1e-9), 0.5 / max(1 - labels.mean(), 1e-9))
     for step in range(1, ROUNDS + 1):
-        chosen = chance.integers(0, len(patches), 1024)
+        chosen = chance.integers(0, len(patches), 512)
         x = patches[chosen]
         hidden, found = run(weights, x)
         error = ((found - labels[chosen]) * weight_of[chosen] / len(x))[:, None]

@@ -71,7 +71,7 @@ class RecordPatches {
   // No setting: who may change settings over the network must not choose where this computer writes.
   const char* const set_ = std::getenv("SSLV_PATCHES");
   const std::filesystem::path folder_{set_ == nullptr ? "" : set_};
-  SlotQueue<Record, 256> queue_;
+  SlotQueue<Record, 1024> queue_;
   Bell bell_;
   std::size_t dropped_ = 0;
   std::atomic<bool> is_failing_{false};
