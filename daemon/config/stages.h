@@ -13,6 +13,12 @@ namespace sslv {
 /// Every stage a stack may name.
 std::span<const StageType> stage_table();
 
+/// Appends rows to the two tables: stages that come from elsewhere. Once, before anything else uses a table:
+/// settings, schema, pipelines and totals go by a row's place, so a table does not change while it is used.
+/// Throws SettingsError for a name that is there already, and std::logic_error when a table was used or this
+/// was called before; nothing has changed then.
+void add_stages(std::vector<StageType> camera, std::vector<FieldStageType> field);
+
 /// The stack of a camera that does not say otherwise.
 std::vector<std::string> default_stack();
 
