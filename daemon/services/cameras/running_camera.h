@@ -10,6 +10,7 @@
 #include "pipeline/camera_pipeline.h"
 #include "pipeline/field_intake.h"
 #include "pipeline/stage_mark.h"
+#include "services/cameras/camera_report.h"
 #include "services/cameras/camera_setup.h"
 #include "services/cameras/camera_totals.h"
 #include "services/cameras/control_change.h"
@@ -80,8 +81,8 @@ class RunningCamera {
   const RecentDurations& latency() const { return sink_.latency; }
   /// From the middle of the exposure to there.
   const RecentDurations& age() const { return sink_.age; }
-  /// Which of its stages its thread is in.
-  std::optional<StageMark::Reading> stage_now() const { return sink_.mark.read(); }
+  /// Whether its thread goes on.
+  CameraProgress progress() const;
   /// Times that commit() reopened it.
   std::uint64_t reopenings() const { return reopenings_; }
   /// When that was last, on the steady clock; 0: never.
