@@ -4,16 +4,21 @@
 #include "base/json.h"
 #include "config/stages.h"
 #include "daemon.h"
+#include "net/multicast_receiver.h"
+#include "ssl_vision_wrapper.pb.h"
+#include "ssl_vision_wrapper_tracked.pb.h"
 #include "support/temporary_folder.h"
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -131,10 +136,9 @@ class MisbehavingStages : public testing::Test {
     Json settings{
         {"site", "test"},
         {"network",
-         {{"vision",
-           {{"group", "239.255.77.79"}, {"port", 30000 + getpid() % 30000}, {"interface", "127.0.0.1"}}},
+         {{"vision", {{"group", "239.255.77.79"}, {"port", port_}, {"interface", "127.0.0.1"}}},
           {"referee", {{"enabled", false}}},
-          {"tracker", {{"enabled", false}}}}},
+          {"tracker", {{"enabled", true}, {"group", "239.255.77.79"}, {"port", port_ + 1}}}}},
         {"panel", {{"port", 0}}},
         {"field", field},
         {"cameras",
@@ -194,9 +198,49 @@ class MisbehavingStages : public testing::Test {
     return nullptr;
   }
 
+  const int port_ = 30000 + getpid() % 30000;
   const test::TemporaryFolder folder_;
   std::optional<Daemon> daemon_;
 };
+
+/// Counts the packets of a group, and robots and balls in them that are nowhere.
+template <class Packet, class Count>
+class Heard {
+ public:
+  Heard(int port, Count count) : count_(count) {
+    receiver_.listen(GroupAddress{"239.255.77.79", port, "127.0.0.1"});
+  }
+  void wait_for(int packets) const {
+    while (packets_.load() < packets) std::this_thread::yield();
+  }
+  int nowhere() const { return nowhere_.load(); }
+
+ private:
+  const Count count_;
+  std::atomic<int> packets_{0}, nowhere_{0};
+  MulticastReceiver receiver_{"test", [this](std::span<const std::byte> bytes, const auto&) {
+                                Packet packet;
+                                if (!packet.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+                                  return;
+                                nowhere_ += count_(packet);
+                                ++packets_;
+                              }};
+};
+
+int nowhere_in(const SSL_WrapperPacket& packet) {
+  int count = 0;
+  for (const auto* robots : {&packet.detection().robots_yellow(), &packet.detection().robots_blue()}) {
+    for (const auto& robot : *robots) count += !std::isfinite(robot.x());
+  }
+  for (const auto& ball : packet.detection().balls()) count += !std::isfinite(ball.x());
+  return count;
+}
+
+int tracks_nowhere_in(const TrackerWrapperPacket& packet) {
+  int count = 0;
+  for (const auto& robot : packet.tracked_frame().robots()) count += !std::isfinite(robot.pos().x());
+  return count;
+}
 
 Json stack_with(const std::string& name) {
   return {"segment", "detect_robots", "detect_balls", name, "publish"};
@@ -263,6 +307,12 @@ TEST_F(MisbehavingStages, OneOfTheFieldThatIsSlowIsNamed) {
 TEST_F(MisbehavingStages, WhatMakesNoSenseReachesNobodyAndItsMakerIsNamed) {
   start({{"stack", stack_with("add_nowhere")}},
         {{"stack", {"gather", "clocks", "agreement", "track", "track_nowhere", "publish"}}});
+  const Heard<SSL_WrapperPacket, decltype(&nowhere_in)> detections(port_, &nowhere_in);
+  const Heard<TrackerWrapperPacket, decltype(&tracks_nowhere_in)> tracks(port_ + 1, &tracks_nowhere_in);
+  detections.wait_for(20);
+  tracks.wait_for(20);
+  EXPECT_EQ(detections.nowhere(), 0);
+  EXPECT_EQ(tracks.nowhere(), 0);
   const Json now = wait_for_alert("stage_senseless");
   std::vector<std::string> titles;
   Json both = now;

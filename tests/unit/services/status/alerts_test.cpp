@@ -210,6 +210,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.stages = {
       {.name = "x", .mean_ms = 50, .left_out = {1, 0, 0}, .note = {StageNotes::Kind::kWarning, "no"}}};
   input_.cameras[1].origin = ImageOrigin::kSimulation;
+  input_.cameras[1].last_seconds = {10, 300, 0, 0, 0};
   input_.cameras[1].calibration.reset();
   input_.teams.yellow.ids = {9};
   camera.grey_format = "mono8";
