@@ -33,7 +33,7 @@ class DetectionSink {
 /// Lets nothing out that makes no sense, also where a stage publishes lists of its own.
 class DetectionGuard final : public DetectionSink {
  public:
-  /// Of one frame, as it came.
+  /// For the next frame, with what the camera said of it.
   void begin(DetectionSink& out, const FrameInfo& info) {
     out_ = &out;
     info_ = info;

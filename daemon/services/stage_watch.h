@@ -29,11 +29,11 @@ class StageWatch {
  public:
   static constexpr std::size_t kSeconds = 10, kNewestSeconds = 3;
 
-  /// Another pipeline than before begins anew.
+  /// With another pipeline than before, it begins again.
   template <class Floor>
   void look(const std::shared_ptr<BasicPipeline<Floor>>& pipeline);
 
-  /// In the stack's order; notes are those of the last look.
+  /// In the order of the stack, each with what it had to say at the last look.
   const std::vector<StageFigures>& figures() const { return figures_; }
 
  private:
