@@ -117,6 +117,7 @@ int run(const Daemon::Options& options) {
   const auto daemon = naming(options.settings_file, [&] { return std::make_unique<Daemon>(options); });
   log::info("panel on port {}", daemon->panel_port());
   sd_notify(0, "READY=1");
+  bool was_hanging = false;
   for (;;) {
     const timespec second{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &second);
@@ -125,6 +126,11 @@ int run(const Daemon::Options& options) {
     give_memory_back();
     const std::string hanging = daemon->hanging();
     if (hanging.empty()) sd_notify(0, "WATCHDOG=1");
+    if (hanging.empty() == was_hanging) {
+      was_hanging = !was_hanging;
+      was_hanging ? log::error("{}: unless it goes on, the service manager starts the service again", hanging)
+                  : log::info("all cameras go on");
+    }
     sd_notifyf(0, "STATUS=%s", (hanging.empty() ? daemon->summary() : hanging).c_str());
   }
   sd_notify(0, "STOPPING=1");

@@ -18,6 +18,8 @@
 #include "vision/threshold.h"
 
 #include <algorithm>
+#include <atomic>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,6 +32,7 @@ struct Outside {
   std::vector<OwnPartType> camera_parts, field_parts;  // by place
   std::vector<LeftOutLibrary> left_out;
   MissingStages missing = MissingStages::kRefused;
+  std::atomic<bool> is_used{false};  // nothing is added any more
 };
 Outside& outside() {
   static Outside outside;
@@ -104,6 +107,7 @@ std::vector<Row> joined(std::vector<Row> own, const std::vector<Row>& from_outsi
 
 void add_stages(StageRows rows) {
   Outside& all = outside();
+  if (all.is_used) throw std::logic_error("stages are added too late");
   check_new<CameraFloor>(rows.camera, joined(own_stages(), all.rows.camera), all.camera_parts);
   check_new<FieldFloor>(rows.field, joined(own_field_stages(), all.rows.field), all.field_parts);
   take(std::move(rows.camera), all.rows.camera, all.camera_parts);
@@ -142,6 +146,7 @@ MissingStages missing_stages() {
 
 std::span<const StageType> stage_table() {
   static const std::vector<StageType> kAll = joined(own_stages(), outside().rows.camera);
+  outside().is_used = true;
   return kAll;
 }
 
@@ -151,6 +156,7 @@ std::vector<std::string> default_stack() {
 
 std::span<const FieldStageType> field_stage_table() {
   static const std::vector<FieldStageType> kAll = joined(own_field_stages(), outside().rows.field);
+  outside().is_used = true;
   return kAll;
 }
 

@@ -13,10 +13,12 @@
 
 namespace sslv {
 
-// Tables are made at a program's start; once anything has used them, they stay as they are.
+// Tables are made at a program's start: settings, schema, pipelines and totals go by a row's place, so once
+// anything has used a table, it stays as it is.
 
 /// Adds the stages of one library. Throws StageLibraryError, and adds nothing, for a stage whose name is
-/// taken and for a part that another library brings with another layout.
+/// taken and for a part that another library brings with another layout; std::logic_error when a table was
+/// used before.
 void add_stages(StageRows rows);
 
 /// Adds those of all libraries in these folders (kit/load_stages.h). What is left out is logged. `missing`:

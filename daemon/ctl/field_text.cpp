@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/field_text.h"
 
+#include "ctl/status_text.h"
 #include "ctl/table.h"
 
 #include <algorithm>
@@ -61,9 +62,12 @@ std::string field_text(const Json& field) {
   out += fmt::format("\n{} images tracked, {:.0f} us to the packet (p99 {:.0f} us)\n",
                      field.at("frames").get<std::uint64_t>(), field.at("latency_p50_us").get<double>(),
                      field.at("latency_p99_us").get<double>());
-  for (const Json& stage : field.at("stages"))
-    out += fmt::format("  {:<12} {:>6.1f} us  p99 {:>6.1f} us\n", stage.at("name").get<std::string>(),
-                       stage.at("p50_us").get<double>(), stage.at("p99_us").get<double>());
+  for (const Json& stage : field.at("stages")) {
+    const Json& note = stage.at("note");
+    out += fmt::format("  {:<12} {:>6.1f} us  p99 {:>6.1f} us{}\n", stage_text(stage),
+                       stage.at("p50_us").get<double>(), stage.at("p99_us").get<double>(),
+                       note.is_null() ? "" : "  " + note.at("text").get<std::string>());
+  }
   for (const Json& camera : field.at("other_cameras"))
     out += fmt::format("camera {} comes from {}, whose clock is {:.1f} ms behind\n",
                        camera.at("camera").get<int>(), camera.at("address").get<std::string>(),

@@ -28,7 +28,23 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", all / 3600, all % 3600 / 60);
 }
 
+/// What stages have to say. Warnings are alerts.
+std::string notes_text(const std::string& whose, const Json& stages) {
+  std::string out;
+  for (const Json& stage : stages) {
+    if (stage.at("note").is_null() || stage.at("note").at("kind") != "note") continue;
+    out +=
+        fmt::format("{}, {}: {}\n", whose, stage_text(stage), stage.at("note").at("text").get<std::string>());
+  }
+  return out;
+}
+
 }  // namespace
+
+std::string stage_text(const Json& stage) {
+  const auto library = stage.at("library").get<std::string>();
+  return stage.at("name").get<std::string>() + (library.empty() ? "" : " from " + library);
+}
 
 std::string status_text(const Json& status) {
   const Json& network = status.at("network");
@@ -53,6 +69,9 @@ std::string status_text(const Json& status) {
                     camera.at("latency_ms").at("p99").get<double>(), camera.at("frames").get<std::uint64_t>(),
                     camera.at("robots").get<int>(), camera.at("balls").get<int>());
   }
+  for (const Json& camera : status.at("cameras"))
+    out += notes_text(fmt::format("camera {}", camera.at("id").get<int>()), camera.at("stages"));
+  out += notes_text("field", status.at("tracks").at("stages"));
   for (const Json& alert : status.at("alerts")) {
     out += fmt::format("{}: {}. {}\n", alert.at("severity").get<std::string>(),
                        alert.at("title").get<std::string>(), alert.at("fix").get<std::string>());

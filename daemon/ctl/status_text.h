@@ -9,6 +9,9 @@ namespace sslv {
 
 // Answers of docs/openapi.json for a terminal.
 
+/// A stage's name, and the library that it comes from.
+std::string stage_text(const Json& stage);
+
 /// Of GET /api/status.
 std::string status_text(const Json& status);
 /// Of GET /api/cameras: a line for each.

@@ -4,12 +4,14 @@
 // The stages of one camera: what they can be given besides the parts of its frame.
 
 #include "pipeline/frame.h"
+#include "pipeline/senseless.h"
 #include "pipeline/stage.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace sslv {
 
@@ -20,8 +22,35 @@ class DetectionSink {
   /// Called from the camera's thread, once a frame, also when nothing was found. Must not block.
   virtual void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                        const BallList& balls) noexcept = 0;
-  /// Likewise, after each stage: its place in the table of stages, and its time.
+  /// Likewise, before and after each stage: its place in the table of stages, and when it begins by
+  /// steady_ns(), or its time.
+  virtual void stage_begins(std::size_t, std::int64_t) noexcept {}
   virtual void stage_took(std::size_t, std::int64_t) noexcept {}
+  /// Likewise, when something that the stage made was left out.
+  virtual void left_out(std::size_t, const Senseless&) noexcept {}
+};
+
+/// Lets nothing out that makes no sense, also where a stage publishes lists of its own.
+class DetectionGuard final : public DetectionSink {
+ public:
+  /// For the next frame, with what the camera said of it.
+  void begin(DetectionSink& out, const FrameInfo& info) {
+    out_ = &out;
+    info_ = info;
+  }
+  const FrameInfo& info() const { return info_; }
+  /// What was left out since the last call.
+  Senseless take_left_out() noexcept { return std::exchange(left_out_, {}); }
+
+  void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
+               const BallList& balls) noexcept override;
+
+ private:
+  DetectionSink* out_ = nullptr;
+  FrameInfo info_;
+  Senseless left_out_;
+  RobotList robots_;  // where some had to go
+  BallList balls_;
 };
 
 struct CameraFloor {
@@ -38,6 +67,10 @@ struct CameraFloor {
     Frame& frame;
     const CameraContext& context;
     DetectionSink& sink;
+    void stage_begins(std::size_t stage, std::int64_t now_ns) const noexcept {
+      sink.stage_begins(stage, now_ns);
+    }
+    void left_out(std::size_t stage, const Senseless& what) const noexcept { sink.left_out(stage, what); }
     void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
       sink.stage_took(stage, duration_ns);
     }
@@ -55,6 +88,13 @@ struct CameraFloor {
     return *in.context.patterns;
   }
   static DetectionSink& given(const Inputs& in, std::type_identity<DetectionSink&>) { return in.sink; }
+
+  using Guard = DetectionGuard;
+  static Inputs guarded(const Inputs& in, Guard& guard) {
+    guard.begin(in.sink, in.frame.info);
+    return {in.frame, in.context, guard};
+  }
+  static Senseless drop_senseless(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept;
 };
 
 using StageType = BasicStageType<CameraFloor>;

@@ -5,6 +5,7 @@
 
 #include "geometry/field.h"
 #include "pipeline/field_frame.h"
+#include "pipeline/senseless.h"
 #include "pipeline/stage.h"
 #include "tracking/ball_motion.h"
 #include "tracking/field_clock.h"
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 namespace sslv {
 
@@ -22,8 +24,27 @@ class FieldSink {
   virtual ~FieldSink() = default;
   /// Called from the field's thread, once for every image of every camera. Must not block.
   virtual void publish(const TrackedField& tracked) noexcept = 0;
-  /// Likewise, after each stage: its place in the table of stages, and its time.
+  /// Likewise, before and after each stage: its place in the table of stages, and when it begins by
+  /// steady_ns(), or its time.
+  virtual void stage_begins(std::size_t, std::int64_t) noexcept {}
   virtual void stage_took(std::size_t, std::int64_t) noexcept {}
+  /// Likewise, when something that the stage made was left out.
+  virtual void left_out(std::size_t, const Senseless&) noexcept {}
+};
+
+/// Lets nothing out that makes no sense, also where a stage publishes tracks of its own.
+class FieldGuard final : public FieldSink {
+ public:
+  void begin(FieldSink& out) { out_ = &out; }
+  /// What was left out since the last call.
+  Senseless take_left_out() noexcept { return std::exchange(left_out_, {}); }
+
+  void publish(const TrackedField& tracked) noexcept override;
+
+ private:
+  FieldSink* out_ = nullptr;
+  Senseless left_out_;
+  TrackedField tracked_;  // where something had to go
 };
 
 struct FieldFloor {
@@ -43,6 +64,10 @@ struct FieldFloor {
     const BallModel& ball;
     const FieldClock& clock;
     FieldSink& sink;
+    void stage_begins(std::size_t stage, std::int64_t now_ns) const noexcept {
+      sink.stage_begins(stage, now_ns);
+    }
+    void left_out(std::size_t stage, const Senseless& what) const noexcept { sink.left_out(stage, what); }
     void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
       sink.stage_took(stage, duration_ns);
     }
@@ -53,6 +78,13 @@ struct FieldFloor {
   static const BallModel& given(const Inputs& in, std::type_identity<const BallModel&>) { return in.ball; }
   static const FieldClock& given(const Inputs& in, std::type_identity<const FieldClock&>) { return in.clock; }
   static FieldSink& given(const Inputs& in, std::type_identity<FieldSink&>) { return in.sink; }
+
+  using Guard = FieldGuard;
+  static Inputs guarded(const Inputs& in, Guard& guard) {
+    guard.begin(in.sink);
+    return {in.frame, in.field, in.ball, in.clock, guard};
+  }
+  static Senseless drop_senseless(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept;
 };
 
 using FieldStageType = BasicStageType<FieldFloor>;

@@ -123,7 +123,7 @@ RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
 
 template <class Floor>
 BasicPipeline<Floor>::Running::Running(const StageType& stage_type)
-    : type(&stage_type), step(make_step(stage_type)) {}
+    : type(&stage_type), step(make_step(stage_type)), changes(stage_type.writes | stage_type.updates) {}
 
 template <class Floor>
 BasicPipeline<Floor>::BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
@@ -155,13 +155,23 @@ void BasicPipeline<Floor>::run(const Inputs& inputs, const Parameters& parameter
   auto& stage_ns = inputs.frame.stage_ns;
   stage_ns.resize(steps_.size());
   for (const auto& [place, type] : own_parts_) inputs.frame.own_parts.prepare(place, type);
+  const Inputs guarded = Floor::guarded(inputs, guard_);
   std::int64_t before = steady_ns();
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    steps_[i]->step->run(inputs, parameters[i].get());
+    Running& running = *steps_[i];
+    const auto place = static_cast<std::size_t>(running.type - table_.data());
+    inputs.stage_begins(place, before);
+    running.step->run(guarded, parameters[i].get());
+    Senseless left_out = guard_.take_left_out();
+    if (running.changes.any()) left_out += Floor::drop_senseless(inputs, running.changes, guard_);
+    if (left_out.any()) {
+      running.left_out.add(left_out);
+      inputs.left_out(place, left_out);
+    }
     const std::int64_t after = steady_ns();
     stage_ns[i] = after - before;
-    steps_[i]->durations.add_ns(after - before);
-    inputs.stage_took(static_cast<std::size_t>(steps_[i]->type - table_.data()), after - before);
+    running.durations.add_ns(after - before);
+    inputs.stage_took(place, after - before);
     before = after;
   }
 }

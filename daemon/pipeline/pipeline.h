@@ -87,6 +87,10 @@ class BasicPipeline {
   const std::vector<std::string>& stack() const { return stack_; }
   /// Recent durations of stage i of the stack; may be read from any thread.
   const RecentDurations& durations(std::size_t i) const { return steps_[i]->durations; }
+  /// Where the stage is from: a file's name; empty: it is the service's own.
+  const std::string& library(std::size_t i) const { return steps_[i]->type->library; }
+  /// What stage i made that was left out because it made no sense (senseless.h); likewise.
+  Senseless left_out(std::size_t i) const { return steps_[i]->left_out.read(); }
   /// What stage i has to say at the moment; likewise.
   StageNotes::Note note(std::size_t i) const { return steps_[i]->step->notes.read(); }
 
@@ -95,12 +99,15 @@ class BasicPipeline {
     explicit Running(const StageType& stage_type);
     const StageType* type;
     std::unique_ptr<Step<Floor>> step;
+    const PartSet changes;
     RecentDurations durations;
+    SenselessTotals left_out;
   };
   std::span<const StageType> table_;
   std::vector<std::string> stack_;
   std::vector<std::unique_ptr<Running>> steps_;
   std::vector<std::pair<std::size_t, OwnPartType>> own_parts_;  // by place: of all stages of the stack
+  typename Floor::Guard guard_;
 };
 
 /// The stages of one camera.

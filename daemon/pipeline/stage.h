@@ -45,9 +45,15 @@ Part(std::string_view, T Frame::*) -> Part<Frame, T>;
 //   kParts                  a tuple of its parts
 //   kProvided, kProvider    the parts (a PartSet) that are there before the first stage, and who provides
 //                           them
-//   Inputs                  all that a stage can be given: `frame`, and a stage_took(place in the table, ns)
+//   Inputs                  all that a stage can be given: `frame`, and stage_begins(), stage_took() and
+//                           left_out(), each with the stage's place in the table
 //   Given                   a tuple of what a stage can be given that is no part
 //   given(inputs, type)     an overload for each of them
+//   Guard, guarded(inputs, guard)
+//                           what stands between stages and where results leave, and what stages are given
+//                           with it
+//   drop_senseless(inputs, changed, guard)
+//                           drops what makes no sense of the parts that a stage has changed (senseless.h)
 
 template <class Floor>
 inline constexpr std::size_t kPartCount = std::tuple_size_v<std::remove_cvref_t<decltype(Floor::kParts)>>;
@@ -118,6 +124,7 @@ template <class Floor>
 struct BasicStageType {
   std::string name, help;
   PartSet reads, writes;
+  PartSet updates{};  // those it reads and changes in place
   GivenSet takes;
   std::vector<OwnPartUse> own_parts;
   /// Throws what the stage's constructor throws.
@@ -171,7 +178,10 @@ struct Feed<Floor, Update<T>> {
   static Update<T> get(const typename Floor::Inputs& in, Step<Floor>&) {
     return {Feed<Floor, const T&>::part(in)};
   }
-  static void declare(BasicStageType<Floor>& type) { type.reads.set(part_index<Floor, T>()); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.reads.set(part_index<Floor, T>());
+    type.updates.set(part_index<Floor, T>());
+  }
 };
 // Those that a library brings.
 template <class Floor, OwnPart T>

@@ -28,7 +28,7 @@ const MM_PER_PX = { uyvy: 7.5, rgb24: 7.5, bayer_rg8: 3.75 };
 const LAMPS = { flicker_low: 0.95, flicker_high: 1.05 };
 const STAGE_PLAYED = 1, NORMAL_START = 2;
 // About this computer, not about the field: packets stay on it, and it runs several services at a time.
-const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'camera_slow']);
+const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'stage_slow', 'camera_slow']);
 const CHECKS_OF_THE_COMPUTER = new Set(['network', 'computer', 'clock', 'pictures', 'latency', 'cameras']);
 const DRAWN_FRAMES = 120;
 const MINUTE_MS = 60e3;

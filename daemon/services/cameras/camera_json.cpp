@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/camera_json.h"
 
+#include "base/clock.h"
 #include "base/params_json.h"
 #include "config/stages.h"
 #include "health/histogram.h"
@@ -36,6 +37,11 @@ std::uint64_t read(const std::atomic<std::uint64_t>& counter) {
   return counter.load(std::memory_order_relaxed);
 }
 
+/// A stage that was never in the camera's stack has no series.
+bool has_run(const DurationTotals::Reading& durations) {
+  return durations.counts != decltype(durations.counts){};
+}
+
 struct Reading {
   std::string id;
   CameraHealth health;
@@ -44,7 +50,7 @@ struct Reading {
 
 }  // namespace
 
-Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
+Json camera_json(const RunningCamera& camera, const CameraHealth& health, const std::optional<Hang>& hang) {
   const auto settings = camera.settings();
   const auto setup = camera.pipeline().setup();
   const auto counters = camera.pipeline().counters();
@@ -76,17 +82,18 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health) {
            {"t_capture_from", t_capture_from(health.times)},
            {"t_capture_sigma_ms",
             health.times.t_capture_sigma_s ? Json(*health.times.t_capture_sigma_s * 1e3) : Json(nullptr)},
-           {"stages", Json::array()},
+           {"stages", stages_json(*setup->pipeline)},
+           {"hangs", to_json(hang, unix_time_s(), steady_ns())},
            {"robots", running ? counters.robots : 0},
            {"balls", running ? counters.balls : 0}};
-  const auto& stack = setup->pipeline->stack();
-  for (std::size_t i = 0; i < stack.size(); ++i) {
-    const auto times = setup->pipeline->durations(i).percentiles();
-    out["stages"].push_back({{"name", stack[i]}, {"p50_us", times.p50_us}, {"p99_us", times.p99_us}});
-  }
   const auto& model = setup->context.scene->camera;
   out["calibration"] = model ? calibration_json(*model) : Json(nullptr);
   return out;
+}
+
+Json camera_json(const RunningCamera& camera) {
+  const CameraProgress progress = camera.progress();
+  return camera_json(camera, progress.health, find_hang(progress, steady_ns()));
 }
 
 Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure) {
@@ -161,9 +168,21 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
   for (const auto& [id, health, totals] : cameras) {
     for (std::size_t i = 0; i < totals.stages.size(); ++i) {
       const auto durations = totals.stages[i].read();
-      // A stage that was never in the camera's stack has no series.
-      if (durations.counts == decltype(durations.counts){}) continue;
+      if (!has_run(durations)) continue;
       out.add({{"camera", id}, {"stage", stage_table()[i].name}}, durations);
+    }
+  }
+
+  out.begin("sslv_senseless_total", "counter",
+            "What a stage made that made no sense, and that was left out.");
+  for (const auto& [id, health, totals] : cameras) {
+    for (std::size_t i = 0; i < totals.left_out.size(); ++i) {
+      if (!has_run(totals.stages[i].read())) continue;
+      const std::string& stage = stage_table()[i].name;
+      const Senseless left_out = totals.left_out[i].read();
+      out.add({{"camera", id}, {"stage", stage}, {"what", "robot"}}, left_out.robots);
+      out.add({{"camera", id}, {"stage", stage}, {"what", "ball"}}, left_out.balls);
+      out.add({{"camera", id}, {"stage", stage}, {"what", "time"}}, left_out.others);
     }
   }
 

@@ -16,7 +16,8 @@
 namespace sslv {
 
 /// CameraStatus.
-Json camera_json(const RunningCamera& camera, const CameraHealth& health);
+Json camera_json(const RunningCamera& camera, const CameraHealth& health, const std::optional<Hang>& hang);
+Json camera_json(const RunningCamera& camera);
 /// CameraDiagnostics.
 Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure);
 /// Control. `saved`: name -> value.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/camera_report.h"
 
+#include "base/clock.h"
 #include "base/plain_text.h"
 #include "config/backends.h"
 #include "config/missing_stages.h"
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,11 +32,36 @@ constexpr double kSlowShare = 0.9, kNewestSlowShare = 0.85;
 constexpr double kLateAfter_ms = 5;
 /// Later than a frame at 60 Hz, what teams get is of the frame before.
 constexpr double kTooLateAfter_ms = 17;
-/// A turn of a camera's thread takes 0.1 s and a frame's processing.
-constexpr std::int64_t kHangs_ns = 5'000'000'000;
+/// Of the last seconds' images.
+constexpr double kStagesLoseShare = 0.01;
 
 std::string camera_page(const CameraFacts& camera) {
   return fmt::format("#/camera/{}", camera.id);
+}
+
+// What the camera itself sends, whatever becomes of it here.
+bool is_slow(const CameraFacts& camera, const Timeline::Sum& sum, std::size_t seconds, double share) {
+  return camera.wanted_fps && sum.seconds >= seconds &&
+         static_cast<double>(sum.all() + kFewPictures) < share * *camera.wanted_fps * sum.seconds;
+}
+
+bool is_slow_now(const CameraFacts& camera) {
+  return is_slow(camera, camera.newest_seconds, CameraFacts::kNewestSeconds, kNewestSlowShare);
+}
+
+StackFacts stack_facts(const CameraFacts& camera) {
+  const Timeline::Sum& newest = camera.newest_seconds;
+  StackFacts out{.camera = camera.id, .check = "pictures", .stages = camera.stages};
+  if (newest.seconds == 0) return out;
+  out.come_per_s = static_cast<double>(newest.all()) / newest.seconds;
+  out.processed_per_s = static_cast<double>(newest.frames) / newest.seconds;
+  const auto dropped = camera.last_seconds.dropped;
+  out.loses = dropped > kFewPictures && static_cast<double>(dropped) >
+                                            kStagesLoseShare * static_cast<double>(camera.last_seconds.all());
+  // Some drivers do not count what nobody takes.
+  out.is_slow = is_slow_now(camera);
+  if (out.is_slow) out.come_per_s = *camera.wanted_fps;
+  return out;
 }
 
 void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
@@ -92,14 +119,28 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
                       .page = "#/settings/cameras",
                       .camera = camera.id});
   }
-  // What the camera itself sends, whatever becomes of it here.
-  const auto is_slow = [&](const Timeline::Sum& sum, std::size_t seconds, double share) {
-    return camera.wanted_fps && sum.seconds >= seconds &&
-           static_cast<double>(sum.all() + kFewPictures) < share * *camera.wanted_fps * sum.seconds;
-  };
-  const bool is_slow_now = is_slow(camera.newest_seconds, CameraFacts::kNewestSeconds, kNewestSlowShare);
-  const Timeline::Sum& sum = is_slow_now ? camera.newest_seconds : camera.last_seconds;
-  if (is_slow_now || is_slow(sum, CameraFacts::kLastSeconds, kSlowShare)) {
+  if (camera.hang) {
+    const auto hung_s = (steady_ns() - camera.hang->since_ns) / 1'000'000'000;
+    alerts.push_back(
+        {.id = "camera_hangs",
+         .check = "cameras",
+         .severity = Severity::kBad,
+         .title =
+             fmt::format("Camera {} has hung for {} s{}", camera.id, hung_s,
+                         camera.hang->stage.empty() ? ", outside of its stages" : place_text(*camera.hang)),
+         .fix = camera.hang->stage.empty()
+                    ? "Most likely its driver does not answer. The service manager starts the service again."
+                    : "The stage has a fault. The service manager starts the service again; when it hangs "
+                      "again, "
+                      "take the stage out of the stack.",
+         .page = "#/settings/cameras",
+         .camera = camera.id});
+  }
+  const bool is_slow_lately = is_slow_now(camera);
+  const Timeline::Sum& sum = is_slow_lately ? camera.newest_seconds : camera.last_seconds;
+  const auto slow_stage = find_slow_stage(stack_facts(camera));
+  const bool is_by_stages = slow_stage && slow_stage->is_always;
+  if (!is_by_stages && (is_slow_lately || is_slow(camera, sum, CameraFacts::kLastSeconds, kSlowShare))) {
     alerts.push_back(
         {.id = "camera_slow",
          .check = "cameras",
@@ -136,12 +177,15 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
     return count > kFewPictures &&
            static_cast<double>(count) > kLostShare * static_cast<double>(minute.all());
   };
+  const auto slow_stage = find_slow_stage(stack_facts(camera));
   if (is_much(minute.dropped)) {
     say("frames_dropped", severity_of_loss(camera.last_seconds.dropped),
         fmt::format("Camera {}: {} of {} images of the last minute were not processed", camera.id,
                     minute.dropped, minute.all()),
-        "This computer is too slow: close other programs, give the camera's thread a priority "
-        "(thread/realtime_priority), or lower the frame rate.",
+        slow_stage ? fmt::format("{}{}.", static_cast<char>(std::toupper(slow_stage->text.front())),
+                                 slow_stage->text.substr(1))
+                   : "This computer is too slow: close other programs, give the camera's thread a priority "
+                     "(thread/realtime_priority), or lower the frame rate.",
         "#/diagnostics");
   }
   if (is_much(minute.incomplete)) {
@@ -260,10 +304,14 @@ Check check_latency(std::span<const CameraFacts> cameras) {
   constexpr std::uint64_t kMinImages = 100;
   double worst_ms = 0;
   bool is_known = false;
+  const StageFigures* slowest = nullptr;  // of a stage that takes most of what is allowed
   for (const CameraFacts& camera : cameras) {
     if (!is_running(camera) || camera.latency_images < kMinImages) continue;
     is_known = true;
     worst_ms = std::max(worst_ms, camera.latency_p99_ms);
+    for (const StageFigures& stage : camera.stages) {
+      if (stage.mean_ms > std::max(kLateAfter_ms / 2, slowest ? slowest->mean_ms : 0)) slowest = &stage;
+    }
   }
   if (!is_known) {
     check.text = fmt::format("known after {} images", kMinImages);
@@ -273,7 +321,9 @@ Check check_latency(std::span<const CameraFacts> cameras) {
   check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);
   if (worst_ms > kLateAfter_ms) {
     check.state = worst_ms > kTooLateAfter_ms ? CheckState::kFail : CheckState::kWarn;
-    check.text += ": close other programs on this computer";
+    check.text += slowest ? fmt::format(": {} takes {:.1f} ms", stage_text(slowest->name, slowest->library),
+                                        slowest->mean_ms)
+                          : ": close other programs on this computer";
   }
   return check;
 }
@@ -307,6 +357,7 @@ void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) 
   }
   for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
   for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
+  for (const CameraFacts& camera : cameras) report_stages(stack_facts(camera), report);
   for (const auto check : {check_cameras, check_pictures, check_latency})
     report.checks.push_back(check(cameras));
 }
@@ -322,20 +373,28 @@ std::string camera_summary(std::span<const CameraFacts> cameras) {
   return fmt::format("{}/{} cameras {:.1f} fps p99 {:.1f} ms", running(cameras), cameras.size(), fps, p99_ms);
 }
 
+std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns) {
+  const CameraHealth& health = camera.health;
+  if (health.state != CameraState::kRunning || now_ns - health.progress_ns < kHangs_ns) return std::nullopt;
+  Hang hang = camera.stage.value_or(Hang{});
+  hang.since_ns = health.progress_ns;
+  return hang;
+}
+
 std::string find_hanging(const std::vector<CameraProgress>& cameras, std::int64_t now_ns) {
   std::string out;
-  for (const auto& [id, health] : cameras) {
-    const std::int64_t still_ns = now_ns - health.progress_ns;
-    if (health.state != CameraState::kRunning || still_ns < kHangs_ns) continue;
-    out +=
-        fmt::format("{}camera {} has hung for {} s", out.empty() ? "" : ", ", id, still_ns / 1'000'000'000);
+  for (const CameraProgress& camera : cameras) {
+    const auto hang = find_hang(camera, now_ns);
+    if (!hang) continue;
+    out += fmt::format("{}camera {} has hung for {} s{}", out.empty() ? "" : ", ", camera.id,
+                       (now_ns - hang->since_ns) / 1'000'000'000, place_text(*hang));
   }
   return out;
 }
 
 std::string find_missing(const std::vector<CameraProgress>& cameras) {
   std::string out;
-  for (const auto& [id, health] : cameras) {
+  for (const auto& [id, health, stage] : cameras) {
     if (health.state == CameraState::kRunning) continue;
     out += fmt::format("camera {} is {}{}{}\n", id, name_of(health.state), health.error.empty() ? "" : ": ",
                        health.error);

@@ -9,6 +9,8 @@
 #include "health/timeline.h"
 #include "pipeline/pipeline.h"
 #include "services/health_report.h"
+#include "services/stage_report.h"
+#include "services/stage_watch.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -40,8 +42,10 @@ struct CameraFacts {
   std::size_t controls_unsaved = 0;         // that are set and not saved
   bool sends = true;                        // its stack ends in the stage that sends
   ImageOrigin origin = ImageOrigin::kCamera;
-  RunningStack running{};  // of its stack
-  std::string flood{};     // in the last minute: "green floods the image between ..."; empty: none
+  RunningStack running{};              // of its stack
+  std::vector<StageFigures> stages{};  // of its stack
+  std::optional<Hang> hang{};          // of its thread
+  std::string flood{};  // in the last minute: "green floods the image between ..."; empty: none
 
   static constexpr std::size_t kLastSeconds = 10, kNewestSeconds = 3;
 };
@@ -55,10 +59,14 @@ std::string camera_summary(std::span<const CameraFacts> cameras);
 struct CameraProgress {
   int id;
   CameraHealth health;
+  std::optional<Hang> stage{};  // that its thread is in
 };
 
-/// Why the watchdog is not fed: a camera's thread that neither goes on nor is known to open its camera. Empty
-/// while all is well. `now_ns`: of the steady clock.
+/// A thread that neither goes on nor is known to open its camera. `now_ns`: of the steady clock.
+std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns);
+
+/// Why the watchdog is not fed: the cameras whose threads hang, and the stages that they are in. Empty while
+/// all is well.
 std::string find_hanging(const std::vector<CameraProgress>& cameras, std::int64_t now_ns);
 
 /// What is missing for all cameras to run, a line for each; empty when nothing is.

@@ -142,7 +142,7 @@ Response reopen_camera(const CameraRoutes& of, const Request& request) {
   log::info("camera {}: {} asked to open it again", id, request.address);
   of.events.add(
       {"camera_reopen_asked", fmt::format("Asked to open camera {} again", id), request.address, id});
-  return json_response(camera_json(*camera, camera->health()));
+  return json_response(camera_json(*camera));
 }
 
 /// Which controls the body names; empty: all.
@@ -189,7 +189,7 @@ Response get_cameras(const CameraRoutes& of) {
   Json out = Json::array();
   for (const std::uint32_t id : of.views.camera_ids()) {
     if (const auto camera = of.find(static_cast<int>(id))) {
-      out.push_back(camera_json(*camera, camera->health()));
+      out.push_back(camera_json(*camera));
     }
   }
   return json_response(out);

@@ -24,6 +24,14 @@ std::optional<double> wanted_fps(const Json& source) {
   return fps > 0 ? std::optional(fps) : std::nullopt;
 }
 
+/// With what they have to say now.
+std::vector<StageFigures> stages_of(const RunningCamera& camera, std::vector<StageFigures> stages) {
+  const auto setup = camera.pipeline().setup();
+  for (std::size_t i = 0; i < std::min(stages.size(), setup->pipeline->stack().size()); ++i)
+    stages[i].note = setup->pipeline->note(i);
+  return stages;
+}
+
 }  // namespace
 
 void CameraService::each_second() {
@@ -60,6 +68,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
   for (const auto& camera : cameras) {
     const auto settings = camera->settings();
     const int id = settings->id;
+    const CameraProgress progress = camera->progress();
     const auto last_minute = watch_.timeline().sum(id, 60);
     const auto counters = camera->pipeline().counters();
     // Not those of before: it may have been another camera, and asked for another rate.
@@ -73,7 +82,7 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
         {.id = id,
          .backend = settings->source.at("backend"),
          .wanted_fps = wanted_fps(settings->source),
-         .health = camera->health(),
+         .health = progress.health,
          .latency_p99_ms = camera->latency().percentiles().p99_us * 1e-3,
          .latency_images = camera->latency().count(),
          .last_minute = last_minute,
@@ -84,6 +93,8 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
          .sends = std::ranges::find(settings->running.stages, "publish") != settings->running.stages.end(),
          .origin = origin_of(settings->source),
          .running = settings->running,
+         .stages = stages_of(*camera, watch_.stages(id)),
+         .hang = find_hang(progress, steady_ns()),
          .flood =
              is_flooded ? flood_text(counters.flood, labels->name(counters.flood.label)) : std::string()});
   }
@@ -97,7 +108,7 @@ void CameraService::report(HealthReport& report) const {
   if (!report.status) return;
   Json& figures = (*report.status)["cameras"] = Json::array();
   for (std::size_t i = 0; i < cameras.size(); ++i)
-    figures.push_back(camera_json(*cameras[i], facts[i].health));
+    figures.push_back(camera_json(*cameras[i], facts[i].health, facts[i].hang));
 }
 
 std::string CameraService::summary() const {

@@ -4,6 +4,7 @@
 #include "base/duration_totals.h"
 #include "capture/camera_thread.h"
 #include "config/stages.h"
+#include "pipeline/senseless.h"
 
 #include <atomic>
 #include <cstdint>
@@ -18,7 +19,8 @@ struct CameraTotals {
   std::atomic<std::uint64_t> frames{0};                                   // captured
   std::atomic<std::uint64_t> robots_yellow{0}, robots_blue{0}, balls{0};  // sent
   DurationTotals capture_to_send;
-  std::vector<DurationTotals> stages{stage_table().size()};  // as in the table
+  std::vector<DurationTotals> stages{stage_table().size()};     // as in the table
+  std::vector<SenselessTotals> left_out{stage_table().size()};  // likewise
 };
 
 }  // namespace sslv

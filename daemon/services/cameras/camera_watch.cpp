@@ -13,15 +13,24 @@ std::optional<Exposure> CameraWatch::exposure(int camera_id) const {
   return found == exposures_.end() ? std::nullopt : std::optional(found->second);
 }
 
+std::vector<StageFigures> CameraWatch::stages(int camera_id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = stages_.find(camera_id);
+  return found == stages_.end() ? std::vector<StageFigures>{} : found->second;
+}
+
 void CameraWatch::look(const std::vector<std::shared_ptr<RunningCamera>>& cameras) {
   std::map<int, Timeline::Reading> readings;
   std::map<int, Exposure> exposures;
+  std::map<int, std::vector<StageFigures>> stages;
   std::map<int, Seen> seen;
   for (const auto& camera : cameras) {
     const int id = camera->settings()->id;
-    Seen before = seen_[id];
+    Seen before = std::move(seen_[id]);
     if (before.camera.lock() != camera) before = {camera};
     readings[id] = read(*camera, before);
+    before.stages.look(camera->pipeline().setup()->pipeline);
+    stages[id] = before.stages.figures();
     // Held no longer than it is looked at: it is one of the few frames of the camera's ring.
     if (const auto newest = camera->pipeline().finished().peek(); newest && newest->version > before.frame) {
       before.frame = newest->version;
@@ -35,6 +44,7 @@ void CameraWatch::look(const std::vector<std::shared_ptr<RunningCamera>>& camera
   timeline_.add(unix_time_s(), 1e-9 * static_cast<double>(steady_ns()), readings);
   const std::lock_guard lock(mutex_);
   exposures_ = std::move(exposures);
+  stages_ = std::move(stages);
 }
 
 Timeline::Reading CameraWatch::read(const RunningCamera& camera, Seen& seen) {

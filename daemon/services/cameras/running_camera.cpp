@@ -171,6 +171,12 @@ CameraHealth RunningCamera::health() const {
   return health;
 }
 
+CameraProgress RunningCamera::progress() const {
+  CameraProgress out{settings()->id, health()};
+  if (const auto mark = sink_.mark.read()) out.stage = hang_of(stage_table(), *mark);
+  return out;
+}
+
 std::shared_ptr<Controls> RunningCamera::controls() const {
   const std::lock_guard lock(thread_mutex_);
   return thread_->controls();

@@ -9,6 +9,8 @@
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
 #include "pipeline/field_intake.h"
+#include "pipeline/stage_mark.h"
+#include "services/cameras/camera_report.h"
 #include "services/cameras/camera_setup.h"
 #include "services/cameras/camera_totals.h"
 #include "services/cameras/control_change.h"
@@ -79,6 +81,8 @@ class RunningCamera {
   const RecentDurations& latency() const { return sink_.latency; }
   /// From the middle of the exposure to there.
   const RecentDurations& age() const { return sink_.age; }
+  /// Whether its thread goes on.
+  CameraProgress progress() const;
   /// Times that commit() reopened it.
   std::uint64_t reopenings() const { return reopenings_; }
   /// When that was last, on the steady clock; 0: never.
@@ -92,13 +96,19 @@ class RunningCamera {
         : sender(multicast), field(std::move(to_field)), totals(camera_totals) {}
     void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                  const BallList& balls) noexcept override;
+    void stage_begins(std::size_t stage, std::int64_t now_ns) noexcept override { mark.begin(stage, now_ns); }
     void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
+      mark.end();
       totals.stages[stage].add_ns(duration_ns);
+    }
+    void left_out(std::size_t stage, const Senseless& what) noexcept override {
+      totals.left_out[stage].add(what);
     }
     DetectionSender sender;
     const std::shared_ptr<SightingsQueue> field;
     CameraTotals& totals;
     RecentDurations latency, age;
+    StageMark mark;
   };
   /// `controls` (name -> value): what the camera is opened with besides the settings, unless they say
   /// otherwise.

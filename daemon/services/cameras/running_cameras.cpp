@@ -242,13 +242,13 @@ void RunningCameras::update_robot_heights() {
 
 std::string RunningCameras::hanging() const {
   std::vector<CameraProgress> progress;
-  for (const auto& camera : list()) progress.push_back({camera->settings()->id, camera->health()});
+  for (const auto& camera : list()) progress.push_back(camera->progress());
   return find_hanging(progress, steady_ns());
 }
 
 std::string RunningCameras::missing() const {
   std::vector<CameraProgress> progress;
-  for (const auto& camera : list()) progress.push_back({camera->settings()->id, camera->health()});
+  for (const auto& camera : list()) progress.push_back(camera->progress());
   return find_missing(progress);
 }
 

@@ -58,6 +58,18 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
                              .fix = facts.sending_error + "; the service tries again automatically.",
                              .page = "#/settings/network/tracker"});
   }
+  if (facts.hang) {
+    report.alerts.push_back(
+        {.id = "field_hangs",
+         .check = "network",
+         .severity = Severity::kBad,
+         .title = fmt::format("The field's thread has hung for {} s{}: there are no tracks",
+                              (facts.now_ns - facts.hang->since_ns) / 1'000'000'000, place_text(*facts.hang)),
+         .fix = "The stage has a fault: take it out of the field's stack, then restart the service "
+                "(systemctl restart ssl-visiond). Detections are still sent.",
+         .page = "#/settings/field"});
+  }
+  report_stages(facts.stack, report);
   for (const HeardCameras::Conflict& conflict : facts.conflicts) {
     if (conflict.instead_of.empty()) continue;  // the network service says so of our own cameras
     report.alerts.push_back(

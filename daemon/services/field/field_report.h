@@ -6,10 +6,13 @@
 #include "services/field/agreement_history.h"
 #include "services/field/agreement_now.h"
 #include "services/health_report.h"
+#include "services/stage_report.h"
 #include "tracking/gather.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +29,9 @@ struct FieldFacts {
   double now_s = 0;           // Unix time
   std::string sending_error;  // why no tracks leave; empty: they do, or are not to
   std::vector<HeardCameras::Conflict> conflicts;
+  StackFacts stack{};          // of the field
+  std::optional<Hang> hang{};  // of its thread
+  std::int64_t now_ns = 0;     // of steady_ns()
 };
 
 void report_field(const FieldFacts& facts, HealthReport& report);

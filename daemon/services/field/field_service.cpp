@@ -117,6 +117,7 @@ void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& addr
 void FieldService::each_second() {
   intake_.drop_unused();
   take_kicks();
+  look_at_stages();
   {
     const AgreementNow agreement = running_.agreement();
     // Written as long as images come.
@@ -128,6 +129,46 @@ void FieldService::each_second() {
     history_.add(pairs, now_s);
   }
   ball_.learn(ball_model_of(*config_.load()));
+}
+
+void FieldService::look_at_stages() {
+  {
+    const std::lock_guard lock(stages_mutex_);
+    stage_watch_.look(running_.setup()->pipeline);
+    loads_.push_back({running_.frames(), intake_.lost(), steady_s()});
+    if (loads_.size() > StageWatch::kSeconds + 1) loads_.pop_front();
+  }
+  const auto hung = hang();
+  if (hung.has_value() == was_hanging_) return;
+  was_hanging_ = hung.has_value();
+  if (hung) {
+    log::error("the field's thread has hung for {} s{}: there are no tracks until the service is restarted",
+               (steady_ns() - hung->since_ns) / 1'000'000'000, place_text(*hung));
+  } else {
+    log::info("the field's thread goes on");
+  }
+}
+
+StackFacts FieldService::stack_facts() const {
+  const std::lock_guard lock(stages_mutex_);
+  StackFacts out{.camera = std::nullopt, .check = "latency", .stages = stage_watch_.figures()};
+  const auto setup = running_.setup();
+  for (std::size_t i = 0; i < std::min(out.stages.size(), setup->pipeline->stack().size()); ++i)
+    out.stages[i].note = setup->pipeline->note(i);
+  if (loads_.size() < 2) return out;
+  const Load& now = loads_.back();
+  const Load& before = loads_[loads_.size() - 1 - std::min(StageWatch::kNewestSeconds, loads_.size() - 1)];
+  const double passed_s = now.steady_s - before.steady_s;
+  out.processed_per_s = static_cast<double>(now.frames - before.frames) / passed_s;
+  out.come_per_s = out.processed_per_s + static_cast<double>(now.lost - before.lost) / passed_s;
+  out.loses = now.lost > loads_.front().lost;
+  return out;
+}
+
+std::optional<Hang> FieldService::hang() const {
+  const auto mark = running_.stage_now();
+  if (!mark || steady_ns() - mark->since_ns < kHangs_ns) return std::nullopt;
+  return hang_of(field_stage_table(), *mark);
 }
 
 void FieldService::take_kicks() {
@@ -164,12 +205,7 @@ Json FieldService::field_json() {
   out["frames"] = running_.frames();
   out["latency_p50_us"] = latency.p50_us;
   out["latency_p99_us"] = latency.p99_us;
-  out["stages"] = Json::array();
-  const auto& stack = setup->pipeline->stack();
-  for (std::size_t i = 0; i < stack.size(); ++i) {
-    const auto times = setup->pipeline->durations(i).percentiles();
-    out["stages"].push_back({{"name", stack[i]}, {"p50_us", times.p50_us}, {"p99_us", times.p99_us}});
-  }
+  out["stages"] = stages_json(*setup->pipeline);
   out["other_cameras"] = Json::array();
   const std::lock_guard lock(heard_mutex_);
   for (const auto& [id, heard] : heard_cameras_.cameras(steady_s())) {
@@ -216,12 +252,18 @@ void FieldService::report(HealthReport& report) const {
                    .left_out = running_.left_out(),
                    .now_s = unix_time_s(),
                    .sending_error = running_.setup()->sends ? sender_.status().error : "",
-                   .conflicts = {}};
+                   .conflicts = {},
+                   .stack = stack_facts(),
+                   .hang = hang(),
+                   .now_ns = steady_ns()};
   {
     const std::lock_guard lock(heard_mutex_);
     if (takes_other_computers_) facts.conflicts = heard_cameras_.conflicts(steady_s());
   }
   report_field(facts, report);
+  if (!report.status) return;
+  (*report.status)["tracks"] = {{"stages", stages_json(*running_.setup()->pipeline)},
+                                {"hangs", to_json(facts.hang, facts.now_s, facts.now_ns)}};
 }
 
 void FieldService::add_diagnostics(Json& diagnostics) const {
@@ -250,6 +292,15 @@ void FieldService::write_metrics(MetricsText& out) const {
             "Time that a stage of the field's stack takes.");
   for (std::size_t i = 0; i < running_.stage_totals().size(); ++i)
     out.add({{"stage", field_stage_table()[i].name}}, running_.stage_totals()[i].read());
+  out.begin("sslv_field_senseless_total", "counter",
+            "What a stage of the field's stack made that made no sense, and that was left out.");
+  for (std::size_t i = 0; i < running_.senseless().size(); ++i) {
+    const std::string& stage = field_stage_table()[i].name;
+    const Senseless senseless = running_.senseless()[i].read();
+    out.add({{"stage", stage}, {"what", "robot"}}, senseless.robots);
+    out.add({{"stage", stage}, {"what", "ball"}}, senseless.balls);
+    out.add({{"stage", stage}, {"what", "time_or_kick"}}, senseless.others);
+  }
   out.begin("sslv_tracker_packets_sent_total", "counter", "Packets of tracks sent.");
   out.add({}, sender_.status().packets_sent);
 }

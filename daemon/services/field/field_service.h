@@ -11,6 +11,8 @@
 #include "services/field/running_field.h"
 #include "services/service.h"
 #include "services/settings/settings_editor.h"
+#include "services/stage_report.h"
+#include "services/stage_watch.h"
 #include "settings/state_folder.h"
 #include "web/route.h"
 
@@ -18,6 +20,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 
 class SSL_WrapperPacket;
@@ -53,6 +56,9 @@ class FieldService final : public Service, public Topic {
   Json kicks_json();
   Json agreement_json() const;
   void take_kicks();
+  void look_at_stages();
+  StackFacts stack_facts() const;
+  std::optional<Hang> hang() const;
 
   const Snapshot<Config>& config_;
   FieldIntake& intake_;
@@ -66,8 +72,16 @@ class FieldService final : public Service, public Topic {
   bool takes_other_computers_ = true;
   mutable std::mutex history_mutex_;
   AgreementHistory history_;
+  mutable std::mutex stages_mutex_;  // guards the next two
+  StageWatch stage_watch_;
+  struct Load {  // since the start, up to a look
+    std::uint64_t frames, lost;
+    double steady_s;
+  };
+  std::deque<Load> loads_;  // the newest last
   std::mutex kicks_mutex_;
   std::deque<TrackedKick> kicks_;  // the newest last
+  bool was_hanging_ = false;       // of the thread that looks once a second
   BallLearning ball_;
   RunningField running_;  // last: its thread uses the others
 };

@@ -22,6 +22,7 @@ RunningField::RunningField(FieldIntake& intake, MulticastSender& out, BallLearni
       ball_(ball),
       setup_(std::move(setup)),
       stage_totals_(field_stage_table().size()),
+      senseless_(field_stage_table().size()),
       thread_([this](const std::stop_token& ending) {
         become_background_thread("field", kNice);
         run(ending);

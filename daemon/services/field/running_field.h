@@ -9,6 +9,7 @@
 #include "net/tracker_packets.h"
 #include "pipeline/field_intake.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/stage_mark.h"
 #include "services/field/agreement_now.h"
 #include "services/field/ball_learning.h"
 #include "services/field/field_now.h"
@@ -17,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -56,15 +58,22 @@ class RunningField final : private FieldSink, private FieldClock {
   const DurationTotals& latency_total() const { return latency_total_; }
   /// By the table of the field's stages.
   const std::vector<DurationTotals>& stage_totals() const { return stage_totals_; }
+  /// Likewise: what stages made that made no sense.
+  const std::vector<SenselessTotals>& senseless() const { return senseless_; }
+  /// Which stage the thread is in.
+  std::optional<StageMark::Reading> stage_now() const { return mark_.read(); }
 
  private:
   // FieldClock
   double now_s() const noexcept override;
   // FieldSink
   void publish(const TrackedField& tracked) noexcept override;
+  void stage_begins(std::size_t stage, std::int64_t now_ns) noexcept override { mark_.begin(stage, now_ns); }
   void stage_took(std::size_t stage, std::int64_t duration_ns) noexcept override {
+    mark_.end();
     stage_totals_[stage].add_ns(duration_ns);
   }
+  void left_out(std::size_t stage, const Senseless& what) noexcept override { senseless_[stage].add(what); }
 
   void run(const std::stop_token& ending);
   void process(const ArrivedSightings& arrived) noexcept;
@@ -77,6 +86,8 @@ class RunningField final : private FieldSink, private FieldClock {
   RecentDurations latency_;
   DurationTotals latency_total_;
   std::vector<DurationTotals> stage_totals_;
+  std::vector<SenselessTotals> senseless_;
+  StageMark mark_;
   Seqlock<FieldNow> now_;
   Seqlock<AgreementNow> agreement_;
   Seqlock<LeftOut> left_out_;

@@ -131,5 +131,37 @@ TEST(Diagnostics, SayWhatTakesHowLong) {
                               "     0  age           -       -\n"));
 }
 
+TEST(StatusText, SaysWhatStagesHaveToSayBesidesWarnings) {
+  const auto stage = [](const char* name, const char* library, const Json& note) {
+    return Json{{"name", name}, {"library", library}, {"note", note}};
+  };
+  const Json status{
+      {"site", "s"},
+      {"version", "1"},
+      {"uptime_s", 1},
+      {"network", {{"group", "g"}, {"port", 1}, {"interface", ""}, {"packets_per_s", 0}, {"send_errors", 0}}},
+      {"panel", {{"addresses", Json::array()}}},
+      {"cameras",
+       {{{"id", 4},
+         {"name", "c"},
+         {"state", "running"},
+         {"width", 1},
+         {"height", 1},
+         {"fps", 1},
+         {"latency_ms", {{"p50", 1}, {"p99", 1}}},
+         {"frames", 1},
+         {"robots", 0},
+         {"balls", 0},
+         {"stages",
+          {stage("segment", "", nullptr),
+           stage("find_tags", "april_tags.so", {{"kind", "note"}, {"text", "12 tags"}}),
+           stage("loud", "", {{"kind", "warning"}, {"text", "dark"}})}}}}},
+      {"tracks", {{"stages", {stage("look_ahead", "", {{"kind", "note"}, {"text", "80 ms"}})}}}},
+      {"alerts", Json::array()}};
+  const std::string text = status_text(status);
+  EXPECT_THAT(text, testing::EndsWith("camera 4, find_tags from april_tags.so: 12 tags\n"
+                                      "field, look_ahead: 80 ms\n"));
+}
+
 }  // namespace
 }  // namespace sslv

@@ -12,7 +12,7 @@ export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
   return {
     id: 0, name: '+x half', backend: 'simulator', origin: 'simulation', state: 'running', error: '', width: 780, height: 580, pixel_format: 'uyvy',
     fps: 60, frames: 7200, frames_dropped: 0, frames_incomplete: 0, frames_capped: 0, packets: null, reconnects: 0, controls_unsaved: 0,
-    latency_ms: { p50: 0.6, p99: 0.9 }, age_ms: { p50: 3.1, p99: 3.4 }, t_capture_from: 'camera', t_capture_sigma_ms: 0.05, stages: [], robots: 6, balls: 1,
+    latency_ms: { p50: 0.6, p99: 0.9 }, age_ms: { p50: 3.1, p99: 3.4 }, t_capture_from: 'camera', t_capture_sigma_ms: 0.05, stages: [], hangs: null, robots: 6, balls: 1,
     calibration: {
       focal_length: 600, principal_point_x: 390, principal_point_y: 290, distortion: 0.1,
       q0: 0.7071, q1: -0.7071, q2: 0, q3: 0, tx: 0, ty: 1250, tz: 3500, pixel_image_width: 780, pixel_image_height: 580,
@@ -36,6 +36,7 @@ export function status(changes: Partial<Status> = {}): Status {
     panel: { port: 8090, addresses: [] },
     coverage: { grid_mm: 250, uncovered: [] },
     cameras: [camera(), camera({ id: 1, name: '-x half' })],
+    tracks: { stages: [], hangs: null },
     ...changes,
   };
 }

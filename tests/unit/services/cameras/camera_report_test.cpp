@@ -21,6 +21,15 @@ TEST(Hanging, IsACameraThatRunsAndDoesNotGoOn) {
             "camera 0 has hung for 5 s, camera 3 has hung for 7 s");
 }
 
+TEST(Hanging, NamesTheStageThatTheThreadIsIn) {
+  CameraProgress hung = camera(2, CameraState::kRunning, 9);
+  hung.stage = Hang{kNow_ns - 8 * kSecond_ns, "find_tags", "april_tags.so"};
+  EXPECT_EQ(find_hanging({hung}, kNow_ns),
+            "camera 2 has hung for 9 s in the stage 'find_tags' (april_tags.so)");
+  hung.health.progress_ns = kNow_ns;
+  EXPECT_EQ(find_hanging({hung}, kNow_ns), "") << "it goes on";
+}
+
 TEST(Hanging, IsNoCameraThatIsKnownToBeOpenedOrToHaveEnded) {
   for (const CameraState state : {CameraState::kOpening, CameraState::kLost, CameraState::kEnded})
     EXPECT_EQ(find_hanging({camera(0, state, 60)}, kNow_ns), "") << name_of(state);

@@ -179,6 +179,7 @@ std::vector<Alert> field_alerts() {
     facts.agreement.differences[static_cast<std::size_t>(i)] = {
         0, 1, 250, 250.0F + 500.0F * static_cast<float>(i), 7, 0, 100, 999};
   facts.agreement.difference_count = 3;
+  facts.hang = Hang{0, "x", ""};
   HealthReport report;
   for (const auto why : {LeftOut::Why::kTime, LeftOut::Why::kTooMany}) {
     facts.left_out.why = why;
@@ -203,7 +204,13 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.swapped_labels = {"green for pink"};
   camera.sends = false;
   camera.controls_unsaved = 2;
+  camera.hang = Hang{};
+  camera.newest_seconds = {3, 60, 160, 0, 0};
+  camera.last_seconds.dropped = 400;
+  camera.stages = {
+      {.name = "x", .mean_ms = 50, .left_out = {1, 0, 0}, .note = {StageNotes::Kind::kWarning, "no"}}};
   input_.cameras[1].origin = ImageOrigin::kSimulation;
+  input_.cameras[1].last_seconds = {10, 300, 0, 0, 0};
   input_.cameras[1].calibration.reset();
   input_.teams.yellow.ids = {9};
   camera.grey_format = "mono8";
@@ -343,6 +350,65 @@ TEST_F(Alerts, TellASlowCameraFromASlowComputer) {
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].newest_seconds = {3, 120, 0, 0, 0};
   EXPECT_THAT(only_alert().title, AllOf(HasSubstr("40.0"), HasSubstr("instead of 60")));
+}
+
+TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
+  AnyCamera& camera = input_.cameras[0];
+  camera.newest_seconds = {3, 72, 108, 0, 0};  // 24 of 60 images a second
+  camera.last_seconds = {10, 240, 360, 0, 0};
+  camera.stages = {{.name = "segment", .mean_ms = 1, .max_ms = 2},
+                   {.name = "x", .mean_ms = 40.6, .max_ms = 50}};
+  EXPECT_EQ(only_alert().id, "stage_slow");
+  EXPECT_EQ(only_alert().title, "Camera 0: the stage 'x' takes 41 ms an image; images come every 17 ms");
+  EXPECT_EQ(only_alert().severity, Severity::kBad);
+  EXPECT_EQ(only_alert().camera, 0);
+  camera.last_minute.dropped = 360;
+  EXPECT_THAT(kinds(), ElementsAre("frames_dropped", "stage_slow"));
+  EXPECT_EQ(alerts()[0].fix, "The stage 'x' takes 41 ms an image; images come every 17 ms.");
+  camera.last_minute.dropped = 0;
+
+  // Some drivers count nothing that nobody takes.
+  camera.newest_seconds = {3, 72, 0, 0, 0};
+  camera.last_seconds = {10, 240, 0, 0, 0};
+  EXPECT_EQ(only_alert().id, "stage_slow") << "and not camera_slow";
+  // With stages that have time enough, it is the camera that sends fewer.
+  camera.stages[1].mean_ms = 5;
+  EXPECT_EQ(only_alert().id, "camera_slow");
+
+  // Two that are slow together.
+  camera.newest_seconds = {3, 150, 30, 0, 0};
+  camera.last_seconds = {10, 500, 100, 0, 0};
+  camera.stages = {{.name = "one", .mean_ms = 8, .max_ms = 9},
+                   {.name = "other", .mean_ms = 12, .max_ms = 13}};
+  EXPECT_EQ(only_alert().title,
+            "Camera 0: the stage 'other' takes 12 ms an image, all stages together 20 ms; images come every "
+            "17 ms");
+  // Single images.
+  camera.stages = {{.name = "one", .library = "lib.so", .mean_ms = 3, .max_ms = 300}};
+  EXPECT_EQ(only_alert().title,
+            "Camera 0: the stage 'one' (lib.so) took up to 300 ms for an image; images come every 17 ms");
+  EXPECT_EQ(only_alert().severity, Severity::kWarn);
+  // What costs no image is nobody's affair, and what the computer has no time for is no stage's.
+  camera.last_seconds = {10, 600, 0, 0, 0};
+  EXPECT_THAT(kinds(), IsEmpty());
+  camera.last_seconds = {10, 500, 100, 0, 0};
+  camera.stages[0].max_ms = 20;
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(Alerts, NameTheStageThatMakesLatePackets) {
+  input_.cameras[0].latency_p99_ms = 6;
+  EXPECT_THAT(check("latency").text, HasSubstr("close other programs"));
+  input_.cameras[0].stages = {{.name = "segment", .mean_ms = 1}, {.name = "x", .mean_ms = 4}};
+  EXPECT_THAT(check("latency").text, HasSubstr(": the stage 'x' takes 4.0 ms"));
+}
+
+TEST_F(Alerts, OfWhatMakesNoSenseSayHowMuchAndWhoMadeIt) {
+  input_.cameras[1].stages = {{.name = "x", .library = "lib.so", .left_out = {1, 2, 3}}};
+  EXPECT_EQ(
+      only_alert().title,
+      "Camera 1: the stage 'x' (lib.so) made 1 robot, 2 balls, 3 times or kicks without sense in the last "
+      "10 s; they were left out");
 }
 
 TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {

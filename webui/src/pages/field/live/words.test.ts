@@ -6,7 +6,7 @@ import { apartText, heightText, missing, placeText, summaryOf, whoText } from '.
 
 const robot = (changes: Partial<TrackedRobot> = {}): TrackedRobot => ({ team: 'yellow', id: 0, x: 0, y: 0, vx: 0, vy: 0, orientation: 0, turn_rad_s: 0, sigma_mm: 1, visibility: 1, ...changes });
 const ball = (changes: Partial<TrackedBall> = {}): TrackedBall => ({ x: 1200, y: -450, z: 21.5, vx: 3000, vy: 4000, vz: 0, visibility: 1, ...changes });
-const stages = ['gather', 'track'].map((name) => ({ name, p50_us: 1, p99_us: 2 }));
+const stages = ['gather', 'track'].map((name) => ({ name, p50_us: 1, p99_us: 2, library: '', note: null }));
 const now = { stages, other_cameras: [] };
 
 it('figures', () => {

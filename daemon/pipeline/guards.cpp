@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands between the stages and where results leave.
+#include "pipeline/camera_stage.h"
+#include "pipeline/field_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace sslv {
+namespace {
+
+template <class Floor, class T, class Frame>
+void drop_from(Frame& frame, T Frame::*member, const PartSet& changed, Senseless& out) noexcept {
+  if (changed[part_index<Floor, T>()]) out += drop_senseless(frame.*member);
+}
+
+template <class T>
+bool all_make_sense(const std::vector<T>& list, std::size_t most) noexcept {
+  return list.size() <= most && std::ranges::all_of(list, [](const T& one) { return makes_sense(one); });
+}
+
+/// Says how many it leaves out.
+template <class T>
+std::uint64_t copy_sense(const std::vector<T>& from, std::size_t most, std::vector<T>& to) noexcept {
+  to.clear();
+  for (const T& one : from) {
+    if (to.size() < most && makes_sense(one)) to.push_back(one);
+  }
+  return from.size() - to.size();
+}
+
+}  // namespace
+
+// What the frame has was looked at already, but a stage may publish what it does not hand on.
+
+void DetectionGuard::publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
+                             const BallList& balls) noexcept {
+  if (!makes_sense(info.times)) {
+    left_out_ += {robots.robots.size(), balls.balls.size(), 1};
+  } else if (all_make_sense(robots.robots, kMostRobots) && all_make_sense(balls.balls, kMostBalls)) {
+    out_->publish(info, scene, robots, balls);
+  } else {
+    left_out_.robots += copy_sense(robots.robots, kMostRobots, robots_.robots);
+    left_out_.balls += copy_sense(balls.balls, kMostBalls, balls_.balls);
+    out_->publish(info, scene, robots_, balls_);
+  }
+}
+
+void FieldGuard::publish(const TrackedField& tracked) noexcept {
+  const bool has_sound_kick = !tracked.kick || makes_sense(*tracked.kick);
+  if (!(tracked.t_s > 0) || !std::isfinite(tracked.t_s)) {
+    left_out_ += {tracked.robots.size(), tracked.balls.size(), 1};
+  } else if (has_sound_kick && all_make_sense(tracked.robots, kMostRobots) &&
+             all_make_sense(tracked.balls, kMostTrackedBalls)) {
+    out_->publish(tracked);
+  } else {
+    tracked_.number = tracked.number;
+    tracked_.t_s = tracked.t_s;
+    left_out_.robots += copy_sense(tracked.robots, kMostRobots, tracked_.robots);
+    left_out_.balls += copy_sense(tracked.balls, kMostTrackedBalls, tracked_.balls);
+    left_out_.others += has_sound_kick ? 0 : 1;
+    tracked_.kick = has_sound_kick ? tracked.kick : std::nullopt;
+    out_->publish(tracked_);
+  }
+}
+
+Senseless CameraFloor::drop_senseless(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept {
+  Senseless out;
+  drop_from<CameraFloor>(in.frame, &Frame::robots, changed, out);
+  drop_from<CameraFloor>(in.frame, &Frame::balls, changed, out);
+  if (changed[part_index<CameraFloor, FrameInfo>()] && !makes_sense(in.frame.info.times)) {
+    in.frame.info = guard.info();
+    ++out.others;
+  }
+  return out;
+}
+
+Senseless FieldFloor::drop_senseless(const Inputs& in, const PartSet& changed, const Guard&) noexcept {
+  Senseless out;
+  drop_from<FieldFloor>(in.frame, &FieldFrame::sightings, changed, out);
+  drop_from<FieldFloor>(in.frame, &FieldFrame::time, changed, out);
+  drop_from<FieldFloor>(in.frame, &FieldFrame::observations, changed, out);
+  drop_from<FieldFloor>(in.frame, &FieldFrame::tracked, changed, out);
+  return out;
+}
+
+}  // namespace sslv

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/senseless.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sslv {
+namespace {
+
+constexpr int kHighestId = 255;
+/// Of a place in mm or px, and of a speed in mm/s: a kilometre.
+constexpr double kFarthest = 1e6;
+
+// All of them are false for what is no number.
+
+bool is_near(double value) {
+  return std::abs(value) <= kFarthest;
+}
+
+template <int kRows>
+bool is_near(const Eigen::Matrix<double, kRows, 1>& value) {
+  for (int i = 0; i < kRows; ++i) {
+    if (!is_near(value[i])) return false;
+  }
+  return true;
+}
+
+bool is_share(double value) {
+  return value >= 0 && value <= 1;
+}
+
+bool is_name(Team team, int id) {
+  return (team == Team::kYellow || team == Team::kBlue) && id >= 0 && id <= kHighestId;
+}
+
+/// A height that is not known has an endless sigma.
+bool is_height(double height_mm, double sigma_mm) {
+  return sigma_mm >= 0 && (std::isinf(sigma_mm) || is_near(height_mm));
+}
+
+bool is_sighting(const RobotSighting& robot) {
+  return is_name(robot.team, robot.id) && is_near(robot.place_mm) && is_near(robot.orientation_rad) &&
+         is_near(robot.height_mm);
+}
+
+bool is_sighting(const BallSighting& ball) {
+  return is_near(ball.place_mm) && is_height(ball.height_mm, ball.height_sigma_mm);
+}
+
+// What makes tracks has no second look at how sure observations are.
+
+bool is_observation(const RobotObservation& robot) {
+  return is_name(robot.name.team, robot.name.id) && std::isfinite(robot.t_s) &&
+         std::isfinite(robot.t_sigma_s) && is_near(robot.place_mm) && is_near(robot.orientation_rad) &&
+         robot.place_cov_mm2.allFinite() && std::isfinite(robot.orientation_sigma_rad) &&
+         is_near(robot.height_mm);
+}
+
+bool is_observation(const BallObservation& ball) {
+  return std::isfinite(ball.t_s) && is_near(ball.camera_mm) && is_near(ball.place_mm) &&
+         std::isfinite(ball.sigma_mm) && is_height(ball.height_mm, ball.height_sigma_mm);
+}
+
+template <class T, class Good>
+std::uint64_t keep(std::vector<T>& list, std::size_t most, const Good& is_good) {
+  const std::size_t before = list.size();
+  // Usually all are good, and nothing is moved.
+  const auto is_bad = [&](const T& one) { return !is_good(one); };
+  const auto first = std::find_if(list.begin(), list.end(), is_bad);
+  if (first != list.end()) list.erase(std::remove_if(first, list.end(), is_bad), list.end());
+  if (list.size() > most) list.erase(list.begin() + static_cast<std::ptrdiff_t>(most), list.end());
+  return before - list.size();
+}
+
+}  // namespace
+
+bool makes_sense(const CaptureTimes& times) noexcept {
+  return std::isfinite(times.t_capture_s) && std::isfinite(times.t_capture_camera_s.value_or(0)) &&
+         std::isfinite(times.t_capture_sigma_s.value_or(0));
+}
+
+bool makes_sense(const Robot& robot) noexcept {
+  return is_name(robot.team, robot.id) && is_near(robot.x_mm) && is_near(robot.y_mm) &&
+         is_near(robot.orientation_rad) && is_near(robot.height_mm) && is_near(robot.pixel_x) &&
+         is_near(robot.pixel_y) && is_share(robot.confidence);
+}
+
+bool makes_sense(const Ball& ball) noexcept {
+  return is_near(ball.x_mm) && is_near(ball.y_mm) && is_near(ball.pixel_x) && is_near(ball.pixel_y) &&
+         is_share(ball.confidence);
+}
+
+bool makes_sense(const TrackedRobot& robot) noexcept {
+  return is_name(robot.name.team, robot.name.id) && is_near(robot.place_mm) && is_near(robot.velocity_mm_s) &&
+         is_near(robot.orientation_rad) && is_near(robot.turn_rad_s) && std::isfinite(robot.place_sigma_mm) &&
+         is_share(robot.visibility);
+}
+
+bool makes_sense(const TrackedBall& ball) noexcept {
+  return is_near(ball.place_mm) && is_near(ball.velocity_mm_s) && is_share(ball.visibility);
+}
+
+bool makes_sense(const TrackedKick& kick) noexcept {
+  return std::isfinite(kick.t_s) && is_near(kick.place_mm) && is_near(kick.velocity_mm_s) &&
+         is_near(kick.landing_mm) && std::isfinite(kick.stop_s) && is_near(kick.stop_mm) &&
+         (!kick.robot || is_name(kick.robot->team, kick.robot->id));
+}
+
+Senseless drop_senseless(RobotList& list) noexcept {
+  const auto good = [](const Robot& robot) { return makes_sense(robot); };
+  return {.robots = keep(list.robots, kMostRobots, good) + keep(list.second_robots, kMostRobots, good)};
+}
+
+Senseless drop_senseless(BallList& list) noexcept {
+  return {.balls = keep(list.balls, kMostBalls, [](const Ball& ball) { return makes_sense(ball); })};
+}
+
+Senseless drop_senseless(CameraSightings& image) noexcept {
+  const auto good = [](const auto& one) { return is_sighting(one); };
+  Senseless out{.robots = keep(image.robots, kMostRobots, good),
+                .balls = keep(image.balls, kMostBalls, good)};
+  if (image.is_taken && !(std::isfinite(image.t_capture_s) && is_near(image.camera_mm))) {
+    image.is_taken = false;
+    image.robots.clear();
+    image.balls.clear();
+    ++out.others;
+  }
+  return out;
+}
+
+Senseless drop_senseless(Observations& observations) noexcept {
+  const auto good = [](const auto& one) { return is_observation(one); };
+  return {.robots = keep(observations.robots, kMostRobots, good),
+          .balls = keep(observations.balls, kMostBalls, good)};
+}
+
+Senseless drop_senseless(ImageTime& time) noexcept {
+  if (!time.t_s || (std::isfinite(*time.t_s) && std::isfinite(time.sigma_s))) return {};
+  time = {};
+  return {.others = 1};
+}
+
+Senseless drop_senseless(TrackedField& tracked) noexcept {
+  Senseless out;
+  if (!std::isfinite(tracked.t_s)) {
+    out = {tracked.robots.size(), tracked.balls.size(), 1};
+    tracked.t_s = 0;
+    tracked.robots.clear();
+    tracked.balls.clear();
+    tracked.kick.reset();
+    return out;
+  }
+  const auto good = [](const auto& one) { return makes_sense(one); };
+  out = {.robots = keep(tracked.robots, kMostRobots, good),
+         .balls = keep(tracked.balls, kMostTrackedBalls, good)};
+  if (tracked.kick && !makes_sense(*tracked.kick)) {
+    tracked.kick.reset();
+    ++out.others;
+  }
+  return out;
+}
+
+}  // namespace sslv

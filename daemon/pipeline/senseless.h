@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What no receiver can use, whatever stage made it: a number that is none or infinite, a place farther away
+// than any hall is long, an id that no pattern has, a confidence outside 0 .. 1, a list longer than any field
+// needs. The stack drops it after each stage, so that it reaches neither a packet nor a viewer nor the stages
+// behind. How sure a place is does not count: who uses that looks at it himself.
+
+#include "image/frame_info.h"
+#include "tracking/sightings.h"
+#include "tracking/tracks.h"
+#include "vision/detections.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace sslv {
+
+/// How much of it was dropped.
+struct Senseless {
+  std::uint64_t robots = 0, balls = 0;
+  std::uint64_t others = 0;  // times, kicks
+
+  bool any() const { return (robots | balls | others) != 0; }
+  Senseless& operator+=(const Senseless& more) {
+    robots += more.robots;
+    balls += more.balls;
+    others += more.others;
+    return *this;
+  }
+};
+
+/// The same since the start. Any thread adds without a lock, and any reads.
+class SenselessTotals {
+ public:
+  void add(const Senseless& more) noexcept {
+    robots_.fetch_add(more.robots, std::memory_order_relaxed);
+    balls_.fetch_add(more.balls, std::memory_order_relaxed);
+    others_.fetch_add(more.others, std::memory_order_relaxed);
+  }
+  Senseless read() const {
+    return {robots_.load(std::memory_order_relaxed), balls_.load(std::memory_order_relaxed),
+            others_.load(std::memory_order_relaxed)};
+  }
+
+ private:
+  std::atomic<std::uint64_t> robots_{0}, balls_{0}, others_{0};
+};
+
+/// In one image. Together they fit into a packet.
+inline constexpr std::size_t kMostRobots = 256, kMostBalls = 1024;
+/// Of tracks, whose messages are larger.
+inline constexpr std::size_t kMostTrackedBalls = 256;
+
+bool makes_sense(const CaptureTimes& times) noexcept;
+bool makes_sense(const Robot& robot) noexcept;
+bool makes_sense(const Ball& ball) noexcept;
+bool makes_sense(const TrackedRobot& robot) noexcept;
+bool makes_sense(const TrackedBall& ball) noexcept;
+bool makes_sense(const TrackedKick& kick) noexcept;
+
+// They keep the order of the rest, and its memory. Of a list that is too long, the first stay.
+Senseless drop_senseless(RobotList& list) noexcept;
+Senseless drop_senseless(BallList& list) noexcept;
+Senseless drop_senseless(CameraSightings& image) noexcept;
+Senseless drop_senseless(Observations& observations) noexcept;
+Senseless drop_senseless(ImageTime& time) noexcept;
+/// Without a time, nothing of it makes sense: it is empty then, and its time is 0.
+Senseless drop_senseless(TrackedField& tracked) noexcept;
+
+}  // namespace sslv

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/senseless.h"
+
+#include "pipeline/pipeline.h"
+#include "pipeline/publish.h"
+#include "support/allocation_count.h"
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+using testing::ElementsAre;
+using testing::SizeIs;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+Robot robot_of(int id) {
+  return {Team::kBlue, id, 100.0 * id, -200, 1.5, 140, 30, 40, 0.9};
+}
+
+Ball ball_at(double x_mm) {
+  return {x_mm, 10, 50, 60, 30, 0.8};
+}
+
+std::vector<int> ids_of(const RobotList& list) {
+  std::vector<int> out;
+  for (const Robot& robot : list.robots) out.push_back(robot.id);
+  return out;
+}
+
+/// How many of five robots go when the third is spoilt.
+std::uint64_t dropped_with(const std::function<void(Robot&)>& spoil) {
+  RobotList list;
+  for (int id = 0; id < 5; ++id) list.robots.push_back(robot_of(id));
+  spoil(list.robots[2]);
+  const Senseless dropped = drop_senseless(list);
+  if (dropped.robots == 1) {
+    EXPECT_THAT(ids_of(list), ElementsAre(0, 1, 3, 4));
+  }
+  EXPECT_EQ(dropped.balls + dropped.others, 0U);
+  return dropped.robots;
+}
+
+TEST(Senseless, IsARobotWithANumberThatIsNone) {
+  EXPECT_EQ(dropped_with([](Robot&) {}), 0U);
+  for (const auto number : {&Robot::x_mm, &Robot::y_mm, &Robot::orientation_rad, &Robot::height_mm,
+                            &Robot::pixel_x, &Robot::pixel_y, &Robot::confidence}) {
+    for (const double bad : {kNan, kInfinite, -kInfinite, 1.1e6, -1.1e6})
+      EXPECT_EQ(dropped_with([&](Robot& robot) { robot.*number = bad; }), 1U) << bad;
+  }
+}
+
+TEST(Senseless, IsARobotThatNoPatternHas) {
+  for (const int id : {0, 255}) EXPECT_EQ(dropped_with([&](Robot& robot) { robot.id = id; }), 0U);
+  for (const int id : {-1, 256, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()})
+    EXPECT_EQ(dropped_with([&](Robot& robot) { robot.id = id; }), 1U) << id;
+  EXPECT_EQ(dropped_with([](Robot& robot) { robot.team = static_cast<Team>(2); }), 1U);
+}
+
+TEST(Senseless, IsAConfidenceOutsideItsRange) {
+  for (const double good : {0.0, 1.0})
+    EXPECT_EQ(dropped_with([&](Robot& robot) { robot.confidence = good; }), 0U);
+  for (const double bad : {-0.01, 1.01})
+    EXPECT_EQ(dropped_with([&](Robot& robot) { robot.confidence = bad; }), 1U);
+}
+
+TEST(Senseless, IsNotAPlaceThatIsNotKnownToBeSure) {
+  EXPECT_EQ(dropped_with([](Robot& robot) { robot.place_cov.xx_mm2 = kNan; }), 0U);
+}
+
+TEST(Senseless, IsABallLikewise) {
+  for (const auto number : {&Ball::x_mm, &Ball::y_mm, &Ball::pixel_x, &Ball::pixel_y, &Ball::confidence}) {
+    BallList list{{ball_at(1), ball_at(2), ball_at(3)}};
+    list.balls[1].*number = kNan;
+    EXPECT_EQ(drop_senseless(list).balls, 1U);
+    ASSERT_THAT(list.balls, SizeIs(2));
+    EXPECT_EQ(list.balls[1].x_mm, 3);
+  }
+}
+
+TEST(Senseless, IsWhatIsBeyondTheEndOfAnyList) {
+  RobotList robots;
+  robots.robots.assign(kMostRobots + 7, robot_of(3));
+  robots.second_robots.assign(kMostRobots + 2, robot_of(4));
+  robots.robots.front().id = 1;
+  EXPECT_EQ(drop_senseless(robots).robots, 9U);
+  EXPECT_THAT(robots.robots, SizeIs(kMostRobots));
+  EXPECT_EQ(robots.robots.front().id, 1);
+  BallList balls{std::vector<Ball>(5000, ball_at(1))};
+  EXPECT_EQ(drop_senseless(balls).balls, 5000 - kMostBalls);
+}
+
+TEST(Senseless, IsATrackOrATimeThatIsNone) {
+  TrackedField tracked{.number = 1,
+                       .t_s = 100,
+                       .robots = std::vector<TrackedRobot>(3),
+                       .balls = std::vector<TrackedBall>(2),
+                       .kick = TrackedKick{}};
+  EXPECT_FALSE(drop_senseless(tracked).any());
+  tracked.robots[1].velocity_mm_s.x() = kNan;
+  tracked.balls[0].place_mm.z() = kInfinite;
+  tracked.kick->stop_s = kNan;
+  const Senseless dropped = drop_senseless(tracked);
+  EXPECT_EQ(dropped.robots, 1U);
+  EXPECT_EQ(dropped.balls, 1U);
+  EXPECT_EQ(dropped.others, 1U);
+  EXPECT_FALSE(tracked.kick);
+  tracked.t_s = kNan;
+  EXPECT_EQ(drop_senseless(tracked).robots, 2U);
+  EXPECT_EQ(tracked.t_s, 0);
+  EXPECT_THAT(tracked.robots, SizeIs(0));
+
+  ImageTime time{kNan, 1};
+  EXPECT_EQ(drop_senseless(time).others, 1U);
+  EXPECT_FALSE(time.t_s);
+  EXPECT_FALSE(drop_senseless(time).any()) << "an image that is left out has none";
+}
+
+TEST(Senseless, IsNotABallWhoseHeightIsNotKnown) {
+  Observations seen;
+  seen.balls.push_back({.t_s = 1,
+                        .camera_mm = {0, 0, 4000},
+                        .place_mm = {1, 2},
+                        .sigma_mm = 1,
+                        .height_mm = kNan,
+                        .height_sigma_mm = kInfinite});
+  seen.robots.push_back({.name = {},
+                         .camera = 0,
+                         .t_s = 1,
+                         .t_sigma_s = 0,
+                         .place_mm = {1, 2},
+                         .orientation_rad = 0,
+                         .place_cov_mm2 = Eigen::Matrix2d::Identity(),
+                         .orientation_sigma_rad = 0.1});
+  EXPECT_FALSE(drop_senseless(seen).any());
+  seen.balls[0].height_sigma_mm = 5;
+  seen.robots[0].place_cov_mm2(0, 1) = kNan;
+  const Senseless dropped = drop_senseless(seen);
+  EXPECT_EQ(dropped.balls, 1U);
+  EXPECT_EQ(dropped.robots, 1U);
+}
+
+struct NoParams {
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+/// Makes robots 0 to 4, of which 2 and 3 have no place.
+struct MakeBad {
+  using Params = NoParams;
+  void process(const Params&, RobotList& robots, BallList& balls) noexcept {
+    robots.robots.clear();
+    for (int id = 0; id < 5; ++id) robots.robots.push_back(robot_of(id));
+    robots.robots[2].x_mm = robots.robots[3].y_mm = kNan;
+    balls.balls.clear();
+  }
+};
+
+/// Counts what the stages behind see, and spoils one more.
+struct SpoilOne {
+  using Params = NoParams;
+  void process(const Params&, Update<RobotList> robots, Update<FrameInfo> info) noexcept {
+    seen = robots->robots.size();
+    robots->robots.front().confidence = 7;
+    info->times.t_capture_s = kNan;
+  }
+  static inline std::size_t seen = 0;
+};
+
+/// Publishes what it never hands on.
+struct PublishOwn {
+  using Params = NoParams;
+  RobotList own;
+  BallList balls;
+  void process(const Params&, const FrameInfo& info, const Scene& scene, DetectionSink& sink) noexcept {
+    own.robots.assign(300, robot_of(1));
+    own.robots[0].id = -1;
+    balls.balls.assign(2, ball_at(kInfinite));
+    sink.publish(info, scene, own, balls);
+    FrameInfo no_time = info;
+    no_time.times.t_capture_s = kNan;
+    sink.publish(no_time, scene, own, balls);
+  }
+};
+
+struct Sink : DetectionSink {
+  void publish(const FrameInfo& info, const Scene&, const RobotList& r, const BallList& b) noexcept override {
+    t_capture_s = info.times.t_capture_s;
+    robots = r.robots.size();
+    balls = b.balls.size();
+    ++packets;
+  }
+  void left_out(std::size_t stage, const Senseless& what) noexcept override { counts[stage] += what; }
+  double t_capture_s = 0;
+  std::size_t robots = 0, balls = 0, packets = 0;
+  std::array<Senseless, 4> counts{};
+};
+
+const std::array kTable{stage<SpoilOne>("spoil_one", ""), stage<MakeBad>("make_bad", ""),
+                        stage<PublishOwn>("publish_own", ""), stage<Publish>("publish", "")};
+
+class SenselessStack : public testing::Test {
+ protected:
+  void run(Pipeline& pipeline) {
+    frame_.info.times.t_capture_s = 1000;
+    pipeline.run({frame_, context_, sink_}, pipeline.make_parameters(Json::object(), ""));
+  }
+  Frame frame_;
+  CameraContext context_{std::make_shared<Scene>(), std::make_shared<Lut>(), std::make_shared<Mask>(),
+                         std::make_shared<PatternTable>()};
+  Sink sink_;
+};
+
+TEST_F(SenselessStack, GoesBeforeTheNextStageAndIsCountedForTheOneThatMadeIt) {
+  Pipeline pipeline(kTable, {"make_bad", "spoil_one", "publish"}, "");
+  run(pipeline);
+  EXPECT_EQ(SpoilOne::seen, 3U);
+  EXPECT_EQ(sink_.robots, 2U);
+  EXPECT_EQ(sink_.t_capture_s, 1000);
+  EXPECT_THAT(ids_of(frame_.robots), ElementsAre(1, 4)) << "what viewers get";
+  EXPECT_EQ(pipeline.left_out(0).robots, 2U);
+  EXPECT_EQ(pipeline.left_out(1).robots, 1U);
+  EXPECT_EQ(pipeline.left_out(1).others, 1U) << "the time";
+  EXPECT_FALSE(pipeline.left_out(2).any());
+  EXPECT_EQ(sink_.counts[1].robots, 2U) << "by the place in the table";
+  EXPECT_EQ(sink_.counts[0].robots, 1U);
+}
+
+TEST_F(SenselessStack, DoesNotLeaveByAStagesOwnList) {
+  Pipeline pipeline(kTable, {"publish_own"}, "");
+  run(pipeline);
+  EXPECT_EQ(sink_.packets, 1U) << "none without a time";
+  EXPECT_EQ(sink_.robots, kMostRobots);
+  EXPECT_EQ(sink_.balls, 0U);
+  EXPECT_EQ(pipeline.left_out(0).robots, 300 - kMostRobots + 300);
+  EXPECT_EQ(pipeline.left_out(0).balls, 4U);
+  EXPECT_EQ(pipeline.left_out(0).others, 1U);
+}
+
+TEST_F(SenselessStack, AllocatesNothingForIt) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  Pipeline pipeline(kTable, {"make_bad", "publish_own", "publish"}, "");
+  const auto parameters = pipeline.make_parameters(Json::object(), "");
+  const auto run = [&] { pipeline.run({frame_, context_, sink_}, parameters); };
+  run();
+  const auto before = allocation_count();
+  for (int i = 0; i < 10; ++i) run();
+  EXPECT_EQ(allocation_count() - before, 0U);
+}
+
+/// Makes tracks of which one is nowhere, or all have no time.
+struct MakeTracks {
+  struct Params {
+    bool has_time = true;
+    static constexpr auto fields() { return std::tuple{flag("has_time", &Params::has_time, "")}; }
+  };
+  void process(const Params& params, const ArrivedSightings&, TrackedField& out) noexcept {
+    out.t_s = params.has_time ? 50 : kNan;
+    out.robots.assign(3, {});
+    out.robots[1].place_mm.x() = kInfinite;
+    out.balls.assign(1, {});
+  }
+};
+
+struct TrackSink : FieldSink {
+  void publish(const TrackedField& tracked) noexcept override {
+    robots = tracked.robots.size();
+    ++packets;
+  }
+  std::size_t robots = 0, packets = 0;
+};
+struct NoClock : FieldClock {
+  double now_s() const noexcept override { return 0; }
+};
+
+TEST(SenselessTracks, DoNotLeave) {
+  const std::array table{field_stage<MakeTracks>("make_tracks", ""),
+                         field_stage<PublishField>("publish", "")};
+  FieldPipeline pipeline(table, {"make_tracks", "publish"}, "");
+  FieldFrame frame;
+  const FieldSize field;
+  const BallModel ball;
+  const NoClock clock;
+  TrackSink sink;
+  const auto run = [&](const char* stages) {
+    pipeline.run({frame, field, ball, clock, sink}, pipeline.make_parameters(Json::parse(stages), ""));
+  };
+  run("{}");
+  EXPECT_EQ(sink.packets, 1U);
+  EXPECT_EQ(sink.robots, 2U);
+  EXPECT_EQ(pipeline.left_out(0).robots, 1U);
+  run(R"({"make_tracks": {"has_time": false}})");
+  EXPECT_EQ(sink.packets, 1U);
+  EXPECT_EQ(pipeline.left_out(0).robots, 4U);
+}
+
+}  // namespace
+}  // namespace sslv
