@@ -120,6 +120,7 @@ struct BasicStageType {
   PartSet reads, writes;
   GivenSet takes;
   std::vector<OwnPartUse> own_parts;
+  PartSet updates{};  // those of `reads` that it changes in place
   /// Throws what the stage's constructor throws.
   std::function<std::unique_ptr<Step<Floor>>()> create;
   struct Parsed {
@@ -171,26 +172,35 @@ struct Feed<Floor, Update<T>> {
   static Update<T> get(const typename Floor::Inputs& in, Step<Floor>&) {
     return {Feed<Floor, const T&>::part(in)};
   }
-  static void declare(BasicStageType<Floor>& type) { type.reads.set(part_index<Floor, T>()); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.reads.set(part_index<Floor, T>());
+    type.updates.set(part_index<Floor, T>());
+  }
 };
 // Those that a library brings.
 template <class Floor, OwnPart T>
 struct Feed<Floor, const T&> {
   static const T& get(const typename Floor::Inputs& in, Step<Floor>&) { return part(in); }
   static T& part(const typename Floor::Inputs& in) { return in.frame.own_parts.template get<T>(); }
-  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(false)); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.own_parts.push_back(own_part_use<T>(PartAccess::kReads));
+  }
 };
 template <class Floor, OwnPart T>
 requires(!std::is_const_v<T>) struct Feed<Floor, T&> {
   static T& get(const typename Floor::Inputs& in, Step<Floor>&) { return Feed<Floor, const T&>::part(in); }
-  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(true)); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.own_parts.push_back(own_part_use<T>(PartAccess::kWrites));
+  }
 };
 template <class Floor, OwnPart T>
 struct Feed<Floor, Update<T>> {
   static Update<T> get(const typename Floor::Inputs& in, Step<Floor>&) {
     return {Feed<Floor, const T&>::part(in)};
   }
-  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(false)); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.own_parts.push_back(own_part_use<T>(PartAccess::kUpdates));
+  }
 };
 
 template <class Floor, class S, bool kNoexcept, class... Args>
