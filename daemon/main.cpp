@@ -6,6 +6,7 @@
 #include "config/config.h"
 #include "config/version.h"
 #include "daemon.h"
+#include "kit/apart/stage_process.h"
 #include "settings/store.h"
 
 #include <csignal>
@@ -134,6 +135,7 @@ int run(const Daemon::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (const auto code = stage_process_main(argc, argv)) return *code;
   CLI::App app{
       "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);

@@ -19,6 +19,7 @@ rules='
   pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h
   pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h
   pipeline              base image geometry vision tracking
+  kit                   base image geometry vision tracking pipeline
   net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h proto
   settings              base
   health                base image vision/mask.h
@@ -39,7 +40,7 @@ rules='
   services/verdict      engines config web services services/cameras/cameras.h
   top                   anything
 '
-engines='base image geometry tracking calibration vision colors capture pipeline net settings health proto'
+engines='base image geometry tracking calibration vision colors capture pipeline kit net settings health proto'
 
 # "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service;
 # a service includes another only by the headers named here, which are its small interfaces.
