@@ -7,6 +7,7 @@
 #include "config/stages.h"
 #include "config/version.h"
 #include "daemon.h"
+#include "kit/apart/stage_process.h"
 #include "settings/store.h"
 
 #include <csignal>
@@ -141,11 +142,13 @@ int run(const Daemon::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (const auto code = stage_process_main(argc, argv)) return *code;
   CLI::App app{
       "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);
   std::filesystem::path settings_file, check_file, panel = panel_folder();
-  std::vector<std::filesystem::path> file_folders, stage_folders;
+  std::vector<std::filesystem::path> file_folders;
+  StageFolders stage_folders;
   bool print = false, list = false;
   app.add_option("--config", settings_file, "the settings file to run with");
   app.add_option("--check-config", check_file,
@@ -155,9 +158,12 @@ int main(int argc, char** argv) {
       "--files", file_folders,
       "a folder in which the panel may name files, besides the folders of the settings file and of "
       "the service's own state");
-  app.add_option("--stages", stage_folders,
+  app.add_option("--stages", stage_folders.inside,
                  "a folder of stage libraries (*.so), whose stages a stack may name; their code runs in this "
                  "program");
+  app.add_option(
+      "--stages-apart", stage_folders.apart,
+      "likewise; each of these stages runs in a process of its own, so that it can harm nothing else");
   app.add_flag("--print-config", print,
                "print the whole settings tree, defaults filled in (with --config: of that file)");
   app.add_flag("--list-cameras", list,

@@ -13,21 +13,28 @@
 
 namespace sslv {
 
+/// Who waits at a word and wakes there: threads of this process, or of several that share the memory.
+enum class FutexScope : std::uint8_t { kProcess, kShared };
+
 /// Sleeps while `word` is `value`, at the longest until then; may also wake for no reason. As
 /// std::atomic::wait, which knows no end (futex(2)).
 inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value,
-                       std::chrono::steady_clock::time_point until) noexcept {
+                       std::chrono::steady_clock::time_point until,
+                       FutexScope scope = FutexScope::kProcess) noexcept {
   static_assert(sizeof word == sizeof(std::uint32_t) && std::atomic<std::uint32_t>::is_always_lock_free);
   const auto since_boot = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
   if (since_boot.count() <= 0) return;
   constexpr std::int64_t kNsPerSecond = 1'000'000'000;
   // This operation takes a moment of CLOCK_MONOTONIC, which is the steady clock.
   const timespec deadline{since_boot.count() / kNsPerSecond, since_boot.count() % kNsPerSecond};
-  syscall(SYS_futex, &word, FUTEX_WAIT_BITSET_PRIVATE, value, &deadline, nullptr, FUTEX_BITSET_MATCH_ANY);
+  const int operation = scope == FutexScope::kProcess ? FUTEX_WAIT_BITSET_PRIVATE : FUTEX_WAIT_BITSET;
+  syscall(SYS_futex, &word, operation, value, &deadline, nullptr, FUTEX_BITSET_MATCH_ANY);
 }
 
-inline void futex_wake_all(const std::atomic<std::uint32_t>& word) noexcept {
-  syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, INT_MAX, nullptr, nullptr, 0);
+inline void futex_wake_all(const std::atomic<std::uint32_t>& word,
+                           FutexScope scope = FutexScope::kProcess) noexcept {
+  const int operation = scope == FutexScope::kProcess ? FUTEX_WAKE_PRIVATE : FUTEX_WAKE;
+  syscall(SYS_futex, &word, operation, INT_MAX, nullptr, nullptr, 0);
 }
 
 /// A bell for one thread that must never wait and others that wait for it: ringing takes no lock, and makes

@@ -1,25 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/buffer_pool.h"
 
+#include "image/shared_memory.h"
+
 #include <atomic>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 namespace sslv {
 
 struct BufferPool::Buffer {
-  std::unique_ptr<std::uint8_t[]> bytes;  // what is never lent never takes real memory
+  std::uint8_t* bytes = nullptr;
   std::atomic<bool> free{true};
   std::shared_ptr<Buffers> keeps;  // while lent: the pool's memory stays
 };
 
 struct BufferPool::Buffers {
   std::vector<std::unique_ptr<Buffer>> all;
+  // One of both has the bytes. What is never lent never takes real memory.
+  std::vector<std::unique_ptr<std::uint8_t[]>> own;
+  std::optional<SharedMemory> shared;
 };
 
 BufferPool::BufferPool(std::size_t buffers, std::size_t bytes_each) : buffers_(std::make_shared<Buffers>()) {
+  constexpr std::size_t kPage = 4096;  // no two buffers share a page
+  const std::size_t step = (bytes_each + kPage - 1) / kPage * kPage;
+  if (new_images_are_shared() && buffers * step > 0) {
+    try {
+      buffers_->shared.emplace(buffers * step);
+    } catch (const std::system_error&) {  // then they are copied for who wants to look
+    }
+  }
   for (std::size_t i = 0; i < buffers; ++i) {
     buffers_->all.push_back(std::make_unique<Buffer>());
-    buffers_->all.back()->bytes = std::make_unique_for_overwrite<std::uint8_t[]>(bytes_each);
+    std::uint8_t*& bytes = buffers_->all.back()->bytes;
+    if (buffers_->shared) {
+      bytes = buffers_->shared->data() + i * step;
+    } else {
+      buffers_->own.push_back(std::make_unique_for_overwrite<std::uint8_t[]>(bytes_each));
+      bytes = buffers_->own.back().get();
+    }
   }
 }
 
@@ -28,7 +49,7 @@ Image BufferPool::take(const ImageView& layout, std::uint8_t*& bytes) noexcept {
     if (!buffer->free.load(std::memory_order_acquire)) continue;
     buffer->free.store(false, std::memory_order_relaxed);
     buffer->keeps = buffers_;
-    bytes = buffer->bytes.get();
+    bytes = buffer->bytes;
     ImageView view = layout;
     view.data = bytes;
     return {view, nullptr, buffer.get(), &give_back};

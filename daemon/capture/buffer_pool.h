@@ -11,7 +11,8 @@
 namespace sslv {
 
 /// Image buffers for backends that fill their own. A buffer is lent out as an Image and is free again when
-/// that is let go, in whatever thread; Images may outlive the pool.
+/// that is let go, in whatever thread; Images may outlive the pool. The buffers lie in memory that other
+/// processes may look at where that is wanted (share_new_images()).
 class BufferPool {
  public:
   BufferPool(std::size_t buffers, std::size_t bytes_each);

@@ -4,6 +4,8 @@
 #include "config/stages.h"
 
 #include "base/log.h"
+#include "image/shared_memory.h"
+#include "kit/apart/apart.h"
 #include "kit/read_stamp.h"
 #include "pipeline/publish.h"
 #include "tracking/agreement.h"
@@ -19,6 +21,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -32,7 +35,8 @@ struct Outside {
   std::vector<OwnPartType> camera_parts, field_parts;  // by place
   std::vector<LeftOutLibrary> left_out;
   MissingStages missing = MissingStages::kRefused;
-  std::atomic<bool> is_used{false};  // nothing is added any more
+  std::atomic<bool> is_used{false};               // nothing is added any more
+  std::unique_ptr<apart::Supervisor> supervisor;  // of stages in processes of their own; null: there are none
 };
 Outside& outside() {
   static Outside outside;
@@ -114,19 +118,31 @@ void add_stages(StageRows rows) {
   take(std::move(rows.field), all.rows.field, all.field_parts);
 }
 
-void add_stage_libraries(const std::vector<std::filesystem::path>& folders, MissingStages missing) {
-  if (folders.empty()) return;
+void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
+  if (folders.inside.empty() && folders.apart.empty()) return;
   Outside& all = outside();
   all.missing = missing;
-  LoadedStages loaded = load_stages(folders);
+  LoadedStages loaded = load_stages(folders.inside);
   all.left_out = std::move(loaded.left_out);
-  for (StageLibrary& library : loaded.libraries) {
+  const auto add = [&all](const std::filesystem::path& file, const auto& make_rows) {
     try {
-      add_stages(std::move(library.rows));
-      log::info("stages of {} loaded", library.file.string());
-    } catch (const StageLibraryError& error) {
-      all.left_out.push_back({library.file, error.what()});
+      add_stages(make_rows());
+      log::info("stages of {} loaded", file.string());
+    } catch (const std::runtime_error& error) {
+      all.left_out.push_back({file, error.what()});
     }
+  };
+  for (StageLibrary& library : loaded.libraries)
+    add(library.file, [&library] { return std::move(library.rows); });
+  // From here on there are threads.
+  for (const std::filesystem::path& file : stage_libraries(folders.apart)) {
+    add(file, [&] {
+      check_stamp(read_stamp(file));
+      if (!all.supervisor) all.supervisor = std::make_unique<apart::Supervisor>();
+      StageRows rows = rows_apart(file, *all.supervisor);
+      share_new_images(true);
+      return rows;
+    });
   }
   for (const LeftOutLibrary& one : all.left_out)
     log::error("{} {}; it is left out", one.file.string(), one.why);

@@ -21,9 +21,15 @@ namespace sslv {
 /// used before.
 void add_stages(StageRows rows);
 
-/// Adds those of all libraries in these folders (kit/load_stages.h). What is left out is logged. `missing`:
-/// what becomes of stages that settings name and that are not there, when there are any folders.
-void add_stage_libraries(const std::vector<std::filesystem::path>& folders, MissingStages missing);
+/// Where stage libraries are looked for; only a command line says so.
+struct StageFolders {
+  std::vector<std::filesystem::path> inside;  // their code runs in this program (kit/load_stages.h)
+  std::vector<std::filesystem::path> apart;   // each stage runs in a process of its own (kit/apart/apart.h)
+};
+
+/// Adds those of all libraries in these folders. What is left out is logged. `missing`: what becomes of
+/// stages that settings name and that are not there, when there are any folders.
+void add_stage_libraries(const StageFolders& folders, MissingStages missing);
 std::span<const LeftOutLibrary> left_out_libraries();
 /// Settings may name stages that are not there, as with kLeftOut above.
 void leave_out_missing_stages();

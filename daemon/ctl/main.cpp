@@ -4,6 +4,7 @@
 #include "base/plain_text.h"
 #include "config/version.h"
 #include "ctl/commands/commands.h"
+#include "kit/apart/stage_process.h"
 
 #include <cstdlib>
 #include <iostream>
@@ -70,6 +71,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (const auto code = stage_process_main(argc, argv)) return *code;
   try {
     return run(argc, argv);
   } catch (const SettingsError& error) {

@@ -71,6 +71,14 @@ class CameraModel {
   const Eigen::Vector3d& position_mm() const { return position_mm_; }
   const CameraCalibration& calibration() const { return calibration_; }
 
+  /// All that it is, for a copy in another process (pipeline/part_codec.h), and one to copy into.
+  template <class Self>
+  static auto stored(Self& self) {
+    return std::tie(self.calibration_, self.rotation_, self.translation_mm_, self.position_mm_,
+                    self.max_distorted_radius_);
+  }
+  static CameraModel for_stored() { return CameraModel(CameraCalibration{}); }
+
  private:
   CameraCalibration calibration_;
   Eigen::Matrix3d rotation_;

@@ -14,6 +14,9 @@ namespace sslv {
 
 /// Index into per-team arrays.
 enum class Team : std::uint8_t { kYellow = 0, kBlue = 1 };
+constexpr Team largest(Team) {
+  return Team::kBlue;
+}
 
 /// What one camera's frames mean: the field, the camera and the height of the teams' patterns. Immutable
 /// while a frame is processed.

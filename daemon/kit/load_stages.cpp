@@ -40,24 +40,6 @@ std::string first_line(std::string_view text) {
   return escaped_text(text.substr(0, text.find('\n')));
 }
 
-/// Throws StageLibraryError, and whatever the library's own code throws.
-StageRows rows_of(const std::filesystem::path& file) {
-  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (library == nullptr) {
-    const char* problem = dlerror();
-    std::string why = first_line(problem == nullptr ? "nobody says why" : problem);
-    // The loader begins with the file's name, which stands before this text anyway.
-    if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
-    throw StageLibraryError(fmt::format("cannot be loaded: {}", why));
-  }
-  // A function's address as POSIX has it.
-  const auto function = reinterpret_cast<StageRowsFunction>(dlsym(library, kStageRowsFunction));
-  if (function == nullptr) throw StageLibraryError("names no stages: SSLV_STAGES(...) is missing");
-  StageRows rows;
-  function(rows);
-  return rows;
-}
-
 void check_name(std::string_view name) {
   constexpr std::size_t kMaxName = 40;
   const auto is_allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
@@ -89,7 +71,7 @@ void try_out(const std::vector<BasicStageType<Floor>>& rows) {
 template <class Use>
 std::string with_rows(const std::filesystem::path& file, const Use& use) {
   try {
-    StageRows rows = rows_of(file);
+    StageRows rows = load_rows(file);
     if (rows.camera.empty() && rows.field.empty()) return "has no stages";
     use(rows);
     return {};
@@ -169,27 +151,44 @@ void try_apart(const std::filesystem::path& file, std::chrono::seconds max) {
   if (said != "\n") throw StageLibraryError(first_line(said));
 }
 
-std::vector<std::filesystem::path> libraries_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (entry.path().extension() == ".so") files.push_back(entry.path());
-  std::ranges::sort(files);  // the same order on every computer
-  return files;
-}
-
 }  // namespace
 
-LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
-  LoadedStages out;
+StageRows load_rows(const std::filesystem::path& file) {
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) {
+    const char* problem = dlerror();
+    std::string why = first_line(problem == nullptr ? "nobody says why" : problem);
+    // The loader begins with the file's name, which stands before this text anyway.
+    if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
+    throw StageLibraryError(fmt::format("cannot be loaded: {}", why));
+  }
+  // A function's address as POSIX has it.
+  const auto function = reinterpret_cast<StageRowsFunction>(dlsym(library, kStageRowsFunction));
+  if (function == nullptr) throw StageLibraryError("names no stages: SSLV_STAGES(...) is missing");
+  StageRows rows;
+  function(rows);
+  return rows;
+}
+
+std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders) {
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& folder : folders) {
+    const auto begin = static_cast<std::ptrdiff_t>(files.size());
     try {
-      std::ranges::copy(libraries_in(std::filesystem::absolute(folder)), std::back_inserter(files));
+      for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::absolute(folder)))
+        if (entry.path().extension() == ".so") files.push_back(entry.path());
     } catch (const std::filesystem::filesystem_error& error) {
       // A folder for libraries of one's own need not be there.
       log::info("{} is no folder of stage libraries: {}", folder.string(), error.code().message());
     }
+    std::sort(files.begin() + begin, files.end());
   }
+  return files;
+}
+
+LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
+  LoadedStages out;
+  std::vector<std::filesystem::path> files = stage_libraries(folders);
   // All are tried before the first one is loaded: it may start threads, and then no process is forked.
   const auto end = Clock::now() + kMaxLoadingAll;
   std::erase_if(files, [&](const std::filesystem::path& file) {

@@ -25,9 +25,17 @@ struct LoadedStages {
   std::vector<LeftOutLibrary> left_out;
 };
 
-/// Loads the stage libraries (*.so) of these folders, for good. Before a library is loaded its stamp is read,
+/// The stage libraries (*.so) of these folders, in the same order on every computer. A folder that is not
+/// there has none.
+std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders);
+
+/// The stages of one library, which stays loaded: its code runs. Throws StageLibraryError, and whatever the
+/// library throws.
+StageRows load_rows(const std::filesystem::path& file);
+
+/// Loads the stage libraries of these folders, for good. Before a library is loaded its stamp is read,
 /// and a process of its own loads it and makes each of its stages once: what throws, crashes or hangs does so
-/// there. To be called before any thread starts. A folder that is not there has none.
+/// there. To be called before any thread starts.
 LoadedStages load_stages(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace sslv

@@ -36,7 +36,13 @@ inline void add_row(StageRows& rows, FieldStageType row) {
   rows.field.push_back(std::move(row));
 }
 
-/// Rows in any order: stage<S>(name, help) for a camera's stack, field_stage<S>(name, help) for the field's.
+inline void add_row(StageRows& rows, StageRows more) {
+  for (StageType& row : more.camera) rows.camera.push_back(std::move(row));
+  for (FieldStageType& row : more.field) rows.field.push_back(std::move(row));
+}
+
+/// Rows in any order: stage<S>(name, help) for a camera's stack, field_stage<S>(name, help) for the field's;
+/// or StageRows, where a library makes them at run time.
 template <class... Rows>
 StageRows stage_rows(Rows... rows) {
   StageRows out;

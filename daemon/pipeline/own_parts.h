@@ -12,6 +12,7 @@
 // Libraries share a part when it has the same name and the same layout in both.
 
 #include "pipeline/layout.h"
+#include "pipeline/part_codec.h"
 
 #include <concepts>
 #include <cstddef>
@@ -31,12 +32,43 @@ concept OwnPart = std::default_initializable<std::remove_const_t<T>> &&
   part.clear();
 };
 
+/// What can be done with a part whose type is erased.
+struct OwnPartCode {
+  std::shared_ptr<void> (*create)() = nullptr;
+  void (*clear)(void* part) = nullptr;
+  /// As flat bytes and back (part_codec.h). Null: it has what cannot go to another process.
+  void (*encode)(const void* part, ByteWriter& to) = nullptr;
+  bool (*decode)(ByteReader& from, void* part) = nullptr;
+  bool is_flat = false;  // it is a FlatPart
+};
+
 /// A part that a library brings, with its type erased.
 struct OwnPartType {
   std::string name;
   std::uint64_t layout = 0;
-  std::shared_ptr<void> (*create)() = nullptr;
-  void (*clear)(void* part) = nullptr;
+  OwnPartCode code;
+};
+
+/// A part of a library whose code runs elsewhere: the bytes that it is sent as, which nobody here reads.
+struct FlatPart {
+  std::vector<std::byte> bytes;
+
+  static OwnPartCode code() {
+    return {.create = [] { return std::shared_ptr<void>(std::make_shared<FlatPart>()); },
+            .clear = [](void* part) { static_cast<FlatPart*>(part)->bytes.clear(); },
+            .encode =
+                [](const void* part, ByteWriter& to) {
+                  const auto& flat = static_cast<const FlatPart*>(part)->bytes;
+                  to.bytes(flat.data(), flat.size());
+                },
+            .decode =
+                [](ByteReader& from, void* part) {
+                  auto& flat = static_cast<FlatPart*>(part)->bytes;
+                  flat.resize(from.left());
+                  return from.bytes(flat.data(), flat.size());
+                },
+            .is_flat = true};
+  }
 };
 
 /// What a stage has to do with such a part. `place` is a number of the library's own that who takes its
@@ -44,6 +76,7 @@ struct OwnPartType {
 struct OwnPartUse {
   OwnPartType type;
   bool is_written = false;  // from scratch; else it needs it
+  bool is_updated = false;  // it needs it and changes it
   std::size_t* place = nullptr;
 };
 
@@ -56,28 +89,48 @@ class OwnParts {
 
   template <class T>
   T& get() const {
-    return *static_cast<T*>(parts_[place_of<T>].get());
+    return *static_cast<T*>(parts_[place_of<T>].part.get());
   }
-  void* at(std::size_t place) const { return parts_[place].get(); }
+  void* at(std::size_t place) const { return parts_[place].part.get(); }
+  /// What can be done with it: as who made it knows it.
+  const OwnPartCode& code_at(std::size_t place) const { return parts_[place].code; }
 
-  /// Makes the part unless it is there, and empties it. Allocates only the first time.
+  /// Makes the part unless it is there, and empties it. Allocates only the first time. Where one library runs
+  /// here and another one that shares the part elsewhere, it is as the first knows it.
   void prepare(std::size_t place, const OwnPartType& type) {
     if (parts_.size() <= place) parts_.resize(place + 1);
-    if (parts_[place] == nullptr) parts_[place] = type.create();
-    type.clear(parts_[place].get());
+    Kept& kept = parts_[place];
+    if (kept.part == nullptr || (kept.code.is_flat && !type.code.is_flat))
+      kept = {type.code.create(), type.code};
+    kept.code.clear(kept.part.get());
   }
 
  private:
-  std::vector<std::shared_ptr<void>> parts_;
+  struct Kept {
+    std::shared_ptr<void> part;
+    OwnPartCode code;
+  };
+  std::vector<Kept> parts_;
 };
 
 template <OwnPart T>
-OwnPartUse own_part_use(bool is_written) {
-  return {{.name = std::string(T::kPartName),
-           .layout = layout_of<T>(),
-           .create = [] { return std::shared_ptr<void>(std::make_shared<T>()); },
-           .clear = [](void* part) { static_cast<T*>(part)->clear(); }},
-          is_written,
+OwnPartCode own_part_code() {
+  OwnPartCode code{.create = [] { return std::shared_ptr<void>(std::make_shared<T>()); },
+                   .clear = [](void* part) { static_cast<T*>(part)->clear(); }};
+  if constexpr (kIsEncodable<T>) {
+    code.encode = [](const void* part, ByteWriter& to) { encode(*static_cast<const T*>(part), to); };
+    code.decode = [](ByteReader& from, void* part) { return decode(from, *static_cast<T*>(part)); };
+  }
+  return code;
+}
+
+enum class PartAccess : std::uint8_t { kReads, kWrites, kUpdates };
+
+template <OwnPart T>
+OwnPartUse own_part_use(PartAccess access) {
+  return {{.name = std::string(T::kPartName), .layout = layout_of<T>(), .code = own_part_code<T>()},
+          access == PartAccess::kWrites,
+          access == PartAccess::kUpdates,
           &OwnParts::place_of<T>};
 }
 

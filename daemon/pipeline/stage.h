@@ -124,7 +124,7 @@ template <class Floor>
 struct BasicStageType {
   std::string name, help;
   PartSet reads, writes;
-  PartSet updates{};  // those it reads and changes in place
+  PartSet updates;  // those of `reads` that it changes in place
   GivenSet takes;
   std::vector<OwnPartUse> own_parts;
   /// Throws what the stage's constructor throws.
@@ -188,19 +188,25 @@ template <class Floor, OwnPart T>
 struct Feed<Floor, const T&> {
   static const T& get(const typename Floor::Inputs& in, Step<Floor>&) { return part(in); }
   static T& part(const typename Floor::Inputs& in) { return in.frame.own_parts.template get<T>(); }
-  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(false)); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.own_parts.push_back(own_part_use<T>(PartAccess::kReads));
+  }
 };
 template <class Floor, OwnPart T>
 requires(!std::is_const_v<T>) struct Feed<Floor, T&> {
   static T& get(const typename Floor::Inputs& in, Step<Floor>&) { return Feed<Floor, const T&>::part(in); }
-  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(true)); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.own_parts.push_back(own_part_use<T>(PartAccess::kWrites));
+  }
 };
 template <class Floor, OwnPart T>
 struct Feed<Floor, Update<T>> {
   static Update<T> get(const typename Floor::Inputs& in, Step<Floor>&) {
     return {Feed<Floor, const T&>::part(in)};
   }
-  static void declare(BasicStageType<Floor>& type) { type.own_parts.push_back(own_part_use<T>(false)); }
+  static void declare(BasicStageType<Floor>& type) {
+    type.own_parts.push_back(own_part_use<T>(PartAccess::kUpdates));
+  }
 };
 
 template <class Floor, class S, bool kNoexcept, class... Args>

@@ -20,6 +20,7 @@ struct LeftOut {
   std::uint64_t sightings = 0;  // without sense: no numbers, far off the field, more than anyone plays with
   // The last image that was left out.
   enum class Why : std::uint8_t { kNothing, kTime, kTooMany };
+  friend constexpr Why largest(Why) { return Why::kTooMany; }
   Why why = Why::kNothing;
   int camera = -1;
   double t_s = 0;

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -153,6 +154,12 @@ class Lut {
   /// Another number for every table made in this process: tells whether what was derived from one still
   /// holds.
   std::uint64_t id() const { return id_; }
+  /// All that it is, its number too, for a copy in another process (pipeline/part_codec.h).
+  template <class Self>
+  static auto stored(Self& self) {
+    return std::tie(self.color_bits_, self.yuv_, self.rgb_, self.prints_, self.chromaticity_sums_,
+                    self.chromaticities_, self.id_);
+  }
 
  private:
   /// Sums over a label's colours, so that its chromaticity follows changed cells. Whole numbers: the order of

@@ -5,6 +5,7 @@
 #include "vision/field_view.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -95,6 +96,11 @@ void check_mask(const MaskSettings& mask, const std::string& path) {
   if (points <= MaskSettings::kMaxPoints) return;
   throw SettingsError(fmt::format("{}: {} points in all polygons are not allowed; expected at most {}", path,
                                   points, MaskSettings::kMaxPoints));
+}
+
+std::uint64_t Mask::next_id() {
+  static std::atomic<std::uint64_t> made{0};
+  return ++made;
 }
 
 Mask::Mask(const MaskSettings& settings) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace sslv {
@@ -83,8 +84,17 @@ class Mask {
     });
   }
 
+  /// Another number for every mask made in this process; copies have the same.
+  std::uint64_t id() const { return id_; }
+  /// All that it is, for a copy in another process (pipeline/part_codec.h).
+  template <class Self>
+  static auto stored(Self& self) {
+    return std::tie(self.rows_, self.rest_, self.id_);
+  }
+
  private:
   static constexpr double kMaxPx = 16'383;
+  static std::uint64_t next_id();
   void add_rows(const MaskSettings& settings, const FieldView* view);
   struct Rows {
     std::vector<Interval> intervals;
@@ -92,6 +102,7 @@ class Mask {
   };
   std::array<Rows, 2> rows_;    // of pixels, of quads
   std::vector<Interval> rest_;  // of every row below those
+  std::uint64_t id_ = next_id();
 };
 
 }  // namespace sslv

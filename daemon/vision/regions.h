@@ -20,6 +20,28 @@ struct LabelImage {
     return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
   }
   Label* row(int y) { return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
+
+  /// For a copy in another process (pipeline/part_codec.h): only the labels that count.
+  template <class Writer>
+  void encode(Writer& to) const {
+    const std::size_t cells =
+        width > 0 && height > 0 ? static_cast<std::size_t>(width) * static_cast<std::size_t>(height) : 0;
+    const std::size_t count = cells < labels.size() ? cells : labels.size();
+    to.bytes(&width, sizeof width);
+    to.bytes(&height, sizeof height);
+    to.bytes(&cell_px, sizeof cell_px);
+    to.count(count);
+    to.bytes(labels.data(), count);
+  }
+  template <class Reader>
+  bool decode(Reader& from) {
+    std::size_t count = 0;
+    if (!from.bytes(&width, sizeof width) || !from.bytes(&height, sizeof height) ||
+        !from.bytes(&cell_px, sizeof cell_px) || !from.count(count, 1))
+      return false;
+    labels.resize(count);
+    return from.bytes(labels.data(), count);
+  }
 };
 
 /// Neighbouring cells of a row with the same label, which is never "clear".

@@ -2,10 +2,10 @@
 // Stage libraries and the real service: what it makes of good ones, bad ones and ones that are gone.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
-import { createService, DAEMON, root } from './service.mjs';
+import { becomes, createService, DAEMON, root } from './service.mjs';
 
 const LIBRARIES = process.env.SSLV_KIT_LIBRARIES ?? join(root, 'build/release/kit');
 const service = await createService('239.255.77.92');
@@ -110,6 +110,34 @@ describe('stage libraries', () => {
     await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls', value: { at_most: 2 } });
     const good = await service.statusBecomes(({ cameras }) => cameras[0].stages.length === 5);
     assert.deepEqual(alertsOf(good, 'stage_missing'), []);
+  });
+
+  it('run in processes of their own where they are not trusted, which may die', async () => {
+    service.options = ['--stages-apart', folder];
+    put('counting');
+    await service.start();
+    await setStack(STACK);
+    const children = () => readdirSync('/proc').filter((pid) => {
+      try {
+        const [command] = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0').slice(1);
+        return command === '--stage-process' && readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ')[1] === String(service.pid());
+      } catch {
+        return false; // it is gone
+      }
+    });
+    await becomes(async () => children(), (pids) => pids.length === 2);
+    const runs = ({ cameras }) => cameras[0].stages.length === STACK.length && cameras[0].stages[3].p50_us > 0;
+    const { cameras: [before] } = await service.statusBecomes(runs);
+    for (const pid of children()) process.kill(Number(pid), 'SIGKILL');
+    const after = await service.statusBecomes(({ cameras: [camera], alerts }) => camera.frames > before.frames + 5 && camera.robots > 0 && alerts.some(({ id }) => id === 'stage_warns'));
+    assert.match(alertsOf(after, 'stage_warns')[0].title, /ended by signal 9/);
+    await becomes(async () => children(), (pids) => pids.length === 2);
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/deadline_ms', value: 20 });
+    assert.equal((await patch({ op: 'replace', path: '/cameras/0/stages/count_balls/at_least', value: 101 })).status, 422);
+    const pids = children();
+    await service.stop();
+    assert.deepEqual(pids.filter((pid) => existsSync(`/proc/${pid}`)), [], 'none outlives the service');
+    service.options = ['--stages', folder];
   });
 
   it('are needed by a settings file that is checked', () => {

@@ -27,7 +27,7 @@ class StageTable : public testing::Test {
     std::vector<std::filesystem::path> folders;
     for (const char* name : {"counting", "same_part", "other_part", "taken_name"})
       folders.push_back(std::filesystem::path(SSLV_KIT_LIBRARIES) / name);
-    add_stage_libraries(folders, MissingStages::kLeftOut);
+    add_stage_libraries({folders, {}}, MissingStages::kLeftOut);
   }
 
   static Json with_stack(std::vector<std::string> stack, Json stages = Json::object()) {

@@ -11,6 +11,7 @@
 #include "capture/aravis/aravis_options.h"
 #include "capture/aravis/aravis_setup.h"
 #include "capture/picture_times.h"
+#include "image/shared_memory.h"
 
 #include <atomic>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -54,6 +56,7 @@ struct Link {
 /// Hangs on each buffer; holds the link while the buffer is out. Written under the link's mutex.
 struct Lease {
   std::shared_ptr<Link> link{};
+  std::shared_ptr<SharedMemory> memory{};  // in which its bytes lie, unless they are the library's
 };
 
 Lease& lease_of(ArvBuffer* buffer) {
@@ -279,6 +282,21 @@ class AravisSource final : public Source {
                           new std::shared_ptr<Link>(link_), forget, static_cast<GConnectFlags>(0));
   }
 
+  static std::size_t in_pages(std::size_t bytes) {
+    constexpr std::size_t kPage = 4096;
+    return (bytes + kPage - 1) / kPage * kPage;
+  }
+
+  /// For all buffers of the stream, where other processes are to look at images; else null.
+  std::shared_ptr<SharedMemory> shared_buffers(std::size_t payload) const {
+    if (!new_images_are_shared()) return nullptr;
+    try {
+      return std::make_shared<SharedMemory>(static_cast<std::size_t>(options_.buffers) * in_pages(payload));
+    } catch (const std::system_error&) {
+      return nullptr;  // then images are copied
+    }
+  }
+
   void start_stream() {
     Failure failure;
     reader_.read_region(camera());
@@ -294,9 +312,12 @@ class AravisSource final : public Source {
       // numbers would make the camera's own images look late. Without buffers the library throws them away.
       std::this_thread::sleep_for(kForeignPackets);
     }
+    const auto memory = shared_buffers(payload);
     for (int i = 0; i < options_.buffers; ++i) {
       const auto destroy = [](gpointer lease) { delete static_cast<Lease*>(lease); };
-      arv_stream_push_buffer(stream_.get(), arv_buffer_new_full(payload, nullptr, new Lease, destroy));
+      void* const bytes = memory ? memory->data() + static_cast<std::size_t>(i) * in_pages(payload) : nullptr;
+      arv_stream_push_buffer(stream_.get(),
+                             arv_buffer_new_full(payload, bytes, new Lease{{}, memory}, destroy));
     }
     link_->stream = stream_.get();
     arv_camera_start_acquisition(camera(), failure);

@@ -124,7 +124,7 @@ void add_simulate(CommandLine& line) {
 void add_track(CommandLine& line) {
   struct Options {
     std::filesystem::path log_file, settings_file;
-    std::vector<std::filesystem::path> stage_folders;
+    StageFolders stage_folders;
     std::string tracks_file;
     double later_s = 0;
     bool as_json = false;
@@ -134,7 +134,7 @@ void add_track(CommandLine& line) {
       "track", "track what cameras saw in a log of the league's logger: gaps and jumps before and after");
   command->add_option("--log", o->log_file, "the log, not compressed")->required();
   command->add_option("--config", o->settings_file, "settings whose field and field's stack are used");
-  add_stages_option(command, o->stage_folders);
+  add_stages_options(command, o->stage_folders);
   command->add_option("--tracks", o->tracks_file,
                       "file for the tracks, a line for each packet; -: standard output");
   command

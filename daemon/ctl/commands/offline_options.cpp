@@ -10,15 +10,17 @@
 
 namespace sslv {
 
-void add_stages_option(CLI::App* command, std::vector<std::filesystem::path>& folders) {
-  command->add_option("--stages", folders,
+void add_stages_options(CLI::App* command, StageFolders& folders) {
+  command->add_option("--stages", folders.inside,
                       "a folder of stage libraries (*.so), whose stages a stack may name");
+  command->add_option("--stages-apart", folders.apart,
+                      "likewise; each of these stages runs in a process of its own");
 }
 
 void CameraChoice::add_to(CLI::App* command) {
   command->add_option("--settings", settings_file, "settings file")->required();
   command->add_option("--camera", camera_id, "id of the camera in it")->capture_default_str();
-  add_stages_option(command, stage_folders);
+  add_stages_options(command, stage_folders);
 }
 
 void CameraChoice::add_lut_to(CLI::App* command) {

@@ -4,9 +4,7 @@
 #include "config/config.h"
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -17,7 +15,7 @@ struct CameraChoice {
   std::string settings_file;
   int camera_id = 0;
   std::string lut_file;  // empty: the camera's own colours
-  std::vector<std::filesystem::path> stage_folders;
+  StageFolders stage_folders;
 
   void add_to(CLI::App* command);
   void add_lut_to(CLI::App* command);
@@ -26,8 +24,8 @@ struct CameraChoice {
   std::size_t index_in(const Config& config) const;
 };
 
-/// --stages, of every command that runs a stack.
-void add_stages_option(CLI::App* command, std::vector<std::filesystem::path>& folders);
+/// --stages and --stages-apart, of every command that runs a stack.
+void add_stages_options(CLI::App* command, StageFolders& folders);
 
 /// How to read raw frames.
 struct RawFormat {

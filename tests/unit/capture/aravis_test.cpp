@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "capture/camera_thread.h"
 #include "capture/control_memory.h"
+#include "image/shared_memory.h"
 #include "net/network_cards.h"
 #include "support/allocation_count.h"
 #include "support/gige_server.h"
@@ -497,6 +498,28 @@ TEST_F(Gige, PicturesOutliveTheSource) {
 TEST_F(Gige, BuffersComeBack) {
   const auto source = open({{"buffers", 3}});
   for (int i = 0; i < 20; ++i) next_picture(*source);
+}
+
+TEST_F(Gige, ItsBuffersCanBeLookedAtByOtherProcesses) {
+  share_new_images(true);
+  Image last;
+  {
+    const auto source = open({{"buffers", 3}});
+    share_new_images(false);
+    CapturedImage image;
+    std::string problem;
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_EQ(next(*source, image, problem), CaptureStatus::kImage) << problem;
+      const ImageView& view = image.image.view();
+      const auto bytes = static_cast<std::size_t>(view.stride_bytes * view.height);
+      EXPECT_TRUE(shared_place(view.data, bytes));
+    }
+    last = std::move(image.image);
+  }
+  EXPECT_TRUE(shared_place(last.view().data, 1)) << "also when the source is gone";
+  const std::uint8_t* const data = last.view().data;
+  last = Image();
+  EXPECT_FALSE(shared_place(data, 1));
 }
 
 std::uint64_t allocations_for_pictures(Source& source, int count) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/buffer_pool.h"
 
+#include "image/shared_memory.h"
+
 #include <gtest/gtest.h>
 
 namespace sslv {
@@ -32,6 +34,29 @@ TEST(BufferPool, PicturesOutliveIt) {
     bytes[7] = 42;
   }
   EXPECT_EQ(image.view().data[7], 42);
+}
+
+TEST(BufferPool, LiesInMemoryForOthersWhereThatIsWanted) {
+  const ImageView layout{nullptr, 4, 2, 4, PixelFormat::kMono8};
+  std::uint8_t* bytes = nullptr;
+  BufferPool own(1, 8);
+  const Image plain = own.take(layout, bytes);
+  EXPECT_FALSE(shared_place(bytes, 8));
+  share_new_images(true);
+  Image image;
+  {
+    BufferPool pool(2, 8);
+    share_new_images(false);
+    image = pool.take(layout, bytes);
+    std::uint8_t* second = nullptr;
+    const Image other = pool.take(layout, second);
+    ASSERT_TRUE(shared_place(bytes, 8));
+    EXPECT_EQ(shared_place(bytes, 8)->id, shared_place(second, 8)->id);
+    EXPECT_GE(second - bytes, 4096);
+  }
+  EXPECT_TRUE(shared_place(bytes, 8)) << "images outlive it";
+  image = Image();
+  EXPECT_FALSE(shared_place(bytes, 8));
 }
 
 }  // namespace

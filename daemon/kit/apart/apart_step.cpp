@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/apart/apart_step.h"
+
+#include "base/clock.h"
+#include "base/futex.h"
+#include "base/plain_text.h"
+#include "kit/apart/sound_parts.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+
+namespace sslv::apart {
+namespace {
+
+/// Files that no image came from for so many are let go of.
+constexpr std::uint32_t kKeepsFileFor = 256;
+
+/// Bytes of an image from its first to its last, from `begin` on, which lies before `data` where its low bits
+/// do.
+struct ImageExtent {
+  std::ptrdiff_t begin;
+  std::size_t bytes;
+};
+ImageExtent extent_of(const ImageView& image) {
+  const std::ptrdiff_t rows = image.stride_bytes * (image.height - 1);
+  const std::ptrdiff_t end = rows + static_cast<std::ptrdiff_t>(image.width) * bytes_per_pixel(image.format);
+  const std::ptrdiff_t begin = std::min<std::ptrdiff_t>(0, image.to_low_bits);
+  return {begin, static_cast<std::size_t>(end + std::max<std::ptrdiff_t>(0, image.to_low_bits) - begin)};
+}
+
+template <class Floor>
+void swap_parts(typename Floor::Frame& a, typename Floor::Frame& b, PartSet parts) {
+  std::size_t i = 0;
+  const auto swap_one = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
+    const bool is_one = parts[i++];
+    if constexpr (kIsEncodable<T>) {
+      if (is_one) std::swap(a.*part.member, b.*part.member);
+    }
+  };
+  std::apply([&](const auto&... part) { (swap_one(part), ...); }, Floor::kParts);
+}
+
+template <class Floor>
+bool are_sound(const typename Floor::Frame& now, const typename Floor::Frame& before, PartSet parts) {
+  std::size_t i = 0;
+  const auto is_good = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
+    const bool is_one = parts[i++];
+    if constexpr (kIsEncodable<T>) {
+      return !is_one || is_sound(now.*part.member, now, before);
+    } else {
+      return true;
+    }
+  };
+  return std::apply([&](const auto&... part) { return (is_good(part) && ...); }, Floor::kParts);
+}
+
+}  // namespace
+
+// ---- ApartReport
+
+void ApartReport::add(Outcome outcome) {
+  --counts_[static_cast<std::size_t>(last_[next_])];
+  ++counts_[static_cast<std::size_t>(outcome)];
+  last_[next_] = outcome;
+  next_ = (next_ + 1) % kImages;
+}
+
+void ApartReport::set_own_note(StageNotes::Kind kind, std::span<const char> text) {
+  if (kind == note_kind_ && std::ranges::equal(text, std::span(note_).first(note_length_))) return;
+  note_kind_ = kind;
+  note_length_ = std::min(text.size(), note_.size());
+  std::copy_n(text.begin(), note_length_, note_.begin());
+  ++note_number_;
+}
+
+void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNotes& notes) {
+  const auto count = [this](Outcome outcome) { return counts_[static_cast<std::size_t>(outcome)]; };
+  const StageProcess::Losses losses = process.losses.load();
+  const Told now{counts_, losses.count, note_number_};
+  if (now == told_) return;
+  told_ = now;
+
+  std::array<char, StageNotes::kMaxText> text;
+  const auto warn = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    const auto written = fmt::format_to_n(text.data(), text.size(), format, std::forward<Args>(args)...);
+    notes.warn({text.data(), std::min(written.size, text.size())});
+  };
+  if (count(Outcome::kNoProcess) > 0) {
+    if (losses.count == 0) {
+      warn("its process is not there");
+    } else {
+      warn("its process {}; started again, {} {}", std::string_view(losses.text.data(), losses.length),
+           losses.count, losses.count == 1 ? "time" : "times");
+    }
+  } else if (count(Outcome::kBad) > 0) {
+    warn("gave results without sense for {} of the last {} images, which went on without",
+         count(Outcome::kBad), kImages);
+  } else if (count(Outcome::kLate) > 0) {
+    warn("took longer than {} ms for {} of the last {} images, which went on without", deadline_ms,
+         count(Outcome::kLate), kImages);
+  } else if (note_kind_ == StageNotes::Kind::kWarning) {
+    notes.warn({note_.data(), note_length_});
+  } else if (note_kind_ == StageNotes::Kind::kNote) {
+    notes.say({note_.data(), note_length_});
+  } else {
+    notes.clear();
+  }
+}
+
+// ---- ApartStep
+
+template <class Floor>
+ApartStep<Floor>::ApartStep(const StageNeeds& needs, std::vector<ApartOwnPart> own_parts,
+                            std::shared_ptr<StageProcess> process)
+    : needs_(needs),
+      own_parts_(std::move(own_parts)),
+      process_(std::move(process)),
+      compared_(std::make_unique_for_overwrite<std::byte[]>(kMiB)) {}
+
+template <class Floor>
+ApartStep<Floor>::~ApartStep() {
+  process_->is_wanted.store(false);
+}
+
+template <class Floor>
+void ApartStep<Floor>::run(const typename Floor::Inputs& in, const void* params) noexcept {
+  const auto& given = *static_cast<const ApartParams*>(params);
+  Outcome outcome = Outcome::kBad;
+  try {
+    outcome = ask(in, given);
+  } catch (const std::exception&) {  // it sent more than there is memory for
+  }
+  if (outcome == Outcome::kDone) {
+    process_->failures_in_a_row.store(0, std::memory_order_relaxed);
+  } else {
+    if (outcome != Outcome::kNoProcess) process_->failures_in_a_row.fetch_add(1, std::memory_order_relaxed);
+    make_empty(in.frame, needs_.writes);
+    for (const ApartOwnPart& own : own_parts_) {
+      if (own.is_written) in.frame.own_parts.code_at(*own.place).clear(in.frame.own_parts.at(*own.place));
+    }
+  }
+  report_.add(outcome);
+  report_.tell(*process_, given.own.deadline_ms, this->notes);
+}
+
+template <class Floor>
+ApartReport::Outcome ApartStep<Floor>::ask(const typename Floor::Inputs& in, const ApartParams& params) {
+  const std::uint32_t generation = process_->generation.load();
+  if (generation == 0) return Outcome::kNoProcess;
+  ToStage& to = process_->channel.to();
+  FromStage& from = process_->channel.from();
+  if (generation != generation_) {  // it has none of the files, but finds the constants where they are
+    generation_ = generation;
+    is_busy_ = false;
+    sent_files_ = {};
+    tell_priority();
+  }
+  if (is_busy_ && from.answer.load(std::memory_order_acquire) != request_) return Outcome::kLate;
+  is_busy_ = false;
+  if (!write_request(in, params)) return Outcome::kBad;
+
+  const auto until = std::chrono::steady_clock::now() +
+                     std::chrono::duration_cast<std::chrono::nanoseconds>(
+                         std::chrono::duration<double, std::milli>(params.own.deadline_ms));
+  process_->asked_ns.store(steady_ns());
+  to.request.store(++request_);
+  is_busy_ = true;
+  if (from.is_asleep.load() != 0) futex_wake_all(to.request, FutexScope::kShared);
+  if (!wait_for(request_, generation, until))
+    return process_->generation.load() == generation ? Outcome::kLate : Outcome::kNoProcess;
+  is_busy_ = false;
+  if (from.kind != AnswerKind::kDone || !take_answer(in.frame)) return Outcome::kBad;
+  take_note();
+  return Outcome::kDone;
+}
+
+template <class Floor>
+bool ApartStep<Floor>::wait_for(std::uint32_t request, std::uint32_t generation,
+                                std::chrono::steady_clock::time_point until) const {
+  using Clock = std::chrono::steady_clock;
+  ToStage& to = process_->channel.to();
+  const FromStage& from = process_->channel.from();
+  to.is_waiting.store(1);
+  bool is_answered = false;
+  for (;;) {
+    const std::uint32_t answer = from.answer.load();
+    is_answered = answer == request;
+    if (is_answered || process_->generation.load() != generation || Clock::now() >= until) break;
+    futex_wait(from.answer, answer, until, FutexScope::kShared);
+  }
+  to.is_waiting.store(0);
+  return is_answered;
+}
+
+/// The process is as urgent as the thread that waits for it.
+template <class Floor>
+void ApartStep<Floor>::tell_priority() {
+  ToStage& to = process_->channel.to();
+  sched_param parameters{};
+  int policy = SCHED_OTHER;
+  if (::pthread_getschedparam(::pthread_self(), &policy, &parameters) != 0) return;
+  to.policy = policy;
+  to.priority = parameters.sched_priority;
+  to.nice = ::getpriority(PRIO_PROCESS, 0);  // of this thread
+}
+
+// ---- writing
+
+template <class Floor>
+template <class T>
+bool ApartStep<Floor>::write_if_changed(Constant which, const T& value) {
+  ByteWriter writer({compared_.get(), kMiB});
+  encode(value, writer);
+  if (!writer.fits()) return false;
+  ToStage::Sent& sent = process_->channel.to().constants[static_cast<std::size_t>(which)];
+  std::byte* const there = process_->channel.constant(which).data();
+  if (sent.version != 0 && sent.bytes == writer.written() &&
+      std::memcmp(there, compared_.get(), writer.written()) == 0)
+    return true;
+  std::memcpy(there, compared_.get(), writer.written());
+  sent.bytes = writer.written();
+  ++sent.version;
+  return true;
+}
+
+template <class Floor>
+template <class T>
+bool ApartStep<Floor>::write_by_id(Constant which, std::uint64_t id, const T& value) {
+  std::uint64_t& sent_id = sent_ids_[static_cast<std::size_t>(which)];
+  if (sent_id == id) return true;
+  sent_id = 0;
+  ByteWriter writer(process_->channel.constant(which));
+  encode(value, writer);
+  if (!writer.fits()) return false;
+  sent_id = id;
+  ToStage::Sent& sent = process_->channel.to().constants[static_cast<std::size_t>(which)];
+  sent.bytes = writer.written();
+  ++sent.version;
+  return true;
+}
+
+template <>
+bool ApartStep<CameraFloor>::write_given(const CameraFloor::Inputs& in, ByteWriter&) {
+  const auto is_taken = [&]<class T>(std::type_identity<T>) { return takes<CameraFloor, T>(needs_); };
+  const CameraContext& context = in.context;
+  return (!is_taken(std::type_identity<const Scene&>{}) ||
+          write_if_changed(Constant::kScene, *context.scene)) &&
+         (!is_taken(std::type_identity<const Lut&>{}) ||
+          write_by_id(Constant::kLut, context.adapted_lut->id(), *context.adapted_lut)) &&
+         (!is_taken(std::type_identity<const Mask&>{}) ||
+          write_by_id(Constant::kMask, context.looked_at().id(), context.looked_at())) &&
+         (!is_taken(std::type_identity<const PatternTable&>{}) ||
+          write_if_changed(Constant::kPatterns, *context.patterns));
+}
+
+template <>
+bool ApartStep<FieldFloor>::write_given(const FieldFloor::Inputs& in, ByteWriter& writer) {
+  process_->channel.to().now_s = takes<FieldFloor, const FieldClock&>(needs_) ? in.clock.now_s() : 0;
+  if (takes<FieldFloor, const FieldSize&>(needs_)) encode(in.field, writer);
+  if (takes<FieldFloor, const BallModel&>(needs_)) encode(in.ball, writer);
+  return true;
+}
+
+template <class Floor>
+bool ApartStep<Floor>::write_request(const typename Floor::Inputs& in, const ApartParams& params) {
+  ToStage& to = process_->channel.to();
+  if (!write_by_id(Constant::kParams, params.id, params.json)) return false;
+  ByteWriter writer(process_->channel.parts_to_stage());
+  if (!write_given(in, writer)) return false;
+  encode_parts<Floor>(in.frame, needs_.sent(), writer);
+  for (const ApartOwnPart& own : own_parts_) {
+    if (own.is_written) continue;
+    const OwnPartCode& code = in.frame.own_parts.code_at(*own.place);
+    if (code.encode == nullptr) return false;
+    writer.whole([&] { code.encode(in.frame.own_parts.at(*own.place), writer); });
+  }
+  if (!writer.fits()) return false;
+  to.parts_bytes = writer.written();
+  if constexpr (std::is_same_v<Floor, CameraFloor>) {
+    to.image_at = ImageAt::kNowhere;
+    constexpr std::size_t kImage = part_index<CameraFloor, Image>();
+    // Its size goes along in any case: what a stage makes must fit to it.
+    if (needs_.reads[kImage] && !in.frame.image.view().empty()) {
+      write_image(in.frame.image.view());
+      return to.image_at != ImageAt::kNowhere;
+    }
+  }
+  return true;
+}
+
+template <class Floor>
+void ApartStep<Floor>::write_image(const ImageView& image) {
+  ToStage& to = process_->channel.to();
+  to.image = image;
+  to.image.data = nullptr;
+  const ImageExtent extent = extent_of(image);
+  if (request_ % kKeepsFileFor == 0) forget_files();
+  if (image.stride_bytes > 0) {
+    if (const auto place = shared_place(image.data + extent.begin, extent.bytes);
+        place && sends_file(*place)) {
+      to.image_at = ImageAt::kShared;
+      to.image_id = place->id;
+      to.image_offset = place->offset + static_cast<std::size_t>(-extent.begin);
+      return;
+    }
+  }
+  // It lies elsewhere: row by row, so that no more is copied than the image has.
+  const auto row_bytes =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bytes_per_pixel(image.format));
+  const std::size_t plane = row_bytes * static_cast<std::size_t>(image.height);
+  const bool has_low_bits = image.to_low_bits != 0;
+  const std::span<std::byte> room = process_->channel.image();
+  if (plane * (has_low_bits ? 2 : 1) > room.size()) return;
+  for (int y = 0; y < image.height; ++y) {
+    std::byte* const row = room.data() + row_bytes * static_cast<std::size_t>(y);
+    std::memcpy(row, image.row(y), row_bytes);
+    if (has_low_bits) std::memcpy(row + plane, image.row(y) + image.to_low_bits, row_bytes);
+  }
+  to.image.stride_bytes = static_cast<std::ptrdiff_t>(row_bytes);
+  to.image.to_low_bits = has_low_bits ? static_cast<std::ptrdiff_t>(plane) : 0;
+  to.image_at = ImageAt::kCopied;
+  to.image_offset = 0;
+}
+
+/// Whether the process has the memory, or can have it now.
+template <class Floor>
+bool ApartStep<Floor>::sends_file(const SharedPlace& place) {
+  for (SentFile& sent : sent_files_) {
+    if (sent.id != place.id) continue;
+    sent.used = request_;
+    return true;
+  }
+  ImageFile message{.id = place.id, .bytes = place.memory_bytes};
+  SentFile* oldest = &sent_files_[0];
+  for (SentFile& sent : sent_files_) {
+    if (oldest->id != 0 && (sent.id == 0 || request_ - sent.used > request_ - oldest->used)) oldest = &sent;
+  }
+  *oldest = {};
+  for (std::size_t i = 0; i < kMaxKept; ++i) message.keep[i] = sent_files_[i].id;
+  if (!send_file(message, place.file)) return false;
+  *oldest = {place.id, request_};
+  return true;
+}
+
+template <class Floor>
+void ApartStep<Floor>::forget_files() {
+  auto kept = sent_files_;
+  for (SentFile& sent : kept) {
+    if (sent.id != 0 && request_ - sent.used > kKeepsFileFor) sent = {};
+  }
+  ImageFile message;
+  bool has_changed = false;
+  for (std::size_t i = 0; i < kMaxKept; ++i) {
+    message.keep[i] = kept[i].id;
+    has_changed = has_changed || kept[i].id != sent_files_[i].id;
+  }
+  if (has_changed && send_file(message, -1)) sent_files_ = kept;
+}
+
+/// Never waits: where there is no room for the message, it goes with a later image.
+template <class Floor>
+bool ApartStep<Floor>::send_file(const ImageFile& message, int file) {
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  ImageFile copy = message;
+  iovec part{&copy, sizeof copy};
+  msghdr header{};
+  header.msg_iov = &part;
+  header.msg_iovlen = 1;
+  if (file >= 0) {
+    header.msg_control = control.data();
+    header.msg_controllen = control.size();
+    cmsghdr* const with = CMSG_FIRSTHDR(&header);
+    with->cmsg_level = SOL_SOCKET;
+    with->cmsg_type = SCM_RIGHTS;
+    with->cmsg_len = CMSG_LEN(sizeof file);
+    std::memcpy(CMSG_DATA(with), &file, sizeof file);
+  }
+  if (::sendmsg(process_->control.ours.get(), &header, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return false;
+  ++process_->channel.to().files;
+  return true;
+}
+
+// ---- reading
+
+template <class Floor>
+bool ApartStep<Floor>::take_answer(typename Floor::Frame& frame) {
+  const std::span<const std::byte> room = process_->channel.parts_from_stage();
+  const std::uint64_t bytes = process_->channel.from().parts_bytes;
+  if (bytes > room.size()) return false;
+  ByteReader reader(room.first(bytes), true);
+  if (!decode_parts<Floor>(reader, scratch_, needs_.answered())) return false;
+  swap_parts<Floor>(frame, scratch_, needs_.answered());
+  if (are_sound<Floor>(frame, scratch_, needs_.answered()) && take_own_parts(frame, reader)) return true;
+  swap_parts<Floor>(frame, scratch_, needs_.answered());
+  return false;
+}
+
+template <class Floor>
+bool ApartStep<Floor>::take_own_parts(typename Floor::Frame& frame, ByteReader& reader) {
+  for (const ApartOwnPart& own : own_parts_) {
+    if (!own.is_written && !own.is_updated) continue;
+    auto bytes = reader.whole();
+    const OwnPartCode& code = frame.own_parts.code_at(*own.place);
+    if (!bytes || code.decode == nullptr || !code.decode(*bytes, frame.own_parts.at(*own.place)))
+      return false;
+  }
+  return reader.left() == 0;
+}
+
+template <class Floor>
+void ApartStep<Floor>::take_note() {
+  const FromStage& from = process_->channel.from();
+  const StageNotes::Kind kind = from.note_kind;
+  std::array<char, StageNotes::kMaxText> text = from.note;
+  const std::size_t length = std::min<std::size_t>(from.note_length, text.size());
+  if (kind != StageNotes::Kind::kNote && kind != StageNotes::Kind::kWarning) {
+    report_.set_own_note(StageNotes::Kind::kNone, {});
+    return;
+  }
+  // It goes to panels and logs, where control characters and broken UTF-8 do harm.
+  const bool is_plain = is_plain_text({text.data(), length});
+  for (std::size_t i = 0; i < length && !is_plain; ++i) {
+    if (text[i] < ' ' || text[i] > '~') text[i] = '?';
+  }
+  report_.set_own_note(kind, {text.data(), length});
+}
+
+template class ApartStep<CameraFloor>;
+template class ApartStep<FieldFloor>;
+
+}  // namespace sslv::apart

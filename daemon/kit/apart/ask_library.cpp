@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/apart/ask_library.h"
+
+#include "base/clock.h"
+#include "base/plain_text.h"
+#include "kit/apart/start_process.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+namespace sslv::apart {
+namespace {
+
+/// An answer that is longer is none.
+constexpr std::size_t kLongestAnswer = std::size_t{4} << 20;
+
+/// Reads until the other end closes. Empty: it took too long, or wrote too much.
+std::string read_answer(int socket, int pipe, OutputLines& output, std::int64_t until_ns) {
+  constexpr std::int64_t kNsPerMs = 1'000'000;
+  std::string answer;
+  for (;;) {
+    const std::int64_t left_ms = (until_ns - steady_ns()) / kNsPerMs;
+    if (left_ms <= 0) return {};
+    std::array<pollfd, 2> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}}};
+    ::poll(polled.data(), polled.size(), static_cast<int>(left_ms));
+    if (pipe >= 0 && polled[1].revents != 0 && !output.read(pipe, steady_ns())) pipe = -1;
+    if (polled[0].revents == 0) continue;
+    std::array<char, 16384> buffer;
+    const ssize_t count = ::recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT);
+    if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) return answer;
+    if (count > 0) answer.append(buffer.data(), static_cast<std::size_t>(count));
+    if (answer.size() > kLongestAnswer) return {};
+  }
+}
+
+void send_all(int socket, std::string_view text, std::int64_t until_ns) {
+  while (!text.empty() && steady_ns() < until_ns) {
+    const ssize_t count = ::send(socket, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (count > 0) {
+      text.remove_prefix(static_cast<std::size_t>(count));
+      continue;
+    }
+    if (errno != EAGAIN && errno != EINTR) return;
+    constexpr int kLookMs = 10;
+    pollfd polled{socket, POLLOUT, 0};
+    ::poll(&polled, 1, kLookMs);
+  }
+}
+
+}  // namespace
+
+Json ask_library(const std::string& library, const Json& question, std::chrono::milliseconds within) {
+  const std::string name = std::filesystem::path(library).filename().string();
+  const std::int64_t until_ns =
+      steady_ns() + std::chrono::duration_cast<std::chrono::nanoseconds>(within).count();
+  FilePair sockets = local_sockets(SOCK_STREAM);
+  FilePair pipe = output_pipe();
+  const StartedProcess process =
+      start_stage_process({"ask", library}, {sockets.theirs.get()}, pipe.theirs.get());
+  sockets.theirs.reset();
+  pipe.theirs.reset();
+  send_all(sockets.ours.get(), question.dump(-1, ' ', false, Json::error_handler_t::replace), until_ns);
+  ::shutdown(sockets.ours.get(), SHUT_WR);
+  OutputLines output("stage library " + name);
+  const std::string text = read_answer(sockets.ours.get(), pipe.ours.get(), output, until_ns);
+  const bool is_late = steady_ns() >= until_ns;
+  if (text.empty() && !is_late) {
+    // It ended without a word: it is told how, once that is known.
+    constexpr int kEndsWithinMs = 1000;
+    pollfd ended{process.pidfd.get(), POLLIN, 0};
+    ::poll(&ended, 1, kEndsWithinMs);
+  }
+  kill_stage_process(process);
+  const std::string end = wait_for_end(process);
+  output.read(pipe.ours.get(), steady_ns());
+  output.end(steady_ns());
+  if (text.empty()) {
+    throw std::runtime_error(fmt::format("stage library {}: its process {}", name,
+                                         is_late ? std::string("took too long to answer") : end));
+  }
+  Json answer;
+  try {
+    answer = parse_bounded_json(text);
+  } catch (const std::exception&) {
+    throw std::runtime_error(fmt::format("stage library {}: gave an answer that is none", name));
+  }
+  if (!answer.is_object())
+    throw std::runtime_error(fmt::format("stage library {}: gave an answer that is none", name));
+  if (answer.contains("error")) {
+    const Json& error = answer.at("error");
+    throw std::runtime_error(escaped_text(error.is_string() ? error.get<std::string>() : error.dump()));
+  }
+  return answer;
+}
+
+}  // namespace sslv::apart

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What goes to a stage's process for one frame and comes back: the same order on both sides.
+
+#include "pipeline/camera_stage.h"
+#include "pipeline/field_stage.h"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+namespace sslv::apart {
+
+template <class Floor>
+inline constexpr std::string_view kFloorName = std::is_same_v<Floor, CameraFloor> ? "camera" : "field";
+
+/// What one stage needs and gives, of its row alone.
+struct StageNeeds {
+  PartSet reads, writes, updates;
+  GivenSet takes;
+
+  PartSet sent() const { return reads | writes; }  // also what it writes: it may count on from what was there
+  PartSet answered() const { return writes | updates; }
+};
+
+/// Parts of the frame alone, not those of libraries.
+template <class Floor>
+StageNeeds needs_of(const BasicStageType<Floor>& type) {
+  const PartSet of_frame((1ULL << kPartCount<Floor>)-1);
+  return {type.reads & of_frame, type.writes & of_frame, type.updates & of_frame, type.takes};
+}
+
+template <class Floor, class Arg>
+bool takes(const StageNeeds& needs) {
+  return needs.takes[given_index<Floor, Arg>()];
+}
+
+/// Why a stage with these needs cannot run in a process of its own; empty: it can.
+template <class Floor>
+std::string why_not_apart(const StageNeeds& needs) {
+  std::string why;
+  std::size_t i = 0;
+  const auto look = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
+    const std::size_t at = i++;
+    if (kIsEncodable<T> || !(needs.sent()[at] || needs.answered()[at])) return;
+    if (std::is_same_v<T, Image> && !needs.answered()[at]) return;  // goes its own way
+    why = "it " + std::string(needs.answered()[at] ? "changes '" : "reads '") + std::string(part.name) +
+          "', which cannot leave the service";
+  };
+  std::apply([&](const auto&... part) { (look(part), ...); }, Floor::kParts);
+  const bool takes_sink = [&] {
+    if constexpr (std::is_same_v<Floor, CameraFloor>)
+      return takes<Floor, DetectionSink&>(needs);
+    else
+      return takes<Floor, FieldSink&>(needs);
+  }();
+  if (takes_sink) why = "it sends results itself, which only stages inside the service can";
+  return why;
+}
+
+template <class Floor>
+void encode_parts(const typename Floor::Frame& frame, PartSet parts, ByteWriter& to) {
+  std::size_t i = 0;
+  const auto add = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
+    const bool is_sent = parts[i++];
+    if constexpr (kIsEncodable<T>) {
+      if (is_sent) encode(frame.*part.member, to);
+    }
+  };
+  std::apply([&](const auto&... part) { (add(part), ...); }, Floor::kParts);
+}
+
+/// False for bytes that are no such parts; the parts are anything then.
+template <class Floor>
+[[nodiscard]] bool decode_parts(ByteReader& from, typename Floor::Frame& frame, PartSet parts) {
+  std::size_t i = 0;
+  const auto take = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
+    const bool is_sent = parts[i++];
+    if constexpr (kIsEncodable<T>) {
+      if (is_sent) return decode(from, frame.*part.member);
+    }
+    return true;
+  };
+  return std::apply([&](const auto&... part) { return (take(part) && ...); }, Floor::kParts);
+}
+
+}  // namespace sslv::apart

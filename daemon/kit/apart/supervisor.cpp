@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/apart/supervisor.h"
+
+#include "base/clock.h"
+#include "base/futex.h"
+#include "base/log.h"
+#include "base/plain_text.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <ctime>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace sslv::apart {
+namespace {
+
+/// What is left in a socket, with the files that lie in it.
+void drain(int socket) {
+  for (;;) {
+    std::array<char, 256> bytes;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control;
+    iovec part{bytes.data(), bytes.size()};
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    if (::recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) < 0) return;
+    for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
+      if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_RIGHTS) continue;
+      int file = -1;
+      std::memcpy(&file, CMSG_DATA(one), sizeof file);
+      ::close(file);
+    }
+  }
+}
+
+std::string time_of_day() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  ::localtime_r(&now, &local);
+  return fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
+}
+
+}  // namespace
+
+StageProcess::StageProcess(std::string stage_name, std::string library_file, std::string floor_name)
+    : stage(std::move(stage_name)),
+      library(std::move(library_file)),
+      floor(std::move(floor_name)),
+      control(local_sockets(SOCK_SEQPACKET)) {}
+
+struct Supervisor::Impl {
+  enum class State : std::uint8_t { kPaused, kStarting, kReady };
+
+  /// One StageProcess with what only the supervisor's thread knows.
+  struct Watched {
+    explicit Watched(std::shared_ptr<StageProcess> the_process)
+        : process(std::move(the_process)), output("stage '" + process->stage + "'") {}
+    std::shared_ptr<StageProcess> process;
+    State state = State::kPaused;
+    StartedProcess started;
+    OwnedFile pipe;
+    OutputLines output;
+    std::int64_t due_ns =
+        0;  // when it is to be started; when starting takes too long; since when it is ready
+    std::uint32_t lost_lately = 0;
+    std::string killed_for;
+    bool is_new = true;  // somebody waits in start()
+  };
+
+  explicit Impl(const Options& the_options)
+      : options(the_options), wake(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (!wake) throw std::system_error(errno, std::system_category(), "eventfd");
+    thread = std::thread([this] { run(); });
+  }
+  ~Impl() {
+    ends.store(true);
+    ring();
+    thread.join();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void ring() const {
+    const std::uint64_t one = 1;
+    (void)!::write(wake.get(), &one, sizeof one);
+  }
+
+  std::shared_ptr<StageProcess> add(std::shared_ptr<StageProcess> process) {
+    std::unique_lock lock(mutex);
+    added.push_back(process);
+    ring();
+    settled.wait(lock, [&] {
+      return std::ranges::any_of(outcomes, [&](const auto& one) { return one.first == process; });
+    });
+    const auto mine = std::ranges::find_if(outcomes, [&](const auto& one) { return one.first == process; });
+    const std::string problem = std::move(mine->second);
+    outcomes.erase(mine);
+    lock.unlock();
+    if (!problem.empty()) {
+      process->is_wanted.store(false);
+      throw std::runtime_error(problem);
+    }
+    return process;
+  }
+
+  /// For who waits in start(). With a problem, the stage is given up.
+  void settle(Watched& one, const std::string& problem) {
+    if (!std::exchange(one.is_new, false)) return;
+    {
+      const std::lock_guard lock(mutex);
+      outcomes.emplace_back(one.process, problem);
+    }
+    settled.notify_all();
+  }
+
+  void run() {
+    // Not as a thread of the background: processes have the priority of who starts them.
+    ::pthread_setname_np(::pthread_self(), "stage processes");
+    std::vector<pollfd> polled;
+    while (!ends.load()) {
+      {
+        const std::lock_guard lock(mutex);
+        for (auto& process : added) all.push_back(std::make_unique<Watched>(std::move(process)));
+        added.clear();
+      }
+      for (auto& one : all) look_after(*one);
+      std::erase_if(all, [](const auto& one) {
+        return one->state == State::kPaused && !one->is_new && !one->process->is_wanted.load();
+      });
+
+      polled.assign(1, {wake.get(), POLLIN, 0});
+      for (const auto& one : all) {
+        polled.push_back({one->started.pidfd.get(), POLLIN, 0});
+        polled.push_back({one->pipe.get(), POLLIN, 0});
+        polled.push_back({one->state == State::kStarting ? one->process->control.ours.get() : -1, POLLIN, 0});
+      }
+      ::poll(polled.data(), polled.size(), all.empty() ? -1 : next_look_ms());
+      std::uint64_t rung = 0;
+      (void)!::read(wake.get(), &rung, sizeof rung);
+    }
+    for (auto& one : all) {
+      if (one->state != State::kPaused) {
+        kill_stage_process(one->started);
+        lose(*one);
+      }
+      settle(*one, "the service ends");
+    }
+    const std::lock_guard lock(mutex);
+    for (auto& process : added) outcomes.emplace_back(process, "the service ends");
+    settled.notify_all();
+  }
+
+  /// Hung processes are found by looking; pauses end.
+  int next_look_ms() const {
+    constexpr std::int64_t kMost = 50, kNsPerMs = 1'000'000;
+    std::int64_t wait_ms = kMost;
+    for (const auto& one : all) {
+      if (one->state == State::kPaused)
+        wait_ms = std::clamp<std::int64_t>((one->due_ns - steady_ns()) / kNsPerMs + 1, 0, wait_ms);
+    }
+    return static_cast<int>(wait_ms);
+  }
+
+  static std::int64_t ns(std::chrono::milliseconds time) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(time).count();
+  }
+
+  void look_after(Watched& one) {
+    const std::int64_t now_ns = steady_ns();
+    if (one.state == State::kPaused) {
+      if (one.process->is_wanted.load() && now_ns >= one.due_ns) start(one, now_ns);
+      return;
+    }
+    if (one.pipe && !one.output.read(one.pipe.get(), now_ns)) one.pipe.reset();
+    if (one.state == State::kStarting) hear(one, now_ns);
+    if (one.state != State::kPaused && should_be_killed(one, now_ns)) kill_stage_process(one.started);
+    pollfd ended{one.started.pidfd.get(), POLLIN, 0};
+    if (::poll(&ended, 1, 0) == 1) lose(one);
+  }
+
+  bool should_be_killed(Watched& one, std::int64_t now_ns) {
+    StageProcess& process = *one.process;
+    if (!process.is_wanted.load()) {
+      one.killed_for = "was ended";
+    } else if (one.state == State::kStarting) {
+      if (now_ns < one.due_ns) return false;
+      one.killed_for = "did not start in time and was ended";
+    } else if (process.failures_in_a_row.load() >= options.most_failures_in_a_row) {
+      one.killed_for = "failed too often and was ended";
+    } else {
+      const std::int64_t asked_ns = process.asked_ns.load();
+      const bool is_silent = process.channel.from().answer.load() != process.channel.to().request.load() &&
+                             asked_ns != 0 && now_ns - asked_ns > ns(options.longest_silence);
+      if (!is_silent) return false;
+      one.killed_for = "hung and was ended";
+    }
+    return true;
+  }
+
+  void start(Watched& one, std::int64_t now_ns) {
+    StageProcess& process = *one.process;
+    drain(process.control.theirs.get());
+    drain(process.control.ours.get());
+    // Until generation is set, the Step does not look here.
+    process.failures_in_a_row.store(0);
+    process.asked_ns.store(0);
+    process.channel.from().is_asleep.store(0);
+    one.killed_for.clear();
+    try {
+      FilePair pipe = output_pipe();
+      one.started = start_stage_process(
+          {"run", process.library, process.floor, process.stage},
+          {process.control.theirs.get(), process.channel.to_file(), process.channel.from_file()},
+          pipe.theirs.get());
+      one.pipe = std::move(pipe.ours);
+    } catch (const std::exception& error) {
+      log::warning("stage '{}': cannot start its process: {}", process.stage, error.what());
+      note_loss(one, "could not be started");
+      return;
+    }
+    one.state = State::kStarting;
+    one.due_ns = now_ns + ns(options.starts_within);
+  }
+
+  /// Whether it is ready: "+", or "-" and what the stage's constructor threw.
+  void hear(Watched& one, std::int64_t now_ns) {
+    std::array<char, 1000> word;
+    const ssize_t count = ::recv(one.process->control.ours.get(), word.data(), word.size(), MSG_DONTWAIT);
+    if (count <= 0) return;
+    if (word[0] == '+') {
+      one.state = State::kReady;
+      one.due_ns = now_ns;
+      do {
+        ++newest_generation;
+      } while (newest_generation == 0);
+      one.process->generation.store(newest_generation);
+      settle(one, "");
+      return;
+    }
+    const std::string problem = escaped_text({word.data() + 1, static_cast<std::size_t>(count) - 1});
+    one.killed_for = "cannot start: " + problem;
+    kill_stage_process(one.started);
+    if (one.is_new) {
+      one.process->is_wanted.store(false);
+      settle(one, problem);
+    }
+  }
+
+  /// The process has ended, or was killed and is about to.
+  void lose(Watched& one) {
+    StageProcess& process = *one.process;
+    const bool was_ready_long =
+        one.state == State::kReady && steady_ns() - one.due_ns > ns(options.forgets_losses);
+    process.generation.store(0);
+    // Who waits for its answer waits no longer.
+    process.channel.from().answer.store(0);
+    futex_wake_all(process.channel.from().answer, FutexScope::kShared);
+    // What it started is not its own child any more, but still of its group.
+    kill_stage_process(one.started);
+    std::string how = wait_for_end(one.started);
+    if (!one.killed_for.empty()) how = one.killed_for;
+    one.started = StartedProcess();
+    if (one.pipe) one.output.read(one.pipe.get(), steady_ns());
+    one.output.end(steady_ns());
+    one.pipe.reset();
+    if (was_ready_long) one.lost_lately = 0;
+    note_loss(one, how);
+  }
+
+  void note_loss(Watched& one, const std::string& how) {
+    one.state = State::kPaused;
+    const std::int64_t pause_ns =
+        one.lost_lately == 0 ? 0
+                             : std::min(ns(options.longest_pause), ns(options.first_pause)
+                                                                       << std::min(one.lost_lately - 1, 20U));
+    ++one.lost_lately;
+    one.due_ns = steady_ns() + pause_ns;
+    if (!one.process->is_wanted.load() || ends.load()) return;
+    log::warning("stage '{}': its process {}; it is started again {}", one.process->stage, how,
+                 pause_ns == 0 ? std::string("at once") : fmt::format("in {} ms", pause_ns / 1'000'000));
+    StageProcess::Losses losses = one.process->losses.load();
+    ++losses.count;
+    const std::string text = fmt::format("{} at {}", how, time_of_day());
+    losses.length = static_cast<std::uint8_t>(std::min(text.size(), losses.text.size()));
+    std::memcpy(losses.text.data(), text.data(), losses.length);
+    one.process->losses.store(losses);
+    settle(one, "");
+  }
+
+  const Options options;
+  OwnedFile wake;
+  std::atomic<bool> ends{false};
+  std::uint32_t newest_generation = 0;
+  std::vector<std::unique_ptr<Watched>> all;  // the thread's alone
+
+  std::mutex mutex;  // of what follows
+  std::condition_variable settled;
+  std::vector<std::shared_ptr<StageProcess>> added;
+  std::vector<std::pair<std::shared_ptr<StageProcess>, std::string>> outcomes;
+
+  std::thread thread;
+};
+
+Supervisor::Supervisor(const Options& options) : options_(options), impl_(std::make_unique<Impl>(options)) {}
+Supervisor::~Supervisor() = default;
+
+std::shared_ptr<StageProcess> Supervisor::start(const std::string& stage, const std::string& library,
+                                                const std::string& floor) {
+  return impl_->add(std::make_shared<StageProcess>(stage, library, floor));
+}
+
+}  // namespace sslv::apart

@@ -1,0 +1,789 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/apart/apart.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "capture/buffer_pool.h"
+#include "image/shared_memory.h"
+#include "kit/apart/sound_parts.h"
+#include "kit/apart/stage_process.h"
+#include "kit/load_stages.h"
+#include "kit/read_stamp.h"
+#include "pipeline/camera_pipeline.h"
+#include "pipeline/publish.h"
+#include "support/allocation_count.h"
+#include "support/child_process.h"
+#include "tracking/gather.h"
+#include "tracking/track.h"
+#include "unit/kit/apart_stages.h"
+#include "vision/detect_balls.h"
+#include "vision/detect_robots.h"
+#include "vision/find_runs.h"
+#include "vision/segment.h"
+#include "vision/threshold.h"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+using apart::Supervisor;
+using test::Trouble;
+using ::testing::HasSubstr;
+
+const char* const kLibrary = SSLV_APART_STAGES;
+
+Supervisor::Options quick() {
+  Supervisor::Options options;
+  options.first_pause = options.longest_pause = std::chrono::milliseconds(1);
+  options.longest_silence = std::chrono::milliseconds(100);
+  return options;
+}
+
+struct PacketSink : DetectionSink {
+  void publish(const FrameInfo& info, const Scene&, const RobotList& robots,
+               const BallList& balls) noexcept override {
+    ++packets;
+    last = info.number;
+    has_robots = !robots.robots.empty();
+    with_robots += has_robots;
+    with_balls += !balls.balls.empty();
+    for (const Robot& robot : robots.robots) of_other_frame += robot.x_mm != static_cast<double>(info.number);
+  }
+  std::uint32_t last = 0;
+  bool has_robots = false;
+  std::size_t packets = 0, with_robots = 0, with_balls = 0, of_other_frame = 0;
+};
+
+/// A stage of the service itself beside those apart.
+struct MarkBalls {
+  struct Params {
+    static constexpr auto fields() { return std::tuple{}; }
+  };
+  void process(const Params&, const FrameInfo&, BallList& out) noexcept { out.balls.assign(1, Ball{}); }
+};
+
+/// Rows of the library in processes of their own, and what a service has beside them.
+struct Apart {
+  explicit Apart(const Supervisor::Options& options = quick()) : supervisor(options) {
+    rows = rows_apart(kLibrary, supervisor);
+    take_places(rows.camera);
+    rows.camera.push_back(stage<Publish>("publish", ""));
+    rows.camera.push_back(stage<MarkBalls>("mark_balls", ""));
+  }
+  /// As who takes a library into a table does.
+  static void take_places(std::vector<StageType>& camera) {
+    std::size_t places = 0;
+    std::set<std::size_t*> placed;
+    for (StageType& row : camera) {
+      for (const OwnPartUse& use : row.own_parts) {
+        if (placed.insert(use.place).second) *use.place = places++;
+      }
+    }
+  }
+  Supervisor supervisor;
+  StageRows rows;
+};
+
+template <class Floor>
+const BasicStageType<Floor>& row(const std::vector<BasicStageType<Floor>>& rows, const std::string& name) {
+  return *std::ranges::find_if(rows, [&](const auto& one) { return one.name == name; });
+}
+
+/// Every second luma is a colour of interest: many runs, regions and dots.
+std::shared_ptr<const Lut> busy_lut(unsigned shift = 0) {
+  std::vector<Label> table(Lut::kEntries);
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = (i + shift) % 8 < 6 ? label::kClear : static_cast<Label>(2 + (i + shift) % 6);
+  return std::make_shared<Lut>(std::move(table));
+}
+
+std::shared_ptr<Scene> calibrated_scene() {
+  CameraCalibration calibration;
+  calibration.principal_point_x = 100, calibration.principal_point_y = 80;
+  calibration.q0 = 1, calibration.q3 = 0, calibration.tz = 4000;
+  auto scene = std::make_shared<Scene>();
+  scene->camera.emplace(calibration);
+  scene->roster[1].set(7);
+  return scene;
+}
+
+MaskSettings triangle() {
+  MaskSettings settings;
+  settings.include.push_back({{{10, 10}, {50, 10}, {50, 50}}});
+  return settings;
+}
+
+CameraContext context_of(std::shared_ptr<const Scene> scene, std::shared_ptr<const Lut> lut) {
+  return {std::move(scene), std::move(lut), std::make_shared<Mask>(),
+          std::make_shared<PatternTable>(league_patterns())};
+}
+
+CameraSetup setup_of(std::span<const StageType> table, const std::vector<std::string>& stack,
+                     const Json& stages = Json::object()) {
+  CameraSetup setup;
+  setup.pipeline = std::make_shared<Pipeline>(table, stack, "/stack");
+  setup.parameters = setup.pipeline->make_parameters(stages, "/stages");
+  setup.context = context_of(calibrated_scene(), busy_lut());
+  return setup;
+}
+
+/// Random images, in memory of ours or of a driver's.
+class Images {
+ public:
+  explicit Images(unsigned seed) : random_(seed) {}
+  void start_again(unsigned seed) { random_.seed(seed); }
+  Image next(bool is_shared, int width = 200, int height = 160, bool is_deep = false) {
+    const ImageView layout{
+        nullptr, width, height, width * 2, PixelFormat::kUyvy, is_deep ? width * 2 * height : 0};
+    const auto bytes = static_cast<std::size_t>(width * height * (is_deep ? 4 : 2));
+    if (is_shared) {
+      if (!pool_) {
+        share_new_images(true);
+        pool_.emplace(20, std::size_t{1} << 20);
+        share_new_images(false);
+      }
+      std::uint8_t* to = nullptr;
+      Image image = pool_->take(layout, to);
+      fill(to, bytes);
+      return image;
+    }
+    own_.resize(bytes);
+    fill(own_.data(), bytes);
+    ImageView view = layout;
+    view.data = own_.data();
+    return {view, nullptr, nullptr, nullptr};
+  }
+
+ private:
+  void fill(std::uint8_t* to, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; ++i) to[i] = static_cast<std::uint8_t>(random_());
+  }
+  std::mt19937 random_;
+  std::optional<BufferPool> pool_;
+  std::vector<std::uint8_t> own_;
+};
+
+/// Everything in a part as bytes: two that are equal are the same in all.
+template <class T>
+std::vector<std::byte> bytes_of(const T& part) {
+  std::vector<std::byte> bytes(std::size_t{8} << 20);
+  ByteWriter writer(bytes);
+  encode(part, writer);
+  EXPECT_TRUE(writer.fits());
+  bytes.resize(writer.written());
+  return bytes;
+}
+
+/// Whether all numbers in them are the same, but for what lies between members.
+template <class T>
+bool same(const T& a, const T& b) {
+  if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
+    return a == b;
+  } else if constexpr (requires {
+                         a.begin();
+                         a.size();
+                       }) {
+    return a.size() == b.size() &&
+           std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) { return same(x, y); });
+  } else {
+    const auto left = members_of(a), right = members_of(b);
+    return [&]<std::size_t... kI>(std::index_sequence<kI...>) {
+      return (same(std::get<kI>(left), std::get<kI>(right)) && ...);
+    }
+    (std::make_index_sequence<std::tuple_size_v<decltype(left)>>{});
+  }
+}
+
+void expect_equal_parts(const Frame& a, const Frame& b) {
+  ASSERT_EQ(bytes_of(a.labels), bytes_of(b.labels));
+  ASSERT_TRUE(same(a.runs, b.runs));
+  ASSERT_TRUE(same(a.regions, b.regions));
+  ASSERT_TRUE(same(a.robots, b.robots));
+  ASSERT_TRUE(same(a.balls, b.balls));
+}
+
+/// Until it is so; the test fails when that takes very long.
+bool becomes(const std::function<bool()>& is_so) {
+  const std::int64_t until_ns = steady_ns() + 20'000'000'000;
+  while (!is_so()) {
+    if (steady_ns() > until_ns) return false;
+    ::sched_yield();
+  }
+  return true;
+}
+
+/// Processes of stages that this one, or another, has.
+std::vector<pid_t> stage_processes(pid_t of = ::getpid()) {
+  std::vector<pid_t> found;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream stat(entry.path() / "stat");
+    std::string text;
+    std::getline(stat, text);
+    const std::size_t after = text.rfind(')');
+    if (after == std::string::npos) continue;
+    char state = 0;
+    int parent = 0;
+    if (std::sscanf(text.c_str() + after + 1, " %c %d", &state, &parent) == 2 && parent == of && state != 'Z')
+      found.push_back(std::stoi(name));
+  }
+  return found;
+}
+
+std::size_t open_files() {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator("/proc/self/fd"),
+                                                std::filesystem::directory_iterator()));
+}
+
+/// Of this process, in KiB.
+long resident_kib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stol(line.substr(6));
+  }
+  return 0;
+}
+
+TEST(RowsApart, AreAsTheLibrarySays) {
+  const Apart apart;
+  const StageRows inside = load_rows(kLibrary);
+  ASSERT_EQ(apart.rows.camera.size(), inside.camera.size() + 2);
+  for (std::size_t i = 0; i < inside.camera.size(); ++i) {
+    const StageType &a = apart.rows.camera[i], &b = inside.camera[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.help, b.help);
+    EXPECT_EQ(a.reads, b.reads);
+    EXPECT_EQ(a.writes, b.writes);
+    EXPECT_EQ(a.updates, b.updates);
+    EXPECT_EQ(a.takes, b.takes);
+    EXPECT_EQ(a.library, kLibrary);
+    ASSERT_EQ(a.own_parts.size(), b.own_parts.size());
+    for (std::size_t p = 0; p < a.own_parts.size(); ++p) {
+      EXPECT_EQ(a.own_parts[p].type.name, b.own_parts[p].type.name);
+      EXPECT_EQ(a.own_parts[p].type.layout, b.own_parts[p].type.layout);
+      EXPECT_EQ(a.own_parts[p].is_written, b.own_parts[p].is_written);
+    }
+    Json schema = a.schema();
+    EXPECT_EQ(schema["properties"]["deadline_ms"]["default"], 10.0);
+    schema["properties"].erase("deadline_ms");
+    EXPECT_EQ(schema, b.schema());
+  }
+  EXPECT_EQ(apart.rows.field.size(), inside.field.size());
+}
+
+TEST(RowsApart, ParametersAreReadByTheLibrary) {
+  const Apart apart;
+  const StageType& type = row(apart.rows.camera, "see_all");
+  const Json complete = type.parse({{"deadline_ms", 5}}, "/stages/see_all").complete;
+  EXPECT_EQ(complete, Json({{"factor", 2.0}, {"deadline_ms", 5.0}}));
+  const auto refusal = [&](const Json& json) -> std::string {
+    try {
+      type.parse(json, "/stages/see_all");
+    } catch (const SettingsError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal({{"factor", 5}}), [] {
+    try {
+      stage<test::SeeAll>("", "").parse({{"factor", 5}}, "/stages/see_all");
+    } catch (const SettingsError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  }());
+  EXPECT_THAT(refusal({{"deadline_ms", 0.1}}), HasSubstr("/stages/see_all/deadline_ms: 0.1 is not allowed"));
+  EXPECT_THAT(refusal({{"other", 1}}), HasSubstr("/stages/see_all/other: no such parameter"));
+}
+
+TEST(RowsApart, AStageThatSendsIsRefused) {
+  ::setenv("SSLV_TEST_PUBLISHES", "1", 1);
+  Supervisor supervisor(quick());
+  try {
+    rows_apart(kLibrary, supervisor);
+    ADD_FAILURE() << "is not refused";
+  } catch (const StageLibraryError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("stage 'publishes' cannot run in a process of its own: it sends results itself"));
+  }
+  ::unsetenv("SSLV_TEST_PUBLISHES");
+}
+
+TEST(RowsApart, ALibraryThatIsNoneIsRefused) {
+  Supervisor supervisor(quick());
+  EXPECT_THROW(rows_apart("/nowhere/stages.so", supervisor), StageLibraryError);
+}
+
+TEST(RowsApart, WhatAConstructorThrowsIsToldAtOnce) {
+  const Apart apart;
+  const CameraSetup setup = setup_of(apart.rows.camera, {"cannot_start"});
+  EXPECT_EQ(setup.pipeline->note(0).kind, StageNotes::Kind::kWarning);
+  EXPECT_THAT(setup.pipeline->note(0).text, HasSubstr("cannot start: there is no such device"));
+}
+
+/// Both stacks over the same random images; `change` may change what both are given.
+void expect_equal(const Apart& apart, const std::vector<StageType>& inside,
+                  const std::vector<std::string>& stack,
+                  const std::function<void(int, CameraContext&)>& change,
+                  const Json& stages = Json::object()) {
+  PacketSink sink;
+  Json slow = stages;
+  for (const std::string& stage : stack) {
+    if (stage != "publish") slow[stage]["deadline_ms"] = 1000;
+  }
+  const CameraSetup ours = setup_of(inside, stack, stages), theirs = setup_of(apart.rows.camera, stack, slow);
+  CameraPipeline a(3, sink, ours), b(3, sink, theirs);
+  Images images_a(1), images_b(1);
+  CameraContext context = ours.context;
+  for (int i = 0; i < 30; ++i) {
+    change(i, context);
+    CameraSetup next_a = ours, next_b = theirs;
+    next_a.context = next_b.context = context;
+    a.change(next_a);
+    b.change(next_b);
+    const bool is_shared = i % 3 != 0, is_deep = i % 5 == 0;
+    const int width = i < 20 ? 200 : 160;
+    const Frame& in =
+        a.process(images_a.next(false, width, 160, is_deep), {100.0 + i, 5.0, std::nullopt, i % 2 == 0});
+    const Frame& out =
+        b.process(images_b.next(is_shared, width, 160, is_deep), {100.0 + i, 5.0, std::nullopt, i % 2 == 0});
+    const testing::ScopedTrace trace(__FILE__, __LINE__, stack[0] + ", frame " + std::to_string(i));
+    ASSERT_NO_FATAL_FAILURE(expect_equal_parts(in, out)) << b.setup()->pipeline->note(0).text;
+    ASSERT_FALSE(bytes_of(in.balls) == bytes_of(BallList{}) &&
+                 bytes_of(in.regions) == bytes_of(RegionList{}));
+  }
+}
+
+TEST(StageApart, DoesTheSameAsInTheService) {
+  const Apart apart;
+  std::vector<StageType> inside = load_rows(kLibrary).camera;
+  inside.push_back(stage<Publish>("publish", ""));
+  const auto change = [](int i, CameraContext& context) {
+    if (i % 4 == 1) context.adapted_lut = busy_lut(static_cast<unsigned>(i));
+    if (i % 5 == 2) {
+      auto scene = calibrated_scene();
+      scene->field.ball_radius = 20 + i;
+      context.scene = scene;
+    }
+    if (i == 9) context.scene = std::make_shared<Scene>();
+    if (i == 13) context.mask = std::make_shared<Mask>(triangle());
+    if (i == 17) {
+      auto patterns = std::make_shared<PatternTable>(league_patterns());
+      patterns->codes.pop_back();
+      context.patterns = patterns;
+    }
+  };
+  expect_equal(apart, inside, {"see_all"}, change, {{"see_all", {{"factor", 3}}}});
+  expect_equal(apart, inside, {"segment", "detect_robots", "detect_balls"}, change);
+  expect_equal(apart, inside, {"threshold", "find_runs", "see_all"}, change);
+}
+
+TEST(StageApart, PartsOfLibrariesGoFromOneProcessToTheNext) {
+  const Apart apart;
+  PacketSink sink;
+  const Json slow{{"find_tags", {{"deadline_ms", 1000}}},
+                  {"double_tags", {{"deadline_ms", 1000}}},
+                  {"count_tags", {{"deadline_ms", 1000}}}};
+  CameraPipeline camera(
+      0, sink, setup_of(apart.rows.camera, {"mark_balls", "find_tags", "double_tags", "count_tags"}, slow));
+  for (unsigned i = 0; i < 20; ++i) {
+    const Frame& frame = camera.process({}, {});
+    ASSERT_EQ(frame.balls.balls.size(), 4u);
+    EXPECT_EQ(frame.balls.balls[3].x_mm, 4);
+    EXPECT_EQ(frame.balls.balls[3].y_mm, i + 0.5);
+    EXPECT_EQ(frame.balls.balls[3].area_px, 2u);
+  }
+}
+
+TEST(StageApart, ItsNotesComeBack) {
+  const Apart apart;
+  PacketSink sink;
+  const CameraSetup setup = setup_of(apart.rows.camera, {"see_all"}, {{"see_all", {{"deadline_ms", 1000}}}});
+  CameraPipeline camera(0, sink, setup);
+  Images images(1);
+  camera.process(images.next(false), {});
+  EXPECT_EQ(setup.pipeline->note(0).text, "odd");
+  EXPECT_EQ(setup.pipeline->note(0).kind, StageNotes::Kind::kWarning);
+  camera.process(images.next(false), {});
+  EXPECT_EQ(setup.pipeline->note(0).text, "even");
+  EXPECT_EQ(setup.pipeline->note(0).kind, StageNotes::Kind::kNote);
+}
+
+struct TestClock : FieldClock {
+  double now_s() const noexcept override { return time_s; }
+  double time_s = 1000;
+};
+struct TrackSink : FieldSink {
+  void publish(const TrackedField&) noexcept override {}
+};
+
+TEST(FieldStageApart, DoesTheSameAsInTheService) {
+  const Apart apart;
+  const std::vector<FieldStageType> inside = load_rows(kLibrary).field;
+  for (const std::vector<std::string>& stack :
+       {std::vector<std::string>{"field_all"}, {"gather", "field_all"}}) {
+    Json slow = Json::object();
+    for (const std::string& stage : stack) slow[stage]["deadline_ms"] = 1000;
+    // `tracked` and `observations` are there: another stage's.
+    std::vector<FieldStageType> rows_a = inside, rows_b = apart.rows.field;
+    for (auto* rows : {&rows_a, &rows_b}) {
+      for (FieldStageType& one : *rows) one.reads &= PartSet(1);
+    }
+    FieldPipeline a(rows_a, stack, ""), b(rows_b, stack, "");
+    const auto params_a = a.make_parameters(Json::object(), ""), params_b = b.make_parameters(slow, "");
+    FieldFrame frame_a, frame_b;
+    TestClock clock;
+    TrackSink sink;
+    FieldSize field;
+    field.field_lines.emplace(2, FieldLine{"line", 1, 2, 3, 4, 10});
+    BallModel ball;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> anywhere(-1, 1);
+    for (unsigned i = 0; i < 50; ++i) {
+      clock.time_s += 0.01;
+      ball.radius_mm += 1;
+      CameraSightings& image = frame_a.arrived.image;
+      image.frame_number = i;
+      image.t_capture_s = clock.time_s - 0.01;
+      image.robots.resize(i % 7);
+      for (RobotSighting& robot : image.robots) {
+        robot.team = random() % 2 == 0 ? Team::kBlue : Team::kYellow;
+        robot.id = static_cast<int>(random() % 16);
+        robot.place_mm = {anywhere(random), anywhere(random)};
+        robot.orientation_rad = anywhere(random);
+        robot.height_mm = 140;
+        robot.place_cov_mm2 = Eigen::Matrix2d::Identity() * (1 + anywhere(random) / 2);
+        robot.orientation_sigma_rad = 0.01;
+      }
+      image.balls.resize(i % 3);
+      for (BallSighting& one : image.balls) {
+        one.place_mm = {anywhere(random), anywhere(random)};
+        one.place_cov_mm2 = Eigen::Matrix2d::Identity();
+        one.confidence = 1;
+      }
+      frame_b.arrived = frame_a.arrived;
+      a.run({frame_a, field, ball, clock, sink}, params_a);
+      b.run({frame_b, field, ball, clock, sink}, params_b);
+      ASSERT_EQ(bytes_of(frame_a.observations), bytes_of(frame_b.observations)) << i;
+      ASSERT_EQ(bytes_of(frame_a.tracked), bytes_of(frame_b.tracked)) << i;
+      ASSERT_EQ(bytes_of(frame_a.sightings), bytes_of(frame_b.sightings)) << i;
+      ASSERT_EQ(bytes_of(frame_a.left_out), bytes_of(frame_b.left_out)) << i;
+      ASSERT_EQ(frame_a.tracked.number, i + 1);
+    }
+  }
+}
+
+TEST(StageApart, AllocatesNothingInTheService) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  const Apart apart;
+  PacketSink sink;
+  CameraPipeline camera(
+      0, sink,
+      setup_of(apart.rows.camera,
+               {"find_tags", "double_tags", "segment", "detect_robots", "detect_balls", "publish"},
+               {{"segment", {{"deadline_ms", 1000}}}}));
+  Images images(1);
+  const auto run = [&](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      images.start_again(static_cast<unsigned>(i) % 5);
+      camera.process(images.next(i % 2 == 0), {});
+    }
+  };
+  run(200);
+  const auto before = allocation_count();
+  run(300);
+  EXPECT_EQ(allocation_count() - before, 0u);
+}
+
+/// A camera with a stage that can do what it should not, one that works, and the packet.
+struct Troubled {
+  explicit Troubled(Trouble trouble, const Supervisor::Options& options = quick(), double deadline_ms = 1000)
+      : apart(options), setup(of(trouble, deadline_ms)), camera(0, sink, setup) {}
+  CameraSetup of(Trouble trouble, double deadline_ms) const {
+    return setup_of(
+        apart.rows.camera, {"mark_balls", "make_trouble", "publish"},
+        {{"make_trouble", {{"trouble", static_cast<int>(trouble)}, {"deadline_ms", deadline_ms}}}});
+  }
+  void frame() {
+    camera.process({}, {});
+    ++frames;
+    EXPECT_EQ(sink.packets, frames);
+    EXPECT_EQ(sink.last + 1, frames);
+    EXPECT_EQ(sink.with_balls, frames);
+    EXPECT_EQ(sink.of_other_frame, 0u);
+  }
+  StageNotes::Note note() const { return setup.pipeline->note(1); }
+  Apart apart;
+  PacketSink sink;
+  CameraSetup setup;
+  CameraPipeline camera;
+  std::size_t frames = 0;
+};
+
+TEST(StageApart, ACrashCostsItsOwnResultsOnlyAndIsTold) {
+  Troubled troubled(Trouble::kCrash);
+  EXPECT_TRUE(becomes([&] {
+    troubled.frame();
+    return troubled.note().text.find("started again, 3 times") != std::string::npos;
+  })) << troubled.note().text;
+  EXPECT_THAT(troubled.note().text, HasSubstr("its process ended by signal 11 at "));
+  EXPECT_EQ(troubled.note().kind, StageNotes::Kind::kWarning);
+  EXPECT_EQ(troubled.sink.with_robots, 0u);
+}
+
+TEST(StageApart, OneThatEndsIsTold) {
+  Troubled troubled(Trouble::kExit);
+  EXPECT_TRUE(becomes([&] {
+    troubled.frame();
+    return troubled.note().text.find("ended with exit code 3 at ") != std::string::npos;
+  })) << troubled.note().text;
+}
+
+TEST(StageApart, OneThatHangsIsEndedAndStartedAgain) {
+  Troubled troubled(Trouble::kHang, quick(), 1);
+  EXPECT_TRUE(becomes([&] {
+    troubled.frame();
+    return troubled.note().text.find("started again, 2 times") != std::string::npos;
+  })) << troubled.note().text;
+  EXPECT_EQ(troubled.sink.with_robots, 0u);
+}
+
+TEST(StageApart, ALateAnswerIsNeverOfALaterFrame) {
+  Supervisor::Options options = quick();
+  options.most_failures_in_a_row = 1'000'000;
+  options.longest_silence = std::chrono::seconds(100);
+  Troubled troubled(Trouble::kSlow, options, 1);
+  for (int i = 0; i < 2000; ++i) {
+    troubled.frame();
+    const timespec pause{0, 200'000};
+    ::nanosleep(&pause, nullptr);
+  }
+  EXPECT_THAT(troubled.note().text, HasSubstr("took longer than 1 ms for 512 of the last 512 images"));
+  // As soon as it is quick enough, its results are there again.
+  CameraSetup quick_one = troubled.setup;
+  quick_one.parameters =
+      troubled.setup.pipeline->make_parameters({{"make_trouble", {{"deadline_ms", 1000}}}}, "");
+  troubled.camera.change(quick_one);
+  EXPECT_TRUE(becomes([&] {
+    troubled.frame();
+    return troubled.sink.has_robots;
+  }));
+}
+
+TEST(StageApart, ResultsWithoutSenseAreLeftOut) {
+  for (const Trouble trouble : {Trouble::kNan, Trouble::kOverlong, Trouble::kBadId, Trouble::kBadRegions}) {
+    Troubled troubled(trouble, Supervisor::Options{});
+    for (int i = 0; i < 10; ++i) troubled.frame();
+    EXPECT_EQ(troubled.sink.with_robots, 0u) << static_cast<int>(trouble);
+    EXPECT_THAT(troubled.note().text, HasSubstr("gave results without sense for 10 of the last 512 images"));
+  }
+}
+
+TEST(StageApart, GarbageInTheSharedMemoryHarmsNobody) {
+  Troubled troubled(Trouble::kScribble, quick(), 2);
+  for (int i = 0; i < 3000; ++i) {
+    const Frame& frame = troubled.camera.process({}, {});
+    ++troubled.frames;
+    EXPECT_EQ(troubled.sink.packets, troubled.frames);
+    EXPECT_EQ(frame.balls.balls.size(), 1u);
+    EXPECT_TRUE(apart::is_sound(frame.robots, frame, frame));
+    EXPECT_TRUE(apart::is_sound(frame.regions, frame, frame));
+    (void)troubled.note();
+  }
+}
+
+TEST(StageApart, WhatItPrintsGoesToTheLog) {
+  log::set_level(log::Level::kInfo);
+  Troubled troubled(Trouble::kPrints);
+  troubled.frame();
+  EXPECT_TRUE(becomes([&] {
+    const auto lines = log::recent().newer_than(0, log::Level::kInfo).lines;
+    return std::ranges::any_of(
+        lines, [](const auto& line) { return line.text == "stage 'make_trouble': line 3 of frame 0"; });
+  }));
+  log::set_level(log::Level::kError);
+}
+
+/// No frame is lost, and nothing leaks.
+void kill_again_and_again(int kills) {
+  Troubled troubled(Trouble::kNone);
+  const auto works = [&] {
+    return becomes([&] {
+      troubled.frame();
+      return troubled.sink.has_robots;
+    });
+  };
+  ASSERT_TRUE(works());
+  std::size_t files = 0;
+  long memory_kib = 0;
+  for (int i = 0; i < kills; ++i) {
+    if (i == kills / 10) {
+      files = open_files();
+      memory_kib = resident_kib();
+    }
+    const auto processes = stage_processes();
+    ASSERT_EQ(processes.size(), 1u);
+    // Now and then it hangs, or crashes itself.
+    const int signal = i % 20 == 19 ? SIGSTOP : i % 4 == 3 ? SIGSEGV : SIGKILL;
+    ASSERT_EQ(::kill(processes[0], signal), 0);
+    ASSERT_TRUE(becomes([&] {
+      troubled.frame();
+      return !troubled.sink.has_robots || stage_processes() != processes;
+    }));
+    ASSERT_TRUE(works()) << i << " " << troubled.note().text;
+  }
+  EXPECT_THAT(troubled.note().text, HasSubstr("started again, " + std::to_string(kills) + " times"));
+  EXPECT_EQ(open_files(), files);
+  EXPECT_LE(resident_kib() - memory_kib, 4096);
+}
+
+TEST(StageApart, KilledAgainAndAgainNoFrameIsLostAndNothingLeaks) {
+  kill_again_and_again(20);
+}
+
+TEST(StageApart, KilledForLongNoFrameIsLostAndNothingLeaks) {
+  kill_again_and_again(200);
+}
+
+TEST(StageApart, NoProcessAndNoFileIsLeft) {
+  const std::size_t before = open_files();
+  {
+    Troubled troubled(Trouble::kNone);
+    troubled.frame();
+    EXPECT_EQ(stage_processes().size(), 1u);
+  }
+  EXPECT_EQ(open_files(), before);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST(StageApart, ItEndsWithItsStack) {
+  Troubled troubled(Trouble::kNone);
+  troubled.frame();
+  troubled.setup = {};
+  troubled.camera.change(setup_of(troubled.apart.rows.camera, {"mark_balls"}));
+  (void)troubled.camera.setup();
+  EXPECT_TRUE(becomes([] { return stage_processes().empty(); }));
+}
+
+TEST(StageApart, GoesOnWithoutItsSupervisor) {
+  auto supervisor = std::make_unique<Supervisor>(quick());
+  StageRows rows = rows_apart(kLibrary, *supervisor);
+  const auto step = row(rows.camera, "make_trouble").create();
+  supervisor.reset();
+  Frame frame;
+  const CameraContext context = context_of(calibrated_scene(), busy_lut());
+  PacketSink sink;
+  const auto params = row(rows.camera, "make_trouble").parse(Json::object(), "").params;
+  step->run({frame, context, sink}, params.get());
+  EXPECT_TRUE(frame.robots.robots.empty());
+}
+
+TEST(StageApart, EndsWithTheServiceAlsoWhenItHangs) {
+  test::ChildProcess service({"/proc/self/exe", "--hang"});
+  service.wait_for_line("hangs");
+  const auto processes = stage_processes(service.pid());
+  ASSERT_EQ(processes.size(), 1u);
+  const int pidfd = static_cast<int>(::syscall(SYS_pidfd_open, processes[0], 0));
+  ASSERT_GE(pidfd, 0);
+  service.send_signal(SIGKILL);
+  pollfd ended{pidfd, POLLIN, 0};
+  EXPECT_EQ(::poll(&ended, 1, 20'000), 1);
+  ::close(pidfd);
+}
+
+/// What a process has from the service: only what it is given.
+TEST(StageApart, ItsProcessHasNoMoreThanItNeeds) {
+  const int secret = ::open("/dev/null", O_RDONLY);  // without O_CLOEXEC
+  Troubled troubled(Trouble::kNone);
+  troubled.frame();
+  const auto processes = stage_processes();
+  ASSERT_EQ(processes.size(), 1u);
+  const auto proc = std::filesystem::path("/proc") / std::to_string(processes[0]);
+  std::set<std::string> files;
+  for (const auto& file : std::filesystem::directory_iterator(proc / "fd"))
+    files.insert(file.path().filename());
+  EXPECT_EQ(files, (std::set<std::string>{"0", "1", "2", "3", "4", "5"}));
+  std::ifstream status(proc / "status");
+  std::string all((std::istreambuf_iterator<char>(status)), {});
+  EXPECT_THAT(all, HasSubstr("NoNewPrivs:\t1"));
+  EXPECT_THAT(all, HasSubstr("SigBlk:\t0000000000000000"));
+  ::close(secret);
+}
+
+TEST(SharedMemory, KnowsWhatLiesInIt) {
+  const SharedMemory a(8192), b(4096);
+  std::vector<std::uint8_t> other(100);
+  const auto place = shared_place(a.data() + 100, 8092);
+  ASSERT_TRUE(place);
+  EXPECT_EQ(place->id, a.id());
+  EXPECT_EQ(place->offset, 100u);
+  EXPECT_EQ(shared_place(b.data(), 4096)->id, b.id());
+  EXPECT_FALSE(shared_place(a.data() + 100, 8093)) << "not all of it lies there";
+  EXPECT_FALSE(shared_place(other.data(), 100));
+  EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, a.file(), 0), MAP_FAILED);
+}
+
+TEST(PartCodec, BytesThatAreNoPartAreRefused) {
+  Observations part;
+  part.robots.resize(3);
+  part.balls.resize(2);
+  std::vector<std::byte> bytes = bytes_of(part);
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    const std::span<const std::byte> all = bytes;
+    ByteReader reader(all.first(length));
+    Observations out;
+    EXPECT_FALSE(decode(reader, out)) << length;
+  }
+  std::mt19937 random(1);
+  for (int i = 0; i < 20'000; ++i) {
+    auto changed = bytes;
+    for (int n = 0; n < 3; ++n) changed[random() % changed.size()] = static_cast<std::byte>(random());
+    ByteReader reader(changed, true);
+    Observations out;
+    if (!decode(reader, out)) continue;
+    EXPECT_LE(out.robots.size(), 8u);
+    for (const auto& robot : out.robots) EXPECT_LE(static_cast<int>(robot.name.team), 1);
+  }
+}
+
+int hang() {
+  Troubled troubled(Trouble::kHang, Supervisor::Options{.longest_silence = std::chrono::hours(1)}, 1);
+  troubled.frame();
+  std::cout << "hangs" << std::endl;
+  for (;;) ::pause();
+}
+
+}  // namespace
+}  // namespace sslv
+
+int main(int argc, char** argv) {
+  if (const auto code = sslv::stage_process_main(argc, argv)) return *code;
+  sslv::log::set_level(sslv::log::Level::kError);
+  if (argc > 1 && std::string_view(argv[1]) == "--hang") return sslv::hang();
+  ::testing::InitGoogleMock(&argc, argv);
+  return RUN_ALL_TESTS();
+}
