@@ -47,7 +47,7 @@ void MakeTrouble::process(const Params& params, const FrameInfo& info, RobotList
   Robot robot{};
   robot.id = 1;
   robot.confidence = 1;
-  robot.x_mm = info.number;
+  robot.x_mm = place_in(info.number);
   out.robots.assign(1, robot);
   switch (static_cast<Trouble>(params.trouble)) {
     case Trouble::kNone: break;

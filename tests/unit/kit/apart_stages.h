@@ -6,10 +6,16 @@
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace sslv::test {
+
+/// On a field, another one for each frame among many.
+inline double place_in(std::uint32_t frame_number) {
+  return frame_number % 100'000;
+}
 
 /// Everything that a camera's stage can be given, as a ball.
 struct SeeAll {
@@ -35,7 +41,7 @@ struct SeeAll {
     const double lens = is_seen ? scene.camera->project({100, 200, 10})->x() : -1;
     out.balls.clear();
     out.balls.push_back(
-        {.x_mm = sum,
+        {.x_mm = std::fmod(sum, 1e6),  // a place on a field
          .y_mm = params.factor * scene.field.ball_radius,
          .pixel_x = lens,
          .pixel_y = patterns.center_diameter_mm + static_cast<double>(patterns.codes.size()),

@@ -69,7 +69,7 @@ struct PacketSink : DetectionSink {
     has_robots = !robots.robots.empty();
     with_robots += has_robots;
     with_balls += !balls.balls.empty();
-    for (const Robot& robot : robots.robots) of_other_frame += robot.x_mm != static_cast<double>(info.number);
+    for (const Robot& robot : robots.robots) of_other_frame += robot.x_mm != test::place_in(info.number);
   }
   std::uint32_t last = 0;
   bool has_robots = false;
@@ -279,7 +279,7 @@ TEST(RowsApart, AreAsTheLibrarySays) {
     EXPECT_EQ(a.writes, b.writes);
     EXPECT_EQ(a.updates, b.updates);
     EXPECT_EQ(a.takes, b.takes);
-    EXPECT_EQ(a.library, kLibrary);
+    EXPECT_EQ(a.library, "apart_stages.so");
     ASSERT_EQ(a.own_parts.size(), b.own_parts.size());
     for (std::size_t p = 0; p < a.own_parts.size(); ++p) {
       EXPECT_EQ(a.own_parts[p].type.name, b.own_parts[p].type.name);
