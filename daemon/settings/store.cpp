@@ -30,11 +30,13 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
 }
 
 /// Gives `put_on` what changes are about and only the tree that they were made on has: parameters of a stage
-/// whose library is gone for now. What nobody knows is refused when the whole tree is checked.
+/// whose library is gone for now, or another version. What nobody knows is refused when the whole tree is
+/// checked.
 void add_absent(const Json& changes, const Json& made_on, Json& put_on) {
   for (const Json& change : changes) {
     const std::string path = change.at("path").get<std::string>();
-    for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
+    for (std::size_t end = 0; end < path.size();) {
+      end = std::min(path.find('/', end + 1), path.size());
       const Json::json_pointer place(path.substr(0, end));
       if (put_on.contains(place)) continue;
       const Json::json_pointer above = place.parent_pointer();
