@@ -105,6 +105,9 @@ constexpr StageStamp this_stamp() {
   SSLV_ADD(OwnParts);
   SSLV_ADD(OwnPartUse);
   SSLV_ADD(StageNotes);
+  SSLV_ADD(CameraFloor::Inputs);
+  SSLV_ADD(FieldFloor::Inputs);
+  SSLV_ADD(Step<CameraFloor>);
   SSLV_ADD(StageType);
   SSLV_ADD(FieldStageType);
   SSLV_ADD(Json);
