@@ -38,7 +38,7 @@ struct StageStamp {
   std::array<char, 16> magic{};
   std::uint32_t kit_version = 0, type_count = 0;
   std::array<char, 64> compiler{};  // processor, C++ library, libraries whose types are used
-  std::array<StampedType, 32> types{};
+  std::array<StampedType, 40> types{};
 };
 
 template <std::size_t kSize>
