@@ -346,7 +346,15 @@ const char* name_of(ImageOrigin origin) {
 
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) {
   add_origin_alerts(report.alerts, cameras);
-  for (const LeftOutLibrary& library : left_out_libraries()) {
+  for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
+  for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
+  for (const CameraFacts& camera : cameras) report_stages(stack_facts(camera), report);
+  for (const auto check : {check_cameras, check_pictures, check_latency})
+    report.checks.push_back(check(cameras));
+}
+
+void report_left_out(std::span<const LeftOutLibrary> libraries, HealthReport& report) {
+  for (const LeftOutLibrary& library : libraries) {
     report.alerts.push_back({.id = "stage_library",
                              .check = "cameras",
                              .severity = Severity::kWarn,
@@ -355,11 +363,6 @@ void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) 
                              .fix = "Put a good one in its place, or take it away, and restart the service.",
                              .about = escaped_text(library.file.string())});
   }
-  for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
-  for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
-  for (const CameraFacts& camera : cameras) report_stages(stack_facts(camera), report);
-  for (const auto check : {check_cameras, check_pictures, check_latency})
-    report.checks.push_back(check(cameras));
 }
 
 std::string camera_summary(std::span<const CameraFacts> cameras) {

@@ -7,6 +7,7 @@
 #include "capture/camera_thread.h"
 #include "health/exposure.h"
 #include "health/timeline.h"
+#include "kit/load_stages.h"
 #include "pipeline/pipeline.h"
 #include "services/health_report.h"
 #include "services/stage_report.h"
@@ -52,6 +53,9 @@ struct CameraFacts {
 
 /// Adds their alerts and the checks `cameras`, `pictures` and `latency`.
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report);
+
+/// Adds an alert for each stage library that was left out.
+void report_left_out(std::span<const LeftOutLibrary> libraries, HealthReport& report);
 
 /// "2/2 cameras 60.0 fps p99 0.9 ms".
 std::string camera_summary(std::span<const CameraFacts> cameras);

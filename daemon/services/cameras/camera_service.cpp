@@ -105,6 +105,7 @@ void CameraService::report(HealthReport& report) const {
   const List cameras = cameras_.list();
   const std::vector<CameraFacts> facts = facts_of(cameras);
   report_cameras(facts, report);
+  report_left_out(left_out_libraries(), report);
   if (!report.status) return;
   Json& figures = (*report.status)["cameras"] = Json::array();
   for (std::size_t i = 0; i < cameras.size(); ++i)

@@ -205,6 +205,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   camera.sends = false;
   camera.controls_unsaved = 2;
   camera.hang = Hang{};
+  camera.running.missing = {"gone"};
   camera.newest_seconds = {3, 60, 160, 0, 0};
   camera.last_seconds.dropped = 400;
   camera.stages = {
@@ -248,6 +249,9 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.seen.field.team_gone_s = {};
   for (Alert& alert : alerts()) all.push_back(std::move(alert));
   for (Alert& alert : field_alerts()) all.push_back(std::move(alert));
+  HealthReport left_out;
+  report_left_out(std::vector<LeftOutLibrary>{{"/stages/x.so", "is no shared object"}}, left_out);
+  for (Alert& alert : left_out.alerts) all.push_back(std::move(alert));
   std::set<std::string> found;
   for (const Alert& alert : all) found.insert(alert.id);
 
