@@ -40,7 +40,7 @@ std::optional<NewSetup> make_setup(const Config& config, std::size_t i,
   if (previous && same_setup(config, camera, *previous)) return std::nullopt;
   NewSetup out;
   CameraSetup& setup = out.setup;
-  if (previous && previous->settings.stack == camera.stack) {
+  if (previous && previous->settings.running.stages == camera.running.stages) {
     setup.pipeline = previous->setup.pipeline;
   } else {
     setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.running.stages,
