@@ -87,7 +87,9 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .about = fmt::format("{} {}", conflict.camera, conflict.address)});
   }
   const LeftOut& left_out = facts.left_out;
-  if (left_out.camera < 0 || facts.now_s - left_out.t_s > kLately_s) return;
+  // Of a clock that was set back, nobody knows how long ago it was.
+  const double ago_s = facts.now_s - left_out.t_s;
+  if (left_out.camera < 0 || ago_s < 0 || ago_s > kLately_s) return;
   if (left_out.why == LeftOut::Why::kTime) {
     report.alerts.push_back(
         {.id = "camera_off_time",
