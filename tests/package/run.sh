@@ -205,6 +205,17 @@ hello_runs() { get /api/status | jq -e '.cameras[0].stages[] | select(.name == "
 check "it runs" eventually 5 hello_runs
 names_broken() { get /api/status | jq -e '.alerts[] | select(.id == "stage_library") | .title | test("broken.so is left out")'; }
 check "a broken library is named" eventually 5 names_broken
+rm -r machine/usr/local/lib/ssl-visiond
+install -D -t machine/usr/local/lib/ssl-visiond/stages-apart hello/build/hello.so
+check "it is given to the service for a process of its own" inside systemctl restart "$unit"
+stage_processes() { inside sh -c "grep -la -e '[-]-stage-process' /proc/[0-9]*/cmdline" | cut -d/ -f3; }
+in_process() { [[ -n $(stage_processes) ]] && hello_runs; }
+check "it runs there" eventually 5 in_process
+# As the unit has it: a bare Debian has kill in its shell alone.
+kill_stage() { inside sh -c "kill -KILL $(stage_processes | tr '\n' ' ')"; }
+check "the process is killed" kill_stage
+check "another one runs" eventually 5 in_process
+check "the service has gone on" hello_runs
 rm -r machine/usr/local/lib/ssl-visiond kit hello
 inside systemctl restart "$unit"
 misses_hello() { get /api/status | jq -e '.alerts[] | select(.id == "stage_missing")'; }
