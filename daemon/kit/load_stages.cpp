@@ -179,7 +179,7 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
         if (entry.path().extension() == ".so") files.push_back(entry.path());
     } catch (const std::filesystem::filesystem_error& error) {
       // A folder for libraries of one's own need not be there.
-      log::info("{} is no folder of stage libraries: {}", folder.string(), error.code().message());
+      log::info("no stages from {}: {}", folder.string(), error.code().message());
     }
     std::sort(files.begin() + begin, files.end());
   }

@@ -14,7 +14,8 @@
 namespace sslv {
 namespace {
 
-// What a stamp cannot see: names, units, meanings. So whoever changes a header of the kit is asked.
+// A stamp cannot see names, units and meanings. So the test asks the author of every change to a header of
+// the kit.
 TEST(Stamp, KitsVersionFollowsItsHeaders) {
   std::istringstream names(SSLV_KIT_HEADERS);
   std::string all, name;
