@@ -23,8 +23,7 @@ command -v cmake >/dev/null || cannot "there is no cmake"
 # build SOURCE TARGET: with every warning that an author may have switched on.
 build() {
   rm -rf "$2"
-  cmake -S "$1" -B "$2" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Wshadow -Werror" \
-    ${CMAKE_CXX_COMPILER_LAUNCHER:+-DCMAKE_CXX_COMPILER_LAUNCHER="$CMAKE_CXX_COMPILER_LAUNCHER"} &&
+  cmake -S "$1" -B "$2" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Wshadow -Werror" &&
     cmake --build "$2"
 }
 build_all() {
