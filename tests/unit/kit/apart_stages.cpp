@@ -19,6 +19,7 @@
 #include <thread>
 
 #include <sys/mman.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -79,25 +80,50 @@ CannotStart::CannotStart() {
   throw std::runtime_error("there is no such device");
 }
 
+HangsAtStart::HangsAtStart() {
+  for (;;) ::pause();
+}
+
 namespace {
+
+bool is_set(const char* name) {
+  return std::getenv(name) != nullptr;
+}
+
+/// Something that leaves the process group, and has the files.
+const int kLeft = [] {
+  if (!is_set("SSLV_TEST_LEAVES_CHILD")) return 0;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setsid();
+    if (::fork() != 0) ::_exit(0);
+    ::alarm(30);
+    for (;;) ::pause();
+  }
+  return ::waitpid(child, nullptr, 0);
+}();
 
 StageRows make_rows() {
   StageRows rows;
-  rows.camera = {stage<SeeAll>("see_all", "sees all that it is given"),
-                 stage<LookAround>("look_around", ""),
-                 stage<FindTags>("find_tags", ""),
-                 stage<DoubleTags>("double_tags", ""),
-                 stage<CountTags>("count_tags", ""),
-                 stage<MakeTrouble>("make_trouble", ""),
-                 stage<CannotStart>("cannot_start", ""),
-                 stage<Segment>("segment", ""),
-                 stage<Threshold>("threshold", ""),
-                 stage<FindRuns>("find_runs", ""),
-                 stage<DetectRobots>("detect_robots", ""),
-                 stage<DetectBalls>("detect_balls", "")};
+  rows.camera = {
+      stage<SeeAll>("see_all", "sees all that it is given"),
+      stage<LookAround>("look_around", ""),
+      is_set("SSLV_TEST_OTHER_PARTS") ? stage<CountTags>("find_tags", "") : stage<FindTags>("find_tags", ""),
+      stage<DoubleTags>("double_tags", ""),
+      stage<SpoilTags>("spoil_tags", ""),
+      stage<CountTags>("count_tags", ""),
+      stage<MakeTrouble>("make_trouble", ""),
+      stage<CannotStart>("cannot_start", ""),
+      stage<HangsAtStart>("hangs_at_start", ""),
+      stage<Segment>("segment", ""),
+      stage<Threshold>("threshold", ""),
+      stage<FindRuns>("find_runs", ""),
+      stage<DetectRobots>("detect_robots", ""),
+      stage<DetectBalls>("detect_balls", "")};
   rows.field = {field_stage<FieldAll>("field_all", ""), field_stage<Gather>("gather", ""),
                 field_stage<Track>("track", "")};
-  if (std::getenv("SSLV_TEST_PUBLISHES") != nullptr) rows.camera.push_back(stage<Publishes>("publishes", ""));
+  if (is_set("SSLV_TEST_NAN_DEFAULT")) rows.camera.push_back(stage<NanDefault>("nan_default", ""));
+  if (is_set("SSLV_TEST_PUBLISHES")) rows.camera.push_back(stage<Publishes>("publishes", ""));
   return rows;
 }
 

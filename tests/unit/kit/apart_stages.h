@@ -107,6 +107,16 @@ struct DoubleTags {
     for (auto& tag : tags->tags) tag.id *= 2;
   }
 };
+/// Changes them, and then makes a number that is none.
+struct SpoilTags {
+  struct Params {
+    static constexpr auto fields() { return std::tuple{}; }
+  };
+  void process(const Params&, Update<TestTags> tags) noexcept {
+    for (auto& tag : tags->tags) tag.id = 77;
+    if (!tags->tags.empty()) tags->tags.back().x = std::nan("");
+  }
+};
 struct CountTags {
   struct Params {
     static constexpr auto fields() { return std::tuple{}; }
@@ -155,6 +165,20 @@ struct CannotStart {
     static constexpr auto fields() { return std::tuple{}; }
   };
   CannotStart();
+  void process(const Params&, const FrameInfo&) noexcept {}
+};
+struct HangsAtStart {
+  struct Params {
+    static constexpr auto fields() { return std::tuple{}; }
+  };
+  HangsAtStart();
+  void process(const Params&, const FrameInfo&) noexcept {}
+};
+struct NanDefault {
+  struct Params {
+    double a = std::nan("");
+    static constexpr auto fields() { return std::tuple{number("a", &Params::a, 0.0, 1.0, "", "")}; }
+  };
   void process(const Params&, const FrameInfo&) noexcept {}
 };
 struct Publishes {
