@@ -143,6 +143,7 @@ int run(const Daemon::Options& options) {
 
 int main(int argc, char** argv) {
   if (const auto code = stage_process_main(argc, argv)) return *code;
+  const EndOfStageProcesses end;
   CLI::App app{
       "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);

@@ -22,14 +22,16 @@
 namespace sslv::log {
 namespace {
 
+// Neither is ever destroyed: what ends after main() may still have something to say.
+
 spdlog::logger& logger() {
-  static const auto kLogger = [] {
-    auto made = spdlog::stderr_color_mt("ssl-visiond");
-    made->set_pattern("%H:%M:%S.%e %^%l%$ %v");
-    made->flush_on(spdlog::level::info);
-    return made;
-  }();
-  return *kLogger;
+  static const auto& made = *new auto([] {
+    auto one = spdlog::stderr_color_mt("ssl-visiond");
+    one->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+    one->flush_on(spdlog::level::info);
+    return one;
+  }());
+  return *made;
 }
 
 spdlog::level::level_enum to_spdlog(Level level) {
@@ -71,7 +73,7 @@ void write_to_journal(Level level, std::string_view message) {
 }
 
 LogRing& ring() {
-  static LogRing lines;
+  static auto& lines = *new LogRing;
   return lines;
 }
 

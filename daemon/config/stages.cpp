@@ -4,6 +4,7 @@
 #include "config/stages.h"
 
 #include "base/log.h"
+#include "base/plain_text.h"
 #include "image/shared_memory.h"
 #include "kit/apart/apart.h"
 #include "kit/read_stamp.h"
@@ -145,7 +146,11 @@ void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
     });
   }
   for (const LeftOutLibrary& one : all.left_out)
-    log::error("{} {}; it is left out", one.file.string(), one.why);
+    log::error("{} {}; it is left out", escaped_text(one.file.string()), one.why);
+}
+
+EndOfStageProcesses::~EndOfStageProcesses() {
+  outside().supervisor.reset();
 }
 
 void leave_out_missing_stages() {

@@ -31,6 +31,16 @@ struct StageFolders {
 /// stages that settings name and that are not there, when there are any folders.
 void add_stage_libraries(const StageFolders& folders, MissingStages missing);
 std::span<const LeftOutLibrary> left_out_libraries();
+
+/// Ends the processes of stages when main() does, while all that they are told to is still there. To be
+/// declared before anything that has stages.
+struct EndOfStageProcesses {
+  EndOfStageProcesses() = default;
+  ~EndOfStageProcesses();
+  EndOfStageProcesses(const EndOfStageProcesses&) = delete;
+  EndOfStageProcesses& operator=(const EndOfStageProcesses&) = delete;
+};
+
 /// Settings may name stages that are not there, as with kLeftOut above.
 void leave_out_missing_stages();
 MissingStages missing_stages();

@@ -2,6 +2,7 @@
 // ssl-visionctl: asks a running daemon, or runs the pipeline over files without one.
 #include "base/error.h"
 #include "base/plain_text.h"
+#include "config/stages.h"
 #include "config/version.h"
 #include "ctl/commands/commands.h"
 #include "kit/apart/stage_process.h"
@@ -72,6 +73,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (const auto code = stage_process_main(argc, argv)) return *code;
+  const EndOfStageProcesses end;
   try {
     return run(argc, argv);
   } catch (const SettingsError& error) {

@@ -140,6 +140,17 @@ describe('stage libraries', () => {
     service.options = ['--stages', folder];
   });
 
+  it('may print half a line before the service ends', async () => {
+    service.options = ['--stages-apart', folder];
+    put('starts_late');
+    await service.start();
+    await setStack(['segment', 'detect_robots', 'detect_balls', 'starts_late', 'publish']);
+    await service.statusBecomes(({ cameras: [{ stages }] }) => stages[3]?.note?.text === 'has printed');
+    await service.stop();
+    assert.match(service.log(), /stage 'starts_late': half a line$/m);
+    service.options = ['--stages', folder];
+  });
+
   it('are needed by a settings file that is checked', () => {
     const file = join(service.folder, 'checked.json');
     writeFileSync(file, JSON.stringify({ cameras: [{ stack: STACK }] }));
