@@ -10,6 +10,7 @@
 #include "kit/apart/stage_process.h"
 #include "settings/store.h"
 
+#include <atomic>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
@@ -17,6 +18,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
@@ -92,15 +94,42 @@ void unblock_own_signals() {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
-void reload(Daemon& daemon) {
-  constexpr std::int64_t kPerSecond = 1'000'000, kNsPerUs = 1000;
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld",
-             static_cast<long long>(now.tv_sec * kPerSecond + now.tv_nsec / kNsPerUs));
-  daemon.reload();
-  sd_notify(0, "READY=1");
-}
+/// Reads the settings again on a thread of its own: a stage that is slow to start must not keep the watchdog
+/// from being fed.
+class Reload {
+ public:
+  explicit Reload(Daemon& daemon) : daemon_(daemon) {}
+  ~Reload() {
+    if (thread_.joinable()) thread_.join();
+  }
+  Reload(const Reload&) = delete;
+  Reload& operator=(const Reload&) = delete;
+
+  /// One at a time: asked again meanwhile, it is done once more.
+  void ask() { is_wanted_ = true; }
+  void each_time() {
+    if (!is_wanted_ || is_running_) return;
+    if (thread_.joinable()) thread_.join();
+    is_wanted_ = false;
+    is_running_ = true;
+    thread_ = std::thread([this] {
+      constexpr std::int64_t kPerSecond = 1'000'000, kNsPerUs = 1000;
+      timespec now{};
+      clock_gettime(CLOCK_MONOTONIC, &now);
+      sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld",
+                 static_cast<long long>(now.tv_sec * kPerSecond + now.tv_nsec / kNsPerUs));
+      daemon_.reload();
+      sd_notify(0, "READY=1");
+      is_running_ = false;
+    });
+  }
+
+ private:
+  Daemon& daemon_;
+  bool is_wanted_ = false;
+  std::atomic<bool> is_running_{false};
+  std::thread thread_;
+};
 
 /// Images and tables go back to the system when they are done with. glibc would learn to keep them, and
 /// each of its arenas, one for every thread that comes and goes with a camera, would keep its own: a third
@@ -118,12 +147,14 @@ int run(const Daemon::Options& options) {
   const auto daemon = naming(options.settings_file, [&] { return std::make_unique<Daemon>(options); });
   log::info("panel on port {}", daemon->panel_port());
   sd_notify(0, "READY=1");
+  Reload reload(*daemon);
   bool was_hanging = false;
   for (;;) {
     const timespec second{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGINT || signal == SIGTERM) break;
-    if (signal == SIGHUP) reload(*daemon);
+    if (signal == SIGHUP) reload.ask();
+    reload.each_time();
     give_memory_back();
     const std::string hanging = daemon->hanging();
     if (hanging.empty()) sd_notify(0, "WATCHDOG=1");

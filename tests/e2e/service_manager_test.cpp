@@ -60,6 +60,28 @@ TEST_F(Notifies, AReloadThatIsRefusedEndsToo) {
   EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
 
+TEST_F(Notifies, IsAliveWhileAReloadWaitsForAStage) {
+  const std::string starts = folder_.file("starts");
+  std::vector<std::string> environment = this->environment(), words = this->words();
+  environment.push_back("SSLV_STARTS_WITH=" + starts);
+  words.insert(words.end(), {"--stages-apart", SSLV_KIT_LIBRARIES "/starts_late"});
+  ChildProcess daemon(words, environment);
+  manager_.wait_for("READY=1");
+  settings_["cameras"][0]["stack"] = {"segment", "detect_robots", "detect_balls", "starts_late", "publish"};
+  settings_file();  // written anew
+  daemon.send_signal(SIGHUP);
+  manager_.wait_for("RELOADING=1");
+  for (int alive = 0; alive < 2;) {
+    const std::string message = manager_.wait_for("");
+    ASSERT_THAT(message, ::testing::Not(StartsWith("READY"))) << "the stage is not there yet";
+    alive += message.starts_with("WATCHDOG=1");
+  }
+  std::ofstream(starts) << "now";
+  manager_.wait_for("READY=1");
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait_for_exit(), 0);
+}
+
 /// A camera whose driver stops answering in the middle: a film through a pipe that nobody writes on with.
 class StuckFilm {
  public:
