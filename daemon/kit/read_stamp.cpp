@@ -5,14 +5,16 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <elf.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -40,10 +42,19 @@ std::string processor_name(unsigned machine) {
 /// Bounded reads of a file: its tables may be wrong.
 class ElfFile {
  public:
-  explicit ElfFile(const std::filesystem::path& file) : in_(file, std::ios::binary) {
-    if (!in_)
+  /// Not waiting: a pipe of that name would have nobody who writes.
+  explicit ElfFile(const std::filesystem::path& file)
+      : file_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {
+    if (file_ < 0)
       throw StageLibraryError(fmt::format("cannot be read: {}", std::generic_category().message(errno)));
+    struct stat about {};
+    if (::fstat(file_, &about) == 0 && S_ISREG(about.st_mode)) return;
+    ::close(file_);
+    throw StageLibraryError("is no regular file");
   }
+  ~ElfFile() { ::close(file_); }
+  ElfFile(const ElfFile&) = delete;
+  ElfFile& operator=(const ElfFile&) = delete;
 
   template <class T>
   T at(std::uint64_t offset) {
@@ -53,16 +64,20 @@ class ElfFile {
   }
 
   void read(std::uint64_t offset, void* to, std::size_t bytes) {
-    in_.clear();
-    if (offset > std::uint64_t{std::numeric_limits<std::int32_t>::max()} ||
-        !in_.seekg(static_cast<std::streamoff>(offset)) ||
-        !in_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes))) {
-      throw StageLibraryError("is cut off or no shared object");
+    auto* at = static_cast<char*>(to);
+    while (bytes > 0 && offset <= std::uint64_t{std::numeric_limits<std::int32_t>::max()}) {
+      const ssize_t count = ::pread(file_, at, bytes, static_cast<off_t>(offset));
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) break;
+      at += count;
+      offset += static_cast<std::uint64_t>(count);
+      bytes -= static_cast<std::size_t>(count);
     }
+    if (bytes > 0) throw StageLibraryError("is cut off or no shared object");
   }
 
  private:
-  std::ifstream in_;
+  int file_;
 };
 
 template <std::size_t kSize>
@@ -131,9 +146,16 @@ void check_stamp(const StageStamp& stamp) {
   for (std::size_t i = 0; i < kOurs.types.size(); ++i) {
     const StampedType &theirs = stamp.types[i], &ours = kOurs.types[i];
     if (theirs == ours) continue;
-    throw StageLibraryError(fmt::format(
-        "has another layout of {} ({} bytes) than this program ({} bytes): {}",
-        escaped_text(text_in(ours.size == 0 ? theirs.name : ours.name)), theirs.size, ours.size, again));
+    const std::string name = escaped_text(text_in(ours.size == 0 ? theirs.name : ours.name));
+    if (theirs.size == ours.size && theirs.alignment != ours.alignment) {
+      throw StageLibraryError(
+          fmt::format("has another alignment of {} ({} bytes) than this program ({} bytes): build it again "
+                      "without options for one processor (-march=native)",
+                      name, theirs.alignment, ours.alignment));
+    }
+    throw StageLibraryError(
+        fmt::format("has another layout of {} ({} bytes) than this program ({} bytes): {}", name, theirs.size,
+                    ours.size, again));
   }
 }
 

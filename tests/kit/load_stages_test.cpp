@@ -12,6 +12,8 @@
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -92,7 +94,12 @@ TEST_F(LibraryFolder, SaysWhatIsNoLibrary) {
   EXPECT_EQ(why(), "is cut off or no shared object");
   std::filesystem::remove(folder_.path() / "text.so");
   std::filesystem::create_directory(folder_.path() / "folder.so");
-  EXPECT_THAT(why(), HasSubstr("is cut off or no shared object"));
+  EXPECT_EQ(why(), "is no regular file");
+}
+
+TEST_F(LibraryFolder, WaitsForNoPipe) {
+  ASSERT_EQ(::mkfifo((folder_.path() / "pipe.so").c_str(), 0600), 0);
+  EXPECT_EQ(why(), "is no regular file");
 }
 
 TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {
@@ -120,6 +127,14 @@ TEST_F(LibraryFolder, NeedsTheKitsVersion) {
 TEST_F(LibraryFolder, NeedsTheSameCompilersAbi) {
   put("old.so", with_stamp(offsetof(StageStamp, compiler), std::string("PDP-11\0", 7)));
   EXPECT_THAT(why(), StartsWith("is built with PDP-11, this program with "));
+}
+
+TEST_F(LibraryFolder, SaysWhenOnlyTheAlignmentDiffers) {
+  put("native.so", with_stamp(offsetof(StageStamp, types) + offsetof(StampedType, alignment),
+                              std::string("\x40\0\0\0", 4)));
+  EXPECT_THAT(why(),
+              StartsWith("has another alignment of FrameInfo (64 bytes) than this program (8 bytes): build "
+                         "it again without options for one processor"));
 }
 
 TEST_F(LibraryFolder, NeedsTheSameLayoutOfEveryType) {
