@@ -136,7 +136,7 @@ void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
   for (StageLibrary& library : loaded.libraries)
     add(library.file, [&library] { return std::move(library.rows); });
   // From here on there are threads.
-  for (const std::filesystem::path& file : stage_libraries(folders.apart)) {
+  for (const std::filesystem::path& file : stage_libraries(folders.apart, all.left_out)) {
     add(file, [&] {
       check_stamp(read_stamp(file));
       if (!all.supervisor) all.supervisor = std::make_unique<apart::Supervisor>();

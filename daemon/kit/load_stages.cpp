@@ -14,7 +14,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
-#include <iterator>
+#include <memory>
+#include <set>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -170,7 +172,8 @@ StageRows load_rows(const std::filesystem::path& file) {
   return rows;
 }
 
-std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders) {
+std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,
+                                                   std::vector<LeftOutLibrary>& left_out) {
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& folder : folders) {
     const auto begin = static_cast<std::ptrdiff_t>(files.size());
@@ -179,7 +182,10 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
         if (entry.path().extension() == ".so") files.push_back(entry.path());
     } catch (const std::filesystem::filesystem_error& error) {
       // A folder for libraries of one's own need not be there.
-      log::info("no stages from {}: {}", folder.string(), error.code().message());
+      if (error.code() == std::errc::no_such_file_or_directory || error.code() == std::errc::not_a_directory)
+        log::info("no stages from {}: {}", escaped_text(folder.string()), error.code().message());
+      else
+        left_out.push_back({folder, fmt::format("cannot be read: {}", error.code().message())});
     }
     std::sort(files.begin() + begin, files.end());
   }
@@ -188,7 +194,7 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
 
 LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
   LoadedStages out;
-  std::vector<std::filesystem::path> files = stage_libraries(folders);
+  std::vector<std::filesystem::path> files = stage_libraries(folders, out.left_out);
   // All are tried before the first one is loaded: it may start threads, and then no process is forked.
   const auto end = Clock::now() + kMaxLoadingAll;
   std::erase_if(files, [&](const std::filesystem::path& file) {

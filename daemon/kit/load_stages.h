@@ -25,9 +25,10 @@ struct LoadedStages {
   std::vector<LeftOutLibrary> left_out;
 };
 
-/// The stage libraries (*.so) of these folders, in the same order on every computer. A folder that is not
-/// there has none.
-std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders);
+/// The stage libraries (*.so) of these folders, in the same order on every computer, each once. A folder that
+/// is not there has none; one that cannot be read goes to `left_out`.
+std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,
+                                                   std::vector<LeftOutLibrary>& left_out);
 
 /// The stages of one library, which stays loaded: its code runs. Throws StageLibraryError, and whatever the
 /// library throws.

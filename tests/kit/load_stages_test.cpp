@@ -102,6 +102,17 @@ TEST_F(LibraryFolder, WaitsForNoPipe) {
   EXPECT_EQ(why(), "is no regular file");
 }
 
+TEST_F(LibraryFolder, SaysWhichFolderCannotBeRead) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may read all";
+  const auto locked = folder_.path() / "locked";
+  std::filesystem::create_directory(locked);
+  std::filesystem::permissions(locked, std::filesystem::perms::none);
+  const LoadedStages loaded = load_stages({locked});
+  std::filesystem::permissions(locked, std::filesystem::perms::owner_all);
+  ASSERT_THAT(loaded.left_out, SizeIs(1));
+  EXPECT_EQ(loaded.left_out[0].why, "cannot be read: Permission denied");
+}
+
 TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {
   std::string bytes = bytes_of(library("counting"));
   bytes[18] = static_cast<char>(bytes[18] == '\xb7' ? 62 : 183);  // e_machine: x86-64 or aarch64
