@@ -22,6 +22,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <future>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -30,6 +33,11 @@
 
 namespace sslv {
 namespace {
+
+/// What libraries may take of a service's start, for which systemd gives it 30 seconds: those inside to be
+/// tried, and all together, with the first starts of stages in processes of their own. Who has taken too long
+/// leaves the least to those that are described then.
+constexpr std::chrono::milliseconds kMaxLoading{8000}, kMaxStarting{10'000}, kMinDescribing{2000};
 
 struct Outside {
   StageRows rows;
@@ -121,9 +129,15 @@ void add_stages(StageRows rows) {
 
 void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
   if (folders.inside.empty() && folders.apart.empty()) return;
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + kMaxStarting;
+  const auto left = [end] {
+    const auto time = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    return std::max(time, std::chrono::milliseconds(0));
+  };
   Outside& all = outside();
   all.missing = missing;
-  LoadedStages loaded = load_stages(folders.inside);
+  LoadedStages loaded = load_stages(folders.inside, kMaxLoading);
   all.left_out = std::move(loaded.left_out);
   const auto add = [&all](const std::filesystem::path& file, const auto& make_rows) {
     try {
@@ -136,15 +150,24 @@ void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
   for (StageLibrary& library : loaded.libraries)
     add(library.file, [&library] { return std::move(library.rows); });
   // From here on there are threads.
-  for (const std::filesystem::path& file : stage_libraries(folders.apart, all.left_out)) {
-    add(file, [&] {
-      check_stamp(read_stamp(file));
-      if (!all.supervisor) all.supervisor = std::make_unique<apart::Supervisor>();
-      StageRows rows = rows_apart(file, *all.supervisor);
+  const std::vector<std::filesystem::path> files = stage_libraries(folders.apart, all.left_out);
+  if (!files.empty()) all.supervisor = std::make_unique<apart::Supervisor>();
+  std::vector<std::future<StageRows>> described;
+  for (const std::filesystem::path& file : files) {
+    described.push_back(
+        std::async(std::launch::async, [&all, &file, within = std::max(left(), kMinDescribing)] {
+          check_stamp(read_stamp(file));
+          return rows_apart(file, *all.supervisor, within);
+        }));
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    add(files[i], [&] {
+      StageRows rows = described[i].get();
       share_new_images(true);
       return rows;
     });
   }
+  if (all.supervisor) all.supervisor->wait_at_most(left());
   for (const LeftOutLibrary& one : all.left_out)
     log::error("{} {}; it is left out", escaped_text(one.file.string()), one.why);
 }

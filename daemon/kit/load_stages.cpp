@@ -26,6 +26,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -33,10 +34,6 @@ namespace sslv {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// A library that takes longer to load keeps the service from its start, for which systemd gives it 30
-/// seconds. All of them together have the second time; then a second is left for each.
-constexpr std::chrono::seconds kMaxLoading{10}, kMaxLoadingAll{15}, kMinLoading{1};
 
 std::string first_line(std::string_view text) {
   return escaped_text(text.substr(0, text.find('\n')));
@@ -98,59 +95,145 @@ std::string try_library(const std::filesystem::path& file) {
   });
 }
 
-/// All that comes before `end`.
-std::string read_until_closed(int from, Clock::time_point end, bool& is_late) {
-  std::string text;
+/// A library in a process of its own, which may crash, hang, or start more of them.
+class Trial {
+ public:
+  /// Throws StageLibraryError.
+  explicit Trial(std::filesystem::path library) : file(std::move(library)) {
+    std::array<int, 2> pipe{};
+    if (pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) != 0) fail();
+    answer_ = pipe[0];
+    const pid_t parent = getpid();
+    process_ = fork();
+    if (process_ == 0) {
+      setpgid(0, 0);
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (getppid() != parent) _exit(EXIT_FAILURE);
+      // The end of the line tells "nothing is wrong" from an end before that could be said.
+      std::string said = try_library(file);
+      said.resize(std::min({said.size(), said.find('\n'), std::size_t{PIPE_BUF} - 1}));
+      said += '\n';
+      const ssize_t written = write(pipe[1], said.data(), said.size());
+      _exit(written > 0 ? EXIT_SUCCESS : EXIT_FAILURE);
+    }
+    close(pipe[1]);
+    if (process_ > 0) {
+      setpgid(process_, process_);
+      end_ = static_cast<int>(syscall(SYS_pidfd_open, process_, 0));
+    }
+    if (end_ < 0) fail();
+  }
+  ~Trial() {
+    wait();
+    if (answer_ >= 0) close(answer_);
+    if (end_ >= 0) close(end_);
+  }
+  Trial(const Trial&) = delete;
+  Trial& operator=(const Trial&) = delete;
+
+  std::array<pollfd, 2> polled() const {
+    return {{{is_closed_ ? -1 : answer_, POLLIN, 0}, {end_, POLLIN, 0}}};
+  }
+
+  /// Whether there is no more to be known: it has said all, or has ended.
+  bool has_come() {
+    pollfd ended{end_, POLLIN, 0};
+    const bool has_ended = poll(&ended, 1, 0) == 1;  // before reading: what it said is there then
+    std::array<char, 512> part{};
+    for (ssize_t size = 0;
+         !is_closed_ && !is_said() && (size = read(answer_, part.data(), part.size())) >= 0;) {
+      is_closed_ = size == 0;
+      said_.append(part.data(), static_cast<std::size_t>(size));
+    }
+    return has_ended || is_said();
+  }
+
+  /// What is wrong with it, or nothing. Ends it, with all that is still of its group.
+  std::string result(std::chrono::milliseconds had) {
+    pollfd ended{end_, POLLIN, 0};
+    const bool is_late = !is_said() && poll(&ended, 1, 0) == 0;
+    const int status = wait();
+    if (is_said()) return first_line(said_);
+    if (is_late) {
+      return fmt::format("is not loaded within {:.3g} seconds", std::chrono::duration<double>(had).count());
+    }
+    if (WIFSIGNALED(status))
+      return fmt::format("crashes while it is loaded ({})", sigdescr_np(WTERMSIG(status)));
+    return "ends the process that loads it";
+  }
+
+  const std::filesystem::path file;
+
+ private:
+  bool is_said() const { return said_.find('\n') != std::string::npos; }
+  [[noreturn]] void fail() {
+    const int why = errno;
+    wait();
+    if (answer_ >= 0) close(answer_);
+    throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(why)));
+  }
+  int wait() {
+    int status = 0;
+    if (process_ <= 0) return status;
+    kill(-process_, SIGKILL);
+    kill(process_, SIGKILL);
+    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = -1;
+    return status;
+  }
+
+  pid_t process_ = -1;
+  int answer_ = -1, end_ = -1;
+  std::string said_;
+  bool is_closed_ = false;
+};
+
+/// Tries all at the same time, so that one that hangs takes none from the others. Those that are no good go
+/// to `left_out`.
+void try_all(std::vector<std::filesystem::path>& files, std::chrono::milliseconds within,
+             std::vector<LeftOutLibrary>& left_out) {
+  const auto end = Clock::now() + within;
+  std::vector<std::string> wrong(files.size());
+  std::vector<std::unique_ptr<Trial>> trials(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    try {
+      check_stamp(read_stamp(files[i]));
+      trials[i] = std::make_unique<Trial>(files[i]);
+    } catch (const std::exception& error) {
+      wrong[i] = error.what();
+    }
+  }
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
-    pollfd ready{from, POLLIN, 0};
-    const int count = left.count() > 0 ? poll(&ready, 1, static_cast<int>(left.count())) : 0;
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      is_late = true;
-      return text;
+    std::vector<pollfd> polled;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (trials[i] == nullptr) continue;
+      if (trials[i]->has_come() || left.count() <= 0) {
+        wrong[i] = trials[i]->result(within);
+        trials[i].reset();
+      } else {
+        for (const pollfd& one : trials[i]->polled()) polled.push_back(one);
+      }
     }
-    std::array<char, 512> part{};
-    const ssize_t size = read(from, part.data(), part.size());
-    if (size <= 0) return text;
-    text.append(part.data(), static_cast<std::size_t>(size));
+    if (polled.empty()) break;
+    poll(polled.data(), polled.size(), static_cast<int>(left.count()));
   }
+  std::size_t at = 0;
+  std::erase_if(files, [&](const std::filesystem::path& file) {
+    std::string& why = wrong[at++];
+    if (why.empty()) return false;
+    left_out.push_back({file, std::move(why)});
+    return true;
+  });
 }
 
-/// try_library() in a process of its own. Throws StageLibraryError.
-void try_apart(const std::filesystem::path& file, std::chrono::seconds max) {
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0)
-    throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(errno)));
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(EXIT_FAILURE);
-    // The marker tells "nothing is wrong" from an end before that could be said.
-    const std::string said = try_library(file) + '\n';
-    const ssize_t written = write(ends[1], said.data(), std::min<std::size_t>(said.size(), PIPE_BUF));
-    _exit(written > 0 ? EXIT_SUCCESS : EXIT_FAILURE);
+/// For the rows of a library that is loaded here: as they are for the tables.
+template <class Floor>
+void settle(std::vector<BasicStageType<Floor>>& rows, const std::string& library) {
+  for (auto& row : rows) {
+    row.library = library;
   }
-  close(ends[1]);
-  bool is_late = false;
-  const std::string said =
-      child > 0 ? read_until_closed(ends[0], Clock::now() + max, is_late) : std::string();
-  close(ends[0]);
-  if (child < 0)
-    throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(errno)));
-  if (is_late) kill(child, SIGKILL);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (is_late)
-    throw StageLibraryError(
-        fmt::format("is not loaded within {} second{}", max.count(), max.count() == 1 ? "" : "s"));
-  if (WIFSIGNALED(status)) {
-    throw StageLibraryError(fmt::format("crashes while it is loaded ({})", sigdescr_np(WTERMSIG(status))));
-  }
-  if (said.empty()) throw StageLibraryError("ends the process that loads it");
-  if (said != "\n") throw StageLibraryError(first_line(said));
 }
 
 }  // namespace
@@ -192,22 +275,12 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
   return files;
 }
 
-LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
+LoadedStages load_stages(const std::vector<std::filesystem::path>& folders,
+                         std::chrono::milliseconds within) {
   LoadedStages out;
   std::vector<std::filesystem::path> files = stage_libraries(folders, out.left_out);
   // All are tried before the first one is loaded: it may start threads, and then no process is forked.
-  const auto end = Clock::now() + kMaxLoadingAll;
-  std::erase_if(files, [&](const std::filesystem::path& file) {
-    const auto left = std::chrono::duration_cast<std::chrono::seconds>(end - Clock::now());
-    try {
-      check_stamp(read_stamp(file));
-      try_apart(file, std::clamp(left, kMinLoading, kMaxLoading));
-      return false;
-    } catch (const std::exception& error) {
-      out.left_out.push_back({file, error.what()});
-      return true;
-    }
-  });
+  try_all(files, within, out.left_out);
   for (const std::filesystem::path& file : files) {
     StageLibrary library{file, {}};
     if (std::string problem = load(file, library.rows); !problem.empty()) {
@@ -215,8 +288,8 @@ LoadedStages load_stages(const std::vector<std::filesystem::path>& folders) {
       continue;
     }
     const std::string name = escaped_text(file.filename().string());
-    for (StageType& row : library.rows.camera) row.library = name;
-    for (FieldStageType& row : library.rows.field) row.library = name;
+    settle(library.rows.camera, name);
+    settle(library.rows.field, name);
     out.libraries.push_back(std::move(library));
   }
   return out;

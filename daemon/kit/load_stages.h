@@ -3,6 +3,7 @@
 
 #include "kit/stages.h"
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -36,7 +37,9 @@ StageRows load_rows(const std::filesystem::path& file);
 
 /// Loads the stage libraries of these folders, for good. Before a library is loaded its stamp is read,
 /// and a process of its own loads it and makes each of its stages once: what throws, crashes or hangs does so
-/// there. To be called before any thread starts.
-LoadedStages load_stages(const std::vector<std::filesystem::path>& folders);
+/// there. That is done with all libraries at the same time, which have `within` together. To be called before
+/// any thread starts.
+LoadedStages load_stages(const std::vector<std::filesystem::path>& folders,
+                         std::chrono::milliseconds within = std::chrono::seconds(8));
 
 }  // namespace sslv

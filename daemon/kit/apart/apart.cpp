@@ -176,11 +176,12 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
 
 }  // namespace
 
-StageRows rows_apart(const std::string& library_file, Supervisor& supervisor) {
+StageRows rows_apart(const std::string& library_file, Supervisor& supervisor,
+                     std::chrono::milliseconds within) {
   try {
     auto library = std::make_shared<Library>();
     library->file = std::filesystem::absolute(library_file).string();
-    const Json described = ask_library(library->file, {{"ask", "describe"}});
+    const Json described = ask_library(library->file, {{"ask", "describe"}}, within);
     StageRows rows;
     for (const Json& one : described.at("camera"))
       rows.camera.push_back(row_of<CameraFloor>(one, library, supervisor));

@@ -7,6 +7,7 @@
 #include "kit/apart/supervisor.h"
 #include "kit/stages.h"
 
+#include <chrono>
 #include <string>
 
 namespace sslv {
@@ -17,6 +18,7 @@ namespace sslv {
 /// may wait; throws StageLibraryError when there are none or one of them cannot run this way.
 ///
 /// The places of own parts are told as with other rows, through OwnPartUse::place; they are of this library.
-StageRows rows_apart(const std::string& library, apart::Supervisor& supervisor);
+StageRows rows_apart(const std::string& library, apart::Supervisor& supervisor,
+                     std::chrono::milliseconds within = std::chrono::seconds(5));
 
 }  // namespace sslv

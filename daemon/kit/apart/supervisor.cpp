@@ -11,8 +11,10 @@
 #include <condition_variable>
 #include <cstring>
 #include <ctime>
+#include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -81,7 +83,6 @@ struct Supervisor::Impl {
         0;  // when it is to be started; when starting takes too long; since when it is ready
     std::uint32_t lost_lately = 0;
     std::string killed_for;
-    bool is_new = true;  // somebody waits in start()
   };
 
   explicit Impl(const Options& the_options)
@@ -105,28 +106,36 @@ struct Supervisor::Impl {
   std::shared_ptr<StageProcess> add(std::shared_ptr<StageProcess> process) {
     std::unique_lock lock(mutex);
     added.push_back(process);
+    const auto begin = std::chrono::steady_clock::now();
+    if (waiting.empty())
+      patience = std::min<Duration>(patience + (begin - patience_at), options.longest_wait);
+    const auto has_come = waiting.emplace(process.get(), std::nullopt).first;
     ring();
-    settled.wait(lock, [&] {
-      return std::ranges::any_of(outcomes, [&](const auto& one) { return one.first == process; });
-    });
-    const auto mine = std::ranges::find_if(outcomes, [&](const auto& one) { return one.first == process; });
-    const std::string problem = std::move(mine->second);
-    outcomes.erase(mine);
+    const Duration longest = slow.contains(process->library) ? Duration(0) : patience;
+    if (!settled.wait_until(lock, begin + longest, [&] { return has_come->second.has_value(); }))
+      slow.insert(process->library);
+    patience_at = std::chrono::steady_clock::now();
+    patience = std::max(patience - (patience_at - begin), Duration(0));
+    const std::string problem = has_come->second.value_or("");
+    waiting.erase(has_come);
     lock.unlock();
-    if (!problem.empty()) {
-      process->is_wanted.store(false);
-      throw std::runtime_error(problem);
-    }
+    if (!problem.empty()) throw std::runtime_error(problem);
     return process;
   }
 
-  /// For who waits in start(). With a problem, the stage is given up.
-  void settle(Watched& one, const std::string& problem) {
-    if (!std::exchange(one.is_new, false)) return;
-    {
-      const std::lock_guard lock(mutex);
-      outcomes.emplace_back(one.process, problem);
-    }
+  void wait_at_most(std::chrono::milliseconds together) {
+    const std::lock_guard lock(mutex);
+    patience = std::min<Duration>(patience, together);
+    patience_at = std::chrono::steady_clock::now();
+  }
+
+  /// For who waits in add(), if somebody does. With a problem, the stage is given up then.
+  void settle(StageProcess& process, const std::string& problem) {
+    const std::lock_guard lock(mutex);
+    const auto who = waiting.find(&process);
+    if (who == waiting.end() || who->second) return;
+    who->second = problem;
+    if (!problem.empty()) process.is_wanted.store(false);
     settled.notify_all();
   }
 
@@ -142,7 +151,7 @@ struct Supervisor::Impl {
       }
       for (auto& one : all) look_after(*one);
       std::erase_if(all, [](const auto& one) {
-        return one->state == State::kPaused && !one->is_new && !one->process->is_wanted.load();
+        return one->state == State::kPaused && !one->process->is_wanted.load();
       });
 
       polled.assign(1, {wake.get(), POLLIN, 0});
@@ -160,10 +169,11 @@ struct Supervisor::Impl {
         kill_stage_process(one->started);
         lose(*one);
       }
-      settle(*one, "the service ends");
     }
     const std::lock_guard lock(mutex);
-    for (auto& process : added) outcomes.emplace_back(process, "the service ends");
+    for (auto& [process, outcome] : waiting) {
+      if (!outcome) outcome = "the service ends";
+    }
     settled.notify_all();
   }
 
@@ -202,6 +212,8 @@ struct Supervisor::Impl {
     } else if (one.state == State::kStarting) {
       if (now_ns < one.due_ns) return false;
       one.killed_for = "did not start in time and was ended";
+      const std::lock_guard lock(mutex);
+      slow.insert(process.library);
     } else if (process.failures_in_a_row.load() >= options.most_failures_in_a_row) {
       one.killed_for = "failed too often and was ended";
     } else {
@@ -251,16 +263,15 @@ struct Supervisor::Impl {
         ++newest_generation;
       } while (newest_generation == 0);
       one.process->generation.store(newest_generation);
-      settle(one, "");
+      settle(*one.process, "");
+      const std::lock_guard lock(mutex);
+      slow.erase(one.process->library);
       return;
     }
     const std::string problem = escaped_text({word.data() + 1, static_cast<std::size_t>(count) - 1});
     one.killed_for = "cannot start: " + problem;
     kill_stage_process(one.started);
-    if (one.is_new) {
-      one.process->is_wanted.store(false);
-      settle(one, problem);
-    }
+    settle(*one.process, problem);
   }
 
   /// The process has ended, or was killed and is about to.
@@ -301,7 +312,7 @@ struct Supervisor::Impl {
     losses.length = static_cast<std::uint8_t>(std::min(text.size(), losses.text.size()));
     std::memcpy(losses.text.data(), text.data(), losses.length);
     one.process->losses.store(losses);
-    settle(one, "");
+    settle(*one.process, "");
   }
 
   const Options options;
@@ -313,7 +324,12 @@ struct Supervisor::Impl {
   std::mutex mutex;  // of what follows
   std::condition_variable settled;
   std::vector<std::shared_ptr<StageProcess>> added;
-  std::vector<std::pair<std::shared_ptr<StageProcess>, std::string>> outcomes;
+  /// Those that somebody waits for in add(), and what came of it: a problem, or an empty text.
+  std::map<const StageProcess*, std::optional<std::string>> waiting;
+  using Duration = std::chrono::steady_clock::duration;
+  Duration patience{options.longest_wait};  // what is left of it at that time
+  std::chrono::steady_clock::time_point patience_at = std::chrono::steady_clock::now();
+  std::set<std::string> slow;  // libraries of which a stage did not start in time
 
   std::thread thread;
 };
@@ -324,6 +340,10 @@ Supervisor::~Supervisor() = default;
 std::shared_ptr<StageProcess> Supervisor::start(const std::string& stage, const std::string& library,
                                                 const std::string& floor) {
   return impl_->add(std::make_shared<StageProcess>(stage, library, floor));
+}
+
+void Supervisor::wait_at_most(std::chrono::milliseconds together) {
+  impl_->wait_at_most(together);
 }
 
 }  // namespace sslv::apart

@@ -53,6 +53,8 @@ class Supervisor {
     std::chrono::milliseconds forgets_losses{10'000};
     /// For the library to load and the stage to be made.
     std::chrono::milliseconds starts_within{5000};
+    /// What all calls of start() may wait together; time that goes by without waiting comes back.
+    std::chrono::milliseconds longest_wait{5000};
     /// A process that leaves a request so long, or fails so often one after the other, is ended.
     std::chrono::milliseconds longest_silence{1000};
     std::uint32_t most_failures_in_a_row = 100;
@@ -67,10 +69,14 @@ class Supervisor {
   Supervisor& operator=(const Supervisor&) = delete;
 
   /// Starts the stage and waits until it is ready, has ended or takes too long; in the last two cases it is
-  /// started again later. For threads that may wait. Throws std::runtime_error with what the stage's
-  /// constructor threw, and std::system_error.
+  /// started again later. Does not wait for a library of which a stage was too slow and none has been ready
+  /// since. For threads that may wait. Throws std::runtime_error with what
+  /// the stage's constructor threw, and std::system_error.
   std::shared_ptr<StageProcess> start(const std::string& stage, const std::string& library,
                                       const std::string& floor);
+
+  /// From now on calls of start() wait no longer than this together, if that is less than the option says.
+  void wait_at_most(std::chrono::milliseconds together);
 
   const Options& options() const { return options_; }
 

@@ -332,6 +332,16 @@ TEST(RowsApart, AStageThatSendsIsRefused) {
   ::unsetenv("SSLV_TEST_PUBLISHES");
 }
 
+TEST(RowsApart, OneThatHangsAtItsStartIsWaitedForOnce) {
+  Supervisor::Options options = quick();
+  options.starts_within = std::chrono::hours(1);
+  options.longest_wait = std::chrono::milliseconds(20);
+  const Apart apart(options);
+  std::vector<std::unique_ptr<Step<CameraFloor>>> steps;
+  for (int i = 0; i < 8; ++i) steps.push_back(row(apart.rows.camera, "hangs_at_start").create());
+  EXPECT_TRUE(becomes([] { return stage_processes().size() == 8; })) << "they start all the same";
+}
+
 TEST(RowsApart, ALibraryThatIsNoneIsRefused) {
   Supervisor supervisor(quick());
   EXPECT_THROW(rows_apart("/nowhere/stages.so", supervisor), StageLibraryError);
