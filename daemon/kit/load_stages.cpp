@@ -258,10 +258,14 @@ StageRows load_rows(const std::filesystem::path& file) {
 std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,
                                                    std::vector<LeftOutLibrary>& left_out) {
   std::vector<std::filesystem::path> files;
+  std::set<std::filesystem::path> known;  // without links
   for (const std::filesystem::path& folder : folders) {
     const auto begin = static_cast<std::ptrdiff_t>(files.size());
     try {
-      for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::absolute(folder)))
+      std::error_code ignored;
+      const auto absolute = std::filesystem::absolute(folder);
+      if (!known.insert(std::filesystem::weakly_canonical(absolute, ignored)).second) continue;
+      for (const auto& entry : std::filesystem::directory_iterator(absolute))
         if (entry.path().extension() == ".so") files.push_back(entry.path());
     } catch (const std::filesystem::filesystem_error& error) {
       // A folder for libraries of one's own need not be there.
@@ -272,6 +276,10 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
     }
     std::sort(files.begin() + begin, files.end());
   }
+  std::erase_if(files, [&known](const std::filesystem::path& file) {
+    std::error_code ignored;
+    return !known.insert(std::filesystem::weakly_canonical(file, ignored)).second;
+  });
   return files;
 }
 

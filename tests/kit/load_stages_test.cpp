@@ -102,6 +102,15 @@ TEST_F(LibraryFolder, WaitsForNoPipe) {
   EXPECT_EQ(why(), "is no regular file");
 }
 
+TEST_F(LibraryFolder, TakesEachLibraryOnce) {
+  put("counting.so", bytes_of(library("counting")));
+  std::filesystem::create_symlink("counting.so", folder_.path() / "link.so");
+  std::filesystem::create_directory_symlink(folder_.path(), folder_.path() / "again");
+  const LoadedStages loaded = load_stages({folder_.path(), folder_.path() / ".", folder_.path() / "again"});
+  EXPECT_THAT(loaded.left_out, IsEmpty());
+  EXPECT_THAT(loaded.libraries, SizeIs(1));
+}
+
 TEST_F(LibraryFolder, SaysWhichFolderCannotBeRead) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may read all";
   const auto locked = folder_.path() / "locked";
