@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <climits>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -39,23 +40,39 @@ std::string first_line(std::string_view text) {
   return escaped_text(text.substr(0, text.find('\n')));
 }
 
-void check_name(std::string_view name) {
-  constexpr std::size_t kMaxName = 40;
-  const auto is_allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
-  if (!name.empty() && name.size() <= kMaxName && std::ranges::all_of(name, is_allowed)) return;
-  throw StageLibraryError(fmt::format("has a stage '{}'; a name has 1 to {} characters of a-z, 0-9 and _",
-                                      escaped_text(name.substr(0, kMaxName)), kMaxName));
+bool is_name(std::string_view name, std::size_t longest) {
+  return !name.empty() && name.size() <= longest && std::ranges::all_of(name, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+/// JSON has no numbers that are none and no endless ones: they would go into settings and never come out.
+bool is_finite(const Json& json) {
+  if (json.is_number_float()) return std::isfinite(json.get<double>());
+  return !json.is_structured() || std::all_of(json.begin(), json.end(), is_finite);
+}
+
+template <class Floor>
+void check_params(const BasicStageType<Floor>& row) {
+  const Json schema = row.schema();
+  static_cast<void>(schema.dump());  // throws unless all its texts are UTF-8
+  for (const auto& [key, one] : schema.at("properties").items()) {
+    if (!is_finite(one))
+      throw std::runtime_error(
+          fmt::format("its parameter '{}' has a default or a range that is no finite number", key));
+  }
+  const std::string path = "its parameters: /" + row.name;
+  const Json defaults = row.parse(Json::object(), path).complete;
+  // What the service writes into its settings it must be able to read again.
+  row.parse(Json::parse(defaults.dump()), path);
 }
 
 /// Makes each stage once, with its default parameters.
 template <class Floor>
 void try_out(const std::vector<BasicStageType<Floor>>& rows) {
   for (const auto& row : rows) {
-    check_name(row.name);
+    check_row(row);
     try {
-      check_plain_text(row.help, "its help");
-      row.parse(Json::object(), "/" + row.name);
-      static_cast<void>(row.schema().dump());  // throws unless all its texts are UTF-8
       static_cast<void>(row.create());
     } catch (const std::exception& error) {
       throw StageLibraryError(
@@ -237,6 +254,34 @@ void settle(std::vector<BasicStageType<Floor>>& rows, const std::string& library
 }
 
 }  // namespace
+
+template <class Floor>
+void check_row(const BasicStageType<Floor>& row) {
+  constexpr std::size_t kLongestName = 40, kLongestPart = 60, kLongestHelp = 500;
+  if (!is_name(row.name, kLongestName)) {
+    throw StageLibraryError(fmt::format("has a stage '{}'; a name has 1 to {} characters of a-z, 0-9 and _",
+                                        escaped_text(row.name.substr(0, kLongestName)), kLongestName));
+  }
+  try {
+    for (const OwnPartUse& use : row.own_parts) {
+      if (is_name(use.type.name, kLongestPart)) continue;
+      throw std::runtime_error(
+          fmt::format("its part '{}' has a name that is none: 1 to {} characters of a-z, 0-9 and _",
+                      use.type.name.substr(0, kLongestPart), kLongestPart));
+    }
+    check_plain_text(row.help, "its help");
+    if (row.help.size() > kLongestHelp)
+      throw std::runtime_error(fmt::format("its help has more than {} bytes", kLongestHelp));
+    check_params(row);
+  } catch (const std::exception& error) {
+    throw StageLibraryError(
+        fmt::format("cannot make its stage '{}': {}", row.name, first_line(error.what())));
+  } catch (...) {
+    throw StageLibraryError(fmt::format("cannot make its stage '{}': it throws", row.name));
+  }
+}
+template void check_row(const StageType& row);
+template void check_row(const FieldStageType& row);
 
 StageRows load_rows(const std::filesystem::path& file) {
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

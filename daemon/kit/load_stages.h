@@ -26,6 +26,13 @@ struct LoadedStages {
   std::vector<LeftOutLibrary> left_out;
 };
 
+/// Whether a row says of its stage what the settings can rely on: names, texts, and parameters whose defaults
+/// are allowed. Makes no stage. Throws StageLibraryError.
+template <class Floor>
+void check_row(const BasicStageType<Floor>& row);
+extern template void check_row(const StageType& row);
+extern template void check_row(const FieldStageType& row);
+
 /// The stage libraries (*.so) of these folders, in the same order on every computer, each once. A folder that
 /// is not there has none; one that cannot be read goes to `left_out`.
 std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,

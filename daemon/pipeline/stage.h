@@ -17,11 +17,13 @@
 #include "pipeline/own_parts.h"
 #include "pipeline/stage_notes.h"
 
+#include <algorithm>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -209,6 +211,18 @@ struct Feed<Floor, Update<T>> {
   }
 };
 
+/// Throws std::logic_error for two parameters of the same name: nobody could set the second one.
+template <class P>
+Json stage_schema() {
+  std::vector<std::string_view> names;
+  std::apply([&](const auto&... field) { (names.push_back(field.key), ...); }, P::fields());
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice != names.end())
+    throw std::logic_error("two of its parameters are called '" + std::string(*twice) + "'");
+  return params_schema<P>();
+}
+
 template <class Floor, class S, bool kNoexcept, class... Args>
 BasicStageType<Floor> describe_stage(std::string_view name, std::string_view help,
                                      void (S::*)(const typename S::Params&, Args...) noexcept(kNoexcept)) {
@@ -230,7 +244,7 @@ BasicStageType<Floor> describe_stage(std::string_view name, std::string_view hel
     Json complete = params_to_json(*params);
     return {std::move(params), std::move(complete)};
   };
-  type.schema = &params_schema<Params>;
+  type.schema = &stage_schema<Params>;
   (Feed<Floor, Args>::declare(type), ...);
   return type;
 }

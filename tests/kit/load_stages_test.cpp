@@ -5,6 +5,7 @@
 #include "support/temporary_folder.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -120,6 +121,30 @@ TEST_F(LibraryFolder, SaysWhichFolderCannotBeRead) {
   std::filesystem::permissions(locked, std::filesystem::perms::owner_all);
   ASSERT_THAT(loaded.left_out, SizeIs(1));
   EXPECT_EQ(loaded.left_out[0].why, "cannot be read: Permission denied");
+}
+
+TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
+  const auto why_of = [](const char* row) {
+    ::setenv("SSLV_TEST_ROW", row, 1);
+    std::string why = why_not("bad_params");
+    ::unsetenv("SSLV_TEST_ROW");
+    return why;
+  };
+  EXPECT_EQ(
+      why_of("nan_default"),
+      "cannot make its stage 'nan_default': its parameter 'a' has a default or a range that is no finite "
+      "number");
+  EXPECT_EQ(why_of("endless_range"),
+            "cannot make its stage 'endless_range': its parameter 'a' has a default or a range that is no "
+            "finite number");
+  EXPECT_EQ(
+      why_of("default_out_of_range"),
+      "cannot make its stage 'default_out_of_range': its parameters: /default_out_of_range/a: 2.0 is not "
+      "allowed; expected a number 0.0 .. 1.0");
+  EXPECT_EQ(why_of("twice"), "cannot make its stage 'twice': two of its parameters are called 'a'");
+  EXPECT_EQ(why_of("long_help"), "cannot make its stage 'long_help': its help has more than 500 bytes");
+  EXPECT_THAT(why_of("bad_part"),
+              StartsWith("cannot make its stage 'bad_part': its part 'Bad Name' has a name"));
 }
 
 TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {

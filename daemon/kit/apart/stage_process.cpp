@@ -69,6 +69,7 @@ template <class Floor>
 Json describe_rows(const std::vector<BasicStageType<Floor>>& rows) {
   Json all = Json::array();
   for (const auto& row : rows) {
+    check_row(row);
     const StageNeeds needs = needs_of(row);
     Json own_parts = Json::array();
     for (const OwnPartUse& use : row.own_parts) {

@@ -332,6 +332,27 @@ TEST(RowsApart, AStageThatSendsIsRefused) {
   ::unsetenv("SSLV_TEST_PUBLISHES");
 }
 
+/// Set while this is there.
+struct Variable {
+  explicit Variable(const char* its_name) : name(its_name) { ::setenv(name, "1", 1); }
+  ~Variable() { ::unsetenv(name); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+  const char* name;
+};
+
+TEST(RowsApart, ADefaultThatIsNoNumberIsRefused) {
+  const Variable set("SSLV_TEST_NAN_DEFAULT");
+  Supervisor supervisor(quick());
+  try {
+    rows_apart(kLibrary, supervisor);
+    ADD_FAILURE() << "is not refused";
+  } catch (const StageLibraryError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("its parameter 'a' has a default or a range that is no finite number"));
+  }
+}
+
 TEST(RowsApart, OneThatHangsAtItsStartIsWaitedForOnce) {
   Supervisor::Options options = quick();
   options.starts_within = std::chrono::hours(1);
