@@ -250,6 +250,16 @@ template <class Floor>
 void settle(std::vector<BasicStageType<Floor>>& rows, const std::string& library) {
   for (auto& row : rows) {
     row.library = library;
+    if (row.schema().at("properties").contains(kDeadlineKey)) continue;  // its own
+    row.parse = [parse = std::move(row.parse)](const Json& json, const std::string& path) {
+      const auto deadline = json.is_object() ? json.find(kDeadlineKey) : json.end();
+      if (deadline == json.end() || !deadline->is_number()) return parse(json, path);
+      Json others = json;
+      others.erase(kDeadlineKey);
+      auto parsed = parse(others, path);
+      parsed.complete[kDeadlineKey] = *deadline;
+      return parsed;
+    };
   }
 }
 

@@ -26,6 +26,10 @@ struct LoadedStages {
   std::vector<LeftOutLibrary> left_out;
 };
 
+/// What a stage in a process of its own has besides its parameters (kit/apart). One that runs inside keeps it
+/// for the day on which it goes back, and does nothing with it.
+inline constexpr const char* kDeadlineKey = "deadline_ms";
+
 /// Whether a row says of its stage what the settings can rely on: names, texts, and parameters whose defaults
 /// are allowed. Makes no stage. Throws StageLibraryError.
 template <class Floor>

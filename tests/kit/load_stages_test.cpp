@@ -123,6 +123,16 @@ TEST_F(LibraryFolder, SaysWhichFolderCannotBeRead) {
   EXPECT_EQ(loaded.left_out[0].why, "cannot be read: Permission denied");
 }
 
+TEST_F(LibraryFolder, KeepsTheDeadlineOfAStageThatUsedToRunApart) {
+  const LoadedStages loaded = load_stages({library("counting").parent_path()});
+  ASSERT_THAT(loaded.libraries, SizeIs(1));
+  const StageType& counts = loaded.libraries[0].rows.camera[0];
+  const Json both{{"at_least", 3}, {"deadline_ms", 20.5}};
+  EXPECT_EQ(counts.parse(both, "").complete, both);
+  EXPECT_EQ(counts.parse({{"at_least", 3}}, "").complete, Json({{"at_least", 3}}));
+  EXPECT_THROW(counts.parse({{"deadline_ms", "soon"}}, ""), SettingsError);
+}
+
 TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
   const auto why_of = [](const char* row) {
     ::setenv("SSLV_TEST_ROW", row, 1);

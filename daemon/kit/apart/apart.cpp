@@ -5,6 +5,7 @@
 #include "base/plain_text.h"
 #include "kit/apart/apart_step.h"
 #include "kit/apart/ask_library.h"
+#include "kit/load_stages.h"
 #include "kit/read_stamp.h"
 
 #include <algorithm>
@@ -66,8 +67,6 @@ struct Library {
     return places.emplace_back(std::make_unique<std::size_t>(0)).get();
   }
 };
-
-const char* const kDeadlineKey = "deadline_ms";
 
 bool is_name(const std::string& text) {
   constexpr std::size_t kLongest = 60;
