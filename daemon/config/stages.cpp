@@ -41,7 +41,8 @@ constexpr std::chrono::milliseconds kMaxLoading{8000}, kMaxStarting{10'000}, kMi
 
 struct Outside {
   StageRows rows;
-  std::vector<OwnPartType> camera_parts, field_parts;  // by place
+  std::vector<OwnPartType> parts;  // by place, of both floors: a library has one place for each
+  std::map<std::size_t*, std::string> places;
   std::vector<LeftOutLibrary> left_out;
   MissingStages missing = MissingStages::kRefused;
   std::atomic<bool> is_used{false};               // nothing is added any more
@@ -53,32 +54,60 @@ Outside& outside() {
 }
 
 template <class Floor>
-void check_new(const std::vector<BasicStageType<Floor>>& rows, std::span<const BasicStageType<Floor>> table,
-               const std::vector<OwnPartType>& parts) {
+void check_names(const std::vector<BasicStageType<Floor>>& rows,
+                 std::span<const BasicStageType<Floor>> table) {
   for (auto row = rows.begin(); row != rows.end(); ++row) {
     const auto has_its_name = [&](const auto& other) { return other.name == row->name; };
     if (std::any_of(rows.begin(), row, has_its_name) || std::ranges::any_of(table, has_its_name))
       throw StageLibraryError(
           fmt::format("has a stage '{}', and there is one of that name already", row->name));
-    for (const OwnPartUse& use : row->own_parts) {
-      const auto known = std::ranges::find(parts, use.type.name, &OwnPartType::name);
-      if (known != parts.end() && known->layout != use.type.layout) {
-        throw StageLibraryError(
-            fmt::format("has the part '{}' with another layout than the library before it", use.type.name));
-      }
-    }
   }
 }
+
+/// How many parts libraries may bring: as many as have a bit on each floor.
+constexpr std::size_t kMostOwnParts =
+    PartSet().size() - std::max(kPartCount<CameraFloor>, kPartCount<FieldFloor>);
+
+/// The parts with those of a new library. Throws when it does not fit to the others.
+struct NewParts {
+  std::vector<OwnPartType> parts;
+  std::map<std::size_t*, std::string> places;
+
+  template <class Floor>
+  void add(const std::vector<BasicStageType<Floor>>& rows) {
+    for (const auto& row : rows) {
+      for (const OwnPartUse& use : row.own_parts) {
+        const auto known = std::ranges::find(parts, use.type.name, &OwnPartType::name);
+        if (known == parts.end()) {
+          parts.push_back(use.type);
+        } else if (known->layout != use.type.layout) {
+          throw StageLibraryError(
+              fmt::format("has the part '{}' with another layout than the library before it", use.type.name));
+        }
+        const auto [place, is_new] = places.emplace(use.place, use.type.name);
+        if (!is_new && place->second != use.type.name) {
+          throw StageLibraryError(
+              fmt::format("has one place for its part '{}' and for the part '{}': build it with hidden "
+                          "visibility (-fvisibility=hidden)",
+                          use.type.name, place->second));
+        }
+      }
+    }
+    if (parts.size() > kMostOwnParts) {
+      throw StageLibraryError(fmt::format(
+          "has parts of its own with which there are {}; there is room for {}", parts.size(), kMostOwnParts));
+    }
+  }
+};
 
 /// Gives the parts of these stages their places, and takes the stages into the table.
 template <class Floor>
 void take(std::vector<BasicStageType<Floor>> rows, std::vector<BasicStageType<Floor>>& table,
-          std::vector<OwnPartType>& parts) {
+          const std::vector<OwnPartType>& parts) {
   for (auto& row : rows) {
     for (const OwnPartUse& use : row.own_parts) {
       const auto known = std::ranges::find(parts, use.type.name, &OwnPartType::name);
       *use.place = static_cast<std::size_t>(known - parts.begin());
-      if (known == parts.end()) parts.push_back(use.type);
       (use.is_written ? row.writes : row.reads).set(kPartCount<Floor> + *use.place);
     }
     table.push_back(std::move(row));
@@ -121,10 +150,15 @@ std::vector<Row> joined(std::vector<Row> own, const std::vector<Row>& from_outsi
 void add_stages(StageRows rows) {
   Outside& all = outside();
   if (all.is_used) throw std::logic_error("stages are added too late");
-  check_new<CameraFloor>(rows.camera, joined(own_stages(), all.rows.camera), all.camera_parts);
-  check_new<FieldFloor>(rows.field, joined(own_field_stages(), all.rows.field), all.field_parts);
-  take(std::move(rows.camera), all.rows.camera, all.camera_parts);
-  take(std::move(rows.field), all.rows.field, all.field_parts);
+  check_names<CameraFloor>(rows.camera, joined(own_stages(), all.rows.camera));
+  check_names<FieldFloor>(rows.field, joined(own_field_stages(), all.rows.field));
+  NewParts parts{all.parts, all.places};
+  parts.add(rows.camera);
+  parts.add(rows.field);
+  all.parts = std::move(parts.parts);
+  all.places = std::move(parts.places);
+  take(std::move(rows.camera), all.rows.camera, all.parts);
+  take(std::move(rows.field), all.rows.field, all.parts);
 }
 
 void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
@@ -142,8 +176,8 @@ void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
   const auto add = [&all](const std::filesystem::path& file, const auto& make_rows) {
     try {
       add_stages(make_rows());
-      log::info("stages of {} loaded", file.string());
-    } catch (const std::runtime_error& error) {
+      log::info("stages of {} loaded", escaped_text(file.string()));
+    } catch (const std::exception& error) {
       all.left_out.push_back({file, error.what()});
     }
   };

@@ -83,9 +83,10 @@ struct OwnPartUse {
 /// The parts of one frame that libraries brought: none where no stage has any.
 class OwnParts {
  public:
-  /// The place of T in this library.
+  /// The place of T in this library. Hidden however the library is built: the loader would give two libraries
+  /// that both have a T of their own the same place.
   template <class T>
-  inline static std::size_t place_of = 0;
+  [[gnu::visibility("hidden")]] inline static std::size_t place_of = 0;
 
   template <class T>
   T& get() const {

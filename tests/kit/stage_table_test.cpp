@@ -25,7 +25,7 @@ class StageTable : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     std::vector<std::filesystem::path> folders;
-    for (const char* name : {"counting", "same_part", "other_part", "taken_name"})
+    for (const char* name : {"counting", "same_part", "other_part", "taken_name", "many_parts", "one_place"})
       folders.push_back(std::filesystem::path(SSLV_KIT_LIBRARIES) / name);
     add_stage_libraries({folders, {}}, MissingStages::kLeftOut);
   }
@@ -45,10 +45,15 @@ TEST_F(StageTable, TakesStagesThatFitAndLeavesOutTheRest) {
   EXPECT_THAT(names,
               ElementsAre("counting.so:count_balls", "counting.so:tell_balls", "same_part.so:warn_of_balls"));
   EXPECT_EQ(field_stage_table().back().name, "count_tracks");
-  ASSERT_THAT(left_out_libraries(), SizeIs(2));
+  ASSERT_THAT(left_out_libraries(), SizeIs(4));
   EXPECT_EQ(left_out_libraries()[0].why,
             "has the part 'ball_count' with another layout than the library before it");
   EXPECT_EQ(left_out_libraries()[1].why, "has a stage 'threshold', and there is one of that name already");
+  EXPECT_THAT(left_out_libraries()[2].why,
+              testing::StartsWith("has parts of its own with which there are 61; "));
+  EXPECT_THAT(left_out_libraries()[3].why,
+              testing::StartsWith("has one place for its part 'second_of_one_place' and for the part "
+                                  "'first_of_one_place': build it with hidden visibility"));
 }
 
 TEST_F(StageTable, HandsPartsFromOneLibraryToAnother) {
