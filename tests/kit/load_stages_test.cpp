@@ -157,6 +157,12 @@ TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
               StartsWith("cannot make its stage 'bad_part': its part 'Bad Name' has a name"));
 }
 
+TEST_F(LibraryFolder, DoesNotWaitForWhatALibraryHasStarted) {
+  const LoadedStages loaded = load_stages({library("leaves_child").parent_path()});
+  EXPECT_THAT(loaded.left_out, IsEmpty());
+  EXPECT_THAT(loaded.libraries, SizeIs(1));
+}
+
 TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {
   std::string bytes = bytes_of(library("counting"));
   bytes[18] = static_cast<char>(bytes[18] == '\xb7' ? 62 : 183);  // e_machine: x86-64 or aarch64

@@ -23,22 +23,24 @@ namespace {
 /// An answer that is longer is none.
 constexpr std::size_t kLongestAnswer = std::size_t{4} << 20;
 
-/// Reads until the other end closes. Empty: it took too long, or wrote too much.
-std::string read_answer(int socket, int pipe, OutputLines& output, std::int64_t until_ns) {
+/// Reads to the end of the line, or until the process has ended. Empty: it took too long, or wrote too much.
+std::string read_answer(int socket, int pipe, int ended, OutputLines& output, std::int64_t until_ns) {
   constexpr std::int64_t kNsPerMs = 1'000'000;
   std::string answer;
   for (;;) {
     const std::int64_t left_ms = (until_ns - steady_ns()) / kNsPerMs;
     if (left_ms <= 0) return {};
-    std::array<pollfd, 2> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}}};
+    std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {ended, POLLIN, 0}}};
     ::poll(polled.data(), polled.size(), static_cast<int>(left_ms));
     if (pipe >= 0 && polled[1].revents != 0 && !output.read(pipe, steady_ns())) pipe = -1;
-    if (polled[0].revents == 0) continue;
     std::array<char, 16384> buffer;
     const ssize_t count = ::recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT);
     if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) return answer;
     if (count > 0) answer.append(buffer.data(), static_cast<std::size_t>(count));
     if (answer.size() > kLongestAnswer) return {};
+    if (answer.ends_with('\n')) return answer;
+    // What it sent before it ended is there; who has the socket besides is none of those asked.
+    if (count < 0 && polled[2].revents != 0) return answer;
   }
 }
 
@@ -71,7 +73,8 @@ Json ask_library(const std::string& library, const Json& question, std::chrono::
   send_all(sockets.ours.get(), question.dump(-1, ' ', false, Json::error_handler_t::replace), until_ns);
   ::shutdown(sockets.ours.get(), SHUT_WR);
   OutputLines output("stage library " + name);
-  const std::string text = read_answer(sockets.ours.get(), pipe.ours.get(), output, until_ns);
+  const std::string text =
+      read_answer(sockets.ours.get(), pipe.ours.get(), process.pidfd.get(), output, until_ns);
   const bool is_late = steady_ns() >= until_ns;
   if (text.empty() && !is_late) {
     // It ended without a word: it is told how, once that is known.

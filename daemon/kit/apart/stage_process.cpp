@@ -117,7 +117,8 @@ int answer_question(const std::string& library) {
   } catch (const std::exception& error) {
     answer = {{"error", error.what()}};
   }
-  const std::string out = answer.dump(-1, ' ', false, Json::error_handler_t::replace);
+  // The end of the line is the answer's end: something else may still have the socket then.
+  const std::string out = answer.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
   for (std::size_t done = 0; done < out.size();) {
     const ssize_t count = ::write(kControlFile, out.data() + done, out.size() - done);
     if (count <= 0) return EXIT_FAILURE;

@@ -353,6 +353,12 @@ TEST(RowsApart, ADefaultThatIsNoNumberIsRefused) {
   }
 }
 
+TEST(RowsApart, WhatALibraryHasStartedIsNotWaitedFor) {
+  const Variable set("SSLV_TEST_LEAVES_CHILD");
+  Supervisor supervisor(quick());
+  EXPECT_FALSE(rows_apart(kLibrary, supervisor).camera.empty());
+}
+
 TEST(RowsApart, OneThatHangsAtItsStartIsWaitedForOnce) {
   Supervisor::Options options = quick();
   options.starts_within = std::chrono::hours(1);
