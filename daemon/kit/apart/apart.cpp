@@ -163,9 +163,10 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
   if (!defaults.is_object()) fail("its parameters are not described");
   library->params.add(kFloorName<Floor>, name, Json::object(), defaults);
   row.schema = [full = schema_with_deadline(schema)] { return full; };
-  row.create = [needs, own_parts, library, name, &supervisor]() -> std::unique_ptr<Step<Floor>> {
+  row.create = [needs, own_parts, library, name, contract = contract_of(row),
+                &supervisor]() -> std::unique_ptr<Step<Floor>> {
     return std::make_unique<ApartStep<Floor>>(
-        needs, own_parts, supervisor.start(name, library->file, std::string(kFloorName<Floor>)));
+        needs, own_parts, supervisor.start(name, library->file, std::string(kFloorName<Floor>), contract));
   };
   row.parse = [library, name](const Json& json, const std::string& path) {
     return parse_apart<Floor>(*library, name, json, path);

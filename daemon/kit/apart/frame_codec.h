@@ -34,6 +34,20 @@ StageNeeds needs_of(const BasicStageType<Floor>& type) {
   return {type.reads & of_frame, type.writes & of_frame, type.updates & of_frame, type.takes};
 }
 
+/// What a stage takes and gives, as a text: a library that has another one under the same name was exchanged
+/// since it was described.
+template <class Floor>
+std::string contract_of(const BasicStageType<Floor>& type) {
+  const StageNeeds needs = needs_of(type);
+  std::string text = needs.reads.to_string() + needs.writes.to_string() + needs.updates.to_string() +
+                     needs.takes.to_string();
+  for (const OwnPartUse& use : type.own_parts) {
+    text += ' ' + use.type.name + ':' + std::to_string(use.type.layout) + (use.is_written ? 'w' : 'r') +
+            (use.is_updated ? 'u' : 'r');
+  }
+  return text;
+}
+
 template <class Floor, class Arg>
 bool takes(const StageNeeds& needs) {
   return needs.takes[given_index<Floor, Arg>()];

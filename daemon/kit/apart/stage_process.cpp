@@ -9,6 +9,7 @@
 #include "kit/apart/frame_codec.h"
 #include "kit/apart/start_process.h"
 #include "kit/load_stages.h"
+#include "kit/read_stamp.h"
 
 #include <algorithm>
 #include <array>
@@ -38,6 +39,12 @@ namespace sslv {
 namespace {
 
 using namespace apart;
+
+/// Of the file as it is now, which may be another one than the service found. Throws StageLibraryError.
+StageRows load_checked(const std::string& library) {
+  check_stamp(read_stamp(library));
+  return load_rows(library);
+}
 
 /// Ends with the service, has no more rights than it, and is what goes first when memory is short.
 bool settle_in(pid_t service) {
@@ -113,7 +120,7 @@ int answer_question(const std::string& library) {
     text.append(buffer.data(), static_cast<std::size_t>(count));
   Json answer;
   try {
-    answer = answer_to(Json::parse(text), load_rows(library));
+    answer = answer_to(Json::parse(text), load_checked(library));
   } catch (const std::exception& error) {
     answer = {{"error", error.what()}};
   }
@@ -406,15 +413,23 @@ class StageRunner {
   std::array<int, 3> priority_{SCHED_OTHER, 0, 0};
 };
 
-int run_stage(const std::string& library, const std::string& floor, const std::string& stage) {
+template <class Floor>
+[[noreturn]] void run_row(const std::vector<BasicStageType<Floor>>& rows, const std::string& stage,
+                          const std::string& contract) {
+  const BasicStageType<Floor>& row = find_row(rows, stage);
+  if (contract_of(row) != contract) {
+    throw std::runtime_error("its library was exchanged and has other parts now: start the service again");
+  }
+  const Channel channel(kToStageFile, kFromStageFile);
+  StageRunner<Floor>(row, channel).run();
+}
+
+int run_stage(const std::string& library, const std::string& floor, const std::string& stage,
+              const std::string& contract) {
   try {
-    const StageRows rows = load_rows(library);
-    const Channel channel(kToStageFile, kFromStageFile);
-    if (floor == kFloorName<CameraFloor>) {
-      StageRunner<CameraFloor>(find_row(rows.camera, stage), channel).run();
-    } else {
-      StageRunner<FieldFloor>(find_row(rows.field, stage), channel).run();
-    }
+    const StageRows rows = load_checked(library);
+    if (floor == kFloorName<CameraFloor>) run_row(rows.camera, stage, contract);
+    run_row(rows.field, stage, contract);
   } catch (const std::exception& error) {
     const std::string word = std::string("-") + error.what();
     (void)!::send(kControlFile, word.data(), std::min<std::size_t>(word.size(), 900), 0);
@@ -431,7 +446,7 @@ std::optional<int> stage_process_main(int argc, char** argv) {
   const auto word = [&](std::size_t i) { return i < words.size() ? std::string(words[i]) : std::string(); };
   if (!settle_in(static_cast<pid_t>(std::atoi(word(2).c_str())))) return EXIT_FAILURE;
   if (word(3) == "ask") return answer_question(word(4));
-  if (word(3) == "run") return run_stage(word(4), word(5), word(6));
+  if (word(3) == "run") return run_stage(word(4), word(5), word(6), word(7));
   return EXIT_FAILURE;
 }
 

@@ -61,10 +61,12 @@ std::string time_of_day() {
 
 }  // namespace
 
-StageProcess::StageProcess(std::string stage_name, std::string library_file, std::string floor_name)
+StageProcess::StageProcess(std::string stage_name, std::string library_file, std::string floor_name,
+                           std::string the_contract)
     : stage(std::move(stage_name)),
       library(std::move(library_file)),
       floor(std::move(floor_name)),
+      contract(std::move(the_contract)),
       control(local_sockets(SOCK_SEQPACKET)) {}
 
 struct Supervisor::Impl {
@@ -238,7 +240,7 @@ struct Supervisor::Impl {
     try {
       FilePair pipe = output_pipe();
       one.started = start_stage_process(
-          {"run", process.library, process.floor, process.stage},
+          {"run", process.library, process.floor, process.stage, process.contract},
           {process.control.theirs.get(), process.channel.to_file(), process.channel.from_file()},
           pipe.theirs.get());
       one.pipe = std::move(pipe.ours);
@@ -338,8 +340,8 @@ Supervisor::Supervisor(const Options& options) : options_(options), impl_(std::m
 Supervisor::~Supervisor() = default;
 
 std::shared_ptr<StageProcess> Supervisor::start(const std::string& stage, const std::string& library,
-                                                const std::string& floor) {
-  return impl_->add(std::make_shared<StageProcess>(stage, library, floor));
+                                                const std::string& floor, const std::string& contract) {
+  return impl_->add(std::make_shared<StageProcess>(stage, library, floor, contract));
 }
 
 void Supervisor::wait_at_most(std::chrono::milliseconds together) {

@@ -18,9 +18,10 @@ namespace sslv::apart {
 /// One stage of one stack, in a process of its own: what its Step on a camera's thread and the supervisor's
 /// thread share. Neither ever waits for the other.
 struct StageProcess {
-  StageProcess(std::string stage_name, std::string library_file, std::string floor_name);
+  StageProcess(std::string stage_name, std::string library_file, std::string floor_name,
+               std::string the_contract);
 
-  const std::string stage, library, floor;
+  const std::string stage, library, floor, contract;
   Channel channel;
   /// Messages with files to the process, and the word from it that it is ready. Both ends stay while
   /// processes come and go.
@@ -70,10 +71,10 @@ class Supervisor {
 
   /// Starts the stage and waits until it is ready, has ended or takes too long; in the last two cases it is
   /// started again later. Does not wait for a library of which a stage was too slow and none has been ready
-  /// since. For threads that may wait. Throws std::runtime_error with what
+  /// since. `contract`: contract_of() its row. For threads that may wait. Throws std::runtime_error with what
   /// the stage's constructor threw, and std::system_error.
   std::shared_ptr<StageProcess> start(const std::string& stage, const std::string& library,
-                                      const std::string& floor);
+                                      const std::string& floor, const std::string& contract);
 
   /// From now on calls of start() wait no longer than this together, if that is less than the option says.
   void wait_at_most(std::chrono::milliseconds together);

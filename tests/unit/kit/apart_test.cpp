@@ -13,6 +13,7 @@
 #include "pipeline/publish.h"
 #include "support/allocation_count.h"
 #include "support/child_process.h"
+#include "support/temporary_folder.h"
 #include "tracking/gather.h"
 #include "tracking/track.h"
 #include "unit/kit/apart_stages.h"
@@ -357,6 +358,39 @@ TEST(RowsApart, WhatALibraryHasStartedIsNotWaitedFor) {
   const Variable set("SSLV_TEST_LEAVES_CHILD");
   Supervisor supervisor(quick());
   EXPECT_FALSE(rows_apart(kLibrary, supervisor).camera.empty());
+}
+
+/// Why the stage cannot be made, after `change`.
+std::string why_not_made(const StageType& type) {
+  try {
+    type.create();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "it is made";
+}
+
+TEST(RowsApart, ALibraryThatWasExchangedIsRefused) {
+  const Apart apart;
+  const Variable set("SSLV_TEST_OTHER_PARTS");
+  EXPECT_EQ(why_not_made(row(apart.rows.camera, "double_tags")), "it is made");
+  EXPECT_THAT(why_not_made(row(apart.rows.camera, "find_tags")),
+              HasSubstr("its library was exchanged and has other parts now"));
+}
+
+TEST(RowsApart, AStampIsReadAgainAtEachStart) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "stages.so";
+  std::filesystem::copy_file(kLibrary, file);
+  Supervisor supervisor(quick());
+  const StageRows rows = rows_apart(file, supervisor);
+  std::ifstream in(kLibrary, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  bytes[bytes.find(std::string(kStampMagic) + '\0') + offsetof(StageStamp, kit_version)] = 99;
+  std::filesystem::remove(file);
+  std::ofstream(file, std::ios::binary) << bytes;
+  EXPECT_THAT(why_not_made(row(rows.camera, "find_tags")),
+              HasSubstr("is built for version 99 of the stage kit"));
 }
 
 TEST(RowsApart, OneThatHangsAtItsStartIsWaitedForOnce) {
