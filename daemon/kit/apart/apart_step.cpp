@@ -394,27 +394,48 @@ bool ApartStep<Floor>::send_file(const ImageFile& message, int file) {
 
 template <class Floor>
 bool ApartStep<Floor>::take_answer(typename Floor::Frame& frame) {
-  const std::span<const std::byte> room = process_->channel.parts_from_stage();
-  const std::uint64_t bytes = process_->channel.from().parts_bytes;
-  if (bytes > room.size()) return false;
-  ByteReader reader(room.first(bytes), true);
-  if (!decode_parts<Floor>(reader, scratch_, needs_.answered())) return false;
+  std::span<const std::byte> bytes = process_->channel.parts_from_stage();
+  const std::uint64_t count = process_->channel.from().parts_bytes;
+  if (count > bytes.size()) return false;
+  bytes = bytes.first(count);
+  if (!decode_limited_parts<Floor>(bytes, scratch_, needs_.answered())) return false;
   swap_parts<Floor>(frame, scratch_, needs_.answered());
-  if (are_sound<Floor>(frame, scratch_, needs_.answered()) && take_own_parts(frame, reader)) return true;
+  if (are_sound<Floor>(frame, scratch_, needs_.answered()) && take_own_parts(frame, bytes)) return true;
   swap_parts<Floor>(frame, scratch_, needs_.answered());
   return false;
 }
 
+/// All are read to the side first: when one of them is none, all stay as they were.
 template <class Floor>
-bool ApartStep<Floor>::take_own_parts(typename Floor::Frame& frame, ByteReader& reader) {
-  for (const ApartOwnPart& own : own_parts_) {
-    if (!own.is_written && !own.is_updated) continue;
-    auto bytes = reader.whole();
-    const OwnPartCode& code = frame.own_parts.code_at(*own.place);
-    if (!bytes || code.decode == nullptr || !code.decode(*bytes, frame.own_parts.at(*own.place)))
-      return false;
+bool ApartStep<Floor>::take_own_parts(typename Floor::Frame& frame, std::span<const std::byte> from) {
+  const auto is_answered = [](const ApartOwnPart& own) { return own.is_written || own.is_updated; };
+  own_scratch_.resize(own_parts_.size());
+  ByteReader reader(from, true);
+  for (std::size_t i = 0; i < own_parts_.size(); ++i) {
+    if (!is_answered(own_parts_[i])) continue;
+    auto part = reader.whole();
+    const OwnPartCode& code = frame.own_parts.code_at(*own_parts_[i].place);
+    if (!part || part->left() > kMaxOwnPartBytes || code.decode == nullptr) return false;
+    OwnScratch& scratch = own_scratch_[i];
+    scratch.bytes.resize(part->left());
+    if (!part->bytes(scratch.bytes.data(), scratch.bytes.size())) return false;
+    if (code.is_flat) continue;  // any bytes are one
+    if (scratch.part == nullptr || scratch.code.create != code.create) {
+      scratch.part = code.create();
+      scratch.code = code;
+    }
+    ByteReader copy(scratch.bytes, true);
+    if (!code.decode(copy, scratch.part.get())) return false;
   }
-  return reader.left() == 0;
+  if (reader.left() != 0) return false;
+  bool is_good = true;
+  for (std::size_t i = 0; i < own_parts_.size(); ++i) {
+    if (!is_answered(own_parts_[i])) continue;
+    ByteReader copy(own_scratch_[i].bytes, true);
+    const std::size_t place = *own_parts_[i].place;
+    is_good = frame.own_parts.code_at(place).decode(copy, frame.own_parts.at(place)) && is_good;
+  }
+  return is_good;
 }
 
 template <class Floor>

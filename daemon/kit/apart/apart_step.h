@@ -99,7 +99,7 @@ class ApartStep final : public Step<Floor> {
   bool wait_for(std::uint32_t request, std::uint32_t generation,
                 std::chrono::steady_clock::time_point until) const;
   bool take_answer(typename Floor::Frame& frame);
-  bool take_own_parts(typename Floor::Frame& frame, ByteReader& reader);
+  bool take_own_parts(typename Floor::Frame& frame, std::span<const std::byte> from);
   void take_note();
   void tell_priority();
   template <class T>
@@ -121,6 +121,13 @@ class ApartStep final : public Step<Floor> {
   };
   std::array<SentFile, kMaxKept> sent_files_{};
   typename Floor::Frame scratch_;  // where an answer is looked at before it goes into the frame
+  /// Likewise of each own part: its bytes, which do not change any more, and what they are read into.
+  struct OwnScratch {
+    std::vector<std::byte> bytes;
+    std::shared_ptr<void> part;
+    OwnPartCode code;
+  };
+  std::vector<OwnScratch> own_scratch_;
   ApartReport report_;
 };
 

@@ -3,10 +3,13 @@
 
 // What goes to a stage's process for one frame and comes back: the same order on both sides.
 
+#include "kit/apart/sound_parts.h"
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -76,16 +79,23 @@ std::string why_not_apart(const StageNeeds& needs) {
   return why;
 }
 
+/// False where a part takes more bytes than most_bytes() allows, if they are limited.
 template <class Floor>
-void encode_parts(const typename Floor::Frame& frame, PartSet parts, ByteWriter& to) {
+bool encode_parts(const typename Floor::Frame& frame, PartSet parts, ByteWriter& to,
+                  bool is_limited = false) {
   std::size_t i = 0;
+  bool is_within = true;
   const auto add = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
     const bool is_sent = parts[i++];
     if constexpr (kIsEncodable<T>) {
-      if (is_sent) encode(frame.*part.member, to);
+      if (!is_sent) return;
+      const std::size_t before = to.written();
+      encode(frame.*part.member, to);
+      is_within = is_within && (!is_limited || to.written() - before <= most_bytes(std::type_identity<T>{}));
     }
   };
   std::apply([&](const auto&... part) { (add(part), ...); }, Floor::kParts);
+  return is_within;
 }
 
 /// False for bytes that are no such parts; the parts are anything then.
@@ -96,6 +106,26 @@ template <class Floor>
     const bool is_sent = parts[i++];
     if constexpr (kIsEncodable<T>) {
       if (is_sent) return decode(from, frame.*part.member);
+    }
+    return true;
+  };
+  return std::apply([&](const auto&... part) { return (take(part) && ...); }, Floor::kParts);
+}
+
+/// The same with limits, for bytes of somebody who is not trusted: nothing is made that is longer than
+/// most_bytes() allows. `from` is what is left then.
+template <class Floor>
+[[nodiscard]] bool decode_limited_parts(std::span<const std::byte>& from, typename Floor::Frame& frame,
+                                        PartSet parts) {
+  std::size_t i = 0;
+  const auto take = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
+    const bool is_sent = parts[i++];
+    if constexpr (kIsEncodable<T>) {
+      if (!is_sent) return true;
+      const auto room = from.first(std::min(from.size(), most_bytes(std::type_identity<T>{})));
+      ByteReader reader(room, true);
+      if (!decode(reader, frame.*part.member)) return false;
+      from = from.subspan(room.size() - reader.left());
     }
     return true;
   };

@@ -355,9 +355,10 @@ class StageRunner {
     step_->run(given_.inputs(frame_), params_.get());
 
     ByteWriter writer(channel_.parts_from_stage());
-    encode_parts<Floor>(frame_, needs_.answered(), writer);
+    // The service would look at no list that is so long.
+    if (!encode_parts<Floor>(frame_, needs_.answered(), writer, true)) return AnswerKind::kNoRoom;
     for (const OwnPartUse& use : row_.own_parts) {
-      if (use.is_written || use.is_updated) give_own(use, writer);
+      if ((use.is_written || use.is_updated) && !give_own(use, writer)) return AnswerKind::kNoRoom;
     }
     channel_.from().parts_bytes = writer.written();
     give_note();
@@ -388,9 +389,11 @@ class StageRunner {
     return own->left() == 0 ||
            frame_.own_parts.code_at(*use.place).decode(*own, frame_.own_parts.at(*use.place));
   }
-  void give_own(const OwnPartUse& use, ByteWriter& writer) {
+  bool give_own(const OwnPartUse& use, ByteWriter& writer) {
+    const std::size_t before = writer.written();
     writer.whole(
         [&] { frame_.own_parts.code_at(*use.place).encode(frame_.own_parts.at(*use.place), writer); });
+    return writer.written() - before <= kMaxOwnPartBytes;
   }
 
   void give_note() {

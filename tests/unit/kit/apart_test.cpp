@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "capture/buffer_pool.h"
 #include "image/shared_memory.h"
+#include "kit/apart/frame_codec.h"
 #include "kit/apart/sound_parts.h"
 #include "kit/apart/stage_process.h"
 #include "kit/load_stages.h"
@@ -487,6 +488,44 @@ TEST(StageApart, PartsOfLibrariesGoFromOneProcessToTheNext) {
     EXPECT_EQ(frame.balls.balls[3].y_mm, i + 0.5);
     EXPECT_EQ(frame.balls.balls[3].area_px, 2u);
   }
+}
+
+TEST(StageApart, APartOfALibraryStaysAsItWasWhenTheAnswerIsNoGood) {
+  const Apart apart;
+  const StageRows inside = load_rows(kLibrary);
+  std::vector<StageType> rows{row(inside.camera, "find_tags"), row(inside.camera, "count_tags"),
+                              row(apart.rows.camera, "spoil_tags"), stage<MarkBalls>("mark_balls", "")};
+  for (const StageType& one : rows) {
+    for (const OwnPartUse& use : one.own_parts) *use.place = 0;  // there is no other
+  }
+  PacketSink sink;
+  CameraPipeline camera(0, sink,
+                        setup_of(rows, {"mark_balls", "find_tags", "spoil_tags", "count_tags"},
+                                 {{"spoil_tags", {{"deadline_ms", 1000}}}}));
+  for (unsigned i = 0; i < 5; ++i) {
+    const Frame& frame = camera.process({}, {});
+    ASSERT_EQ(frame.balls.balls.size(), 4U);
+    for (int tag = 0; tag < 3; ++tag) {
+      EXPECT_EQ(frame.balls.balls[1 + static_cast<std::size_t>(tag)].x_mm, tag);
+      EXPECT_EQ(frame.balls.balls[1 + static_cast<std::size_t>(tag)].y_mm, i + 0.5);
+    }
+  }
+  EXPECT_THAT(camera.setup()->pipeline->note(2).text, HasSubstr("gave results without sense for 5 of"));
+}
+
+TEST(StageApart, AListThatIsTooLongIsNotMade) {
+  Frame sent;
+  sent.balls.balls.resize(250'000);
+  PartSet balls;
+  balls.set(part_index<CameraFloor, BallList>());
+  std::vector<std::byte> bytes(std::size_t{64} << 20);
+  ByteWriter writer(bytes);
+  EXPECT_FALSE(apart::encode_parts<CameraFloor>(sent, balls, writer, true)) << "who sends it sees that";
+  ASSERT_TRUE(writer.fits());
+  std::span<const std::byte> all = std::span(bytes).first(writer.written());
+  Frame received;
+  EXPECT_FALSE(apart::decode_limited_parts<CameraFloor>(all, received, balls));
+  EXPECT_EQ(received.balls.balls.capacity(), 0U);
 }
 
 TEST(StageApart, ItsNotesComeBack) {
