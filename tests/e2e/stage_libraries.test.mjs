@@ -134,6 +134,14 @@ describe('stage libraries', () => {
     await becomes(async () => children(), (pids) => pids.length === 2);
     await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/deadline_ms', value: 20 });
     assert.equal((await patch({ op: 'replace', path: '/cameras/0/stages/count_balls/at_least', value: 101 })).status, 422);
+    const blocked = (pid) => {
+      try {
+        return /^SigBlk:\t(.*)$/m.exec(readFileSync(`/proc/${pid}/status`, 'utf8'))?.[1];
+      } catch {
+        return 'it is gone';
+      }
+    };
+    await becomes(async () => children().map(blocked), (masks) => masks.length === 2 && masks.every((mask) => mask === '0000000000000000'));
     const pids = children();
     await service.stop();
     assert.deepEqual(pids.filter((pid) => existsSync(`/proc/${pid}`)), [], 'none outlives the service');

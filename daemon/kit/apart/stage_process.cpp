@@ -50,6 +50,11 @@ StageRows load_checked(const std::string& library) {
 bool settle_in(pid_t service) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != service) return false;  // it ended before
+  // The service's program blocks the signals that it waits for as soon as it starts, and this is that
+  // program.
+  sigset_t none;
+  sigemptyset(&none);
+  ::pthread_sigmask(SIG_SETMASK, &none, nullptr);
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   std::signal(SIGPIPE, SIG_IGN);
   if (std::FILE* file = std::fopen("/proc/self/oom_score_adj", "we")) {
