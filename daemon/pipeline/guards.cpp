@@ -39,7 +39,7 @@ std::uint64_t copy_sense(const std::vector<T>& from, std::size_t most, std::vect
 
 void DetectionGuard::publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                              const BallList& balls) noexcept {
-  if (!makes_sense(info.times)) {
+  if (!makes_sense(info, info_)) {
     left_out_ += {robots.robots.size(), balls.balls.size(), 1};
   } else if (all_make_sense(robots.robots, kMostRobots) && all_make_sense(balls.balls, kMostBalls)) {
     out_->publish(info, scene, robots, balls);
@@ -72,7 +72,7 @@ Senseless CameraFloor::drop_senseless(const Inputs& in, const PartSet& changed, 
   Senseless out;
   drop_from<CameraFloor>(in.frame, &Frame::robots, changed, out);
   drop_from<CameraFloor>(in.frame, &Frame::balls, changed, out);
-  if (changed[part_index<CameraFloor, FrameInfo>()] && !makes_sense(in.frame.info.times)) {
+  if (changed[part_index<CameraFloor, FrameInfo>()] && !makes_sense(in.frame.info, guard.info())) {
     in.frame.info = guard.info();
     ++out.others;
   }

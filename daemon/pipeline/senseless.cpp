@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -80,6 +81,17 @@ std::uint64_t keep(std::vector<T>& list, std::size_t most, const Good& is_good) 
 bool makes_sense(const CaptureTimes& times) noexcept {
   return std::isfinite(times.t_capture_s) && std::isfinite(times.t_capture_camera_s.value_or(0)) &&
          std::isfinite(times.t_capture_sigma_s.value_or(0));
+}
+
+bool makes_sense(const FrameInfo& info, const FrameInfo& of_camera) noexcept {
+  constexpr double kMostCorrection_s = 5;
+  const auto place = [](const FrameInfo& one) {
+    return std::tuple(one.camera_id, one.number, one.times.arrived_ns, one.whole.width, one.whole.height,
+                      one.whole.x, one.whole.y);
+  };
+  return makes_sense(info.times) && place(info) == place(of_camera) &&
+         std::abs(info.times.t_capture_s - of_camera.times.t_capture_s) <= kMostCorrection_s &&
+         info.times.t_capture_sigma_s.value_or(0) >= 0;
 }
 
 bool makes_sense(const Robot& robot) noexcept {

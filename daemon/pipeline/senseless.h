@@ -54,6 +54,9 @@ inline constexpr std::size_t kMostRobots = 256, kMostBalls = 1024;
 inline constexpr std::size_t kMostTrackedBalls = 256;
 
 bool makes_sense(const CaptureTimes& times) noexcept;
+/// What a stage made of what the camera said of its image: it is still about that image. Its time may be
+/// corrected, by a few seconds.
+bool makes_sense(const FrameInfo& info, const FrameInfo& of_camera) noexcept;
 bool makes_sense(const Robot& robot) noexcept;
 bool makes_sense(const Ball& ball) noexcept;
 bool makes_sense(const TrackedRobot& robot) noexcept;

@@ -100,9 +100,7 @@ void make_parts_empty(typename Floor::Frame& frame, PartSet written) {
 }  // namespace
 
 bool is_sound(const FrameInfo& part, const Frame&, const Frame& before) {
-  return part.camera_id == before.info.camera_id && part.number == before.info.number &&
-         are_finite(part.times.t_capture_s, part.times.t_capture_camera_s.value_or(0),
-                    part.times.t_capture_sigma_s.value_or(0));
+  return makes_sense(part, before.info);
 }
 
 bool is_sound(const LabelImage& part, const Frame& now, const Frame&) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -230,6 +231,45 @@ TEST_F(SenselessStack, GoesBeforeTheNextStageAndIsCountedForTheOneThatMadeIt) {
   EXPECT_FALSE(pipeline.left_out(2).any());
   EXPECT_EQ(sink_.counts[1].robots, 2U) << "by the place in the table";
   EXPECT_EQ(sink_.counts[0].robots, 1U);
+}
+
+/// Says that the image is another one.
+struct ChangeInfo {
+  using Params = NoParams;
+  void process(const Params&, Update<FrameInfo> info, DetectionSink&) noexcept { change(*info); }
+  static inline std::function<void(FrameInfo&)> change;
+};
+
+TEST_F(SenselessStack, IsWhatSaysThatTheImageIsAnotherOne) {
+  const std::array table{stage<ChangeInfo>("change_info", ""), stage<MakeBad>("make_bad", ""),
+                         stage<Publish>("publish", "")};
+  Pipeline pipeline(table, {"change_info", "make_bad", "publish"}, "");
+  std::uint64_t restored = 0;
+  const auto time_with = [&](const std::function<void(FrameInfo&)>& change) {
+    ChangeInfo::change = change;
+    run(pipeline);
+    const std::uint64_t before = std::exchange(restored, pipeline.left_out(0).others);
+    EXPECT_EQ(frame_.info.camera_id, 0U);
+    EXPECT_EQ(frame_.info.number, 0U);
+    EXPECT_EQ(frame_.info.whole.x, 0);
+    return std::pair(sink_.t_capture_s, restored - before);
+  };
+  using testing::Pair;
+  EXPECT_THAT(time_with([](FrameInfo& info) { info.times.t_capture_s += 0.2; }), Pair(1000.2, 0U))
+      << "a time may be corrected";
+  const std::vector<std::function<void(FrameInfo&)>> bad{
+      [](FrameInfo& info) { info.camera_id = 77; },
+      [](FrameInfo& info) { info.number = 5; },
+      [](FrameInfo& info) { info.times.t_capture_s = 1e300; },
+      [](FrameInfo& info) { info.times.t_capture_s = 0; },
+      [](FrameInfo& info) { info.times.t_capture_s -= 10; },
+      [](FrameInfo& info) { info.times.t_capture_sigma_s = -1; },
+      [](FrameInfo& info) { info.times.arrived_ns = std::numeric_limits<std::int64_t>::min(); },
+      [](FrameInfo& info) {
+        info.whole = {-5, 1 << 30, 1 << 30, -7};
+      },
+  };
+  for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_THAT(time_with(bad[i]), Pair(1000, 1U)) << i;
 }
 
 TEST_F(SenselessStack, DoesNotLeaveByAStagesOwnList) {
