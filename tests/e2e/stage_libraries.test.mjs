@@ -128,8 +128,18 @@ describe('stage libraries', () => {
     await becomes(async () => children(), (pids) => pids.length === 2);
     const runs = ({ cameras }) => cameras[0].stages.length === STACK.length && cameras[0].stages[3].p50_us > 0;
     const { cameras: [before] } = await service.statusBecomes(runs);
-    for (const pid of children()) process.kill(Number(pid), 'SIGKILL');
-    const after = await service.statusBecomes(({ cameras: [camera], alerts }) => camera.frames > before.frames + 5 && camera.robots > 0 && alerts.some(({ id }) => id === 'stage_warns'));
+    // The first time it is there again before the next image comes, if nothing else keeps the computer busy.
+    const killing = async () => {
+      for (const pid of children()) {
+        try {
+          process.kill(Number(pid), 'SIGKILL');
+        } catch {
+          // it has ended
+        }
+      }
+      return ask('api/status');
+    };
+    const after = await becomes(killing, ({ cameras: [camera], alerts }) => camera.frames > before.frames + 5 && camera.robots > 0 && alerts.some(({ id }) => id === 'stage_warns'));
     assert.match(alertsOf(after, 'stage_warns')[0].title, /ended by signal 9/);
     await becomes(async () => children(), (pids) => pids.length === 2);
     await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/deadline_ms', value: 20 });
