@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "health/metrics_text.h"
+#include "services/recording/recording_report.h"
 
 #include <algorithm>
 #include <chrono>
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookInterval{200};
 constexpr std::chrono::seconds kCheckInterval{5};  // of the disk
+constexpr std::chrono::seconds kFilesInterval{1};
 /// How long it is told why a recording ended by itself.
 constexpr double kProblemIsTold_s = 600;
 constexpr std::uint64_t kMb = 1'000'000;
@@ -93,7 +95,7 @@ RecordingService::RecordingService(const Snapshot<Config>& config, const StateFo
       files_(folder.path() / kFolderName),
       keeper_([this](const std::stop_token& stop) {
         become_idle_thread("log index");
-        repeat(kCheckInterval, stop, [&] { files_.look_after(stop); });
+        repeat(kFilesInterval, stop, [&] { files_.look_after(stop); });
       }),
       thread_([this](const std::stop_token& stop) { look(stop); }) {}
 
@@ -183,15 +185,19 @@ void RecordingService::make_room() {
 
 void RecordingService::check_disk() {
   const std::lock_guard control(control_mutex_);
+  std::string problem;
   try {
     make_room();
   } catch (const StorageError& error) {
+    problem = error.what();
     if (recording().started_by != StartedBy::kNobody) {
-      log::error("the match log ends: {}", error.what());
+      log::error("the match log ends: {}", problem);
       rule_.leave_match_out();
-      end(error.what());
+      end(problem);
     }
   }
+  const std::lock_guard lock(mutex_);
+  no_room_problem_ = problem;
 }
 
 void RecordingService::begin(StartedBy by, const std::string& name) {
@@ -239,7 +245,7 @@ std::vector<Route> RecordingService::routes() {
            [this](const Request& request) { return get_events(request); }},
           download,
           {"PATCH", kLog, [this](const Request& request) { return change_log(request); }, Needs::kChange},
-          {"DELETE", kLog, [this](const Request& request) { return remove_log(request); }}};
+          {"DELETE", kLog, [this](const Request& request) { return remove_log(request); }, Needs::kChange}};
 }
 
 Json RecordingService::to_json() const {
@@ -348,34 +354,21 @@ Response RecordingService::get_events(const Request& request) const {
 }
 
 void RecordingService::report(HealthReport& report) const {
-  const Recording now = recording();
-  const MatchLogRecorder::Status status = recorder_.status();
-  const bool is_recording = now.started_by != StartedBy::kNobody;
-  const auto warn = [&](const char* id, std::string title, std::string fix) {
-    report.alerts.push_back({.id = id,
-                             .check = "recording",
-                             .severity = Severity::kWarn,
-                             .title = std::move(title),
-                             .fix = std::move(fix),
-                             .page = "#/recordings"});
-  };
-  if (!now.problem.empty())
-    warn("recording_failed", fmt::format("The match is not recorded: {}", now.problem),
-         "Make room on the disk, or let recordings take more of it; then press Record.");
-  if (is_recording && status.lost > 0)
-    warn("recording_lost", fmt::format("The match log lacks {} messages: the disk was too slow", status.lost),
-         "Use a faster disk, or record on another computer.");
-  Check check{"recording", "Match log", CheckState::kPass, kNoFigure, "", ""};
-  if (is_recording) {
-    check.value = fmt::format("{:.1f}", static_cast<double>(status.bytes) / static_cast<double>(kMb));
-    check.unit = "MB";
-    check.text = now.is_paused ? "paused: there is a break" : "recording";
-  } else {
-    check.text = config_.load()->recording.match_logs == RecordingSettings::MatchLogs::kByHand
-                     ? "off: somebody starts it by hand"
-                     : "waits for the game controller";
+  RecordingFacts facts;
+  {
+    const std::lock_guard lock(mutex_);
+    facts.is_recording = recording_.started_by != StartedBy::kNobody;
+    facts.is_paused = recording_.is_paused;
+    facts.problem = recording_.problem;
+    facts.no_room_problem = no_room_problem_;
   }
-  report.checks.push_back(std::move(check));
+  facts.is_by_hand = config_.load()->recording.match_logs == RecordingSettings::MatchLogs::kByHand;
+  if (facts.is_recording) {
+    const MatchLogRecorder::Status status = recorder_.status();
+    facts.bytes = status.bytes;
+    facts.lost = status.lost;
+  }
+  report_recording(facts, report);
 }
 
 void RecordingService::write_metrics(MetricsText& out) const {

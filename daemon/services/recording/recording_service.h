@@ -75,6 +75,7 @@ class RecordingService final : public Service {
   mutable std::mutex mutex_;  // guards the next ones
   Recording recording_;
   DiskUse disk_;
+  std::string no_room_problem_;   // why no log could begin; empty when one could
   std::jthread keeper_, thread_;  // last: they use the others
 };
 
