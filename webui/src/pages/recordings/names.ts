@@ -39,5 +39,5 @@ export const NAME_LENGTH = 100;
 /** Why the service would refuse a name; empty: it would not, or there is none. */
 export function nameProblem(name: string): string {
   if (name.length > NAME_LENGTH) return `At most ${NAME_LENGTH} characters`;
-  return /^[A-Za-z0-9 _-]*$/.test(name) ? '' : 'Use only letters A to Z, digits, spaces, _ and -';
+  return /^[A-Za-z0-9 _-]*$/.test(name) ? '' : 'Use only A to Z, digits, spaces, - and _';
 }
