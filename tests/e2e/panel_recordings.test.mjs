@@ -16,7 +16,7 @@ const { address, patch } = service;
 const { aroundTests, withPage } = createBrowser(service);
 const PATH = '#/recordings';
 const ADMIN = 'correct horse';
-const HALT = 0, NORMAL_START = 2;
+const HALT = 0, STOP = 1, NORMAL_START = 2;
 const FIRST_HALF = 1;
 
 const GROUP = '224.5.23.104';
@@ -136,17 +136,17 @@ describe('recordings', () => {
       await patch({ op: 'replace', path: '/recording/match_logs', value: 'by_game_controller' });
       await stateBecomes(page, 'waiting');
       await page.waitForSelector(byId('hint-controller'));
-      refereeSays(HALT);
+      refereeSays(STOP);
       await stateBecomes(page, 'recording');
       await page.waitForSelector(byId('hint-controller'), { state: 'detached' });
       await textBecomes(page, 'match-log-now', /: RoboTeam Twente vs TIGERs Mannheim, /);
       const { match_log: { name } } = await recordings();
-      // While the game runs nothing is changed by accident.
+      // Settings are locked while the game runs, recordings are not.
       refereeSays(NORMAL_START);
-      await page.waitForSelector(`${byId('stop')}:disabled`);
       await recordingsBecome(({ match_log: now }) => now.messages.referee > 15);
-      refereeSays(HALT, 1);
-      await page.waitForSelector(`${byId('stop')}:enabled`);
+      refereeSays(STOP, 1);
+      const before = (await recordings()).match_log.messages.referee;
+      await recordingsBecome(({ match_log: now }) => now.messages.referee > before + 3);
       await press(page, byId('stop'));
       await becomes(() => focused(page), (id) => id === 'keep-recording');
       await press(page, byId('keep-recording'));
@@ -154,6 +154,8 @@ describe('recordings', () => {
       await press(page, byId('stop'));
       await press(page, byId('stop-now'));
       await becomes(recordings, ({ logs }) => logs.find((one) => one.name === name)?.goals === 1);
+      refereeSays(HALT, 1); // or the settings stay locked
+      await service.statusBecomes(({ referee: heard }) => !heard.game_is_running);
       refereeSays();
 
       await press(page, `${row(name)} a >> nth=0`);

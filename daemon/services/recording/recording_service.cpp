@@ -9,8 +9,10 @@
 #include "services/recording/recording_report.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <numeric>
+#include <initializer_list>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -71,9 +73,23 @@ Json log_json(const MatchLogFile& file) {
   return out;
 }
 
+std::string name_by_teams(const std::array<std::string, 2>& teams) {
+  if (teams[0].empty() || teams[1].empty()) return "by_hand";
+  return fmt::format("{}-vs-{}", file_name_part(teams[0]), file_name_part(teams[1]));
+}
+
+/// Throws HttpError for a body with any other key.
+void check_keys(const Json& body, std::initializer_list<std::string_view> known) {
+  if (!body.is_object()) throw HttpError(400, "expected an object");
+  for (const auto& [key, value] : body.items()) {
+    if (std::ranges::find(known, key) == known.end())
+      throw HttpError(
+          400, fmt::format("/{}: is not known here; expected {}", shortened(key), fmt::join(known, ", ")));
+  }
+}
+
 /// The part of a file's name that a client gave.
 std::string asked_name(const Json& body) {
-  if (!body.contains("name")) return "by_hand";
   if (!body["name"].is_string()) throw HttpError(400, "/name: expected a text");
   const std::string name = body["name"].get<std::string>();
   const bool is_good = !name.empty() && name.size() <= kMaxName && std::ranges::all_of(name, [](char c) {
@@ -263,9 +279,7 @@ Json RecordingService::to_json() const {
   const char* state = !now.problem.empty() ? "failed" : by_hand ? "off" : "waiting";
   if (is_recording) state = now.is_paused ? "paused" : "recording";
   Json logs = Json::array();
-  for (const MatchLogFile& file : files_.list()) {
-    if (!is_recording || file.name != now.name) logs.push_back(log_json(file));
-  }
+  for (const MatchLogFile& file : files_.list()) logs.push_back(log_json(file));
   return {
       {"match_log",
        {{"state", state},
@@ -288,9 +302,10 @@ Json RecordingService::to_json() const {
 
 Response RecordingService::put_match_log(const Request& request) {
   const Json body = body_json(request);
+  check_keys(body, {"record", "name"});
   if (!body.contains("record") || !body["record"].is_boolean())
     throw HttpError(400, "/record: expected true or false");
-  const std::string name = asked_name(body);
+  const std::string name = body.contains("name") ? asked_name(body) : name_by_teams(referee_.team_names());
   const std::lock_guard control(control_mutex_);
   const bool is_recording = recording().started_by != StartedBy::kNobody;
   if (body["record"].get<bool>()) {
@@ -313,6 +328,7 @@ MatchLogFile RecordingService::find(const Request& request) const {
 Response RecordingService::change_log(const Request& request) {
   const MatchLogFile file = find(request);
   const Json body = body_json(request);
+  check_keys(body, {"pinned"});
   if (!body.contains("pinned") || !body["pinned"].is_boolean())
     throw HttpError(400, "/pinned: expected true or false");
   files_.pin(file.name, body["pinned"].get<bool>());

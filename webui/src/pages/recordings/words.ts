@@ -38,7 +38,7 @@ export function nowText({ match_log: now, disk }: Pick<Recordings, 'match_log' |
     case 'paused':
       return { level: 'info', icon: 'pause', word: 'Paused', text: `Paused: break. ${titleOf(now)}, ${size(now)} so far`, more: 'The log continues when the match does.' };
     case 'waiting':
-      return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waits for the game controller: it starts when both teams are named', more: 'Or start it now by hand.' };
+      return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waits for the game controller: it starts when both teams are named and HALT is over', more: 'Or start it now by hand.' };
     case 'off':
       return { level: '', icon: 'minus', word: 'Off', text: 'Off', more: 'Nothing is recorded until you press Record.' };
     case 'failed':
