@@ -10,7 +10,7 @@ import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 import { gunzipSync } from 'node:zlib';
 import { gameController } from './league_messages.mjs';
-import { becomes, createService, freeUdpPort } from './service.mjs';
+import { becomes, createService, freeUdpPort, root } from './service.mjs';
 
 const GROUP = '239.255.77.95', TRACKER_GROUP = '239.255.77.96', GC_GROUP = '239.255.77.97';
 const VISION = 4, REFEREE = 3, TRACKED = 5;
@@ -18,6 +18,8 @@ const service = await createService(GROUP);
 const gcPort = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
 service.settings.network.tracker = { enabled: true, group: TRACKER_GROUP, port: await freeUdpPort() };
+const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
+const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').slice(0, -1), ...words], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
 const folder = join(service.stateFolder, 'recordings');
 
 const gc = createSocket('udp4');
@@ -218,6 +220,42 @@ describe('match logs', () => {
     assert.match(none.problem, /is no log of the league: it does not begin with SSL_LOG_FILE/);
     assert.deepEqual([ours.problem, ours.begin_s, ours.seconds, ours.messages.vision], ['', 1, 0, 1]);
     assert.equal((await ask('GET', `/logs/${none.name}/events`)).status, 422);
+  });
+
+  it('are shown, converted and played by the command line', async () => {
+    const file = join(folder, (await ask('POST', '/match-log', { record: true, name: 'tools' })).json.match_log.name);
+    await becomes(state, ({ messages }) => messages.vision > 20 && messages.tracked > 20);
+    assert.match(ctl('match-log', 'list'), /^match log: recording \S+_tools\.log\.gz, /);
+    assert.equal(ctl('match-log', 'stop'), '');
+    const messages = messagesOf(readFileSync(file));
+    const info = JSON.parse(ctl('match-log', 'info', '--json', file));
+    assert.equal(info.messages.vision, ofType(messages, VISION).length);
+    assert.match(ctl('match-log', 'info', file), new RegExp(` ${info.messages.tracked} {2}tracked messages`));
+
+    // To a plain file with the league's index, and packed again.
+    const plain = join(service.folder, 'plain.log'), packed = join(service.folder, 'packed.log.gz');
+    assert.equal(ctl('match-log', 'convert', file, plain), `${messages.length} messages\n`);
+    const bytes = readFileSync(plain);
+    assert.equal(bytes.toString('latin1', bytes.length - 7), 'INDEXED');
+    const index = bytes.length - Number(bytes.readBigInt64BE(bytes.length - 15));
+    assert.deepEqual([Number(bytes.readBigInt64BE(index)), bytes.readInt32BE(index + 8), bytes.readInt32BE(index + 12)], [0, 6, 8 * messages.length + 15]);
+    messages.forEach((message, i) => {
+      const at = Number(bytes.readBigInt64BE(index + 16 + 8 * i));
+      assert.equal(bytes.readInt32BE(at + 8), message.type);
+      assert.deepEqual(bytes.subarray(at + 16, at + 16 + bytes.readInt32BE(at + 12)), message.bytes);
+    });
+    ctl('match-log', 'convert', plain, packed);
+    assert.deepEqual(gunzipSync(readFileSync(packed)), gunzipSync(readFileSync(file)));
+    assert.throws(() => ctl('match-log', 'convert', plain, packed), /File exists/);
+
+    // To programs that listen to another group than the teams.
+    const group = '239.255.77.98', port = await freeUdpPort();
+    assert.throws(() => ctl('match-log', 'play', file, '--group', '224.5.23.2'), /teams listen to 224\.5\.23\.2/);
+    const heard = await listenTo(group, port);
+    execFileSync(CTL, ['match-log', 'play', file, '--speed', '16', '--group', group, '--vision-port', String(port), '--interface', 'lo'], { stdio: ['ignore', 'ignore', 'pipe'] });
+    await becomes(() => heard.heard.length, (count) => count >= info.messages.vision);
+    heard.close();
+    assert.deepEqual(heard.heard, ofType(messages, VISION).map((message) => message.bytes));
   });
 
   it('are not recorded where the disk must stay free, and say so', async () => {

@@ -114,7 +114,15 @@ void add_play(CommandLine& line, CLI::App* group) {
       play->add_option("--until", o->until_s, "s since the log's beginning")->check(CLI::NonNegativeNumber);
   play->add_option("--longest-gap", o->play.longest_gap_s, "s; longer gaps, such as breaks, are cut to that")
       ->check(CLI::PositiveNumber);
-  play->add_option("--group", o->play.group, "multicast group to send to, with the league's ports")
+  play->add_option("--group", o->play.group, "multicast group to send to")->capture_default_str();
+  play->add_option("--vision-port", o->play.vision_port, "instead of the league's")
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
+  play->add_option("--referee-port", o->play.referee_port, "likewise")
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
+  play->add_option("--tracker-port", o->play.tracker_port, "likewise")
+      ->check(CLI::Range(1, 65535))
       ->capture_default_str();
   play->add_option("--interface", o->play.interface,
                    "network card's name or address; default: the system's routes choose");
