@@ -25,7 +25,7 @@ constexpr KindName kKinds[] = {{MatchEvent::Kind::kCommand, "command"},
                                {MatchEvent::Kind::kKick, "kick"}};
 
 constexpr std::int64_t kForgottenAfter_ns = 5'000'000'000;
-constexpr double kSameKick_s = 0.05;  // a tracker that looks again may find another moment for it
+constexpr double kSameKick_s = 0.05;  // a tracker that computes it again may find another moment for it
 
 // By the numbers of the game controller's Command and Stage.
 constexpr const char* kCommands[] = {"Halt",

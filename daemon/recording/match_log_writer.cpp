@@ -51,7 +51,7 @@ class OutputFile {
     if (::fdatasync(file_) != 0) fail("cannot be written");
   }
   void cut(std::uint64_t size) {
-    if (::ftruncate(file_, static_cast<off_t>(size)) != 0) fail("cannot be mended");
+    if (::ftruncate(file_, static_cast<off_t>(size)) != 0) fail("cannot be repaired");
     ::lseek(file_, 0, SEEK_END);
   }
 
@@ -297,7 +297,7 @@ class BlockReader {
 
 }  // namespace
 
-MendedMatchLog mend_match_log(const fs::path& path) {
+RepairedMatchLog repair_match_log(const fs::path& path) {
   const WholePart whole = BlockReader(path).read();
   const std::uint64_t size = fs::file_size(path);
   if (whole.end == 0) throw StorageError(fmt::format("{}: holds nothing that could be kept", path.string()));

@@ -13,7 +13,7 @@ namespace sslv {
 
 /// Writes a log of the league as gzip, for every tool that reads such logs. Reading may begin at many places
 /// of it: it is made of members, of about a MiB of messages each, and an index stands beside it in the end.
-/// What was flushed survives a power cut; mend_match_log() makes the file a whole one again.
+/// What was flushed survives a power cut; repair_match_log() makes the file a whole one again.
 class MatchLogWriter {
  public:
   /// Unpacked bytes of a member.
@@ -41,8 +41,8 @@ class MatchLogWriter {
   std::unique_ptr<State> state_;
 };
 
-/// What mend_match_log() did.
-struct MendedMatchLog {
+/// What repair_match_log() did.
+struct RepairedMatchLog {
   bool was_whole = true;
   std::uint64_t removed_bytes = 0;  // of the file, at its end
 };
@@ -50,6 +50,6 @@ struct MendedMatchLog {
 /// Makes a packed log whole that a MatchLogWriter did not finish: what was flushed stays, what came after it
 /// goes. May be interrupted and called again. Throws StorageError for what is no such log, which then stays
 /// as it is.
-MendedMatchLog mend_match_log(const std::filesystem::path& path);
+RepairedMatchLog repair_match_log(const std::filesystem::path& path);
 
 }  // namespace sslv

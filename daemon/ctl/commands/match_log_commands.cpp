@@ -77,14 +77,14 @@ void add_file_commands(CommandLine& line, CLI::App* group) {
     return EXIT_FAILURE;
   });
 
-  auto* mend = group->add_subcommand(
-      "mend", "make a .log.gz whole that a daemon could not end; what is damaged at its end goes");
-  mend->add_option("log", o->log, "the log")->required();
-  line.on(mend, [o] {
-    const MendedMatchLog done = mend_match_log(o->log);
+  auto* repair = group->add_subcommand(
+      "repair", "make a .log.gz whole that a daemon could not end; what is damaged at its end goes");
+  repair->add_option("log", o->log, "the log")->required();
+  line.on(repair, [o] {
+    const RepairedMatchLog done = repair_match_log(o->log);
     std::cout << (done.was_whole
                       ? std::string("is whole\n")
-                      : fmt::format("was mended; {} bytes at its end made no sense\n", done.removed_bytes));
+                      : fmt::format("was repaired; {} bytes at its end made no sense\n", done.removed_bytes));
     return EXIT_SUCCESS;
   });
 }

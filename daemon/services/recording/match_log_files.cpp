@@ -184,8 +184,8 @@ void MatchLogFiles::look_after(const std::stop_token& stop) {
     try {
       // The service was killed while it wrote this one. Files of others stay as they are.
       if (const fs::path mark = unfinished_mark_of(path); fs::exists(mark)) {
-        const MendedMatchLog mended = mend_match_log(path);
-        if (!mended.was_whole)
+        const RepairedMatchLog repaired = repair_match_log(path);
+        if (!repaired.was_whole)
           log::warning("{}: was not ended; what was on the disk of it is kept", path.string());
         remove_file(mark);
       }

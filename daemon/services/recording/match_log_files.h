@@ -42,7 +42,7 @@ class MatchLogFiles {
   /// A path for a new log that begins now: "2026-07-03_14-05_NAME.log.gz" (UTC), with a number where there is
   /// one of that name. It is no complete log until end() is called. Throws StorageError.
   std::filesystem::path begin(const std::string& name);
-  /// `is_finished`: it needs no mending. Throws StorageError.
+  /// `is_finished`: it needs no repairing. Throws StorageError.
   void end(bool is_finished);
 
   /// The newest first.

@@ -20,7 +20,7 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
       "Delete or download recordings, or let them take more of the disk (Settings, recording).";
   if (!facts.problem.empty()) {
     warn("recording_failed", fmt::format("The match is not recorded: {}", facts.problem),
-         "Mend that, then press Record on the page Recordings.");
+         "Put that right, then press Record on the page Recordings.");
   } else if (!facts.no_room_problem.empty()) {
     warn("recording_disk", fmt::format("No match can be recorded: {}", facts.no_room_problem), kMakeRoom);
   }

@@ -285,16 +285,16 @@ TEST_F(MatchLog, WhatWasFlushedSurvivesAPowerCutAtAnyPlace) {
     }
     write(file(), cut);
     if (safe.messages == 0) {
-      EXPECT_NO_THROW(try { mend_match_log(file()); } catch (const StorageError&){});
+      EXPECT_NO_THROW(try { repair_match_log(file()); } catch (const StorageError&){});
       continue;
     }
-    mend_match_log(file());
+    repair_match_log(file());
     const WasRead was_read = read(file());
     EXPECT_EQ(was_read.problem, "") << "cut at " << size;
     ASSERT_GE(was_read.messages.size(), safe.messages) << "cut at " << size;
     for (std::size_t j = 0; j < safe.messages; j += 13) expect_same(was_read.messages[j], messages[j]);
     expect_same(was_read.messages[safe.messages - 1], messages[safe.messages - 1]);
-    EXPECT_TRUE(mend_match_log(file()).was_whole) << "it is whole now";
+    EXPECT_TRUE(repair_match_log(file()).was_whole) << "it is whole now";
     EXPECT_EQ(std::system(fmt::format("gzip -t {}", file().string()).c_str()), 0)
         << "other programs say so too";
   }
@@ -311,7 +311,7 @@ TEST_F(MatchLog, AWriterThatGoesAwayLeavesWhatItFlushed) {
   }
   EXPECT_THAT(read(file()).messages, SizeIs(::testing::Ge(500U))) << "as it is";
   EXPECT_THAT(read(file()).problem, HasSubstr("is cut off"));
-  EXPECT_FALSE(mend_match_log(file()).was_whole);
+  EXPECT_FALSE(repair_match_log(file()).was_whole);
   const WasRead was_read = read(file());
   EXPECT_EQ(was_read.problem, "");
   ASSERT_THAT(was_read.messages, SizeIs(500));
@@ -321,7 +321,7 @@ TEST_F(MatchLog, AWriterThatGoesAwayLeavesWhatItFlushed) {
 TEST_F(MatchLog, AFileOfThatNameStaysAsItIs) {
   write(file(), "of somebody else");
   EXPECT_THROW(MatchLogWriter{file()}, StorageError);
-  EXPECT_THROW(mend_match_log(file()), StorageError);
+  EXPECT_THROW(repair_match_log(file()), StorageError);
   EXPECT_EQ(contents(file()), "of somebody else");
   EXPECT_THROW(MatchLogWriter{folder_.path() / "no" / "folder.log.gz"}, StorageError);
 }
@@ -385,9 +385,9 @@ TEST_F(MatchLog, NoBytesMakeItFail) {
     } catch (const StorageError&) {
     }
     try {
-      mend_match_log(file());
-      const auto mended = read(file());
-      EXPECT_EQ(mended.problem, "");
+      repair_match_log(file());
+      const auto repaired = read(file());
+      EXPECT_EQ(repaired.problem, "");
     } catch (const StorageError&) {
     }
   }
