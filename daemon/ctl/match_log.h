@@ -33,9 +33,28 @@ struct Played {
   std::string problem;  // why the log could not be read to its end
 };
 
-/// Sends a log's packets again, as far apart as they came, at `speed` times their pace. `tell` is called
-/// about once a second with the place in the log, s. Throws StorageError and SettingsError.
-Played play_match_log(const std::filesystem::path& log, const PlayOptions& options,
-                      const std::function<void(double at_s)>& tell);
+/// Sends a log's packets again, as far apart as they came, at `speed` times their pace. At a terminal, keys
+/// steer it; it says on standard error where it is. Throws StorageError and SettingsError.
+Played play_match_log(const std::filesystem::path& log, const PlayOptions& options);
+
+/// What a key does to a log that is played.
+enum class PlayKey {
+  kNone,
+  kPause,
+  kStep,
+  kBack,
+  kOn,
+  kFaster,
+  kSlower,
+  kNextGoal,
+  kLastGoal,
+  kNextCommand,
+  kLastCommand,
+  kNextKick,
+  kLastKick,
+  kEnd
+};
+/// Of what a terminal sent, the key that comes first; takes it from `typed`.
+PlayKey take_key(std::string& typed);
 
 }  // namespace sslv

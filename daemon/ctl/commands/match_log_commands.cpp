@@ -6,6 +6,7 @@
 #include "net/referee_listener.h"
 #include "net/tracker_settings.h"
 #include "recording/match_log_convert.h"
+#include "recording/match_log_player.h"
 #include "recording/match_log_writer.h"
 
 #include <algorithm>
@@ -107,7 +108,7 @@ void add_play(CommandLine& line, CLI::App* group) {
   auto* play = group->add_subcommand("play", "send a log's packets again, for programs that listen");
   play->add_option("log", o->log, "the log, packed or not")->required();
   play->add_option("--speed", o->play.speed, "times as fast")
-      ->check(CLI::Range(0.1, 16.0))
+      ->check(CLI::Range(MatchLogPlayer::kMinSpeed, MatchLogPlayer::kMaxSpeed))
       ->capture_default_str();
   play->add_option("--from", o->play.from_s, "s since the log's beginning")->check(CLI::NonNegativeNumber);
   CLI::Option* until =
@@ -134,8 +135,7 @@ void add_play(CommandLine& line, CLI::App* group) {
                       "sends there all the same",
                       o->play.group));
     if (until->count() > 0) o->play.until_s = o->until_s;
-    const Played played =
-        play_match_log(o->log, o->play, [](double at_s) { std::cerr << fmt::format("\r{:8.0f} s ", at_s); });
+    const Played played = play_match_log(o->log, o->play);
     std::cerr << fmt::format("\r{} vision, {} referee, {} tracked packets sent\n", played.vision,
                              played.referee, played.tracked);
     if (played.problem.empty()) return EXIT_SUCCESS;
