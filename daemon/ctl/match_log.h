@@ -54,7 +54,7 @@ enum class PlayKey {
   kLastKick,
   kEnd
 };
-/// Of what a terminal sent, the key that comes first; takes it from `typed`.
+/// The key that a terminal sent first; takes it from `typed`.
 PlayKey take_key(std::string& typed);
 
 }  // namespace sslv

@@ -75,7 +75,7 @@ ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std
   MatchLogReader reader(from);
   if (name.ends_with(".log.gz")) {
     MatchLogWriter writer(to);
-    const auto out = copy_messages(reader, [&](const LoggedMessage& message) {
+    auto out = copy_messages(reader, [&](const LoggedMessage& message) {
       writer.add(message.time_ns, message.type, message.bytes);
     });
     writer.finish();
@@ -85,7 +85,7 @@ ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std
     throw StorageError(fmt::format("{}: expected a name that ends with .log or .log.gz", name));
   if (std::filesystem::exists(to)) throw StorageError(fmt::format("{}: is there already", name));
   PlainLog plain(to);
-  const auto out = copy_messages(reader, [&](const LoggedMessage& message) { plain.add(message); });
+  auto out = copy_messages(reader, [&](const LoggedMessage& message) { plain.add(message); });
   plain.finish();
   return out;
 }

@@ -19,7 +19,7 @@ class MatchLogPlayer {
   using Send = std::function<void(const LoggedMessage&)>;
 
   static constexpr double kMinSpeed = 0.1, kMaxSpeed = 16;
-  /// play() gives no more than so many at once, so that whoever plays can still be told to stop.
+  /// play() gives no more than so many at once, so that its caller can still be told to stop.
   static constexpr int kMaxAtOnce = 10'000;
 
   /// Reads the log's index, or makes it. It plays from the log's beginning, at once. Throws StorageError.
