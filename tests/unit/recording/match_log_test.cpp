@@ -295,8 +295,9 @@ TEST_F(MatchLog, WhatWasFlushedSurvivesAPowerCutAtAnyPlace) {
     for (std::size_t j = 0; j < safe.messages; j += 13) expect_same(was_read.messages[j], messages[j]);
     expect_same(was_read.messages[safe.messages - 1], messages[safe.messages - 1]);
     EXPECT_TRUE(repair_match_log(file()).was_whole) << "it is whole now";
-    EXPECT_EQ(std::system(fmt::format("gzip -t {}", file().string()).c_str()), 0)
-        << "other programs say so too";
+    if (i % 10 == 0)
+      EXPECT_EQ(std::system(fmt::format("gzip -t {}", file().string()).c_str()), 0)
+          << "other programs say so too";
   }
 }
 
