@@ -44,7 +44,7 @@ Response bytes_response(std::span<const std::uint8_t> bytes, const char* type) {
 }
 
 Response file_response(const std::filesystem::path& file, const char* type, const std::string& name) {
-  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
   struct stat facts {};
   if (opened < 0 || ::fstat(opened, &facts) != 0 || !S_ISREG(facts.st_mode)) {
     if (opened >= 0) ::close(opened);

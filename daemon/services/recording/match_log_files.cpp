@@ -34,6 +34,12 @@ fs::path unfinished_mark_of(const fs::path& log) {
   return log.string() + ".unfinished";
 }
 
+/// No link: that could lead out of the folder.
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::symlink_status(path, error).type() == fs::file_type::regular;
+}
+
 std::uint64_t size_of(const fs::path& file) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
@@ -58,8 +64,7 @@ std::vector<std::string> MatchLogFiles::names() const {
   std::error_code error;
   for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    std::error_code ignored;
-    if (is_match_log_name(name) && entry->is_regular_file(ignored)) out.push_back(name);
+    if (is_match_log_name(name) && is_file(entry->path())) out.push_back(name);
   }
   // Their names begin with their times; what others put here stands by its name, too.
   std::ranges::sort(out, std::greater{});
@@ -98,7 +103,7 @@ std::optional<MatchLogFile> MatchLogFiles::find(const std::string& name) const {
   if (!is_match_log_name(name)) return std::nullopt;
   std::error_code error;
   const fs::path path = folder_ / name;
-  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  if (!is_file(path)) return std::nullopt;
   MatchLogFile out{.name = name,
                    .bytes = size_of(path),
                    .is_pinned = fs::exists(pin_of(path), error),

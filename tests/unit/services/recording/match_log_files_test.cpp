@@ -100,6 +100,7 @@ TEST_F(MatchLogFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
   std::ofstream(files_.path_of("none.log")) << "none";
   std::ofstream(files_.path_of("notes.txt")) << "none";
   fs::create_directory(files_.path_of("folder.log"));
+  fs::create_symlink("/etc/passwd", files_.path_of("link.log"));
   files_.look_after({});
   EXPECT_THAT(names(), ElementsAre("theirs.log.gz", "none.log"));
   EXPECT_EQ(fs::file_size(files_.path_of("theirs.log.gz")), size);
