@@ -16,6 +16,7 @@
 #include "services/colors/learning_service.h"
 #include "services/field/field_service.h"
 #include "services/network/network_service.h"
+#include "services/recording/recording_service.h"
 #include "services/settings/profile_service.h"
 #include "services/settings/settings_service.h"
 #include "services/sources/source_service.h"
@@ -128,15 +129,27 @@ struct Daemon::Parts {
         colors(kept, settings, network, cameras),
         sources(kept.folder, settings, cameras.running, file_folders(options)),
         verdict(settings.config(), cameras.running, network.service.referee()),
+        recording(settings.config(), kept.folder, network.service.referee()),
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
     // In the order in which their checks are shown.
-    std::vector<Service*> services{&verdict,           &field.service,  &cameras.service,
-                                   &cameras.stills,    &sources,        &calibration.service,
-                                   &calibration.joint, &colors.service, &colors.learning,
-                                   &network.service,   &status,         &settings,
-                                   &profiles,          &backup,         &access};
+    std::vector<Service*> services{&verdict,
+                                   &field.service,
+                                   &cameras.service,
+                                   &cameras.stills,
+                                   &sources,
+                                   &calibration.service,
+                                   &calibration.joint,
+                                   &colors.service,
+                                   &colors.learning,
+                                   &network.service,
+                                   &recording,
+                                   &status,
+                                   &settings,
+                                   &profiles,
+                                   &backup,
+                                   &access};
     status.set_services(services);
     for (Service* service : services) {
       for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
@@ -178,6 +191,7 @@ struct Daemon::Parts {
   ColorParts colors;
   SourceService sources;
   VerdictService verdict;
+  RecordingService recording;
   BackupService backup;
   WebCounters web_counters;
   StatusService status;

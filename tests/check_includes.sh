@@ -22,6 +22,7 @@ rules='
   pipeline              base image geometry vision tracking
   kit                   base image geometry vision tracking pipeline
   net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h proto
+  recording             base net settings/state_folder.h proto
   settings              base
   health                base image vision/mask.h
   web                   base image
@@ -30,6 +31,7 @@ rules='
   services              engines config web
   services/access       engines config web services
   services/network      engines config web services
+  services/recording    engines config web services
   services/settings     engines config web services
   services/backup       engines config web services services/settings/settings_editor.h services/settings/settings_routes.h
   services/cameras      engines config web services services/network/teams.h
@@ -41,7 +43,7 @@ rules='
   services/verdict      engines config web services services/cameras/cameras.h
   top                   anything
 '
-engines='base image geometry tracking calibration vision colors capture pipeline kit net settings health proto'
+engines='base image geometry tracking calibration vision colors capture pipeline kit net recording settings health proto'
 
 # "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service;
 # a service includes another only by the headers named here, which are its small interfaces.

@@ -15,6 +15,7 @@
 #include "net/referee_listener.h"
 #include "net/tracker_settings.h"
 #include "pipeline/frame.h"
+#include "recording/recording_settings.h"
 #include "settings/migrations.h"
 #include "tracking/ball_motion.h"
 #include "vision/lut.h"
@@ -152,6 +153,7 @@ struct Config {
   std::string patterns_file;
   std::vector<OwnLabel> own_labels;
   NetworkSettings network;
+  RecordingSettings recording;
   PanelSettings panel;
   std::vector<CameraSettings> cameras;
   static constexpr auto fields() {
@@ -166,6 +168,7 @@ struct Config {
              "labels of colour tables besides the built-in ones, for patterns of your own",
              label::kMaxCount - label::kCount),
         group("network", &Config::network, "where packets are sent to and received from"),
+        group("recording", &Config::recording, "which matches are recorded, and how much room that may take"),
         group("panel", &Config::panel, "where the web panel listens"),
         list("cameras", &Config::cameras, "the cameras of this daemon", 32),
     };

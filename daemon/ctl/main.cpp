@@ -55,6 +55,7 @@ void add_commands(CommandLine& line) {
   add_learn_colours(line);
   add_passwd(line);
   add_match_lock(line);
+  add_match_log(line);
   add_completion(line);
 }
 

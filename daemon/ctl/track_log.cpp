@@ -6,8 +6,8 @@
 #include "ctl/table.h"
 #include "net/heard_cameras.h"
 #include "net/parse.h"
-#include "net/vision_log.h"
 #include "pipeline/pipeline.h"
+#include "recording/match_log_reader.h"
 #include "ssl_vision_wrapper.pb.h"
 #include "tracking/smoother.h"
 #include "tracking/tracks_json.h"
@@ -69,9 +69,7 @@ struct LogClock : FieldClock {
 
 TrackedLog track_log(const std::filesystem::path& file, const Config& config,
                      const TrackLogOptions& options) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw StorageError(fmt::format("{}: cannot be read", file.string()));
-  VisionLogReader reader(in, file.string());
+  MatchLogReader reader(file);
   FieldPipeline pipeline(field_stage_table(), config.field.stack, "/field/stack");
   const auto parameters = pipeline.parameters_of(config.field.stage_params);
   const BallModel ball = ball_model_of(config);
@@ -128,6 +126,7 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
     if (!smoother) take(frame.tracked);
     if (smoother) take_later(frame.observations, now_s);
   }
+  if (!reader.problem().empty()) throw StorageError(reader.problem());
   // What is left is known by now.
   constexpr double kPeriod_s = 1.0 / 75;
   for (double t_s = 0; smoother && first_s && t_s < options.later_s; t_s += kPeriod_s)

@@ -28,6 +28,8 @@ bool makes_sense(const Referee& referee) {
 }
 
 // The numbers are the game controller's Stage and Command.
+constexpr int kHalt = 0;
+
 bool says_that_stage_is_played(const Referee& referee) {
   constexpr int kPlayingStages[] = {1, 4, 7, 10, 12};  // two halves, two extra halves, penalty shoot-out
   return referee.has_stage() && std::find(std::begin(kPlayingStages), std::end(kPlayingStages),
@@ -35,12 +37,11 @@ bool says_that_stage_is_played(const Referee& referee) {
 }
 
 bool says_that_robots_play(const Referee& referee) {
-  constexpr int kHalt = 0;
   return says_that_stage_is_played(referee) && referee.has_command() && referee.command() != kHalt;
 }
 
 bool says_that_robots_are_handled(const Referee& referee) {
-  constexpr int kHalt = 0, kTimeouts[] = {12, 13};
+  constexpr int kTimeouts[] = {12, 13};
   return says_that_stage_is_played(referee) && referee.has_command() &&
          (referee.command() == kHalt ||
           std::find(std::begin(kTimeouts), std::end(kTimeouts), referee.command()) != std::end(kTimeouts));
@@ -55,6 +56,8 @@ std::optional<int> robots_allowed(const Referee::TeamInfo& team) {
 std::optional<MatchState> match_of(const Referee& referee) {
   if (!referee.has_stage()) return std::nullopt;
   MatchState match{.stage = referee.stage(),
+                   .type = referee.match_type(),
+                   .is_halted = !referee.has_command() || referee.command() == kHalt,
                    .time_left_s = {},
                    .score = {referee.yellow().score(), referee.blue().score()}};
   if (referee.has_stage_time_left())

@@ -27,6 +27,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <unistd.h>
 
 namespace sslv {
 
@@ -42,6 +43,7 @@ constexpr std::chrono::seconds kLargeRequestTimeout{90};  // likewise, of a file
 constexpr int kMaxLargeRequests = 2;                      // at once
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
+constexpr std::size_t kPieceBytes = 128 * 1024;  // of a file that is sent
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -189,6 +191,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                         if (error) return;
                         self->answer_.bytes = {};
                         if (self->answer_.stream) return self->stream();
+                        if (self->answer_.file) return self->send_file(0);
                         self->answer_.keep_alive ? self->wait() : self->finish();
                       });
   }
@@ -197,6 +200,30 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     stream_.expires_never();
     stream_pictures(stream_.release_socket(), std::move(connection_), context_.feeds, *answer_.stream,
                     std::move(answer_.may_look));
+  }
+
+  /// Piece by piece: a worker reads it, and none waits for the client. One that gets fewer bytes than the
+  /// head said knows that it has not got all.
+  void send_file(std::uint64_t offset) {
+    if (offset >= answer_.file->bytes) return finish();
+    asio::post(context_.workers, [self = shared_from_this(), offset] {
+      const std::uint64_t size = std::min<std::uint64_t>(kPieceBytes, self->answer_.file->bytes - offset);
+      self->piece_.resize(size);
+      const ssize_t count =
+          ::pread(*self->answer_.file->descriptor, self->piece_.data(), size, static_cast<off_t>(offset));
+      asio::post(self->stream_.get_executor(), [self, offset, count] {
+        if (count <= 0) return self->stream_.close();
+        self->send_piece(offset, static_cast<std::size_t>(count));
+      });
+    });
+  }
+
+  void send_piece(std::uint64_t offset, std::size_t size) {
+    stream_.expires_after(kAnswerTimeout);
+    asio::async_write(stream_, asio::buffer(piece_, size),
+                      [self = shared_from_this(), offset, size](beast::error_code error, std::size_t) {
+                        if (!error) self->send_file(offset + size);
+                      });
   }
 
   /// Closing while bytes are still coming would reset the connection, and the client might lose the answer.
@@ -222,6 +249,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::string received_;              // of this request, and what came after it
   std::optional<ScopedCount> large_;  // while this is a large one
   HttpAnswer answer_;
+  std::string piece_;  // of a file that is sent
   std::array<char, 4096> rest_;
 };
 

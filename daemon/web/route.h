@@ -10,8 +10,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -32,12 +34,19 @@ struct Request {
   std::string if_match;  // the If-Match header; empty: none
 };
 
+/// A file that follows a response's head, as it was when it was opened.
+struct SentFile {
+  std::shared_ptr<const int> descriptor;  // closes it
+  std::uint64_t bytes = 0;
+};
+
 struct Response {
   int status = 200;
   std::string type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers{};
   std::optional<StreamWish> stream{};  // images follow, of a route that streams; `type` is kStreamType
+  std::optional<SentFile> file{};      // follows, of a route that streams
   bool only_tried = false;             // nothing was changed, whatever the method: no line of the audit log
 };
 
@@ -73,7 +82,7 @@ struct Route {
   Handler handle;
   Needs needs = Needs::kByMethod;
   Speed speed = Speed::kMayWait;
-  bool streams = false;  // images may follow its response, which is the last of its connection then
+  bool streams = false;  // images or a file may follow its response, which is the last of its connection then
   /// Bytes of a request. More than kMaxBodyBytes only those may send who may change something, a few at once;
   /// the pattern is the path itself then.
   std::size_t max_body = kMaxBodyBytes;
@@ -95,6 +104,10 @@ class Topic {
 Response json_response(const Json& json, int status = 200);
 Response text_response(std::string text, int status = 200);
 Response bytes_response(std::span<const std::uint8_t> bytes, const char* type = "application/octet-stream");
+
+/// A file to be saved under this name, of a route that streams. It is sent piece by piece, as fast as the
+/// client takes it. Throws HttpError 404 when it is not there.
+Response file_response(const std::filesystem::path& file, const char* type, const std::string& name);
 
 // ---- for handlers: what clients send
 

@@ -112,6 +112,8 @@ void admit(Gate& gate, const Route& route, const Request& request) {
 
 /// What the handler of the request that this thread is at wants to stream.
 thread_local std::optional<StreamWish> wanted_stream;
+/// Or to send.
+thread_local std::optional<SentFile> wanted_file;
 /// The answer is the packed file, or could have been.
 thread_local bool is_sent_packed = false, may_be_packed = false;
 /// See Response.
@@ -121,13 +123,14 @@ void set_response(httplib::Response& to, Response&& from) {
   to.status = from.status;
   only_tried = from.only_tried;
   for (const auto& [name, value] : from.headers) to.set_header(name, value);
-  if (!from.stream) {
+  if (!from.stream && !from.file) {
     to.body = std::move(from.body);
     to.set_header("Content-Type", from.type);
     return;
   }
   wanted_stream = from.stream;
-  // Without a length: it ends with the connection.
+  wanted_file = std::move(from.file);
+  // Without a length of httplib's: it ends with the connection.
   to.set_content_provider(from.type, [](std::size_t, httplib::DataSink& sink) {
     sink.done();
     return true;
@@ -324,6 +327,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     parsed.ranges.clear();
   };
   wanted_stream.reset();
+  wanted_file.reset();
   is_sent_packed = may_be_packed = false;
   const bool is_written = server_->process_request(stream, false, is_last, prepare);
   HttpAnswer answer{stream.take_answer(), is_written && is_valid && !is_last};
@@ -331,6 +335,8 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     answer.stream = wanted_stream;
     answer.may_look = may_look(gate_, std::move(cookies));
   }
+  if (!is_head) answer.file = std::move(wanted_file);
+  wanted_file.reset();
   return answer;
 }
 

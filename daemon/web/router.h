@@ -25,6 +25,7 @@ struct HttpAnswer {
   bool keep_alive = false;
   std::optional<StreamWish> stream{};  // what follows these bytes until the client goes
   MayLook may_look{};                  // or until it may not look any more
+  std::optional<SentFile> file{};      // what follows them, before the connection ends
 };
 
 /// From a request's bytes to its answer's: cpp-httplib without its sockets. Routes come first to last, and

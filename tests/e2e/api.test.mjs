@@ -440,6 +440,26 @@ describe('the interface as docs/openapi.json says', () => {
     end.abort();
   });
 
+  it('records match logs', async () => {
+    const path = '/api/recordings/match-log';
+    for (const body of [{}, { record: 1 }, { record: true, name: '../x' }, { record: true, more: 1 }, []]) await ask('post', path, { body, expect: 400 });
+    await ask('post', path, { body: { record: false }, expect: 409 });
+    const { match_log: { name } } = await ask('post', path, { body: { record: true, name: 'api' } });
+    const parameters = { name };
+    await ask('delete', '/api/recordings/logs/{name}', { parameters, expect: 409 });
+    await ask('get', '/api/recordings/logs/{name}/events', { parameters, expect: 409 });
+    await becomes('/api/recordings', ({ match_log: now }) => now.messages.vision > 10 && now.bytes > 100);
+    await ask('post', path, { body: { record: false } });
+    await becomes('/api/recordings', ({ logs: [log] }) => log.messages?.vision > 10);
+    assert.equal((await ask('get', '/api/recordings/logs/{name}', { parameters })).subarray(0, 2).toString('hex'), '1f8b');
+    const { begin_s, end_s } = await ask('get', '/api/recordings/logs/{name}/events', { parameters });
+    assert.ok(end_s > begin_s);
+    await ask('patch', '/api/recordings/logs/{name}', { parameters, body: { pinned: 'x' }, expect: 400 });
+    assert.equal((await ask('patch', '/api/recordings/logs/{name}', { parameters, body: { pinned: true } })).logs[0].pinned, true);
+    assert.deepEqual((await ask('delete', '/api/recordings/logs/{name}', { parameters })).logs, []);
+    for (const method of ['get', 'delete']) await ask(method, '/api/recordings/logs/{name}', { parameters, expect: 404 });
+  });
+
   it('backs up and restores', async () => {
     const backup = await ask('get', '/api/backup');
     const { revision, changes, site } = await ask('post', '/api/backup/check', { body: backup });

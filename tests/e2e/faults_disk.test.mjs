@@ -196,6 +196,34 @@ describe('a disk that is full, or cannot be written', { skip: cannotUnshare() },
     });
   }
 
+  it('ends a match log when it is full, and costs no image', async () => {
+    const service = await create();
+    service.wrap = inNamespace(`mkdir -p ${service.state} && mount -t tmpfs -o size=6m none ${service.state}`);
+    await service.start();
+    assert.match((await service.alertComes('recording_disk')).title, /keep_free_mb/);
+    assert.equal((await service.set('/recording/keep_free_mb', 0)).status, 200);
+    await service.alertGoes('recording_disk');
+    const packets = await service.listen();
+    await packets.more(0, 3);
+    const record = () => service.ask('POST', 'api/recordings/match-log', { record: true, name: 'full' });
+    const { json: { match_log: { name } } } = await record();
+    await becomes(() => service.get('api/recordings'), ({ match_log }) => match_log.bytes > 2000);
+    onDisk(service, 'sh', '-c', `dd if=/dev/zero of=${service.state}/filler bs=4k 2>/dev/null || true`);
+    assert.match((await service.alertComes('recording_failed')).title, /No space left on device/);
+    assert.equal((await service.get('api/recordings')).match_log.state, 'failed');
+    await packets.more(0, 3);
+    onDisk(service, 'rm', join(service.state, 'filler'));
+    const log = await becomes(async () => (await service.get('api/recordings')).logs.find((one) => one.name === name), (one) => one.seconds !== null);
+    assert.equal(log.problem, '', 'what was written before is whole');
+    assert.ok(log.messages.vision > 0);
+    assert.equal((await record()).status, 200);
+    await service.alertGoes('recording_failed');
+    await packets.more(0, 3);
+    assert.equal(packets.lost(0), 0);
+    packets.close();
+    await service.stop();
+  });
+
   it('runs without a state folder, and saves once there may be one', async () => {
     const service = await create();
     const parent = join(service.folder, 'parent');

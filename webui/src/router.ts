@@ -24,6 +24,7 @@ export const pages: readonly [Page, ...Page[]] = [
   { name: 'calibration', title: 'Calibration', icon: 'target', component: lazyPage(() => import('./pages/calibration/CalibrationPage.vue')) },
   { name: 'settings', title: 'Settings', icon: 'sliders', component: lazyPage(() => import('./pages/settings/SettingsPage.vue')) },
   { name: 'field', title: 'Field', icon: 'network', component: lazyPage(() => import('./pages/field/FieldPage.vue')) },
+  { name: 'recordings', title: 'Recordings', icon: 'record', component: lazyPage(() => import('./pages/recordings/RecordingsPage.vue')) },
   { name: 'diagnostics', title: 'Diagnostics', icon: 'activity', component: lazyPage(() => import('./pages/diagnostics/DiagnosticsPage.vue')) },
   { name: 'kiosk', title: 'Kiosk', icon: 'fullscreen', component: lazyPage(() => import('./pages/kiosk/KioskPage.vue')), isAside: true, isAlone: true },
   { name: 'api', title: 'API', icon: 'link', component: lazyPage(() => import('./pages/api/ApiPage.vue')), isAside: true },

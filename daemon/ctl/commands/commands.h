@@ -48,6 +48,7 @@ void add_calibrate(CommandLine& line);  // with a daemon or without
 void add_learn_colours(CommandLine& line);
 void add_passwd(CommandLine& line);
 void add_match_lock(CommandLine& line);
+void add_match_log(CommandLine& line);  // with a daemon or without
 void add_completion(CommandLine& line);
 
 }  // namespace sslv

@@ -132,7 +132,7 @@ void add_track(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
       "track", "track what cameras saw in a log of the league's logger: gaps and jumps before and after");
-  command->add_option("--log", o->log_file, "the log, not compressed")->required();
+  command->add_option("--log", o->log_file, "the log, packed or not")->required();
   command->add_option("--config", o->settings_file, "settings whose field and field's stack are used");
   add_stages_options(command, o->stage_folders);
   command->add_option("--tracks", o->tracks_file,

@@ -57,6 +57,12 @@ export type Profile = Schemas['Profile'];
 export type BackupContents = Schemas['BackupContents'];
 export type RestoredBackup = Schemas['RestoredBackup'];
 
+export type Recordings = Schemas['Recordings'];
+export type MatchLogNow = Schemas['MatchLogNow'];
+export type MatchLog = Schemas['MatchLog'];
+export type MatchLogEvents = Schemas['MatchLogEvents'];
+export type MatchLogEvent = Schemas['MatchLogEvent'];
+
 export type Session = Schemas['Session'];
 export type SettingsRevision = Schemas['SettingsRevision'];
 export type SettingsStep = Schemas['SettingsStep'];

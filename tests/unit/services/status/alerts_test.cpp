@@ -5,6 +5,7 @@
 #include "services/colors/color_report.h"
 #include "services/field/field_report.h"
 #include "services/network/network_report.h"
+#include "services/recording/recording_report.h"
 #include "services/settings/settings_report.h"
 #include "services/status/alert_times.h"
 #include "services/status/computer_report.h"
@@ -251,6 +252,13 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   for (Alert& alert : field_alerts()) all.push_back(std::move(alert));
   HealthReport left_out;
   report_left_out(std::vector<LeftOutLibrary>{{"/stages/x.so", "is no shared object"}}, left_out);
+  RecordingFacts recording;
+  recording.lost = 1;
+  recording.problem = "the disk is full";
+  report_recording(recording, left_out);
+  recording.problem.clear();
+  recording.no_room_problem = "the quota is used up";
+  report_recording(recording, left_out);
   for (Alert& alert : left_out.alerts) all.push_back(std::move(alert));
   std::set<std::string> found;
   for (const Alert& alert : all) found.insert(alert.id);

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/match_log_index.h"
+
+#include "base/error.h"
+#include "base/json.h"
+#include "recording/match_log_reader.h"
+#include "settings/state_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "ssl-visiond log index";
+constexpr int kVersion = 1;
+constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{64} << 20U;
+
+/// Between points of a log that others packed, or did not pack.
+constexpr std::uint64_t kLeastBetweenPoints = 512 * 1024;
+
+/// Types of which messages are counted one by one: private ones may be many.
+constexpr std::size_t kMaxTypes = 64;
+
+constexpr std::streamoff kSignedBytes = 4096;
+
+Json to_json(const MatchLogIndex& index) {
+  Json messages = Json::object();
+  for (const auto& [type, count] : index.messages) messages[std::to_string(type)] = count;
+  Json points = Json::array();
+  for (const MatchLogPoint& point : index.points)
+    points.push_back({point.place.file_offset, point.place.offset, point.messages, point.all_before_ns});
+  Json events = Json::array();
+  for (const MatchEvent& event : index.events)
+    events.push_back({{"time_ns", event.time_ns}, {"kind", name_of(event.kind)}, {"text", event.text}});
+  return {{"format", kFormat},
+          {"version", kVersion},
+          {"file_bytes", index.file_bytes},
+          {"end_crc32", index.end_sum},
+          {"unpacked_bytes", index.unpacked_bytes},
+          {"messages", std::move(messages)},
+          {"first_ns", index.first_ns},
+          {"last_ns", index.last_ns},
+          {"points", std::move(points)},
+          {"events", std::move(events)},
+          {"problem", index.problem}};
+}
+
+MatchLogIndex index_of(const Json& json) {
+  MatchLogIndex index;
+  json.at("file_bytes").get_to(index.file_bytes);
+  json.at("end_crc32").get_to(index.end_sum);
+  json.at("unpacked_bytes").get_to(index.unpacked_bytes);
+  for (const auto& [type, count] : json.at("messages").items())
+    index.messages[std::stoi(type)] = count.get<std::uint64_t>();
+  json.at("first_ns").get_to(index.first_ns);
+  json.at("last_ns").get_to(index.last_ns);
+  for (const Json& point : json.at("points")) {
+    index.points.push_back({{point.at(0).get<std::uint64_t>(), point.at(1).get<std::uint64_t>()},
+                            point.at(2).get<std::uint64_t>(),
+                            point.at(3).get<std::int64_t>()});
+  }
+  for (const Json& event : json.at("events")) {
+    index.events.push_back({event.at("time_ns").get<std::int64_t>(),
+                            event_kind(event.at("kind").get<std::string>()),
+                            event.at("text").get<std::string>()});
+  }
+  json.at("problem").get_to(index.problem);
+  return index;
+}
+
+}  // namespace
+
+void MatchLogIndexMaker::add(const LoggedMessage& message, std::uint64_t offset, const UnpackPlace& place) {
+  if (messages_ == 0) index_.first_ns = index_.last_ns = message.time_ns;
+  const bool may_begin_here = place.offset == offset && messages_ > 0;
+  const std::uint64_t before = index_.points.empty() ? 0 : index_.points.back().place.offset;
+  if (may_begin_here && offset - before >= kLeastBetweenPoints)
+    index_.points.push_back({place, messages_, index_.last_ns});
+  index_.last_ns = std::max(index_.last_ns, message.time_ns);
+  ++messages_;
+  if (index_.messages.size() < kMaxTypes || index_.messages.contains(message.type))
+    ++index_.messages[message.type];
+  index_.unpacked_bytes = offset + kMessageHeaderBytes + message.bytes.size();
+  events_.add(message, index_.events);
+}
+
+MatchLogIndex make_match_log_index(const fs::path& log, const std::stop_token& stop) {
+  MatchLogReader reader(log);
+  MatchLogIndexMaker maker;
+  LoggedMessage message;
+  std::string problem;
+  while (reader.next(message)) {
+    if (stop.stop_requested()) throw StorageError(fmt::format("{}: was not read to its end", log.string()));
+    if (reader.message_offset() > kMaxUnpackedBytes) {
+      problem = fmt::format("{}: is larger than {} GiB when it is unpacked; the rest is left out",
+                            log.string(), kMaxUnpackedBytes >> 30U);
+      break;
+    }
+    maker.add(message, reader.message_offset(), reader.place());
+  }
+  MatchLogIndex index = maker.take();
+  index.problem = problem.empty() ? reader.problem() : problem;
+  sign_match_log_index(log, index);
+  return index;
+}
+
+fs::path index_file_of(const fs::path& log) {
+  return log.string() + ".index";
+}
+
+void sign_match_log_index(const fs::path& log, MatchLogIndex& index) {
+  std::ifstream in(log, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  std::array<char, kSignedBytes> end{};
+  in.seekg(std::max<std::streamoff>(0, size - kSignedBytes));
+  in.read(end.data(), std::min(size, kSignedBytes));
+  if (!in) throw StorageError(fmt::format("{}: cannot be read", log.string()));
+  index.file_bytes = static_cast<std::uint64_t>(size);
+  index.end_sum = static_cast<std::uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(end.data()), static_cast<uInt>(in.gcount())));
+}
+
+std::optional<MatchLogIndex> read_match_log_index(const fs::path& log) {
+  const fs::path file = index_file_of(log);
+  std::error_code error;
+  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxIndexBytes) return std::nullopt;
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("format") != kFormat || json.at("version") != kVersion) return std::nullopt;
+    MatchLogIndex index = index_of(json), now;
+    sign_match_log_index(log, now);
+    if (now.file_bytes != index.file_bytes || now.end_sum != index.end_sum) return std::nullopt;
+    return index;
+  } catch (const std::exception&) {  // it is made again
+    return std::nullopt;
+  }
+}
+
+void write_match_log_index(const fs::path& log, const MatchLogIndex& index) {
+  write_file_durably(index_file_of(log), to_json(index).dump() + "\n");
+}
+
+MatchLogIndex match_log_index(const fs::path& log, const std::stop_token& stop) {
+  if (auto index = read_match_log_index(log)) return *std::move(index);
+  MatchLogIndex index = make_match_log_index(log, stop);
+  try {
+    write_match_log_index(log, index);
+  } catch (const StorageError&) {
+    // A folder that is only to be read: the index is made again the next time.
+  }
+  return index;
+}
+
+}  // namespace sslv

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/match_log_reader.h"
+
+#include "base/error.h"
+#include "recording/match_log_index.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+/// Qt's streams write a text's length and then two bytes for each letter.
+constexpr std::string_view kOldMagic{"\0S\0S\0L\0_\0L\0O", 12};
+
+constexpr UnpackPlace kFirstMessage{kLogHeaderBytes, kLogHeaderBytes};
+
+std::string_view text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+MatchLogReader::MatchLogReader(const std::filesystem::path& path) : name_(path.string()), file_(path) {
+  std::array<std::byte, kLogHeaderBytes> head{};
+  const std::size_t count = file_.read(head);
+  const auto refuse = [&](const std::string& why) { throw StorageError(fmt::format("{}: {}", name_, why)); };
+  if (count < head.size() && !file_.problem().empty()) refuse(file_.problem());
+  constexpr const char* kVersion0 =
+      "is a log of version 0, which old programs wrote with Qt; expected version 1";
+  if (text(head).substr(4) == kOldMagic) refuse(kVersion0);
+  if (text(head).substr(0, kLogMagic.size()) != kLogMagic)
+    refuse(fmt::format("is no log of the league: it does not begin with {}", kLogMagic));
+  const auto& known = log_header();
+  if (count == head.size() && std::ranges::equal(head, known)) return;
+  if (count < head.size()) refuse("is no log of the league: it ends in its header");
+  std::uint32_t version = 0;
+  for (std::size_t i = kLogMagic.size(); i < head.size(); ++i)
+    version = version << 8U | std::to_integer<std::uint32_t>(head[i]);
+  if (version == 0) refuse(kVersion0);
+  refuse(fmt::format("version {} of logs is not known; expected {}", static_cast<std::int32_t>(version),
+                     kLogVersion));
+}
+
+bool MatchLogReader::stop(const std::string& why) {
+  is_at_end_ = true;
+  problem_ = fmt::format("{}: {}", name_, why);
+  return false;
+}
+
+/// Of the next message, unless it was read already.
+bool MatchLogReader::read_header() {
+  if (header_) return true;
+  if (is_at_end_) return false;
+  const std::uint64_t offset = file_.offset();
+  std::array<std::byte, kMessageHeaderBytes> bytes{};
+  const std::size_t count = file_.read(bytes);
+  if (count < bytes.size()) {
+    is_at_end_ = true;
+    if (count == 0 && file_.problem().empty()) return false;
+    return stop(file_.problem().empty() || file_.problem() == PackedFile::kCutOff
+                    ? fmt::format("message {} is cut off", messages_ + 1)
+                    : fmt::format("{} behind message {}", file_.problem(), messages_));
+  }
+  const MessageHeader header = read_message_header(bytes);
+  if (header.type == LoggedMessage::kIndex) {  // nothing follows it
+    is_at_end_ = true;
+    return false;
+  }
+  if (header.size < 0 || header.size > kMaxMessageBytes)
+    return stop(fmt::format("message {} is larger than any packet", messages_ + 1));
+  header_ = header;
+  message_offset_ = offset;
+  const UnpackPlace place = file_.place();
+  // Of a file that is not packed each message is such a place.
+  place_ = file_.is_packed() ? place : UnpackPlace{offset, offset};
+  return true;
+}
+
+bool MatchLogReader::next(LoggedMessage& out) {
+  if (!read_header()) return false;
+  out.time_ns = header_->time_ns;
+  out.type = header_->type;
+  out.bytes.resize(static_cast<std::size_t>(header_->size));
+  header_.reset();
+  if (file_.read(out.bytes) < out.bytes.size()) {
+    return stop(file_.problem().empty() || file_.problem() == PackedFile::kCutOff
+                    ? fmt::format("message {} is cut off", messages_ + 1)
+                    : fmt::format("{} behind message {}", file_.problem(), messages_));
+  }
+  ++messages_;
+  return true;
+}
+
+void MatchLogReader::go_to_begin() {
+  header_.reset();
+  is_at_end_ = false;
+  problem_.clear();
+  messages_ = 0;
+  if (!file_.is_packed()) return file_.go_to(kFirstMessage);
+  file_.go_to({});
+  std::array<std::byte, kLogHeaderBytes> head{};
+  file_.read(head);
+}
+
+void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index) {
+  go_to_begin();
+  // All messages before such a point came before.
+  const auto behind = std::ranges::partition_point(
+      index.points, [&](const MatchLogPoint& point) { return point.all_before_ns < time_ns; });
+  if (behind != index.points.begin()) {
+    const MatchLogPoint& point = *(behind - 1);
+    file_.go_to(point.place);
+    messages_ = point.messages;
+  }
+  LoggedMessage skipped;
+  while (read_header() && header_->time_ns < time_ns) {
+    if (!next(skipped)) return;
+  }
+}
+
+}  // namespace sslv

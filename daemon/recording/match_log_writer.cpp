@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recording/match_log_writer.h"
+
+#include "base/error.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kGzip = 16 + MAX_WBITS;
+constexpr std::size_t kOutputBytes = 128 * 1024;
+
+std::string why() {
+  return std::strerror(errno);
+}
+
+/// A file that is written at its end.
+class OutputFile {
+ public:
+  OutputFile(const fs::path& path, int flags)
+      : name_(path.string()), file_(::open(path.c_str(), flags, 0640)) {
+    if (file_ < 0) fail("cannot be written");
+  }
+  ~OutputFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(std::span<const Bytef> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail("cannot be written");
+      bytes = bytes.subspan(static_cast<std::size_t>(count));
+    }
+  }
+  void sync() {
+    if (::fdatasync(file_) != 0) fail("cannot be written");
+  }
+  void cut(std::uint64_t size) {
+    if (::ftruncate(file_, static_cast<off_t>(size)) != 0) fail("cannot be repaired");
+    ::lseek(file_, 0, SEEK_END);
+  }
+
+ private:
+  [[noreturn]] void fail(const char* what) {
+    throw StorageError(fmt::format("{}: {}: {}", name_, what, why()));
+  }
+
+  const std::string name_;
+  int file_;
+};
+
+void sync_folder(const fs::path& folder) {
+  const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) return;
+  ::fsync(opened);
+  ::close(opened);
+}
+
+}  // namespace
+
+class MatchLogWriter::State {
+ public:
+  explicit State(const fs::path& path) : path_(path), file_(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC) {
+    if (deflateInit2(&zlib_, 6, Z_DEFLATED, kGzip, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw StorageError(fmt::format("{}: there is no memory to pack it", path.string()));
+    output_.resize(kOutputBytes);
+    pack(log_header());
+    flush();
+    sync_folder(path.parent_path());
+  }
+  ~State() { deflateEnd(&zlib_); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  void add(std::int64_t time_ns, std::int32_t type, std::span<const std::byte> bytes) {
+    if (bytes.size() > kMaxMessageBytes) return;
+    // A member is only ended when another one begins, so that none is empty.
+    if (offset_ - place_.offset >= kMemberBytes) {
+      deflate_all(Z_FINISH);
+      deflateReset(&zlib_);
+      place_ = {bytes_, offset_};
+    }
+    const std::uint64_t offset = offset_;
+    pack(message_header({time_ns, type, static_cast<std::int32_t>(bytes.size())}));
+    pack(bytes);
+    message_.time_ns = time_ns;
+    message_.type = type;
+    message_.bytes.assign(bytes.begin(), bytes.end());
+    maker_.add(message_, offset, place_);
+  }
+
+  void flush() {
+    deflate_all(Z_SYNC_FLUSH);
+    file_.sync();
+  }
+
+  void finish() {
+    deflate_all(Z_FINISH);
+    file_.sync();
+    MatchLogIndex index = maker_.take();
+    sign_match_log_index(path_, index);
+    write_match_log_index(path_, index);
+  }
+
+  std::uint64_t bytes_ = 0;
+  MatchLogIndexMaker maker_;
+
+ private:
+  void pack(std::span<const std::byte> bytes) {
+    zlib_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // zlib only reads it
+    zlib_.avail_in = static_cast<uInt>(bytes.size());
+    deflate_all(Z_NO_FLUSH);
+    offset_ += bytes.size();
+  }
+
+  void deflate_all(int flush) {
+    do {
+      zlib_.next_out = output_.data();
+      zlib_.avail_out = static_cast<uInt>(output_.size());
+      deflate(&zlib_, flush);
+      const std::size_t count = output_.size() - zlib_.avail_out;
+      file_.write({output_.data(), count});
+      bytes_ += count;
+    } while (zlib_.avail_out == 0);
+  }
+
+  const fs::path path_;
+  OutputFile file_;
+  z_stream zlib_{};
+  std::vector<Bytef> output_;
+  std::uint64_t offset_ = 0;  // unpacked bytes
+  UnpackPlace place_;         // of the member that is written
+  LoggedMessage message_;
+};
+
+MatchLogWriter::MatchLogWriter(const fs::path& path) : state_(std::make_unique<State>(path)) {}
+
+MatchLogWriter::~MatchLogWriter() = default;
+
+void MatchLogWriter::add(std::int64_t time_ns, std::int32_t type, std::span<const std::byte> message) {
+  state_->add(time_ns, type, message);
+}
+
+void MatchLogWriter::flush() {
+  state_->flush();
+}
+
+void MatchLogWriter::finish() {
+  state_->finish();
+}
+
+std::uint64_t MatchLogWriter::bytes() const {
+  return state_->bytes_;
+}
+
+const MatchLogIndex& MatchLogWriter::index() const {
+  return state_->maker_.index();
+}
+
+namespace {
+
+/// Tells where messages end in bytes that come piece by piece, and whether they can be messages.
+class MessageEnds {
+ public:
+  /// False when these can be no messages of a log.
+  bool take(std::span<const Bytef> bytes) {
+    for (; !bytes.empty() && is_good_; bytes = bytes.subspan(1)) {
+      if (left_ > 0) {  // of a message
+        const std::size_t count = std::min<std::size_t>(left_, bytes.size());
+        left_ -= count;
+        bytes = bytes.subspan(count - 1);
+        continue;
+      }
+      head_[head_bytes_++] = std::byte(bytes[0]);
+      if (head_bytes_ == head_.size()) read_head();
+    }
+    return is_good_;
+  }
+  /// What was taken ends with a message, or the file's header.
+  bool is_end() const { return is_good_ && left_ == 0 && head_bytes_ == 0; }
+
+ private:
+  void read_head() {
+    head_bytes_ = 0;
+    if (std::exchange(is_first_, false)) {
+      is_good_ = head_ == log_header();
+      return;
+    }
+    const MessageHeader header = read_message_header(head_);
+    is_good_ = header.size >= 0 && header.size <= kMaxMessageBytes && header.type >= 0;
+    left_ = is_good_ ? static_cast<std::size_t>(header.size) : 0;
+  }
+
+  static_assert(kLogHeaderBytes == kMessageHeaderBytes);
+  std::array<std::byte, kMessageHeaderBytes> head_{};
+  std::size_t head_bytes_ = 0, left_ = 0;
+  bool is_first_ = true, is_good_ = true;
+};
+
+/// How far a packed log is whole.
+struct WholePart {
+  std::uint64_t end = 0;  // of the file: all before it is whole
+  bool is_in_member = false;
+  std::uint32_t sum = 0, size = 0;  // of the unpacked bytes of the member that ends there without its end
+};
+
+/// Reads a packed file block by block.
+class BlockReader {
+ public:
+  explicit BlockReader(const fs::path& path)
+      : name_(path.string()), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (file_ < 0) throw StorageError(fmt::format("{}: cannot be read: {}", name_, why()));
+    if (inflateInit2(&zlib_, kGzip) != Z_OK) {
+      ::close(file_);
+      throw StorageError(fmt::format("{}: there is no memory to unpack it", name_));
+    }
+  }
+  ~BlockReader() {
+    inflateEnd(&zlib_);
+    ::close(file_);
+  }
+  BlockReader(const BlockReader&) = delete;
+  BlockReader& operator=(const BlockReader&) = delete;
+
+  WholePart read() {
+    WholePart whole;
+    MessageEnds ends;
+    WholePart now;  // of the member that is read
+    while (fill()) {
+      zlib_.next_out = output_.data();
+      zlib_.avail_out = static_cast<uInt>(output_.size());
+      const int result = inflate(&zlib_, Z_BLOCK);
+      const std::span<const Bytef> got(output_.data(), output_.size() - zlib_.avail_out);
+      if ((result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) || !ends.take(got)) break;
+      now.sum = static_cast<std::uint32_t>(crc32(now.sum, got.data(), static_cast<uInt>(got.size())));
+      now.size += static_cast<std::uint32_t>(got.size());
+      if (result == Z_STREAM_END) {
+        inflateReset(&zlib_);
+        now = {};
+        if (ends.is_end()) whole = {.end = taken()};
+        continue;
+      }
+      // A flush ends with an empty block that is not packed, so that the next one begins with a byte.
+      constexpr int kAfterBlock = 128, kUnusedBits = 7;
+      if ((zlib_.data_type & kAfterBlock) != 0 && (zlib_.data_type & kUnusedBits) == 0 && ends.is_end() &&
+          is_flush())
+        whole = {.end = taken(), .is_in_member = true, .sum = now.sum, .size = now.size};
+    }
+    return whole;
+  }
+
+ private:
+  bool fill() {
+    if (zlib_.avail_in > 0) return true;
+    ssize_t count;
+    do count = ::pread(file_, input_.data(), input_.size(), static_cast<off_t>(input_end_));
+    while (count < 0 && errno == EINTR);
+    if (count < 0) throw StorageError(fmt::format("{}: cannot be read: {}", name_, why()));
+    zlib_.next_in = input_.data();
+    zlib_.avail_in = static_cast<uInt>(count);
+    input_end_ += static_cast<std::uint64_t>(count);
+    return count > 0;
+  }
+
+  std::uint64_t taken() const { return input_end_ - zlib_.avail_in; }
+
+  bool is_flush() const {
+    std::array<Bytef, 4> last{};
+    constexpr std::array<Bytef, 4> kFlush{0, 0, 0xff, 0xff};
+    const auto at = static_cast<off_t>(taken() - last.size());
+    return ::pread(file_, last.data(), last.size(), at) == static_cast<ssize_t>(last.size()) &&
+           last == kFlush;
+  }
+
+  const std::string name_;
+  int file_;
+  z_stream zlib_{};
+  std::array<Bytef, 16 * 1024> input_{};
+  std::array<Bytef, 64 * 1024> output_{};
+  std::uint64_t input_end_ = 0;
+};
+
+}  // namespace
+
+RepairedMatchLog repair_match_log(const fs::path& path) {
+  const WholePart whole = BlockReader(path).read();
+  const std::uint64_t size = fs::file_size(path);
+  if (whole.end == 0) throw StorageError(fmt::format("{}: holds nothing that could be kept", path.string()));
+  if (whole.end == size && !whole.is_in_member) return {};
+  OutputFile file(path, O_WRONLY | O_CLOEXEC);
+  file.cut(whole.end);
+  if (whole.is_in_member) {
+    // The end of a member: an empty last block, the sum and the number of its bytes, lowest byte first.
+    std::array<Bytef, 5 + 4 + 4> end{1, 0, 0, 0xff, 0xff};
+    for (unsigned i = 0; i < 4; ++i) {
+      end[5 + i] = static_cast<Bytef>(whole.sum >> 8 * i);
+      end[9 + i] = static_cast<Bytef>(whole.size >> 8 * i);
+    }
+    file.write(end);
+  }
+  file.sync();
+  return {.was_whole = false, .removed_bytes = size - whole.end};
+}
+
+}  // namespace sslv

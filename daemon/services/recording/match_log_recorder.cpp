@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/match_log_recorder.h"
+
+#include "base/background.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/log.h"
+
+#include <utility>
+
+namespace sslv {
+namespace {
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+MatchLogRecorder::MatchLogRecorder()
+    : thread_([this](const std::stop_token& stop) { keep_writing(stop); }),
+      vision_("log vision",
+              [this](auto datagram, const auto&) { take(LoggedMessage::kVision2014, datagram); }),
+      tracker_("log tracker",
+               [this](auto datagram, const auto&) { take(LoggedMessage::kTracker2020, datagram); }),
+      referee_("log referee",
+               [this](auto datagram, const auto&) { take(LoggedMessage::kReferee, datagram); }) {}
+
+MatchLogRecorder::~MatchLogRecorder() {
+  end();
+}
+
+void MatchLogRecorder::listen_now() {
+  vision_.listen(is_listening_ ? std::optional(groups_.vision) : std::nullopt);
+  tracker_.listen(is_listening_ ? std::optional(groups_.tracker) : std::nullopt);
+  referee_.listen(is_listening_ ? groups_.referee : std::nullopt);
+}
+
+void MatchLogRecorder::listen(const MatchLogGroups& groups) {
+  const std::lock_guard control(control_mutex_);
+  if (groups == groups_) return;
+  groups_ = groups;
+  if (is_listening_) listen_now();
+}
+
+void MatchLogRecorder::begin(const std::filesystem::path& file) {
+  const std::lock_guard control(control_mutex_);
+  auto writer = std::make_unique<MatchLogWriter>(file);
+  {
+    const std::lock_guard lock(mutex_);
+    status_ = {.is_recording = true, .problem = {}};
+    waiting_.clear();
+    ends_ = false;
+    writer_ = std::move(writer);
+  }
+  changed_.notify_all();
+  is_listening_ = true;
+  listen_now();
+}
+
+void MatchLogRecorder::pause(bool is_paused) {
+  const std::lock_guard control(control_mutex_);
+  if (is_listening_ == !is_paused || !status().is_recording) return;
+  is_listening_ = !is_paused;
+  listen_now();
+}
+
+void MatchLogRecorder::end() {
+  const std::lock_guard control(control_mutex_);
+  if (is_listening_) {
+    is_listening_ = false;
+    listen_now();
+  }
+  std::unique_lock lock(mutex_);
+  ends_ = true;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return !status_.is_recording; });
+}
+
+MatchLogRecorder::Status MatchLogRecorder::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+void MatchLogRecorder::take(std::int32_t type, std::span<const std::byte> datagram) {
+  const std::int64_t time_ns = now_ns();
+  const std::lock_guard lock(mutex_);
+  if (!status_.is_recording) return;
+  if (waiting_.bytes.size() + datagram.size() > kMaxWaitingBytes) {
+    ++status_.lost;
+    return;
+  }
+  waiting_.messages.push_back({time_ns, type, static_cast<std::uint32_t>(datagram.size())});
+  waiting_.bytes.insert(waiting_.bytes.end(), datagram.begin(), datagram.end());
+  ++(type == LoggedMessage::kVision2014 ? status_.vision
+     : type == LoggedMessage::kReferee  ? status_.referee
+                                        : status_.tracked);
+}
+
+bool MatchLogRecorder::write(const Waiting& some) {
+  try {
+    std::span<const std::byte> bytes(some.bytes);
+    for (const Waiting::Message& message : some.messages) {
+      writer_->add(message.time_ns, message.type, bytes.first(message.size));
+      bytes = bytes.subspan(message.size);
+    }
+    writer_->flush();
+    return true;
+  } catch (const StorageError& error) {
+    log::error("{}; the match log ends", error.what());
+    const std::lock_guard lock(mutex_);
+    status_.problem = error.what();
+    return false;
+  }
+}
+
+void MatchLogRecorder::keep_writing(const std::stop_token& stop) {
+  become_background_thread("match log", 15);
+  Waiting some;
+  while (true) {
+    bool ends;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stop, [this] { return status_.is_recording; });
+      if (!status_.is_recording) return;  // told to stop; end() came first
+      changed_.wait_for(lock, stop, kFlushInterval, [this] { return ends_; });
+      ends = ends_ || stop.stop_requested();
+      std::swap(some, waiting_);
+    }
+    bool is_well = write(some);
+    some.clear();
+    if (is_well && ends) {
+      try {
+        writer_->finish();
+      } catch (const StorageError& error) {
+        log::error("{}; the match log is not complete", error.what());
+        const std::lock_guard lock(mutex_);
+        status_.problem = error.what();
+      }
+    }
+    const std::uint64_t bytes = writer_->bytes();
+    if (!is_well || ends) writer_.reset();
+    const std::lock_guard lock(mutex_);
+    status_.bytes = bytes;
+    if (!is_well || ends) {
+      status_.is_recording = false;
+      waiting_.clear();
+      changed_.notify_all();
+    }
+  }
+}
+
+}  // namespace sslv

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "net/multicast_receiver.h"
+#include "recording/match_log_writer.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sslv {
+
+/// Where what a match log holds is sent.
+struct MatchLogGroups {
+  GroupAddress vision, tracker;
+  std::optional<GroupAddress> referee;
+  bool operator==(const MatchLogGroups&) const = default;
+};
+
+/// Writes what is sent to the groups of a field into one log after the other. Threads that listen only copy;
+/// one of low priority packs and writes, twice a second onto the disk. A disk that hangs delays nobody: what
+/// finds no room then is lost and counted. May be used from any thread.
+class MatchLogRecorder {
+ public:
+  static constexpr std::chrono::milliseconds kFlushInterval{500};
+  static constexpr std::size_t kMaxWaitingBytes = 16 * 1024 * 1024;
+
+  struct Status {
+    bool is_recording = false;
+    std::uint64_t bytes = 0, vision = 0, referee = 0, tracked = 0;
+    std::uint64_t lost = 0;  // found no room
+    std::string problem;     // why it ended by itself; empty: it did not
+  };
+
+  MatchLogRecorder();
+  ~MatchLogRecorder();
+
+  /// Where to listen from now on.
+  void listen(const MatchLogGroups& groups);
+
+  /// Throws StorageError when the file cannot be made. Only when none is recorded.
+  void begin(const std::filesystem::path& file);
+  /// Nothing is taken in while it is paused.
+  void pause(bool is_paused);
+  /// When it returns, the file is complete; or problem() says why not.
+  void end();
+
+  /// Of the log that is recorded, or was last.
+  Status status() const;
+
+ private:
+  struct Waiting {
+    struct Message {
+      std::int64_t time_ns;
+      std::int32_t type;
+      std::uint32_t size;
+    };
+    std::vector<Message> messages;
+    std::vector<std::byte> bytes;  // of one message after the other
+    void clear() {
+      messages.clear();
+      bytes.clear();
+    }
+  };
+
+  void take(std::int32_t type, std::span<const std::byte> datagram);
+  void listen_now();  // with control_mutex_ held
+  void keep_writing(const std::stop_token& stop);
+  bool write(const Waiting& some);  // false: it cannot be written on
+
+  std::mutex control_mutex_;  // for begin(), pause(), end() and listen(), one at a time
+  MatchLogGroups groups_;
+  bool is_listening_ = false;
+
+  mutable std::mutex mutex_;  // guards the next ones; never held while the disk is waited for
+  std::condition_variable_any changed_;
+  Status status_;
+  Waiting waiting_;
+  bool ends_ = false;
+  std::unique_ptr<MatchLogWriter> writer_;  // given to the thread while it records
+
+  std::jthread thread_;
+  MulticastReceiver vision_, tracker_, referee_;  // last: their threads use the others
+};
+
+}  // namespace sslv

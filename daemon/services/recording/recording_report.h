@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "services/health_report.h"
+
+#include <cstdint>
+#include <string>
+
+namespace sslv {
+
+/// How the recording of matches stands.
+struct RecordingFacts {
+  bool is_recording = false, is_paused = false;
+  bool is_by_hand = false;      // nobody but people start it
+  std::uint64_t bytes = 0;      // of the log that is recorded
+  std::uint64_t lost = 0;       // messages that it lacks
+  std::string problem;          // why the last one ended by itself or could not begin
+  std::string no_room_problem;  // why none could begin now
+};
+
+void report_recording(const RecordingFacts& facts, HealthReport& report);
+
+}  // namespace sslv

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/snapshot.h"
+#include "config/config.h"
+#include "net/referee_listener.h"
+#include "services/recording/match_log_files.h"
+#include "services/recording/match_log_recorder.h"
+#include "services/recording/match_rule.h"
+#include "services/service.h"
+#include "settings/state_folder.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sslv {
+
+/// Records matches as logs of the league, started by the game controller or by hand, and keeps them within
+/// the room that they may take.
+class RecordingService final : public Service {
+ public:
+  static constexpr const char* kFolderName = "recordings";
+
+  /// All must outlive this.
+  RecordingService(const Snapshot<Config>& config, const StateFolder& folder, const RefereeListener& referee);
+
+  // Service
+  std::vector<Route> routes() override;
+  void report(HealthReport& report) const override;
+  void write_metrics(MetricsText& out) const override;
+  std::vector<Event> take_events() override { return events_.take(); }
+
+ private:
+  enum class StartedBy { kNobody, kGameController, kHand };
+  struct Recording {
+    StartedBy started_by = StartedBy::kNobody;  // nobody: nothing is recorded
+    bool is_paused = false;
+    std::string match{}, name{};  // what of the file's name stands behind its time; and the whole
+    double begin_s = 0;
+    std::string problem{};  // why the last one could not begin, or ended by itself
+    double problem_s = 0;   // when that was
+  };
+
+  void look(const std::stop_token& stop);
+  void follow_game_controller();
+  void check_disk();
+  // With control_mutex_ held:
+  void begin(StartedBy by, const std::string& name);
+  void end(const std::string& problem = {});
+  /// Throws StorageError when there is none.
+  void make_room();
+
+  Recording recording() const;
+  void set_recording(const Recording& recording);
+  Json to_json() const;
+  Response put_match_log(const Request& request);
+  Response change_log(const Request& request);
+  Response remove_log(const Request& request);
+  Response get_log(const Request& request) const;
+  Response get_events(const Request& request) const;
+  MatchLogFile find(const Request& request) const;
+
+  const Snapshot<Config>& config_;
+  const RefereeListener& referee_;
+  MatchLogFiles files_;
+  MatchLogRecorder recorder_;
+  EventQueue events_;
+  std::mutex control_mutex_;  // for what begins and ends recordings, which may wait for the disk
+  MatchRule rule_;
+  mutable std::mutex mutex_;  // guards the next ones
+  Recording recording_;
+  DiskUse disk_;
+  std::string no_room_problem_;   // why no log could begin; empty when one could
+  std::jthread keeper_, thread_;  // last: they use the others
+};
+
+}  // namespace sslv

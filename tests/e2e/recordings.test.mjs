@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+// Match logs, from outside: a game controller on the network, the service's own packets, and a reader of the format that
+// is written from its description (docs/recording.md), not with the service's code.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
+import { gunzipSync } from 'node:zlib';
+import { gameController } from './league_messages.mjs';
+import { becomes, createService, freeUdpPort, root } from './service.mjs';
+
+const GROUP = '239.255.77.95', TRACKER_GROUP = '239.255.77.96', GC_GROUP = '239.255.77.97';
+const VISION = 4, REFEREE = 3, TRACKED = 5;
+const service = await createService(GROUP);
+const gcPort = await freeUdpPort();
+service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
+service.settings.network.tracker = { enabled: true, group: TRACKER_GROUP, port: await freeUdpPort() };
+const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
+const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').slice(0, -1), ...words], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
+const folder = join(service.stateFolder, 'recordings');
+
+const gc = createSocket('udp4');
+/** What the game controller says from now on, four times a second; null: nothing. */
+let said = null;
+const talking = setInterval(() => { if (said) gc.send(gameController(said), gcPort, GC_GROUP); }, 250);
+const TEAMS = { yellow: ['TIGERs Mannheim'], blue: ['Ünïted'], matchType: 1 };
+const STOP = 1, START = 2;
+
+const ask = async (method, path, body) => {
+  const answer = await fetch(service.address(`api/recordings${path}`), { method, body: body && JSON.stringify(body) });
+  const text = await answer.text();
+  return { status: answer.status, json: text && JSON.parse(text), headers: answer.headers };
+};
+const recordings = async () => (await ask('GET', '')).json;
+const state = async () => (await recordings()).match_log;
+const isNow = (wanted) => becomes(recordings, ({ match_log }) => match_log.state === wanted);
+const logs = async () => (await recordings()).logs;
+/** The newest log, once the service has read it. */
+const newestIsRead = async () => (await becomes(logs, (all) => all[0]?.seconds !== null || all[0]?.problem !== ''))[0];
+
+/** A log's messages: [{ time (Unix s), type, bytes }]. */
+function messagesOf(packed) {
+  const bytes = gunzipSync(packed);
+  assert.equal(bytes.toString('latin1', 0, 12), 'SSL_LOG_FILE');
+  assert.equal(bytes.readInt32BE(12), 1);
+  const messages = [];
+  for (let at = 16; at < bytes.length;) {
+    const size = bytes.readInt32BE(at + 12);
+    messages.push({ time: Number(bytes.readBigInt64BE(at)) * 1e-9, type: bytes.readInt32BE(at + 8), bytes: bytes.subarray(at + 16, at + 16 + size) });
+    at += 16 + size;
+    assert.ok(at <= bytes.length, 'the last message is whole');
+  }
+  return messages;
+}
+const ofType = (messages, type) => messages.filter((message) => message.type === type);
+
+/** Hears a group of the service until it is closed. */
+async function listenTo(group, port) {
+  const socket = createSocket({ type: 'udp4', reuseAddr: true });
+  socket.bind(port);
+  await once(socket, 'listening');
+  socket.addMembership(group, '127.0.0.1');
+  const heard = [];
+  socket.on('message', (message) => heard.push(message));
+  return { heard, close: () => socket.close() };
+}
+
+describe('match logs', () => {
+  before(async () => {
+    gc.bind(0, '127.0.0.1');
+    await once(gc, 'listening');
+    gc.setMulticastInterface('127.0.0.1');
+  });
+  beforeEach(() => service.restore());
+  afterEach(async () => {
+    said = null;
+    if (['recording', 'paused'].includes((await state()).state)) await ask('POST', '/match-log', { record: false });
+  });
+  after(async () => {
+    clearInterval(talking);
+    gc.close();
+    await service.end();
+  });
+
+  it('follow the game controller: named by it, without breaks, to the end of the match', async () => {
+    assert.deepEqual((await state()), { state: 'waiting', name: null, started_by: null, begin_s: null, seconds: 0, bytes: 0, messages: { vision: 0, referee: 0, tracked: 0 }, lost: 0, error: '' });
+    said = { ...TEAMS, stage: 0, command: 0 };
+    await service.statusBecomes(({ referee }) => referee.match !== null);
+    assert.equal((await state()).state, 'waiting', 'all are halted');
+    said = { ...TEAMS, stage: 1, command: STOP };
+    const began = (await isNow('recording')).match_log;
+    assert.match(began.name, /^\d{4}-\d\d-\d\d_\d\d-\d\d_GROUP_PHASE_TIGERs_Mannheim-vs-_n_ted\.log\.gz$/);
+    assert.equal(began.started_by, 'game_controller');
+    const { port } = service.settings.network.vision;
+    const own = await listenTo(GROUP, port);
+    await becomes(state, ({ messages }) => messages.vision > 30 && messages.tracked > 30 && messages.referee > 2);
+    own.close();
+
+    said = { ...TEAMS, stage: 2, command: 0 };
+    const { vision } = (await isNow('paused')).match_log.messages;
+    const { frames } = (await service.statusBecomes(() => true)).cameras[0];
+    await service.statusBecomes(({ cameras }) => cameras[0].frames > frames + 10);
+    assert.equal((await state()).messages.vision, vision, 'nothing of a break is recorded');
+    said = { ...TEAMS, stage: 3, command: STOP };
+    await isNow('recording');
+    said = { ...TEAMS, stage: 4, command: START, yellow: ['TIGERs Mannheim', undefined, 1] };
+    const before = (await state()).messages.referee;
+    await becomes(state, ({ messages }) => messages.referee > before + 3);
+    said = { ...TEAMS, stage: 13, command: 0 };
+    await isNow('waiting');
+
+    const log = await newestIsRead();
+    assert.equal(log.name, began.name);
+    assert.equal(log.problem, '');
+    assert.equal(log.goals, 1);
+    const messages = messagesOf(readFileSync(join(folder, log.name)));
+    assert.deepEqual(log.messages, { vision: ofType(messages, VISION).length, referee: ofType(messages, REFEREE).length, tracked: ofType(messages, TRACKED).length });
+    assert.ok(Math.abs(messages[0].time - log.begin_s) < 1e-3 && Math.abs(messages.at(-1).time - messages[0].time - log.seconds) < 1e-3);
+    assert.ok(messages.every(({ time }, i) => i === 0 || time >= messages[i - 1].time), 'in the order of their times');
+    const logged = new Set(ofType(messages, VISION).map(({ bytes }) => bytes.toString('base64')));
+    assert.ok(own.heard.length > 20);
+    assert.ok(own.heard.every((packet) => logged.has(packet.toString('base64'))), 'every packet that others heard is there');
+    execFileSync('gzip', ['-t', join(folder, log.name)]);
+
+    const { json: { events, begin_s, end_s } } = await ask('GET', `/logs/${log.name}/events`);
+    // What was said last before a break or the end is there if it came before somebody looked.
+    assert.deepEqual(events.map(({ kind, text }) => `${kind}: ${text}`).filter((text) => /First|Second half$|Normal|goal/.test(text)),
+      ['stage: First half', 'stage: Second half', 'command: Normal start', 'goal: Goal for TIGERs Mannheim: 1 : 0']);
+    assert.ok(events.every(({ time_s }) => time_s >= -2.1 && time_s <= end_s - begin_s), JSON.stringify(events));
+    await becomes(async () => (await fetch(service.address('api/events'))).text(), (text) => text.includes('Match log') && text.includes('ended'), String);
+  });
+
+  it('are downloaded as they are on the disk', async () => {
+    const { name, bytes } = await newestIsRead();
+    const answer = await fetch(service.address(`api/recordings/logs/${name}`));
+    assert.equal(answer.status, 200);
+    assert.equal(answer.headers.get('content-type'), 'application/gzip');
+    assert.equal(answer.headers.get('content-length'), String(bytes));
+    assert.equal(answer.headers.get('content-disposition'), `attachment; filename="${name}"`);
+    assert.deepEqual(Buffer.from(await answer.arrayBuffer()), readFileSync(join(folder, name)));
+    const head = await fetch(service.address(`api/recordings/logs/${name}`), { method: 'HEAD' });
+    assert.equal(head.headers.get('content-length'), String(bytes));
+  });
+
+  it('are recorded by hand, whatever the game controller says', async () => {
+    const start = await ask('POST', '/match-log', { record: true, name: 'our test game' });
+    assert.equal(start.status, 200, JSON.stringify(start.json));
+    assert.match(start.json.match_log.name, /^[\d_-]+_our_test_game\.log\.gz$/);
+    assert.equal(start.json.match_log.started_by, 'hand');
+    assert.equal((await ask('POST', '/match-log', { record: true })).status, 409);
+    assert.equal((await ask('DELETE', `/logs/${start.json.match_log.name}`)).status, 409, 'not while it is written');
+    said = { ...TEAMS, stage: 13, command: 0 };
+    await becomes(state, ({ messages }) => messages.vision > 5 && messages.referee > 2);
+    assert.equal((await ask('POST', '/match-log', { record: false })).status, 200);
+    assert.equal((await ask('POST', '/match-log', { record: false })).status, 409);
+    const log = await newestIsRead();
+    assert.equal(log.name, start.json.match_log.name);
+    assert.equal(messagesOf(readFileSync(join(folder, log.name))).length, Object.values(log.messages).reduce((a, b) => a + b));
+  });
+
+  it('that somebody ended by hand do not begin again in the same match', async () => {
+    said = { ...TEAMS, stage: 1, command: START };
+    await isNow('recording');
+    await ask('POST', '/match-log', { record: false });
+    const count = (await logs()).length;
+    await becomes(() => fetch(service.address('api/status')).then((answer) => answer.json()), ({ referee }) => referee.silent_s < 0.3);
+    said = { ...TEAMS, stage: 2, command: 0 };
+    await service.statusBecomes(({ referee }) => referee.match.stage === 'half_time');
+    assert.equal((await state()).state, 'waiting');
+    assert.equal((await logs()).length, count);
+    said = { ...TEAMS, yellow: ['Another team'], stage: 1, command: START };
+    await isNow('recording');
+  });
+
+  it('are pinned and deleted', async () => {
+    const [{ name }] = await logs();
+    assert.equal((await ask('PATCH', `/logs/${name}`, { pinned: true })).json.logs[0].pinned, true);
+    assert.equal((await ask('PATCH', `/logs/${name}`, { pinned: 'yes' })).status, 400);
+    assert.equal((await ask('PATCH', `/logs/${name}`, { pinned: false })).json.logs[0].pinned, false);
+    assert.ok(!(await ask('DELETE', `/logs/${name}`)).json.logs.some((log) => log.name === name));
+    assert.ok(!readdirSync(folder).some((file) => file.startsWith(name)), 'nothing of it is left');
+    assert.equal((await ask('DELETE', `/logs/${name}`)).status, 404);
+  });
+
+  it('are named by nobody outside their folder', async () => {
+    writeFileSync(join(service.stateFolder, 'secret.log'), 'SSL_LOG_FILE');
+    for (const name of ['..%2fsecret.log', '%2e%2e%2fsecret.log', '..%2f..%2fadmin.json', '.log', 'x.txt', encodeURIComponent('ä.log')]) {
+      for (const method of ['GET', 'PATCH', 'DELETE']) assert.equal((await ask(method, `/logs/${name}`, method === 'GET' ? undefined : { pinned: true })).status, 404, `${method} ${name}`);
+    }
+    for (const name of ['../x', '', 'a/b', 'ä', 'x'.repeat(101), 7, null])
+      assert.equal((await ask('POST', '/match-log', { record: true, name })).status, 400, JSON.stringify(name));
+    assert.ok(existsSync(join(service.stateFolder, 'secret.log')));
+  });
+
+  it('survive a service that is killed: at most a second is missing', async () => {
+    await ask('POST', '/match-log', { record: true, name: 'killed' });
+    const { name } = await state();
+    await becomes(state, ({ messages, bytes }) => messages.vision > 40 && bytes > 1000);
+    const killed = Date.now() / 1000;
+    process.kill(service.pid(), 'SIGKILL');
+    await becomes(async () => { try { return process.kill(service.pid(), 0); } catch { return false; } }, (runs) => !runs);
+    await service.start();
+    const log = await newestIsRead();
+    assert.equal(log.name, name);
+    assert.equal(log.problem, '');
+    const messages = messagesOf(readFileSync(join(folder, name)));
+    assert.ok(messages.at(-1).time > killed - 1.2, `${killed - messages.at(-1).time} s are missing`);
+    assert.ok(!existsSync(join(folder, `${name}.unfinished`)));
+  });
+
+  it('of others that stand in the folder are read, and what is none says why', async () => {
+    mkdirSync(folder, { recursive: true });
+    writeFileSync(join(folder, '2000-01-01_ours.log'), Buffer.concat([Buffer.from('SSL_LOG_FILE\0\0\0\x01', 'latin1'), Buffer.from([0, 0, 0, 0, 0x3b, 0x9a, 0xca, 0, 0, 0, 0, 4, 0, 0, 0, 2, 1, 2])]));
+    writeFileSync(join(folder, '2000-01-02_no_log.log.gz'), 'no log');
+    const all = await becomes(logs, (now) => now.filter(({ name }) => name.startsWith('2000')).every(({ seconds, problem }) => seconds !== null || problem !== ''));
+    const [none, ours] = all.filter(({ name }) => name.startsWith('2000'));
+    assert.match(none.problem, /is no log of the league: it does not begin with SSL_LOG_FILE/);
+    assert.deepEqual([ours.problem, ours.begin_s, ours.seconds, ours.messages.vision], ['', 1, 0, 1]);
+    assert.equal((await ask('GET', `/logs/${none.name}/events`)).status, 422);
+  });
+
+  it('are shown, converted and played by the command line', async () => {
+    const file = join(folder, (await ask('POST', '/match-log', { record: true, name: 'tools' })).json.match_log.name);
+    await becomes(state, ({ messages }) => messages.vision > 20 && messages.tracked > 20);
+    assert.match(ctl('match-log', 'list'), /^match log: recording \S+_tools\.log\.gz, /);
+    assert.equal(ctl('match-log', 'stop'), '');
+    const messages = messagesOf(readFileSync(file));
+    const info = JSON.parse(ctl('match-log', 'info', '--json', file));
+    assert.equal(info.messages.vision, ofType(messages, VISION).length);
+    assert.match(ctl('match-log', 'info', file), new RegExp(` ${info.messages.tracked} {2}tracked messages`));
+
+    // To a plain file with the league's index, and packed again.
+    const plain = join(service.folder, 'plain.log'), packed = join(service.folder, 'packed.log.gz');
+    assert.equal(ctl('match-log', 'convert', file, plain), `${messages.length} messages\n`);
+    const bytes = readFileSync(plain);
+    assert.equal(bytes.toString('latin1', bytes.length - 7), 'INDEXED');
+    const index = bytes.length - Number(bytes.readBigInt64BE(bytes.length - 15));
+    assert.deepEqual([Number(bytes.readBigInt64BE(index)), bytes.readInt32BE(index + 8), bytes.readInt32BE(index + 12)], [0, 6, 8 * messages.length + 15]);
+    messages.forEach((message, i) => {
+      const at = Number(bytes.readBigInt64BE(index + 16 + 8 * i));
+      assert.equal(bytes.readInt32BE(at + 8), message.type);
+      assert.deepEqual(bytes.subarray(at + 16, at + 16 + bytes.readInt32BE(at + 12)), message.bytes);
+    });
+    ctl('match-log', 'convert', plain, packed);
+    assert.deepEqual(gunzipSync(readFileSync(packed)), gunzipSync(readFileSync(file)));
+    assert.throws(() => ctl('match-log', 'convert', plain, packed), /File exists/);
+
+    // To programs that listen to another group than the teams.
+    const group = '239.255.77.98', port = await freeUdpPort();
+    assert.throws(() => ctl('match-log', 'play', file, '--group', '224.5.23.2'), /teams listen to 224\.5\.23\.2/);
+    const heard = await listenTo(group, port);
+    execFileSync(CTL, ['match-log', 'play', file, '--speed', '16', '--group', group, '--vision-port', String(port), '--interface', 'lo'], { stdio: ['ignore', 'ignore', 'pipe'] });
+    await becomes(() => heard.heard.length, (count) => count >= info.messages.vision);
+    heard.close();
+    assert.deepEqual(heard.heard, ofType(messages, VISION).map((message) => message.bytes));
+  });
+
+  it('are not recorded where the disk must stay free, and say so', async () => {
+    await service.patch({ op: 'add', path: '/recording', value: { match_logs: 'by_game_controller', quota_mb: 10, keep_free_mb: 10_000_000 } });
+    const refused = await ask('POST', '/match-log', { record: true });
+    assert.equal(refused.status, 507);
+    assert.match(refused.json.error, /of the disk are free, of which recordings leave 10000000 MB \(\/recording\/keep_free_mb\)/);
+    said = { ...TEAMS, stage: 1, command: START };
+    const { match_log } = await isNow('failed');
+    assert.match(match_log.error, /keep_free_mb/);
+    const { alerts, checks } = await service.statusBecomes(({ alerts: now }) => now.some(({ id }) => id === 'recording_failed'));
+    const alert = alerts.find(({ id }) => id === 'recording_failed');
+    assert.equal(alert.severity, 'warn');
+    assert.equal(checks.find(({ id }) => id === 'recording').state, 'warn');
+  });
+});

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/match_log_files.h"
+
+#include "recording/match_log_writer.h"
+#include "support/temporary_folder.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::uint64_t kPlenty = std::uint64_t{1} << 60U;
+
+class MatchLogFilesTest : public ::testing::Test {
+ protected:
+  /// A log whose bytes cannot be packed.
+  void write(const std::string& name, int messages = 10, bool ends = true) const {
+    MatchLogWriter writer(files_.path_of(name));
+    std::vector<std::byte> bytes(1000);
+    unsigned chance = 1;
+    for (int i = 0; i < messages; ++i) {
+      for (std::byte& byte : bytes) byte = std::byte((chance = chance * 1664525U + 1013904223U) >> 24U);
+      writer.add(1'000'000'000LL * i, LoggedMessage::kVision2014, bytes);
+    }
+    ends ? writer.finish() : writer.flush();
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const MatchLogFile& file : files_.list()) out.push_back(file.name);
+    return out;
+  }
+
+  test::TemporaryFolder folder_;
+  MatchLogFiles files_{folder_.path()};
+};
+
+TEST_F(MatchLogFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
+  for (const char* name :
+       {"2026-07-01_a.log.gz", "2026-07-02_b.log.gz", "2026-07-03_c.log.gz", "2026-07-04_d.log.gz"})
+    write(name);
+  files_.pin("2026-07-02_b.log.gz", true);
+  EXPECT_THAT(files_.make_room(kPlenty, 0), IsEmpty());
+  const std::uint64_t all = files_.disk_use().used_bytes;
+  EXPECT_GT(all, 40'000U);
+  EXPECT_THAT(files_.make_room(all - 1, 0), ElementsAre("2026-07-01_a.log.gz"));
+  EXPECT_THAT(files_.make_room(all / 4 + 100, 0), ElementsAre("2026-07-03_c.log.gz", "2026-07-04_d.log.gz"));
+  EXPECT_THAT(names(), ElementsAre("2026-07-02_b.log.gz"));
+  EXPECT_THAT(files_.make_room(0, kPlenty), IsEmpty()) << "what is pinned stays, whatever the disk says";
+  files_.pin("2026-07-02_b.log.gz", false);
+  EXPECT_THAT(files_.make_room(0, 0), ElementsAre("2026-07-02_b.log.gz"));
+  EXPECT_TRUE(fs::is_empty(folder_.path())) << "nothing of them is left";
+}
+
+TEST_F(MatchLogFilesTest, TheLogThatIsWrittenIsNotRemoved) {
+  const fs::path log = files_.begin("match");
+  write(log.filename().string(), 10, false);
+  EXPECT_THAT(files_.make_room(0, kPlenty), IsEmpty());
+  EXPECT_FALSE(files_.remove(log.filename().string()));
+  files_.end(true);
+  EXPECT_TRUE(files_.remove(log.filename().string()));
+}
+
+TEST_F(MatchLogFilesTest, TwoOfOneMinuteHaveTwoNames) {
+  const fs::path first = files_.begin("match");
+  write(first.filename().string());
+  files_.end(true);
+  const fs::path second = files_.begin("match");
+  EXPECT_NE(first, second);
+  EXPECT_THAT(second.filename().string(), HasSubstr("_match"));
+}
+
+TEST_F(MatchLogFilesTest, WhatWasNotFinishedIsMadeWhole) {
+  const fs::path log = files_.begin("match");
+  write(log.filename().string(), 10, false);
+  files_.end(false);  // its service was killed
+  MatchLogFiles later(folder_.path());
+  later.look_after({});
+  const auto file = later.find(log.filename().string());
+  ASSERT_TRUE(file && file->index);
+  EXPECT_EQ(file->problem, "");
+  EXPECT_EQ(file->index->messages.at(LoggedMessage::kVision2014), 10U);
+}
+
+TEST_F(MatchLogFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
+  write("theirs.log.gz", 10, false);
+  fs::remove(index_file_of(files_.path_of("theirs.log.gz")));
+  const auto size = fs::file_size(files_.path_of("theirs.log.gz"));
+  std::ofstream(files_.path_of("none.log")) << "none";
+  std::ofstream(files_.path_of("notes.txt")) << "none";
+  fs::create_directory(files_.path_of("folder.log"));
+  fs::create_symlink("/etc/passwd", files_.path_of("link.log"));
+  files_.look_after({});
+  EXPECT_THAT(names(), ElementsAre("theirs.log.gz", "none.log"));
+  EXPECT_EQ(fs::file_size(files_.path_of("theirs.log.gz")), size);
+  EXPECT_THAT(files_.find("theirs.log.gz")->problem, HasSubstr("is cut off"));
+  EXPECT_THAT(files_.find("none.log")->problem, HasSubstr("is no log of the league"));
+}
+
+TEST_F(MatchLogFilesTest, ALogThatIsReplacedIsReadAgain) {
+  write("a.log.gz", 10);
+  files_.look_after({});
+  EXPECT_EQ(files_.find("a.log.gz")->index->messages.at(LoggedMessage::kVision2014), 10U);
+  files_.remove("a.log.gz");
+  write("a.log.gz", 20);
+  EXPECT_EQ(files_.find("a.log.gz")->index, nullptr);
+  files_.look_after({});
+  EXPECT_EQ(files_.find("a.log.gz")->index->messages.at(LoggedMessage::kVision2014), 20U);
+}
+
+TEST(MatchLogName, IsAFileOfTheFolderAndNothingElse) {
+  for (const char* name : {"a.log", "2026-07-03_14-05_GROUP_PHASE_A-vs-B.log.gz", "a b.log"})
+    EXPECT_TRUE(is_match_log_name(name)) << name;
+  for (const char* name : {"", ".log", ".log.gz", "..log", "../a.log", "a/b.log", "a\\b.log", "a.txt",
+                           "a.log.index", "a\n.log", "ä.log", "a.log.pinned"})
+    EXPECT_FALSE(is_match_log_name(name)) << name;
+  std::string long_name(300, 'a');
+  long_name.append(".log");
+  EXPECT_FALSE(is_match_log_name(long_name));
+  EXPECT_FALSE(is_match_log_name(std::string("a\0.log", 6)));
+}
+
+}  // namespace
+}  // namespace sslv

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page says about recording, in words.
+import type { MatchLog, MatchLogNow, Recordings, Status } from '../../api/types';
+import { bytes } from '../../bytes';
+import { duration, figure, plural, timeOfDay } from '../../format';
+import type { IconName } from '../../components/icons';
+import { QUIET_S } from '../../state/match';
+import { dayAndTime, readName } from './names';
+
+export interface Now {
+  level: '' | 'ok' | 'warn' | 'bad' | 'info';
+  icon: IconName;
+  /** One word for it. */
+  word: string;
+  /** A sentence. */
+  text: string;
+  /** What else there is to know or to do; empty: nothing. */
+  more: string;
+}
+
+/** The log is open: there is something to stop. */
+export const isWriting = ({ state }: MatchLogNow): boolean => state === 'recording' || state === 'paused';
+/** That log is the one being written. */
+export const isWritten = (now: MatchLogNow, name: string): boolean => isWriting(now) && now.name === name;
+
+const titleOf = ({ name }: MatchLogNow) => (name === null ? 'Match log' : readName(name).title);
+const size = (now: MatchLogNow) => `${duration(now.seconds)}, ${bytes(now.bytes)}`;
+
+/** With less than this the disk is what stopped it. */
+const FULL_BYTES = 100e6;
+
+export function nowText({ match_log: now, disk }: Pick<Recordings, 'match_log' | 'disk'>): Now {
+  switch (now.state) {
+    case 'recording': {
+      const since = now.begin_s === null ? '' : ` since ${timeOfDay(now.begin_s, false)}`;
+      return { level: 'ok', icon: 'record', word: 'Recording', text: `Recording${since}: ${titleOf(now)}, ${size(now)}`, more: startedText(now) };
+    }
+    case 'paused':
+      return { level: 'info', icon: 'pause', word: 'Paused', text: `Paused: break. ${titleOf(now)}, ${size(now)} so far`, more: 'The log continues when the match does.' };
+    case 'waiting':
+      return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waits for the game controller: it starts when both teams are named and HALT is over', more: 'Or start it now by hand.' };
+    case 'off':
+      return { level: '', icon: 'minus', word: 'Off', text: 'Off', more: 'Nothing is recorded until you press Record.' };
+    case 'failed':
+      return {
+        level: 'bad', icon: 'cross', word: 'Failed', text: `Nothing is recorded: ${now.error || 'the log cannot be written'}`,
+        more: disk.free_bytes < FULL_BYTES ? 'The disk is full. Delete logs or other files, then press Record.' : 'Check the disk and the folder of the recordings, then press Record.',
+      };
+  }
+}
+
+function startedText({ started_by }: MatchLogNow): string {
+  if (started_by === 'game_controller') return 'Started by the game controller. It ends when the match is over.';
+  return started_by === 'hand' ? 'Started by hand. It records until you press Stop.' : '';
+}
+
+/** A log is this old before its silence means something. */
+const FIRST_MESSAGES_S = 5;
+
+export interface Hint {
+  id: 'lost' | 'vision' | 'controller';
+  text: string;
+  /** Where to look, as the router's pages have it. */
+  place: { text: string; page: string; argument: string };
+}
+
+/** What is wrong with what is recorded, or keeps it from starting. `referee`: null when it is not known now. */
+export function hintsOf(now: MatchLogNow, referee: Pick<Status['referee'], 'enabled' | 'silent_s'> | null): Hint[] {
+  const hints: Hint[] = [];
+  if (now.lost > 0) {
+    const [were, are] = now.lost === 1 ? ['was', 'is'] : ['were', 'are'];
+    hints.push({
+      id: 'lost', text: `${plural(now.lost, 'message')} ${were} lost and ${are} not in the log: the disk is too slow. Use a faster disk, or stop what else writes to it.`,
+      place: { text: 'Open Diagnostics', page: 'diagnostics', argument: '' },
+    });
+  }
+  if (now.state === 'recording' && now.seconds >= FIRST_MESSAGES_S && now.messages.vision === 0) {
+    hints.push({
+      id: 'vision', text: 'No vision message has come: the log has no robots and no ball. Check that cameras run and that packets are sent.',
+      place: { text: 'Open the packets', page: 'field', argument: 'packets' },
+    });
+  }
+  if (now.state === 'waiting' && referee !== null && (!referee.enabled || (referee.silent_s ?? Infinity) > QUIET_S)) {
+    hints.push({
+      id: 'controller',
+      text: referee.enabled ? 'No game controller is heard, so nothing starts automatically.' : 'Listening to the game controller is off in the settings, so nothing starts automatically.',
+      place: { text: 'Open the network', page: 'field', argument: 'network' },
+    });
+  }
+  return hints;
+}
+
+/** "12 GB of 50 GB"; the quota 0 is none. */
+export const usedText = ({ used_bytes, quota_bytes }: Recordings['disk']): string => (quota_bytes > 0 ? `${bytes(used_bytes)} of ${bytes(quota_bytes)}` : bytes(used_bytes));
+
+/** Shares of the bar, 0 to 1: what pinned logs take, and the others. */
+export function sharesOf({ used_bytes, quota_bytes }: Recordings['disk'], logs: readonly MatchLog[]): { pinned: number; others: number } {
+  const whole = Math.max(quota_bytes, used_bytes, 1);
+  const pinned = Math.min(pinnedBytes(logs), used_bytes);
+  return { pinned: pinned / whole, others: (used_bytes - pinned) / whole };
+}
+export const pinnedBytes = (logs: readonly MatchLog[]): number => logs.reduce((sum, log) => sum + (log.pinned ? log.bytes : 0), 0);
+
+export interface LogFacts {
+  title: string;
+  phase: string;
+  when: string;
+  /** Empty what is not known. */
+  length: string;
+  size: string;
+  goals: string;
+  messages: string;
+  /** The service still reads the file. */
+  isReading: boolean;
+}
+
+export function factsOf(log: MatchLog): LogFacts {
+  const { title, phase, when } = readName(log.name);
+  const { messages } = log;
+  return {
+    title, phase,
+    when: log.begin_s === null ? when : dayAndTime(log.begin_s),
+    length: log.seconds === null ? '' : duration(log.seconds),
+    size: bytes(log.bytes),
+    goals: log.goals === null ? '' : plural(log.goals, 'goal'),
+    messages: messages ? `${figure(messages.vision)} vision, ${figure(messages.referee)} referee, ${figure(messages.tracked)} tracked messages` : '',
+    isReading: !log.problem && (log.seconds === null || messages === null),
+  };
+}
