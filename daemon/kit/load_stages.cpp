@@ -277,7 +277,7 @@ void check_row(const BasicStageType<Floor>& row) {
       if (is_name(use.type.name, kLongestPart)) continue;
       throw std::runtime_error(
           fmt::format("its part '{}' has a name that is none: 1 to {} characters of a-z, 0-9 and _",
-                      use.type.name.substr(0, kLongestPart), kLongestPart));
+                      escaped_text(use.type.name.substr(0, kLongestPart)), kLongestPart));
     }
     check_plain_text(row.help, "its help");
     if (row.help.size() > kLongestHelp)

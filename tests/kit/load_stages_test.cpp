@@ -154,7 +154,7 @@ TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
   EXPECT_EQ(why_of("twice"), "cannot make its stage 'twice': two of its parameters are called 'a'");
   EXPECT_EQ(why_of("long_help"), "cannot make its stage 'long_help': its help has more than 500 bytes");
   EXPECT_THAT(why_of("bad_part"),
-              StartsWith("cannot make its stage 'bad_part': its part 'Bad Name' has a name"));
+              StartsWith("cannot make its stage 'bad_part': its part 'Bad\\u000aName' has a name"));
 }
 
 TEST_F(LibraryFolder, DoesNotWaitForWhatALibraryHasStarted) {

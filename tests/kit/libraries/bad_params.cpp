@@ -33,7 +33,7 @@ struct None {
   static constexpr auto fields() { return std::tuple{}; }
 };
 struct BadName {
-  static constexpr std::string_view kPartName = "Bad Name";
+  static constexpr std::string_view kPartName = "Bad\nName";
   void clear() {}
 };
 
