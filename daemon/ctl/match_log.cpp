@@ -126,6 +126,7 @@ PlayKey take_key(std::string& typed) {
       {"+", PlayKey::kFaster},      {"-", PlayKey::kSlower},      {"g", PlayKey::kNextGoal},
       {"G", PlayKey::kLastGoal},    {"c", PlayKey::kNextCommand}, {"C", PlayKey::kLastCommand},
       {"k", PlayKey::kNextKick},    {"K", PlayKey::kLastKick},    {"q", PlayKey::kEnd},
+      {"\x03", PlayKey::kEnd},  // Ctrl-C, so that the terminal is put back
   };
   if (typed.empty()) return PlayKey::kNone;
   for (const Key& one : kKeys) {
@@ -142,10 +143,13 @@ namespace {
 /// What is typed comes at once, key by key, and is not shown. Nothing where standard input is no terminal.
 class Keys {
  public:
-  Keys() : is_there_(::isatty(STDIN_FILENO) == 1 && ::tcgetattr(STDIN_FILENO, &before_) == 0) {
+  // In the background a terminal's keys are for somebody else.
+  Keys()
+      : is_there_(::isatty(STDIN_FILENO) == 1 && ::tcgetpgrp(STDIN_FILENO) == ::getpgrp() &&
+                  ::tcgetattr(STDIN_FILENO, &before_) == 0) {
     if (!is_there_) return;
     termios now = before_;
-    now.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    now.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG);
     ::tcsetattr(STDIN_FILENO, TCSANOW, &now);
   }
   ~Keys() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recording/match_events.h"
 
+#include "base/error.h"
 #include "base/plain_text.h"
 #include "net/parse.h"
 #include "ssl_gc_referee_message.pb.h"
@@ -25,6 +26,7 @@ constexpr KindName kKinds[] = {{MatchEvent::Kind::kCommand, "command"},
                                {MatchEvent::Kind::kKick, "kick"}};
 
 constexpr std::int64_t kForgottenAfter_ns = 5'000'000'000;
+constexpr std::size_t kMaxNameBytes = 60;
 constexpr double kSameKick_s = 0.05;  // a tracker that computes it again may find another moment for it
 
 // By the numbers of the game controller's Command and Stage.
@@ -112,7 +114,9 @@ void MatchEventFinder::add_referee(const LoggedMessage& message, std::vector<Mat
   const std::array<std::uint32_t, 2> score{referee.yellow().score(), referee.blue().score()};
   for (const std::size_t team : {0U, 1U}) {
     if (!score_ || score[team] <= (*score_)[team]) continue;
-    const std::string name = plain_part(team == 0 ? referee.yellow().name() : referee.blue().name());
+    // Game controllers are not the only ones who can send to the group.
+    const std::string name =
+        shortened(plain_part(team == 0 ? referee.yellow().name() : referee.blue().name()), kMaxNameBytes);
     tell(MatchEvent::Kind::kGoal,
          fmt::format("Goal for {}: {} : {}", name.empty() ? (team == 0 ? "yellow" : "blue") : name, score[0],
                      score[1]));

@@ -10,6 +10,7 @@
 #include <array>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -29,6 +30,9 @@ constexpr std::uint64_t kLeastBetweenPoints = 512 * 1024;
 
 /// Types of which messages are counted one by one: private ones may be many.
 constexpr std::size_t kMaxTypes = 64;
+
+/// Of an event.
+constexpr std::size_t kMaxTextBytes = 200;
 
 constexpr std::streamoff kSignedBytes = 4096;
 
@@ -54,26 +58,42 @@ Json to_json(const MatchLogIndex& index) {
           {"problem", index.problem}};
 }
 
+/// Throws std::exception for what no log can have: the file may be of anybody.
 MatchLogIndex index_of(const Json& json) {
+  const auto require = [](bool holds) {
+    if (!holds) throw std::invalid_argument("is no index");
+  };
+  const auto count = [&](const Json& number) {
+    require(number.is_number_unsigned());
+    return number.get<std::uint64_t>();
+  };
+  const auto time = [&](const Json& number) {
+    require(number.is_number_integer());
+    return number.get<std::int64_t>();
+  };
   MatchLogIndex index;
-  json.at("file_bytes").get_to(index.file_bytes);
-  json.at("end_crc32").get_to(index.end_sum);
-  json.at("unpacked_bytes").get_to(index.unpacked_bytes);
-  for (const auto& [type, count] : json.at("messages").items())
-    index.messages[std::stoi(type)] = count.get<std::uint64_t>();
-  json.at("first_ns").get_to(index.first_ns);
-  json.at("last_ns").get_to(index.last_ns);
+  index.file_bytes = count(json.at("file_bytes"));
+  index.end_sum = static_cast<std::uint32_t>(count(json.at("end_crc32")));
+  index.unpacked_bytes = count(json.at("unpacked_bytes"));
+  for (const auto& [type, number] : json.at("messages").items())
+    index.messages[std::stoi(type)] = count(number);
+  index.first_ns = time(json.at("first_ns"));
+  index.last_ns = time(json.at("last_ns"));
+  require(index.last_ns >= index.first_ns);
   for (const Json& point : json.at("points")) {
-    index.points.push_back({{point.at(0).get<std::uint64_t>(), point.at(1).get<std::uint64_t>()},
-                            point.at(2).get<std::uint64_t>(),
-                            point.at(3).get<std::int64_t>()});
+    const MatchLogPoint next{{count(point.at(0)), count(point.at(1))}, count(point.at(2)), time(point.at(3))};
+    const MatchLogPoint before = index.points.empty() ? MatchLogPoint{} : index.points.back();
+    require(next.place.file_offset > before.place.file_offset && next.place.offset > before.place.offset &&
+            next.messages > before.messages && next.place.file_offset < index.file_bytes);
+    require(index.points.empty() || next.all_before_ns >= before.all_before_ns);
+    index.points.push_back(next);
   }
+  require(json.at("events").size() <= MatchEventFinder::kMaxEvents);
   for (const Json& event : json.at("events")) {
-    index.events.push_back({event.at("time_ns").get<std::int64_t>(),
-                            event_kind(event.at("kind").get<std::string>()),
-                            event.at("text").get<std::string>()});
+    index.events.push_back({time(event.at("time_ns")), event_kind(event.at("kind").get<std::string>()),
+                            shortened(event.at("text").get<std::string>(), kMaxTextBytes)});
   }
-  json.at("problem").get_to(index.problem);
+  index.problem = shortened(json.at("problem").get<std::string>(), SettingsError::kMaxBytes);
   return index;
 }
 

@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -49,6 +50,14 @@ class OutputFile {
   }
   void sync() {
     if (::fdatasync(file_) != 0) fail("cannot be written");
+  }
+  /// Throws StorageError when another file, or none, has its name now.
+  void check_name() const {
+    struct stat mine {
+    }, named{};
+    if (::fstat(file_, &mine) != 0 || ::stat(name_.c_str(), &named) != 0 || mine.st_ino != named.st_ino ||
+        mine.st_dev != named.st_dev)
+      throw StorageError(fmt::format("{}: was removed or replaced while it was written", name_));
   }
   void cut(std::uint64_t size) {
     if (::ftruncate(file_, static_cast<off_t>(size)) != 0) fail("cannot be repaired");
@@ -107,6 +116,7 @@ class MatchLogWriter::State {
   void flush() {
     deflate_all(Z_SYNC_FLUSH);
     file_.sync();
+    file_.check_name();
   }
 
   void finish() {
@@ -237,11 +247,14 @@ class BlockReader {
   BlockReader(const BlockReader&) = delete;
   BlockReader& operator=(const BlockReader&) = delete;
 
-  WholePart read() {
+  /// Throws StorageError when it is told to stop.
+  WholePart read(const std::stop_token& stop) {
     WholePart whole;
+    std::uint64_t unpacked_bytes = 0;
     MessageEnds ends;
     WholePart now;  // of the member that is read
     while (fill()) {
+      if (stop.stop_requested()) throw StorageError(fmt::format("{}: was not read to its end", name_));
       zlib_.next_out = output_.data();
       zlib_.avail_out = static_cast<uInt>(output_.size());
       const int result = inflate(&zlib_, Z_BLOCK);
@@ -249,6 +262,10 @@ class BlockReader {
       if ((result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) || !ends.take(got)) break;
       now.sum = static_cast<std::uint32_t>(crc32(now.sum, got.data(), static_cast<uInt>(got.size())));
       now.size += static_cast<std::uint32_t>(got.size());
+      unpacked_bytes += got.size();
+      if (unpacked_bytes > kMaxUnpackedBytes)
+        throw StorageError(
+            fmt::format("{}: is larger than {} GiB when it is unpacked", name_, kMaxUnpackedBytes >> 30U));
       if (result == Z_STREAM_END) {
         inflateReset(&zlib_);
         now = {};
@@ -297,8 +314,9 @@ class BlockReader {
 
 }  // namespace
 
-RepairedMatchLog repair_match_log(const fs::path& path) {
-  const WholePart whole = BlockReader(path).read();
+RepairedMatchLog repair_match_log(const fs::path& path, const std::stop_token& stop) {
+  if (!fs::is_regular_file(path)) throw StorageError(fmt::format("{}: is no file", path.string()));
+  const WholePart whole = BlockReader(path).read(stop);
   const std::uint64_t size = fs::file_size(path);
   if (whole.end == 0) throw StorageError(fmt::format("{}: holds nothing that could be kept", path.string()));
   if (whole.end == size && !whole.is_in_member) return {};

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stop_token>
 
 namespace sslv {
 
@@ -48,8 +49,8 @@ struct RepairedMatchLog {
 };
 
 /// Makes a packed log whole that a MatchLogWriter did not finish: what was flushed stays, what came after it
-/// goes. May be interrupted and called again. Throws StorageError for what is no such log, which then stays
-/// as it is.
-RepairedMatchLog repair_match_log(const std::filesystem::path& path);
+/// goes. May be interrupted and called again. Throws StorageError for what is no such log, and when it is
+/// told to stop; the log then stays as it is.
+RepairedMatchLog repair_match_log(const std::filesystem::path& path, const std::stop_token& stop = {});
 
 }  // namespace sslv

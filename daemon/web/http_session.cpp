@@ -41,6 +41,7 @@ constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
 constexpr std::chrono::seconds kRequestTimeout{20};       // from a request's first byte to its last
 constexpr std::chrono::seconds kLargeRequestTimeout{90};  // likewise, of a file that an admin sends
 constexpr int kMaxLargeRequests = 2;                      // at once
+constexpr int kMaxSentFiles = 16;                         // at once: each holds a file open
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
 constexpr std::size_t kPieceBytes = 128 * 1024;  // of a file that is sent
@@ -184,6 +185,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     large_.reset();
     std::string problem;
     if (answer_.stream && !stays(problem)) answer_ = {refusal_text(503, problem), false};
+    if (answer_.file && context_.sent_files >= kMaxSentFiles)
+      answer_ = {refusal_text(503, "other files are being downloaded; try again in a moment"), false};
+    if (answer_.file) sent_file_.emplace(context_.sent_files);
     if (!answer_.stream) seat_.sends();
     stream_.expires_after(kAnswerTimeout);
     asio::async_write(stream_, asio::buffer(answer_.bytes),
@@ -205,7 +209,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   /// Piece by piece: a worker reads it, and none waits for the client. One that gets fewer bytes than the
   /// head said knows that it has not got all.
   void send_file(std::uint64_t offset) {
-    if (offset >= answer_.file->bytes) return finish();
+    if (offset >= answer_.file->bytes) {
+      answer_.file.reset();
+      sent_file_.reset();
+      return finish();
+    }
     asio::post(context_.workers, [self = shared_from_this(), offset] {
       const std::uint64_t size = std::min<std::uint64_t>(kPieceBytes, self->answer_.file->bytes - offset);
       self->piece_.resize(size);
@@ -249,7 +257,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::string received_;              // of this request, and what came after it
   std::optional<ScopedCount> large_;  // while this is a large one
   HttpAnswer answer_;
-  std::string piece_;  // of a file that is sent
+  std::string piece_;                     // of a file that is sent
+  std::optional<ScopedCount> sent_file_;  // while one is
   std::array<char, 4096> rest_;
 };
 

@@ -25,6 +25,7 @@ struct HttpContext {
   boost::asio::io_context& workers;  // handlers run here
   boost::asio::io_context& quick;    // and those that wait for nothing here
   std::atomic<int>& large_requests;  // being received and answered now
+  std::atomic<int>& sent_files;      // that are sent now
 };
 
 /// Serves one connection until it ends: requests one after the other, or a WebSocket or

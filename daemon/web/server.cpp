@@ -250,14 +250,15 @@ class RunningServer {
   WebCounters& counters_;
 
   Connections connections_;
-  std::atomic<int> large_requests_ = 0;
+  std::atomic<int> large_requests_ = 0, sent_files_ = 0;
   // Connections live in the handlers that wait in these, so they end with them: after the hub and before
   // what stands above.
   Executors executors_;
   CameraFeeds feeds_;
   WebSocketHub websockets_;
-  const HttpContext http_{gate_,          router_, websockets_, feeds_, executors_.workers, executors_.quick,
-                          large_requests_};
+  const HttpContext http_{
+      gate_,           router_,    websockets_, feeds_, executors_.workers, executors_.quick,
+      large_requests_, sent_files_};
   Listener listener_;
   asio::steady_timer audit_timer_;
   ServerThreads threads_;

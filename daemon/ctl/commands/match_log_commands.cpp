@@ -10,6 +10,7 @@
 #include "recording/match_log_writer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -96,6 +97,16 @@ bool is_the_leagues(const std::string& group) {
          group == TrackerSettings{}.group;
 }
 
+/// Ranges of CLI11 let through what is no number.
+const CLI::Validator kFinite(
+    [](std::string& text) {
+      double value = 0;
+      return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0
+                 ? std::string()
+                 : "expected a number of at least 0";
+    },
+    "");
+
 void add_play(CommandLine& line, CLI::App* group) {
   struct Options {
     std::filesystem::path log;
@@ -108,13 +119,13 @@ void add_play(CommandLine& line, CLI::App* group) {
   auto* play = group->add_subcommand("play", "send a log's packets again, for programs that listen");
   play->add_option("log", o->log, "the log, packed or not")->required();
   play->add_option("--speed", o->play.speed, "times as fast")
+      ->check(kFinite)
       ->check(CLI::Range(MatchLogPlayer::kMinSpeed, MatchLogPlayer::kMaxSpeed))
       ->capture_default_str();
-  play->add_option("--from", o->play.from_s, "s since the log's beginning")->check(CLI::NonNegativeNumber);
-  CLI::Option* until =
-      play->add_option("--until", o->until_s, "s since the log's beginning")->check(CLI::NonNegativeNumber);
+  play->add_option("--from", o->play.from_s, "s since the log's beginning")->check(kFinite);
+  CLI::Option* until = play->add_option("--until", o->until_s, "s since the log's beginning")->check(kFinite);
   play->add_option("--longest-gap", o->play.longest_gap_s, "s; longer gaps, such as breaks, are cut to that")
-      ->check(CLI::PositiveNumber);
+      ->check(kFinite);
   play->add_option("--group", o->play.group, "multicast group to send to")->capture_default_str();
   play->add_option("--vision-port", o->play.vision_port, "instead of the league's")
       ->check(CLI::Range(1, 65535))

@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <ctime>
+#include <functional>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include <fmt/chrono.h>
@@ -66,8 +68,6 @@ std::vector<std::string> MatchLogFiles::names() const {
     const std::string name = entry->path().filename().string();
     if (is_match_log_name(name) && is_file(entry->path())) out.push_back(name);
   }
-  // Their names begin with their times; what others put here stands by its name, too.
-  std::ranges::sort(out, std::greater{});
   return out;
 }
 
@@ -84,9 +84,11 @@ fs::path MatchLogFiles::begin(const std::string& name) {
   for (int number = 1; number < kMaxOfOneName; ++number) {
     const std::string file = begin + (number > 1 ? fmt::format("_{}", number) : "") + ".log.gz";
     if (fs::exists(folder_ / file, error)) continue;
+    {
+      const std::lock_guard lock(mutex_);
+      open_name_ = file;
+    }
     write_file_durably(unfinished_mark_of(folder_ / file), "");
-    const std::lock_guard lock(mutex_);
-    open_name_ = file;
     return folder_ / file;
   }
   throw StorageError(fmt::format("{}: there are too many logs named {}", folder_.string(), begin));
@@ -118,10 +120,16 @@ std::optional<MatchLogFile> MatchLogFiles::find(const std::string& name) const {
 }
 
 std::vector<MatchLogFile> MatchLogFiles::list() const {
-  std::vector<MatchLogFile> out;
+  std::vector<std::pair<fs::file_time_type, MatchLogFile>> files;
   for (const std::string& name : names()) {
-    if (auto file = find(name)) out.push_back(*std::move(file));
+    std::error_code error;
+    if (auto file = find(name))
+      files.emplace_back(fs::last_write_time(path_of(name), error), *std::move(file));
   }
+  std::ranges::sort(files, std::greater{},
+                    [](const auto& file) { return std::tie(file.first, file.second.name); });
+  std::vector<MatchLogFile> out;
+  for (auto& file : files) out.push_back(std::move(file.second));
   return out;
 }
 
@@ -153,22 +161,52 @@ DiskUse MatchLogFiles::disk_use() const {
   return use;
 }
 
-std::vector<std::string> MatchLogFiles::make_room(std::uint64_t quota_bytes, std::uint64_t keep_free_bytes) {
+std::vector<std::string> MatchLogFiles::make_room(std::uint64_t quota_bytes) {
+  struct Log {
+    fs::file_time_type written;
+    std::string name;
+    std::uint64_t bytes = 0;
+  };
+  // By when they were written, not by their names: others put logs here too, and a clock may have been wrong.
+  std::vector<Log> logs;
+  std::uint64_t used_bytes = 0;
+  const std::string open = open_name();
+  for (const std::string& name : names()) {
+    std::error_code error;
+    const fs::path path = folder_ / name;
+    const std::uint64_t bytes = size_of(path) + size_of(index_file_of(path));
+    used_bytes += bytes;
+    if (name != open && !fs::exists(pin_of(path), error))
+      logs.push_back({fs::last_write_time(path, error), name, bytes});
+  }
+  std::ranges::sort(logs, {}, [](const Log& log) { return std::pair(log.written, log.name); });
   std::vector<std::string> removed;
-  std::vector<std::string> all = names();
-  for (; !all.empty(); all.pop_back()) {
-    const DiskUse use = disk_use();
-    if (use.used_bytes <= quota_bytes && use.free_bytes >= keep_free_bytes) break;
-    const auto oldest = find(all.back());
-    if (!oldest || oldest->is_pinned || oldest->name == open_name()) continue;
-    remove(oldest->name);
-    removed.push_back(oldest->name);
+  for (const Log& log : logs) {
+    if (used_bytes <= quota_bytes) break;
+    remove(log.name);
+    used_bytes -= log.bytes;
+    removed.push_back(log.name);
   }
   return removed;
 }
 
+/// What stands beside a log goes with it, also when somebody removed only the log.
+void MatchLogFiles::remove_orphans() const {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path log = fs::path(entry->path()).replace_extension();
+    const std::string name = log.filename().string(), kind = entry->path().extension().string();
+    const bool is_ours = kind == ".index" || kind == ".pinned" || kind == ".unfinished";
+    std::error_code failed;
+    if (is_ours && is_match_log_name(name) && name != open_name() &&
+        !fs::exists(fs::symlink_status(log, failed)))
+      fs::remove(entry->path(), failed);
+  }
+}
+
 void MatchLogFiles::look_after(const std::stop_token& stop) {
   const std::vector<std::string> all = names();
+  remove_orphans();
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(known_, [&](const auto& one) { return std::ranges::find(all, one.first) == all.end(); });
@@ -189,7 +227,7 @@ void MatchLogFiles::look_after(const std::stop_token& stop) {
     try {
       // The service was killed while it wrote this one. Files of others stay as they are.
       if (const fs::path mark = unfinished_mark_of(path); fs::exists(mark)) {
-        const RepairedMatchLog repaired = repair_match_log(path);
+        const RepairedMatchLog repaired = repair_match_log(path, stop);
         if (!repaired.was_whole)
           log::warning("{}: was not ended; what was on the disk of it is kept", path.string());
         remove_file(mark);

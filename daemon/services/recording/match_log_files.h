@@ -45,7 +45,7 @@ class MatchLogFiles {
   /// `is_finished`: it needs no repairing. Throws StorageError.
   void end(bool is_finished);
 
-  /// The newest first.
+  /// Those that were written last come first.
   std::vector<MatchLogFile> list() const;
   /// None: there is no such file, or its name is none of a log.
   std::optional<MatchLogFile> find(const std::string& name) const;
@@ -57,9 +57,9 @@ class MatchLogFiles {
   bool remove(const std::string& name);
 
   DiskUse disk_use() const;
-  /// Removes logs that are complete and not pinned, the oldest first, until `quota_bytes` are not exceeded
-  /// and `keep_free_bytes` are free. Their names. Throws StorageError.
-  std::vector<std::string> make_room(std::uint64_t quota_bytes, std::uint64_t keep_free_bytes);
+  /// Removes logs that are complete and not pinned, those that were written longest ago first, until
+  /// recordings take no more than that. Their names. Throws StorageError.
+  std::vector<std::string> make_room(std::uint64_t quota_bytes);
 
   /// Makes logs whole that were not finished, and indexes that are missing. May take long.
   void look_after(const std::stop_token& stop);
@@ -73,6 +73,7 @@ class MatchLogFiles {
   };
   std::vector<std::string> names() const;
   std::string open_name() const;
+  void remove_orphans() const;
 
   const std::filesystem::path folder_;
   mutable std::mutex mutex_;  // guards the next two; not held while a file is read

@@ -85,8 +85,8 @@ MatchLogRecorder::Status MatchLogRecorder::status() const {
 }
 
 void MatchLogRecorder::take(std::int32_t type, std::span<const std::byte> datagram) {
-  const std::int64_t time_ns = now_ns();
   const std::lock_guard lock(mutex_);
+  const std::int64_t time_ns = now_ns();  // with the lock, so that times stand in their order
   if (!status_.is_recording) return;
   if (waiting_.bytes.size() + datagram.size() > kMaxWaitingBytes) {
     ++status_.lost;

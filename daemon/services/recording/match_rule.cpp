@@ -50,6 +50,7 @@ MatchRule::Wish MatchRule::look(const RefereeStatus& referee) {
     if (left_out_ != now) left_out_.reset();
     if (referee.match->is_halted || is_break(referee.match->stage)) return Wish::kNone;
     match_ = named_ = now;
+    ++number_;
   }
   if (left_out_ == match_) return Wish::kNone;
   return is_break(referee.match->stage) ? Wish::kPause : Wish::kRecord;

@@ -22,6 +22,8 @@ class MatchRule {
   /// An admin ended the log: the match that runs is not recorded again.
   void leave_match_out() { left_out_ = match_; }
 
+  /// Another one for each match that is recorded.
+  int number() const { return number_; }
   /// The match that is recorded, or was last: "GROUP_PHASE_Yellow-vs-Blue", as a part of a file's name.
   std::string name() const;
 
@@ -34,6 +36,7 @@ class MatchRule {
   std::optional<Match> match_;     // that runs
   std::optional<Match> left_out_;  // until it ends
   Match named_;
+  int number_ = 0;
 };
 
 /// A text as a part of a file's name: letters and digits of ASCII, '-' and '.' inside; others become '_'.

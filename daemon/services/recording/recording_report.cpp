@@ -25,7 +25,9 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
     warn("recording_disk", fmt::format("No match can be recorded: {}", facts.no_room_problem), kMakeRoom);
   }
   if (facts.lost > 0) {
-    warn("recording_lost", fmt::format("The match log lacks {} messages: the disk was too slow", facts.lost),
+    warn("recording_lost",
+         fmt::format("The match log lacks {} messages: the disk was too slow, or too much was sent",
+                     facts.lost),
          "Use a faster disk, or record on another computer.");
   }
   Check check{"recording", "Match log", CheckState::kPass, kNoFigure, "", ""};

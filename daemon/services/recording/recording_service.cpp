@@ -65,7 +65,7 @@ Json log_json(const MatchLogFile& file) {
     const auto found = index.messages.find(type);
     return found == index.messages.end() ? 0 : found->second;
   };
-  out["begin_s"] = static_cast<double>(index.first_ns) * 1e-9;
+  if (!index.messages.empty()) out["begin_s"] = static_cast<double>(index.first_ns) * 1e-9;
   out["seconds"] = static_cast<double>(index.last_ns - index.first_ns) * 1e-9;
   out["messages"] = messages_json(count(LoggedMessage::kVision2014), count(LoggedMessage::kReferee),
                                   count(LoggedMessage::kTracker2020));
@@ -155,7 +155,7 @@ void RecordingService::follow_game_controller() {
     if (is_recording) end();
     return;
   }
-  if (is_recording && now.match != rule_.name()) end();  // another match begins at once
+  if (is_recording && now.match != rule_.number()) end();  // another match begins at once
   if (recording().started_by == StartedBy::kNobody) {
     if (wish == MatchRule::Wish::kPause) return;
     try {
@@ -177,7 +177,7 @@ void RecordingService::make_room() {
   const RecordingSettings settings = config_.load()->recording;
   const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb) * kMb;
   const std::uint64_t keep_free = static_cast<std::uint64_t>(settings.keep_free_mb) * kMb;
-  for (const std::string& name : files_.make_room(quota, keep_free)) {
+  for (const std::string& name : files_.make_room(quota)) {
     log::info("match log {} was removed to make room", name);
     events_.add(
         {.id = "recording_removed", .title = fmt::format("Match log {} was removed to make room", name)});
@@ -228,7 +228,7 @@ void RecordingService::begin(StartedBy by, const std::string& name) {
   const std::string file_name = file.filename().string();
   log::info("match log {} begins", file_name);
   events_.add({.id = "recording_started", .title = fmt::format("Match log {} began", file_name)});
-  set_recording({.started_by = by, .match = name, .name = file_name, .begin_s = unix_time_s()});
+  set_recording({.started_by = by, .match = rule_.number(), .name = file_name, .begin_s = unix_time_s()});
 }
 
 void RecordingService::end(const std::string& problem) {
@@ -313,8 +313,9 @@ Response RecordingService::put_match_log(const Request& request) {
     begin(StartedBy::kHand, name);
   } else {
     if (!is_recording) throw HttpError(409, "no match log is being recorded");
+    // A log by hand says nothing of the match that may have begun meanwhile.
+    if (recording().started_by == StartedBy::kGameController) rule_.leave_match_out();
     end();
-    rule_.leave_match_out();
   }
   return json_response(to_json());
 }

@@ -40,7 +40,8 @@ class RecordingService final : public Service {
   struct Recording {
     StartedBy started_by = StartedBy::kNobody;  // nobody: nothing is recorded
     bool is_paused = false;
-    std::string match{}, name{};  // what of the file's name stands behind its time; and the whole
+    int match = 0;       // number of the rule's match when it began
+    std::string name{};  // of the file
     double begin_s = 0;
     std::string problem{};  // why the last one could not begin, or ended by itself
     double problem_s = 0;   // when that was

@@ -2,6 +2,7 @@
 //
 // Logs of the league: written, read, indexed, and what is left of one after a power cut.
 #include "base/error.h"
+#include "base/json.h"
 #include "recording/match_log_index.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
@@ -18,6 +19,7 @@
 #include <iterator>
 #include <random>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -193,6 +195,46 @@ TEST_F(MatchLog, IndexOfOtherBytesIsNotTaken) {
   }
 }
 
+TEST_F(MatchLog, AnIndexThatLiesIsMadeAgain) {
+  write_match(file(), 20'000);
+  const MatchLogIndex right = *read_match_log_index(file());
+  ASSERT_FALSE(right.points.empty());
+  const Json json = Json::parse(contents(index_file_of(file())));
+  const auto tried = [&](const char* place, const Json& value) {
+    Json lie = json;
+    lie[Json::json_pointer(place)] = value;
+    write(index_file_of(file()), lie.dump());
+    EXPECT_FALSE(read_match_log_index(file()).has_value()) << place << " " << value;
+    EXPECT_EQ(match_log_index(file()), right);
+  };
+  tried("/points/0/0", right.file_bytes + 1);
+  tried("/points/0/0", -1);
+  tried("/points/0/1", 1e300);
+  tried("/points/0/2", 0);
+  tried("/messages/4", -1);
+  tried("/first_ns", right.last_ns + 1);
+  tried("/last_ns", 1.5);
+  tried("/events", Json{{{"time_ns", 1}, {"kind", "none"}, {"text", ""}}});
+}
+
+TEST_F(MatchLog, ThatIsRemovedWhileItIsWrittenSaysSo) {
+  MatchLogWriter out(file());
+  Match match;
+  add(out, match.next());
+  out.flush();
+  fs::remove(file());
+  add(out, match.next());
+  EXPECT_THROW(out.flush(), StorageError);
+}
+
+TEST_F(MatchLog, RepairingEndsWhenItIsTold) {
+  std::stop_source stop;
+  stop.request_stop();
+  write_match(file(), 100);
+  EXPECT_THROW(repair_match_log(file(), stop.get_token()), StorageError);
+  EXPECT_THROW(repair_match_log("/dev/zero"), StorageError);
+}
+
 TEST_F(MatchLog, GoesToAnyTime) {
   const auto written = write_match(file(), 60'000);
   std::string plain;
@@ -295,9 +337,10 @@ TEST_F(MatchLog, WhatWasFlushedSurvivesAPowerCutAtAnyPlace) {
     for (std::size_t j = 0; j < safe.messages; j += 13) expect_same(was_read.messages[j], messages[j]);
     expect_same(was_read.messages[safe.messages - 1], messages[safe.messages - 1]);
     EXPECT_TRUE(repair_match_log(file()).was_whole) << "it is whole now";
-    if (i % 10 == 0)
+    if (i % 10 == 0) {
       EXPECT_EQ(std::system(fmt::format("gzip -t {}", file().string()).c_str()), 0)
           << "other programs say so too";
+    }
   }
 }
 
@@ -439,11 +482,12 @@ struct PlayedMatch {
     time_ns += 100'000'000;
     finder.add({time_ns, type, bytes_of(message.SerializeAsString())}, events);
   }
-  void referee(int stage, int command, unsigned yellow, unsigned blue, const std::string& source = "gc") {
+  void referee(int stage, int command, unsigned yellow, unsigned blue, const std::string& source = "gc",
+               const std::string& name = "Immortals") {
     Referee message;
     message.set_stage(stage);
     message.set_command(command);
-    message.mutable_yellow()->set_name("Immortals");
+    message.mutable_yellow()->set_name(name);
     message.mutable_yellow()->set_score(yellow);
     message.mutable_blue()->set_name("TIGERs");
     message.mutable_blue()->set_score(blue);
@@ -506,6 +550,13 @@ TEST(MatchEvents, FollowOneOfSeveralSources) {
   match.time_ns += 6'000'000'000;
   match.referee(4, 0, 5, 5, "another hall");
   EXPECT_EQ(match.events.size(), 7U) << "the first is gone";
+}
+
+TEST(MatchEvents, ALongNameIsCut) {
+  PlayedMatch match;
+  for (unsigned i = 0; i < 3; ++i) match.referee(1, 2, i, 0, "gc", std::string(60'000, 'A'));
+  ASSERT_EQ(match.events.size(), 4U);
+  EXPECT_LT(match.events.back().text.size(), 100U);
 }
 
 TEST(MatchEvents, UnknownNumbersAreToldAsNumbers) {

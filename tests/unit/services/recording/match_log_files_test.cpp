@@ -5,6 +5,7 @@
 #include "support/temporary_folder.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <fstream>
 #include <iterator>
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
 
 constexpr std::uint64_t kPlenty = std::uint64_t{1} << 60U;
 
@@ -47,29 +49,47 @@ class MatchLogFilesTest : public ::testing::Test {
 };
 
 TEST_F(MatchLogFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
+  // By when they were written: the name of one says something else, as that of another program's log may.
+  const auto now = fs::file_time_type::clock::now();
+  int hours = 0;
   for (const char* name :
-       {"2026-07-01_a.log.gz", "2026-07-02_b.log.gz", "2026-07-03_c.log.gz", "2026-07-04_d.log.gz"})
+       {"zz_of_others.log.gz", "2026-07-02_b.log.gz", "2026-07-03_c.log.gz", "2026-07-04_d.log.gz"}) {
     write(name);
+    fs::last_write_time(files_.path_of(name), now - std::chrono::hours(10 - hours++));
+  }
   files_.pin("2026-07-02_b.log.gz", true);
-  EXPECT_THAT(files_.make_room(kPlenty, 0), IsEmpty());
+  EXPECT_THAT(files_.make_room(kPlenty), IsEmpty());
   const std::uint64_t all = files_.disk_use().used_bytes;
   EXPECT_GT(all, 40'000U);
-  EXPECT_THAT(files_.make_room(all - 1, 0), ElementsAre("2026-07-01_a.log.gz"));
-  EXPECT_THAT(files_.make_room(all / 4 + 100, 0), ElementsAre("2026-07-03_c.log.gz", "2026-07-04_d.log.gz"));
+  EXPECT_THAT(files_.make_room(all - 1), ElementsAre("zz_of_others.log.gz"));
+  EXPECT_THAT(files_.make_room(all / 4 + 100), ElementsAre("2026-07-03_c.log.gz", "2026-07-04_d.log.gz"));
   EXPECT_THAT(names(), ElementsAre("2026-07-02_b.log.gz"));
-  EXPECT_THAT(files_.make_room(0, kPlenty), IsEmpty()) << "what is pinned stays, whatever the disk says";
+  EXPECT_THAT(files_.make_room(0), IsEmpty()) << "what is pinned stays";
   files_.pin("2026-07-02_b.log.gz", false);
-  EXPECT_THAT(files_.make_room(0, 0), ElementsAre("2026-07-02_b.log.gz"));
+  EXPECT_THAT(files_.make_room(0), ElementsAre("2026-07-02_b.log.gz"));
   EXPECT_TRUE(fs::is_empty(folder_.path())) << "nothing of them is left";
 }
 
 TEST_F(MatchLogFilesTest, TheLogThatIsWrittenIsNotRemoved) {
   const fs::path log = files_.begin("match");
   write(log.filename().string(), 10, false);
-  EXPECT_THAT(files_.make_room(0, kPlenty), IsEmpty());
+  EXPECT_THAT(files_.make_room(0), IsEmpty());
   EXPECT_FALSE(files_.remove(log.filename().string()));
   files_.end(true);
   EXPECT_TRUE(files_.remove(log.filename().string()));
+}
+
+TEST_F(MatchLogFilesTest, WhatStandsBesideALogGoesWithIt) {
+  const fs::path begun = files_.begin("match");
+  write("a.log.gz");
+  files_.pin("a.log.gz", true);
+  std::ofstream(folder_.path() / "notes.index") << "of somebody else";
+  fs::remove(files_.path_of("a.log.gz"));
+  files_.look_after({});
+  EXPECT_FALSE(fs::exists(index_file_of(files_.path_of("a.log.gz"))));
+  EXPECT_FALSE(fs::exists(files_.path_of("a.log.gz.pinned")));
+  EXPECT_TRUE(fs::exists(folder_.path() / "notes.index"));
+  EXPECT_TRUE(fs::exists(begun.string() + ".unfinished")) << "it is about to be written";
 }
 
 TEST_F(MatchLogFilesTest, TwoOfOneMinuteHaveTwoNames) {
@@ -102,7 +122,7 @@ TEST_F(MatchLogFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
   fs::create_directory(files_.path_of("folder.log"));
   fs::create_symlink("/etc/passwd", files_.path_of("link.log"));
   files_.look_after({});
-  EXPECT_THAT(names(), ElementsAre("theirs.log.gz", "none.log"));
+  EXPECT_THAT(names(), UnorderedElementsAre("theirs.log.gz", "none.log"));
   EXPECT_EQ(fs::file_size(files_.path_of("theirs.log.gz")), size);
   EXPECT_THAT(files_.find("theirs.log.gz")->problem, HasSubstr("is cut off"));
   EXPECT_THAT(files_.find("none.log")->problem, HasSubstr("is no log of the league"));

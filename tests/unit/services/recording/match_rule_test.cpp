@@ -59,6 +59,16 @@ TEST(MatchRule, AnotherNameIsAnotherMatch) {
   EXPECT_EQ(rule.name(), "GROUP_PHASE_Another-vs-TIGERs");
 }
 
+TEST(MatchRule, AnotherMatchIsAnotherOneWhateverItsFileIsCalled) {
+  MatchRule rule;
+  ASSERT_EQ(rule.look(referee(kFirstHalf, false, "日本", "中国")), Wish::kRecord);
+  const int number = rule.number();
+  ASSERT_EQ(rule.look(referee(kHalfTime, true, "日本", "中国")), Wish::kPause);
+  EXPECT_EQ(rule.number(), number);
+  ASSERT_EQ(rule.look(referee(kFirstHalf, false, "韓国", "台湾")), Wish::kRecord);
+  EXPECT_NE(rule.number(), number);
+}
+
 TEST(MatchRule, AMatchThatIsLeftOutStaysSoUntilItEnds) {
   MatchRule rule;
   ASSERT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kRecord);
