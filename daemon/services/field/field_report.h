@@ -26,8 +26,9 @@ struct FieldFacts {
   AgreementNow agreement;
   const AgreementHistory* history = nullptr;  // null: nothing is known of the time before
   LeftOut left_out;
-  double now_s = 0;           // Unix time
-  std::string sending_error;  // why no tracks leave; empty: they do, or are not to
+  std::uint64_t images_off_time_lately = 0;  // in the last ten seconds
+  double now_s = 0;                          // Unix time
+  std::string sending_error;                 // why no tracks leave; empty: they do, or are not to
   std::vector<HeardCameras::Conflict> conflicts;
   StackFacts stack{};          // of the field
   std::optional<Hang> hang{};  // of its thread

@@ -135,7 +135,7 @@ void FieldService::look_at_stages() {
   {
     const std::lock_guard lock(stages_mutex_);
     stage_watch_.look(running_.setup()->pipeline);
-    loads_.push_back({running_.frames(), intake_.lost(), steady_s()});
+    loads_.push_back({running_.frames(), intake_.lost(), running_.left_out().images_off_time, steady_s()});
     if (loads_.size() > StageWatch::kSeconds + 1) loads_.pop_front();
   }
   const auto hung = hang();
@@ -147,6 +147,14 @@ void FieldService::look_at_stages() {
   } else {
     log::info("the field's thread goes on");
   }
+}
+
+std::uint64_t FieldService::images_off_time_lately() const {
+  const std::uint64_t now = running_.left_out().images_off_time;
+  const std::lock_guard lock(stages_mutex_);
+  if (loads_.empty()) return now;
+  constexpr std::size_t kSeconds = 10;
+  return now - loads_[loads_.size() - std::min(kSeconds, loads_.size())].images_off_time;
 }
 
 StackFacts FieldService::stack_facts() const {
@@ -250,6 +258,7 @@ void FieldService::report(HealthReport& report) const {
                    .agreement = running_.agreement(),
                    .history = &history_,
                    .left_out = running_.left_out(),
+                   .images_off_time_lately = images_off_time_lately(),
                    .now_s = unix_time_s(),
                    .sending_error = running_.setup()->sends ? sender_.status().error : "",
                    .conflicts = {},

@@ -58,6 +58,7 @@ class FieldService final : public Service, public Topic {
   void take_kicks();
   void look_at_stages();
   StackFacts stack_facts() const;
+  std::uint64_t images_off_time_lately() const;
   std::optional<Hang> hang() const;
 
   const Snapshot<Config>& config_;
@@ -75,7 +76,7 @@ class FieldService final : public Service, public Topic {
   mutable std::mutex stages_mutex_;  // guards the next two
   StageWatch stage_watch_;
   struct Load {  // since the start, up to a look
-    std::uint64_t frames, lost;
+    std::uint64_t frames, lost, images_off_time;
     double steady_s;
   };
   std::deque<Load> loads_;  // the newest last

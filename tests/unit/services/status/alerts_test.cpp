@@ -83,6 +83,7 @@ HealthReport report_of(const Input& input) {
                   .listening_error = input.listening_error,
                   .referee = input.referee},
                  report);
+  report_recording({}, report);
   report_computer(input.computer, input.clock, report);
   report_settings({input.settings_problem, input.save_problem, input.state_problem, input.reload_problem},
                   report);
@@ -183,6 +184,7 @@ std::vector<Alert> field_alerts() {
   facts.hang = Hang{0, "x", ""};
   HealthReport report;
   for (const auto why : {LeftOut::Why::kTime, LeftOut::Why::kTooMany}) {
+    facts.images_off_time_lately = 5;
     facts.left_out.why = why;
     facts.left_out.camera = 2;
     facts.left_out.t_s = 995;
