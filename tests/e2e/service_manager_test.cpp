@@ -68,7 +68,7 @@ TEST_F(Notifies, IsAliveWhileAReloadWaitsForAStage) {
   ChildProcess daemon(words, environment);
   manager_.wait_for("READY=1");
   settings_["cameras"][0]["stack"] = {"segment", "detect_robots", "detect_balls", "starts_late", "publish"};
-  settings_file();  // written anew
+  settings_file();  // written again
   daemon.send_signal(SIGHUP);
   manager_.wait_for("RELOADING=1");
   for (int alive = 0; alive < 2;) {

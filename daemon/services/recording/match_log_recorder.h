@@ -39,7 +39,7 @@ class MatchLogRecorder {
     bool is_recording = false;
     std::uint64_t bytes = 0, vision = 0, referee = 0, tracked = 0;
     std::uint64_t lost = 0;  // found no room
-    std::string problem;     // why it ended by itself; empty: it did not
+    std::string problem;     // why it ended early; empty: it did not
   };
 
   MatchLogRecorder();

@@ -14,7 +14,7 @@ struct RecordingFacts {
   bool is_by_hand = false;      // nobody but people start it
   std::uint64_t bytes = 0;      // of the log that is recorded
   std::uint64_t lost = 0;       // messages that it lacks
-  std::string problem;          // why the last one ended by itself or could not begin
+  std::string problem;          // why the last one ended early or could not begin
   std::string no_room_problem;  // why none could begin now
 };
 

@@ -23,7 +23,7 @@ namespace {
 constexpr std::chrono::milliseconds kLookInterval{200};
 constexpr std::chrono::seconds kCheckInterval{5};  // of the disk
 constexpr std::chrono::seconds kFilesInterval{1};
-/// How long it is told why a recording ended by itself.
+/// How long it is told why a recording ended early.
 constexpr double kProblemIsTold_s = 600;
 constexpr std::uint64_t kMb = 1'000'000;
 constexpr std::size_t kMaxName = 100;

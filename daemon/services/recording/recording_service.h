@@ -43,7 +43,7 @@ class RecordingService final : public Service {
     int match = 0;       // number of the rule's match when it began
     std::string name{};  // of the file
     double begin_s = 0;
-    std::string problem{};  // why the last one could not begin, or ended by itself
+    std::string problem{};  // why the last one could not begin, or ended early
     double problem_s = 0;   // when that was
   };
 

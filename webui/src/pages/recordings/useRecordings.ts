@@ -27,7 +27,7 @@ export function useRecordings() {
   const { state, look } = newestState();
   const isBusy = ref(false);
   const trouble = usePolling(async () => {
-    // What is being changed answers by itself.
+    // The answer to a change says it, too.
     if (!isBusy.value) await look(() => api.get<Recordings>('recordings'));
   }, PERIOD_MS);
 
