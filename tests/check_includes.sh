@@ -16,7 +16,8 @@ rules='
   colors                base image geometry vision
   gpu                   base image vision pipeline/stage_notes.h
   gpu/module.cpp        gpu kit
-  capture               base image geometry vision/patterns.h vision/label.h
+  clips                 base image
+  capture               base image geometry vision/patterns.h vision/label.h clips
   pipeline/frame.h      image/image.h image/frame_info.h geometry/scene.h vision/detections.h vision/lut.h vision/mask.h vision/patterns.h vision/regions.h pipeline/own_parts.h
   pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h pipeline/own_parts.h
   pipeline              base image geometry vision tracking
@@ -27,11 +28,12 @@ rules='
   health                base image vision/mask.h
   web                   base image
   config                engines
-  ctl                   engines config
+  replay                engines config
+  ctl                   engines config replay
   services              engines config web
   services/access       engines config web services
   services/network      engines config web services
-  services/recording    engines config web services
+  services/recording    engines config web services replay services/cameras/cameras.h services/cameras/recorded_camera.h
   services/settings     engines config web services
   services/backup       engines config web services services/settings/settings_editor.h services/settings/settings_routes.h
   services/cameras      engines config web services services/network/teams.h
@@ -43,7 +45,7 @@ rules='
   services/verdict      engines config web services services/cameras/cameras.h
   top                   anything
 '
-engines='base image geometry tracking calibration vision colors capture pipeline kit net recording settings health proto'
+engines='base image clips geometry tracking calibration vision colors capture pipeline kit net recording settings health proto'
 
 # "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service;
 # a service includes another only by the headers named here, which are its small interfaces.

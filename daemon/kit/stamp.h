@@ -20,7 +20,7 @@ namespace sslv {
 /// Grows when what a stage may use means something else although it looks the same: a member's unit, two that
 /// change places, a class that hides its members, what a function does. tests/unit/kit/stamp_test.cpp tells
 /// when a header has changed.
-inline constexpr std::uint32_t kKitVersion = 1;
+inline constexpr std::uint32_t kKitVersion = 2;
 
 /// The name of the section, and of what the library exports (kit/stages.h).
 inline constexpr std::string_view kStampSection = "sslv_stamp";

@@ -177,6 +177,24 @@ void BasicPipeline<Floor>::run(const Inputs& inputs, const Parameters& parameter
 }
 
 template <class Floor>
+std::size_t BasicPipeline<Floor>::save(std::span<std::byte> room) const noexcept {
+  ByteWriter to(room);
+  for (const auto& running : steps_) to.whole([&] { running->step->save(to); });
+  return to.fits() ? to.written() : 0;
+}
+
+template <class Floor>
+std::vector<std::string> BasicPipeline<Floor>::restore(std::span<const std::byte> saved) {
+  ByteReader from(saved);
+  std::vector<std::string> not_understood;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    auto one = from.whole();
+    if (!one || !steps_[i]->step->restore(*one)) not_understood.push_back(stack_[i]);
+  }
+  return not_understood;
+}
+
+template <class Floor>
 StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Json& stages,
                           const std::string& path, MissingStages missing) {
   if (!stages.is_object()) refuse(path, stages, "an object of stages");

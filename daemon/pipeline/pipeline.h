@@ -84,6 +84,13 @@ class BasicPipeline {
   /// once stage_ns has its capacity.
   void run(const Inputs& inputs, const Parameters& parameters) noexcept;
 
+  /// What the stages remember of earlier frames, between two frames: its bytes in `room`; 0 when they do not
+  /// fit. Allocates nothing.
+  std::size_t save(std::span<std::byte> room) const noexcept;
+  /// What save() wrote for the same stack: the stages go on as they did then. Names of those that do not
+  /// understand it, which remember nothing.
+  std::vector<std::string> restore(std::span<const std::byte> saved);
+
   const std::vector<std::string>& stack() const { return stack_; }
   /// Recent durations of stage i of the stack; may be read from any thread.
   const RecentDurations& durations(std::size_t i) const { return steps_[i]->durations; }

@@ -12,6 +12,12 @@
 // (own_parts.h). `StageNotes&` is what the stage tells the admin. What else a stage can be given is the
 // floor's: camera_stage.h for the stages of one camera, field_stage.h for those of the whole field. Any other
 // parameter does not compile.
+//
+// A stage that remembers something of earlier frames names it, and a recording begins where the stage stood:
+//
+//   template <class Self> static auto remembered(Self& self) { return std::tie(self.memory_); }
+//
+// of members that part_codec.h can write.
 
 #include "base/params_json.h"
 #include "pipeline/own_parts.h"
@@ -117,6 +123,11 @@ class Step {
   virtual ~Step() = default;
   /// `params` was made by the same StageType.
   virtual void run(const typename Floor::Inputs& in, const void* params) noexcept = 0;
+  /// What it remembers of earlier frames. Between two of them.
+  virtual void save(ByteWriter&) const noexcept {}
+  /// What save() wrote, perhaps in another version, or as somebody made it up: false when it is not
+  /// understood. Then it remembers nothing.
+  virtual bool restore(ByteReader&) { return true; }
 
   StageNotes notes;
 };
@@ -211,6 +222,31 @@ struct Feed<Floor, Update<T>> {
   }
 };
 
+template <class S>
+concept Remembers = requires(S& stage) {
+  S::remembered(stage);
+};
+
+/// The layout of what a stage remembers, then that.
+template <Remembers S>
+void save_stage(const S& stage, ByteWriter& to) noexcept {
+  std::apply([&]<class... M>(const M&... member) { ((encode(layout_of<M>(), to), encode(member, to)), ...); },
+             S::remembered(stage));
+}
+/// All of it or nothing.
+template <Remembers S>
+bool restore_stage(S& stage, ByteReader& from) {
+  const auto one = [&]<class M>(M& member) {
+    std::uint64_t layout = 0;
+    return decode(from, layout) && layout == layout_of<M>() && decode(from, member);
+  };
+  auto members = S::remembered(stage);
+  auto restored = std::apply([](const auto&... member) { return std::tuple(member...); }, members);
+  if (!std::apply([&](auto&... member) { return (one(member) && ...); }, restored)) return false;
+  members = std::move(restored);
+  return true;
+}
+
 /// Throws std::logic_error for two parameters of the same name: nobody could set the second one.
 template <class P>
 Json stage_schema() {
@@ -233,6 +269,16 @@ BasicStageType<Floor> describe_stage(std::string_view name, std::string_view hel
     S stage;
     void run(const typename Floor::Inputs& in, const void* params) noexcept override {
       stage.process(*static_cast<const Params*>(params), Feed<Floor, Args>::get(in, *this)...);
+    }
+    void save(ByteWriter& to) const noexcept override {
+      if constexpr (Remembers<S>) save_stage(stage, to);
+    }
+    bool restore(ByteReader& from) override {
+      if constexpr (Remembers<S>) {
+        return restore_stage(stage, from);
+      } else {
+        return true;
+      }
     }
   };
   Type type;

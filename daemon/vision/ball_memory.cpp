@@ -43,33 +43,40 @@ double median_of(std::array<double, 32>& values, std::size_t count) {
 
 void BallMemory::begin(double now_s) noexcept {
   if (now_s < now_s_ || begun_s_ == 0) {
-    count_ = moved_count_ = 0;
+    entries_.clear();
+    moved_.clear();
+    moved_count_ = 0;
     begun_s_ = now_s;
   }
   // What the last image did not show any more has moved on, unless it stood there for long.
-  for (auto entry = entries_.begin(); entry != entries_.begin() + count_; ++entry) {
-    if (entry->seen_s < now_s_ && entry->pictures <= kPassing) count_moved(*entry);
+  for (Entry& entry : entries_) {
+    if (entry.seen_s < now_s_ && entry.pictures <= kPassing) count_moved(entry);
   }
   now_s_ = now_s;
-  const auto end = std::remove_if(entries_.begin(), entries_.begin() + count_, [&](const Entry& entry) {
+  std::erase_if(entries_, [&](const Entry& entry) {
     return now_s - entry.seen_s > (entry.had_other_hue ? kForgetOtherHueS : kForgetS);
   });
-  count_ = static_cast<std::size_t>(end - entries_.begin());
 }
 
 void BallMemory::count_moved(Entry& entry) noexcept {
   if (entry.is_counted || !entry.is_sure || entry.colors == 0) return;
-  const auto end = moved_.begin() + static_cast<std::ptrdiff_t>(std::min(moved_count_, kMaxMoved));
-  const auto near = std::find_if(moved_.begin(), end, [&](const Moved& moved) {
+  const auto near = std::find_if(moved_.begin(), moved_.end(), [&](const Moved& moved) {
     return std::hypot(moved.x_mm - entry.x_mm, moved.y_mm - entry.y_mm) < kOtherPlaceMm;
   });
   entry.is_counted = true;
-  Moved& moved = near != end ? *near : moved_[moved_count_++ % kMaxMoved];
-  moved = {entry.x_mm, entry.y_mm, entry.chromaticity};
+  const Moved moved{entry.x_mm, entry.y_mm, entry.chromaticity};
+  if (near != moved_.end()) {
+    *near = moved;
+  } else if (moved_.size() < kMaxMoved) {
+    moved_.push_back(moved);
+    ++moved_count_;
+  } else {
+    moved_[moved_count_++ % kMaxMoved] = moved;
+  }
 }
 
 bool BallMemory::has_other_hue(Entry& entry) const noexcept {
-  const std::size_t count = std::min(moved_count_, kMaxMoved);
+  const std::size_t count = std::min(moved_.size(), kMaxMoved);
   if (!entry.was_there || entry.has_moved || entry.colors == 0 || count < kEnoughMoved) return false;
   Color ball{};
   std::array<double, kMaxMoved> values;
@@ -102,7 +109,7 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
     for (std::size_t c = 0; c < 3; ++c)
       entry.chromaticity[c] += (color[c] / sum - entry.chromaticity[c]) / entry.colors;
   };
-  const auto begin = entries_.begin(), end = begin + count_;
+  const auto begin = entries_.begin(), end = entries_.end();
   const auto distance_mm = [&](const Entry& entry) {
     return std::hypot(entry.x_mm - x_mm, entry.y_mm - y_mm);
   };
@@ -141,8 +148,8 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
     now.is_ball = now.is_ball || before->is_ball || now.has_moved;
     if (now.has_moved) count_moved(*before);
     *before = now;
-  } else if (count_ < kMax) {
-    entries_[count_++] = now;
+  } else if (entries_.size() < kMax) {
+    entries_.push_back(now);
   } else {
     *std::min_element(begin, end, [](const Entry& a, const Entry& b) { return a.seen_s < b.seen_s; }) = now;
   }

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <tuple>
+#include <vector>
 
 namespace sslv {
 
@@ -23,6 +25,15 @@ class BallMemory {
   using Color = std::array<double, 3>;  // red, green and blue, in grey levels
   /// Something there looks like a ball, or might. `is_sure`: it may tell what colour balls have.
   Known see(double x_mm, double y_mm, double outside_mm, const Color& color, bool is_sure) noexcept;
+
+  BallMemory() {
+    entries_.reserve(kMax);
+    moved_.reserve(kMaxMoved);
+  }
+  template <class Self>
+  static auto stored(Self& self) {
+    return std::tie(self.entries_, self.begun_s_, self.now_s_, self.moved_, self.moved_count_);
+  }
 
  private:
   static constexpr std::size_t kMax = 64;
@@ -50,11 +61,10 @@ class BallMemory {
   void count_moved(Entry& entry) noexcept;
   bool has_other_hue(Entry& entry) const noexcept;
 
-  std::array<Entry, kMax> entries_;
-  std::size_t count_ = 0;
+  std::vector<Entry> entries_;  // kMax at most
   double begun_s_ = 0, now_s_ = 0;
-  std::array<Moved, kMaxMoved> moved_;  // in a ring
-  std::size_t moved_count_ = 0;         // ever
+  std::vector<Moved> moved_;     // kMaxMoved at most, then in a ring
+  std::size_t moved_count_ = 0;  // ever
 };
 
 }  // namespace sslv

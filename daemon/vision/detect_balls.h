@@ -65,6 +65,11 @@ class DetectBalls {
   static BallEvidence evidence_of(const BallFit& fit, const Scene& scene, const Lut& lut, double area_ratio,
                                   double coarser_mm = 0);
 
+  template <class Self>
+  static auto remembered(Self& self) {
+    return BallMemory::stored(self.memory_);
+  }
+
  private:
   BallFitter fitter_;
   BallMemory memory_;

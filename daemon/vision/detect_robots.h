@@ -81,6 +81,11 @@ class DetectRobots {
                const Mask& mask, const FrameInfo& info, const Image& image, const RegionList& regions,
                RobotList& robots) noexcept;
 
+  template <class Self>
+  static auto remembered(Self& self) {
+    return RobotMemory::stored(self.memory_);
+  }
+
  private:
   /// A region that may be a side dot, seen on the plane of a team's height.
   struct Dot {

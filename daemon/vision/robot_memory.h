@@ -6,6 +6,7 @@
 #include "vision/row_times.h"
 
 #include <cstddef>
+#include <tuple>
 #include <vector>
 
 namespace sslv {
@@ -45,6 +46,11 @@ class RobotMemory {
   /// is known.
   void move_to_frame(RobotList& robots) const noexcept;
   const std::vector<Entry>& entries() const { return entries_; }
+
+  template <class Self>
+  static auto stored(Self& self) {
+    return std::tie(self.entries_);
+  }
 
  private:
   std::vector<Entry> entries_;

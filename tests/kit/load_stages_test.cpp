@@ -182,7 +182,7 @@ TEST_F(LibraryFolder, NeedsAStamp) {
 TEST_F(LibraryFolder, NeedsTheKitsVersion) {
   put("old.so", with_stamp(offsetof(StageStamp, kit_version), std::string("\x63\0\0\0", 4)));
   EXPECT_THAT(why(),
-              StartsWith("is built for version 99 of the stage kit, this is version 1: build it again"));
+              StartsWith("is built for version 99 of the stage kit, this is version 2: build it again"));
 }
 
 TEST_F(LibraryFolder, NeedsTheSameCompilersAbi) {

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clips/clip.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// A file that is no clip, or a damaged one: one line, beginning with the path.
+struct ClipError : std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// Reads a clip, finished or not. Nothing in the file is trusted: every count is limited by the bytes that
+/// are there, every block has a checksum. Used by one thread at a time.
+class ClipReader {
+ public:
+  /// A frame as the index has it.
+  struct Entry {
+    std::uint32_t camera_id = 0, number = 0;
+    double t_capture_s = 0;
+    bool has_memory = false;  // of the stages: what is processed from here on is as it was live
+    bool is_whole = true;     // the image is
+  };
+  struct Camera {
+    std::uint32_t id = 0;
+    std::vector<std::size_t> frames{};  // places in entries()
+    std::uint64_t missing = 0;          // frames that were processed and are not in the clip
+  };
+
+  /// Reads the index, or makes it when there is none: that takes as long as reading the file. Throws
+  /// ClipError.
+  explicit ClipReader(const std::filesystem::path& file);
+  ~ClipReader();
+  ClipReader(ClipReader&&) noexcept;
+  ClipReader& operator=(ClipReader&&) noexcept;
+
+  const ClipAbout& about() const;
+  /// In the order of their capture.
+  const std::vector<Entry>& entries() const;
+  /// In the order of their ids.
+  const std::vector<Camera>& cameras() const;
+  const Camera* camera(std::uint32_t id) const;
+  const std::vector<ClipSetup>& setups() const;
+  const std::vector<ClipEvent>& events() const;
+  /// It ends in the middle, or has no index; what was read before the damage is there.
+  bool is_unfinished() const;
+
+  /// Frame `place` of entries(). All in it lies in this reader's memory until the next call; an image in
+  /// tiles is put together with the whole one before. Throws ClipError when it is damaged.
+  const ClipFrame& read(std::size_t place);
+  /// The same into memory of the caller's, who gets it when its size is known: the image is read there and
+  /// nowhere else (for a camera's buffers).
+  const ClipFrame& read(std::size_t place, const std::function<std::uint8_t*(std::size_t bytes)>& room);
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace sslv
