@@ -16,6 +16,7 @@
 #include "services/colors/learning_service.h"
 #include "services/field/field_service.h"
 #include "services/network/network_service.h"
+#include "services/recording/clip_service.h"
 #include "services/recording/recording_service.h"
 #include "services/settings/profile_service.h"
 #include "services/settings/settings_service.h"
@@ -107,6 +108,17 @@ struct ColorParts {
   LearningService learning;
 };
 
+struct RecordingParts {
+  RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras)
+      : files(kept.folder.path() / RecordingFiles::kFolderName),
+        service(settings.config(), files, network.service.referee()),
+        clips(settings.config(), files, cameras.running, network.service.referee()) {}
+
+  RecordingFiles files;
+  RecordingService service;
+  ClipService clips;
+};
+
 struct Panel {
   std::vector<Route> routes;
   std::optional<WebServer> web;
@@ -129,7 +141,7 @@ struct Daemon::Parts {
         colors(kept, settings, network, cameras),
         sources(kept.folder, settings, cameras.running, file_folders(options)),
         verdict(settings.config(), cameras.running, network.service.referee()),
-        recording(settings.config(), kept.folder, network.service.referee()),
+        recording(kept, settings, network, cameras),
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
@@ -144,7 +156,8 @@ struct Daemon::Parts {
                                    &colors.service,
                                    &colors.learning,
                                    &network.service,
-                                   &recording,
+                                   &recording.service,
+                                   &recording.clips,
                                    &status,
                                    &settings,
                                    &profiles,
@@ -191,7 +204,7 @@ struct Daemon::Parts {
   ColorParts colors;
   SourceService sources;
   VerdictService verdict;
-  RecordingService recording;
+  RecordingParts recording;
   BackupService backup;
   WebCounters web_counters;
   StatusService status;

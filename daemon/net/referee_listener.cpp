@@ -58,6 +58,7 @@ std::optional<MatchState> match_of(const Referee& referee) {
   MatchState match{.stage = referee.stage(),
                    .type = referee.match_type(),
                    .is_halted = !referee.has_command() || referee.command() == kHalt,
+                   .command = referee.has_command() ? std::optional(referee.command()) : std::nullopt,
                    .time_left_s = {},
                    .score = {referee.yellow().score(), referee.blue().score()}};
   if (referee.has_stage_time_left())

@@ -46,6 +46,7 @@ struct MatchState {
   int stage = 0;                       // the game controller's Stage
   int type = 0;                        // its MatchType
   bool is_halted = true;               // its command is HALT, or it says none
+  std::optional<int> command{};        // the game controller's Command; none: it says none
   std::optional<double> time_left_s;   // of the stage; negative when it lasts longer than it should
   std::array<std::uint32_t, 2> score;  // by Team
 };

@@ -8,7 +8,8 @@ namespace sslv {
 double DetectionSender::send(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept {
   const double t_sent_s = unix_time_s();
   write_detection(info, robots, balls, t_sent_s, packet_);
-  out_.send(serialize(packet_, buffer_));
+  last_packet_ = serialize(packet_, buffer_);
+  out_.send(last_packet_);
   return t_sent_s;
 }
 

@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <mutex>
+#include <span>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -27,11 +28,14 @@ class DetectionSender {
   /// Sends one packet, also when nothing was found, and returns its t_sent (Unix s). Never waits; a packet
   /// that does not leave is counted by the MulticastSender.
   double send(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept;
+  /// The one that was sent last.
+  std::span<const std::byte> last_packet() const { return last_packet_; }
 
  private:
   MulticastSender& out_;
   SSL_WrapperPacket packet_;
   std::vector<std::byte> buffer_;
+  std::span<const std::byte> last_packet_;
 };
 
 /// Publishes the geometry again and again from a thread of its own, so that teams get it without any camera.

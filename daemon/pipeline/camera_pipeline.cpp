@@ -24,8 +24,9 @@ void forget_results(Frame& frame) {
 
 }  // namespace
 
-CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup)
-    : camera_id_(camera_id), sink_(sink), setup_(std::move(setup)) {}
+CameraPipeline::CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup,
+                               FrameObserver* observer)
+    : camera_id_(camera_id), sink_(sink), observer_(observer), setup_(std::move(setup)) {}
 
 const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
                                      const WholePicture& whole) noexcept {
@@ -35,7 +36,9 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   frame.info = {camera_id_, next_number_++, times, whole};
   frame.image = std::move(image);
   forget_results(frame);
+  if (observer_ != nullptr) observer_->frame_begins(*setup);
   setup->pipeline->run({frame, setup->context, sink_}, setup->parameters);
+  if (observer_ != nullptr) observer_->frame_ends(frame, *setup);
 
   counters_.add(frame);
   if (current_) {

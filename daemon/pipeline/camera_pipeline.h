@@ -17,6 +17,18 @@ struct CameraSetup {
   std::shared_ptr<Pipeline> pipeline;
   Pipeline::Parameters parameters;
   CameraContext context;
+  std::uint32_t number = 0;  // of this camera's setups, in the order in which they came
+};
+
+/// Is told of every frame by the camera's thread, with all that it is processed with. Must neither wait nor
+/// allocate.
+class FrameObserver {
+ public:
+  virtual ~FrameObserver() = default;
+  /// Before the first stage.
+  virtual void frame_begins(const CameraSetup&) noexcept {}
+  /// After the last one. The frame's image and lists are valid during the call.
+  virtual void frame_ends(const Frame&, const CameraSetup&) noexcept {}
 };
 
 /// One camera's way from image to published detections: numbers the frames, runs the stack, offers the
@@ -33,8 +45,9 @@ class CameraPipeline {
     std::uint64_t frames_since_flood = 0;
   };
 
-  /// `sink` must outlive this.
-  CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup);
+  /// `sink` and `observer` must outlive this; null: there is no observer.
+  CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup,
+                 FrameObserver* observer = nullptr);
 
   /// Takes effect with the next frame.
   void change(CameraSetup setup) { setup_.store(std::move(setup)); }
@@ -75,6 +88,7 @@ class CameraPipeline {
 
   const std::uint32_t camera_id_;
   DetectionSink& sink_;
+  FrameObserver* const observer_;
   Handover<CameraSetup> setup_;
   FrameRing ring_{kRingSlots};
   Frame spare_;  // used when viewers hold the whole ring: never offered

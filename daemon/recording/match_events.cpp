@@ -71,6 +71,10 @@ std::string word(const char* const (&words)[n], const char* what, int number) {
 
 }  // namespace
 
+std::string command_text(int command) {
+  return word(kCommands, "Command", command);
+}
+
 const char* name_of(MatchEvent::Kind kind) {
   return std::ranges::find(kKinds, kind, &KindName::kind)->name;
 }
@@ -108,7 +112,7 @@ void MatchEventFinder::add_referee(const LoggedMessage& message, std::vector<Mat
   }
   if (referee.has_command() && command_ != referee.command()) {
     command_ = referee.command();
-    tell(MatchEvent::Kind::kCommand, word(kCommands, "Command", *command_));
+    tell(MatchEvent::Kind::kCommand, command_text(*command_));
   }
   if (!referee.has_yellow() || !referee.has_blue()) return;
   const std::array<std::uint32_t, 2> score{referee.yellow().score(), referee.blue().score()};

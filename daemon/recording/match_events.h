@@ -24,6 +24,9 @@ struct MatchEvent {
   bool operator==(const MatchEvent&) const = default;
 };
 
+/// "Kick-off, yellow": the game controller's Command, for people.
+std::string command_text(int command);
+
 const char* name_of(MatchEvent::Kind kind);
 /// Throws std::invalid_argument.
 MatchEvent::Kind event_kind(std::string_view name);

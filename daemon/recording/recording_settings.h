@@ -8,6 +8,48 @@
 
 namespace sslv {
 
+/// What of the cameras' last seconds is kept in memory.
+struct LastSecondsSettings {
+  enum class Images { kWhole, kEveryNth, kFound };
+
+  int memory_mb = 512;
+  Images images = Images::kWhole;
+  int every_nth = 4;
+
+  static constexpr auto fields() {
+    using L = LastSecondsSettings;
+    return std::tuple{
+        number("memory_mb", &L::memory_mb, 0, 1'000'000, "MB",
+               "memory for the newest images of all cameras, from which clips are made; 0: none are kept"),
+        choice("images", &L::images,
+               std::array{Choice<Images>{"whole", Images::kWhole},
+                          Choice<Images>{"every_nth", Images::kEveryNth},
+                          Choice<Images>{"found", Images::kFound}},
+               "which: whole ones, only every n-th, or of most of them only the parts where robots and balls "
+               "may be, which reaches back many times further"),
+        number("every_nth", &L::every_nth, 2, 1000, "", "n, for every n-th image"),
+    };
+  }
+};
+
+/// How long clips are, and what makes some besides people.
+struct ClipSettings {
+  double seconds = 10, seconds_after = 2;
+  bool on_alert = false, on_goal = false, on_command = false;
+
+  static constexpr auto fields() {
+    using C = ClipSettings;
+    return std::tuple{
+        number("seconds", &C::seconds, 0.5, 600.0, "s", "how far back a clip reaches, if the memory does"),
+        number("seconds_after", &C::seconds_after, 0.0, 600.0, "s",
+               "how long it goes on after what it was made for"),
+        flag("on_alert", &C::on_alert, "make one when an alert comes, at most one a minute for each kind"),
+        flag("on_goal", &C::on_goal, "make one when the game controller counts a goal"),
+        flag("on_command", &C::on_command, "make one at each command of the game controller"),
+    };
+  }
+};
+
 /// Which matches are recorded, and how much room recordings may take.
 struct RecordingSettings {
   enum class MatchLogs { kByGameController, kByHand };
@@ -15,6 +57,8 @@ struct RecordingSettings {
   MatchLogs match_logs = MatchLogs::kByGameController;
   int quota_mb = 10'000;
   int keep_free_mb = 1'000;
+  LastSecondsSettings last_seconds;
+  ClipSettings clips;
 
   static constexpr auto fields() {
     using R = RecordingSettings;
@@ -27,6 +71,8 @@ struct RecordingSettings {
                "recordings may take so much of the disk; the oldest go first, but not those that are pinned"),
         number("keep_free_mb", &R::keep_free_mb, 0, 10'000'000, "MB",
                "so much of the disk stays free; recording stops before"),
+        group("last_seconds", &R::last_seconds, "the cameras' newest images, in memory"),
+        group("clips", &R::clips, "files with the last seconds of all cameras"),
     };
   }
 };

@@ -61,6 +61,9 @@ class Service {
   /// Called once a second by a thread of low priority, one service after the other: for what may wait.
   virtual void each_second() {}
 
+  /// What is wrong now, as all services say; called once a second by that thread too.
+  virtual void see_alerts(const std::vector<Alert>&) {}
+
   /// What was done since the last call, for the history. Called by that thread too, and at the end.
   virtual std::vector<Event> take_events() { return {}; }
 

@@ -7,9 +7,11 @@
 #include "config/config.h"
 #include "pipeline/camera_pipeline.h"
 #include "services/cameras/fresh_frames.h"
+#include "services/cameras/recorded_camera.h"
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -54,6 +56,9 @@ class Cameras {
   /// longer the accepted one.
   virtual bool change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,
                             std::shared_ptr<const Lut> adapted) = 0;
+
+  /// The last seconds of each camera, by its id.
+  virtual std::map<int, std::shared_ptr<RecordedCamera>> recorded() const = 0;
 
   /// `observer` must outlive this, or all changes of settings.
   virtual void add_observer(CameraObserver& observer) = 0;

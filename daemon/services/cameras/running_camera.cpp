@@ -30,6 +30,11 @@ Json camera_of(const Json& source) {
   return {{"backend", camera.at("backend")}, {"camera", camera.value("camera", "")}};
 }
 
+CameraSetup noted(RecordedCamera& recorded, CameraSetup setup, std::shared_ptr<const Config> config) {
+  recorded.note(setup, std::move(config));
+  return setup;
+}
+
 }  // namespace
 
 void RunningCamera::LastOpened::hand_over(const Json& source, const std::shared_ptr<Controls>& opened) {
@@ -50,13 +55,15 @@ void RunningCamera::LastOpened::hand_over(const Json& source, const std::shared_
   controls = opened;
 }
 
-RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
+RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup,
+                             std::shared_ptr<const Config> config, MulticastSender& multicast,
                              std::shared_ptr<SightingsQueue> field, std::shared_ptr<CameraTotals> totals)
     : settings_(std::make_shared<Snapshot<CameraSettings>>(settings)),
       last_opened_(std::make_shared<LastOpened>()),
       totals_(std::move(totals)),
       sink_(multicast, std::move(field), *totals_),
-      pipeline_(static_cast<std::uint32_t>(settings.id), sink_, std::move(setup)),
+      pipeline_(static_cast<std::uint32_t>(settings.id), sink_, noted(*recorded_, std::move(setup), config),
+                recorded_.get()),
       thread_(make_thread(settings, *pipeline_.setup()->context.scene)) {}
 
 RunningCamera::~RunningCamera() {
@@ -96,18 +103,20 @@ std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& s
                                         [this] { return pipeline_.give_back(); });
 }
 
-RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings, std::optional<NewSetup> setup,
-                                             const std::string& path) {
+RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings,
+                                             std::shared_ptr<const Config> config,
+                                             std::optional<NewSetup> setup, const std::string& path) {
   const auto old = settings_->load();
   const Scene& scene = setup ? *setup->setup.context.scene : *pipeline_.setup()->context.scene;
   const bool same_source = without_controls(old->source) == without_controls(settings.source);
   const bool same_thread = params_to_json(old->thread) == params_to_json(settings.thread);
   auto new_settings = std::make_shared<const CameraSettings>(settings);
   if (!same_source || !same_thread)
-    return {std::move(new_settings), std::move(setup), make_thread(settings, scene), {}};
+    return {std::move(new_settings), std::move(config), std::move(setup), make_thread(settings, scene), {}};
   const auto open = controls();
-  if (!open) return {std::move(new_settings), std::move(setup), nullptr, {}};
+  if (!open) return {std::move(new_settings), std::move(config), std::move(setup), nullptr, {}};
   Change change{std::move(new_settings),
+                std::move(config),
                 std::move(setup),
                 nullptr,
                 {open, driver_calls_, controls_in(old->source), controls_in(settings.source), path}};
@@ -126,7 +135,7 @@ bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_he
       setup.context.adapted_lut = before->context.adapted_lut;
       setup.context.accepted_lut = before->context.accepted_lut;
     }
-    pipeline_.change(with_robot_heights(std::move(setup), robot_height_mm));
+    use(with_robot_heights(std::move(setup), robot_height_mm), std::move(change.config));
   }
   change.controls.keep();
   if (!change.thread) return false;
@@ -139,10 +148,14 @@ bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_he
   return true;
 }
 
+void RunningCamera::use(CameraSetup setup, std::shared_ptr<const Config> config) {
+  pipeline_.change(noted(*recorded_, std::move(setup), std::move(config)));
+}
+
 void RunningCamera::change_robot_heights(const std::array<double, 2>& robot_height_mm) {
   const auto setup = pipeline_.setup();
   if (setup->context.scene->robot_height_mm == robot_height_mm) return;
-  pipeline_.change(with_robot_heights(*setup, robot_height_mm));
+  use(with_robot_heights(*setup, robot_height_mm));
 }
 
 bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
@@ -150,7 +163,7 @@ bool RunningCamera::change_light(const std::shared_ptr<const Lut>& accepted,
   CameraSetup setup = *pipeline_.setup();
   if (setup.context.accepted_lut != accepted) return false;
   setup.context.adapted_lut = std::move(adapted);
-  pipeline_.change(std::move(setup));
+  use(std::move(setup));
   return true;
 }
 

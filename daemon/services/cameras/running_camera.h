@@ -14,6 +14,7 @@
 #include "services/cameras/camera_setup.h"
 #include "services/cameras/camera_totals.h"
 #include "services/cameras/control_change.h"
+#include "services/cameras/recorded_camera.h"
 
 #include <array>
 #include <atomic>
@@ -30,11 +31,12 @@ namespace sslv {
 /// thread. Hold it by shared_ptr: viewers of its frames keep it alive.
 class RunningCamera {
  public:
-  /// Nothing is opened before start(). `multicast` must outlive this. `field`: the
-  /// camera's way to the tracks. `totals`: of this camera's id. Throws
-  /// std::system_error when its thread cannot be had.
-  RunningCamera(const CameraSettings& settings, CameraSetup setup, MulticastSender& multicast,
-                std::shared_ptr<SightingsQueue> field, std::shared_ptr<CameraTotals> totals);
+  /// Nothing is opened before start(). `multicast` must outlive this. `config`: that the settings are of.
+  /// `field`: the camera's way to the tracks. `totals`: of this camera's id. Throws std::system_error when
+  /// its thread cannot be had.
+  RunningCamera(const CameraSettings& settings, CameraSetup setup, std::shared_ptr<const Config> config,
+                MulticastSender& multicast, std::shared_ptr<SightingsQueue> field,
+                std::shared_ptr<CameraTotals> totals);
   ~RunningCamera();
   /// Starts capturing; a camera that is not there is tried until it comes.
   void start() noexcept;
@@ -44,6 +46,7 @@ class RunningCamera {
   /// What a change of its settings needs, made ready.
   struct Change {
     std::shared_ptr<const CameraSettings> settings;
+    std::shared_ptr<const Config> config;  // that they are of
     std::optional<NewSetup> setup;         // none: as it is
     std::unique_ptr<CameraThread> thread;  // null: the camera stays open
     ControlChange controls;
@@ -51,7 +54,8 @@ class RunningCamera {
   /// Sets what changed among the camera's own controls, which a change that is dropped sets back; so it comes
   /// last of all that may be refused. Throws SettingsError, beginning with `path`, for what an open camera
   /// refuses; one that is not open is not asked. Throws std::system_error without a thread.
-  Change prepare(const CameraSettings& settings, std::optional<NewSetup> setup, const std::string& path);
+  Change prepare(const CameraSettings& settings, std::shared_ptr<const Config> config,
+                 std::optional<NewSetup> setup, const std::string& path);
 
   /// The next frame uses the new setup, with robots of these heights. Says whether the camera is reopened,
   /// which it is only for another source (other than in `controls`) or thread.
@@ -77,6 +81,8 @@ class RunningCamera {
   /// What the settings say of its own controls: name -> value.
   Json saved_controls() const;
   const CameraPipeline& pipeline() const { return pipeline_; }
+  /// Its last seconds.
+  const std::shared_ptr<RecordedCamera>& recorded() const { return recorded_; }
   /// From the frame's arrival to the packet on the socket.
   const RecentDurations& latency() const { return sink_.latency; }
   /// From the middle of the exposure to there.
@@ -110,6 +116,8 @@ class RunningCamera {
     RecentDurations latency, age;
     StageMark mark;
   };
+  /// The next frame uses it; `config`: null: as before.
+  void use(CameraSetup setup, std::shared_ptr<const Config> config = nullptr);
   /// `controls` (name -> value): what the camera is opened with besides the settings, unless they say
   /// otherwise.
   std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
@@ -133,6 +141,7 @@ class RunningCamera {
   std::atomic<double> reopened_s_{0};
   std::atomic<std::uint64_t> reopenings_{0};
   Sink sink_;
+  const std::shared_ptr<RecordedCamera> recorded_ = std::make_shared<RecordedCamera>(sink_.sender);
   CameraPipeline pipeline_;
   mutable std::mutex thread_mutex_;  // guards the pointer
   std::unique_ptr<CameraThread> thread_;

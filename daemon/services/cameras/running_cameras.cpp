@@ -121,6 +121,13 @@ bool RunningCameras::change_light(int camera_id, const std::shared_ptr<const Lut
   return camera && camera->change_light(accepted, std::move(adapted));
 }
 
+std::map<int, std::shared_ptr<RecordedCamera>> RunningCameras::recorded() const {
+  std::map<int, std::shared_ptr<RecordedCamera>> out;
+  const auto running = running_.load();
+  for (const auto& [id, camera] : *running) out.emplace(id, camera->recorded());
+  return out;
+}
+
 std::vector<std::uint32_t> RunningCameras::camera_ids() const {
   std::vector<std::uint32_t> ids;
   const auto running = running_.load();
@@ -157,6 +164,7 @@ Commit RunningCameras::prepare(const SettingsChange& change) {
   Prepared prepared;
   const auto old = running_.load();
   auto running = std::make_shared<Running>();
+  const auto config = std::make_shared<const Config>(change.next);
   std::vector<std::optional<NewSetup>> setups;
   for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
     const CameraSettings& camera = change.next.cameras[i];
@@ -179,8 +187,8 @@ Commit RunningCameras::prepare(const SettingsChange& change) {
       if (!known) known = std::make_shared<CameraTotals>();
       totals = known;
     }
-    prepared.added.push_back(std::make_shared<RunningCamera>(camera, std::move(setups[i]->setup), multicast_,
-                                                             field_.add(), totals));
+    prepared.added.push_back(std::make_shared<RunningCamera>(camera, std::move(setups[i]->setup), config,
+                                                             multicast_, field_.add(), totals));
     running->emplace(camera.id, prepared.added.back());
   }
   // Last, when all the rest is known to be allowed: this may set controls of cameras.
@@ -189,7 +197,7 @@ Commit RunningCameras::prepare(const SettingsChange& change) {
     const auto found = old->find(camera.id);
     if (found == old->end()) continue;
     prepared.changed.push_back(
-        {found->second, found->second->prepare(camera, std::move(setups[i]),
+        {found->second, found->second->prepare(camera, config, std::move(setups[i]),
                                                fmt::format("/cameras/{}/source/controls", i))});
     running->emplace(camera.id, found->second);
   }

@@ -34,6 +34,7 @@ class RunningCameras final : public Cameras, public ViewSource {
                                       std::chrono::milliseconds timeout) override;
   bool change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,
                     std::shared_ptr<const Lut> adapted) override;
+  std::map<int, std::shared_ptr<RecordedCamera>> recorded() const override;
   void add_observer(CameraObserver& observer) override { observers_.push_back(&observer); }
   std::string hanging() const override;
   std::string missing() const override;

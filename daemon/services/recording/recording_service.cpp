@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "health/metrics_text.h"
 #include "services/recording/recording_report.h"
+#include "services/recording/recording_request.h"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,6 @@ constexpr std::chrono::seconds kFilesInterval{1};
 /// How long it is told why a recording ended early.
 constexpr double kProblemIsTold_s = 600;
 constexpr std::uint64_t kMb = 1'000'000;
-constexpr std::size_t kMaxName = 100;
 
 MatchLogGroups match_log_groups(const Config& config) {
   const NetworkSettings& network = config.network;
@@ -55,7 +55,7 @@ Json messages_json(std::uint64_t vision, std::uint64_t referee, std::uint64_t tr
   return {{"vision", vision}, {"referee", referee}, {"tracked", tracked}};
 }
 
-Json log_json(const MatchLogFile& file) {
+Json log_json(const RecordingFile& file) {
   Json out{{"name", file.name},        {"bytes", file.bytes},    {"begin_s", nullptr},
            {"seconds", nullptr},       {"messages", nullptr},    {"goals", nullptr},
            {"pinned", file.is_pinned}, {"problem", file.problem}};
@@ -78,37 +78,13 @@ std::string name_by_teams(const std::array<std::string, 2>& teams) {
   return fmt::format("{}-vs-{}", file_name_part(teams[0]), file_name_part(teams[1]));
 }
 
-/// Throws HttpError for a body with any other key.
-void check_keys(const Json& body, std::initializer_list<std::string_view> known) {
-  if (!body.is_object()) throw HttpError(400, "expected an object");
-  for (const auto& [key, value] : body.items()) {
-    if (std::ranges::find(known, key) == known.end())
-      throw HttpError(
-          400, fmt::format("/{}: is not known here; expected {}", shortened(key), fmt::join(known, ", ")));
-  }
-}
-
-/// The part of a file's name that a client gave.
-std::string asked_name(const Json& body) {
-  if (!body["name"].is_string()) throw HttpError(400, "/name: expected a text");
-  const std::string name = body["name"].get<std::string>();
-  const bool is_good = !name.empty() && name.size() <= kMaxName && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' ||
-           c == '_' || c == '-';
-  });
-  if (!is_good)
-    throw HttpError(
-        400, fmt::format("/name: expected 1 to {} letters (A to Z), digits, spaces, '_' or '-'", kMaxName));
-  return file_name_part(name);
-}
-
 }  // namespace
 
-RecordingService::RecordingService(const Snapshot<Config>& config, const StateFolder& folder,
+RecordingService::RecordingService(const Snapshot<Config>& config, RecordingFiles& files,
                                    const RefereeListener& referee)
     : config_(config),
       referee_(referee),
-      files_(folder.path() / kFolderName),
+      files_(files),
       keeper_([this](const std::stop_token& stop) {
         become_idle_thread("log index");
         repeat(kFilesInterval, stop, [&] { files_.look_after(stop); });
@@ -174,29 +150,7 @@ void RecordingService::follow_game_controller() {
 }
 
 void RecordingService::make_room() {
-  const RecordingSettings settings = config_.load()->recording;
-  const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb) * kMb;
-  const std::uint64_t keep_free = static_cast<std::uint64_t>(settings.keep_free_mb) * kMb;
-  for (const std::string& name : files_.make_room(quota)) {
-    log::info("match log {} was removed to make room", name);
-    events_.add(
-        {.id = "recording_removed", .title = fmt::format("Match log {} was removed to make room", name)});
-  }
-  const DiskUse use = files_.disk_use();
-  {
-    const std::lock_guard lock(mutex_);
-    disk_ = use;
-  }
-  if (use.used_bytes > quota)
-    throw StorageError(
-        fmt::format("recordings take the {} MB that they may (/recording/quota_mb), and none of them "
-                    "can be removed",
-                    settings.quota_mb));
-  if (use.free_bytes < keep_free)
-    throw StorageError(
-        fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "
-                    "(/recording/keep_free_mb)",
-                    use.free_bytes / kMb, settings.keep_free_mb));
+  files_.make_room(config_.load()->recording, events_);
 }
 
 void RecordingService::check_disk() {
@@ -222,13 +176,13 @@ void RecordingService::begin(StartedBy by, const std::string& name) {
   try {
     recorder_.begin(file);
   } catch (const StorageError&) {
-    files_.end(false);
+    files_.end(file, false);
     throw;
   }
   const std::string file_name = file.filename().string();
   log::info("match log {} begins", file_name);
   events_.add({.id = "recording_started", .title = fmt::format("Match log {} began", file_name)});
-  set_recording({.started_by = by, .match = rule_.number(), .name = file_name, .begin_s = unix_time_s()});
+  set_recording({.started_by = by, .match = rule_.number(), .file = file, .begin_s = unix_time_s()});
 }
 
 void RecordingService::end(const std::string& problem) {
@@ -237,13 +191,13 @@ void RecordingService::end(const std::string& problem) {
   recorder_.end();
   const MatchLogRecorder::Status status = recorder_.status();
   try {
-    files_.end(status.problem.empty());
+    files_.end(before.file, status.problem.empty());
   } catch (const StorageError& error) {
     log::warning("{}", error.what());  // it is looked at again, and is whole
   }
-  log::info("match log {} ends: {} messages, {} bytes, {} lost", before.name,
+  log::info("match log {} ends: {} messages, {} bytes, {} lost", before.name(),
             status.vision + status.referee + status.tracked, status.bytes, status.lost);
-  events_.add({.id = "recording_ended", .title = fmt::format("Match log {} ended", before.name)});
+  events_.add({.id = "recording_ended", .title = fmt::format("Match log {} ended", before.name())});
   const std::string& why = problem.empty() ? status.problem : problem;
   if (!why.empty()) rule_.leave_match_out();
   set_recording({.problem = why, .problem_s = unix_time_s()});
@@ -265,13 +219,8 @@ std::vector<Route> RecordingService::routes() {
 }
 
 Json RecordingService::to_json() const {
-  Recording now;
-  DiskUse disk;
-  {
-    const std::lock_guard lock(mutex_);
-    now = recording_;
-    disk = disk_;
-  }
+  const Recording now = recording();
+  const DiskUse disk = files_.disk_use();
   const auto config = config_.load();
   const MatchLogRecorder::Status status = recorder_.status();
   const bool is_recording = now.started_by != StartedBy::kNobody;
@@ -279,11 +228,12 @@ Json RecordingService::to_json() const {
   const char* state = !now.problem.empty() ? "failed" : by_hand ? "off" : "waiting";
   if (is_recording) state = now.is_paused ? "paused" : "recording";
   Json logs = Json::array();
-  for (const MatchLogFile& file : files_.list()) logs.push_back(log_json(file));
+  for (const RecordingFile& file : files_.list(RecordingFile::Kind::kMatchLog))
+    logs.push_back(log_json(file));
   return {
       {"match_log",
        {{"state", state},
-        {"name", is_recording ? Json(now.name) : Json(nullptr)},
+        {"name", is_recording ? Json(now.name()) : Json(nullptr)},
         {"started_by", is_recording ? Json(now.started_by == StartedBy::kHand ? "hand" : "game_controller")
                                     : Json(nullptr)},
         {"begin_s", is_recording ? Json(now.begin_s) : Json(nullptr)},
@@ -320,42 +270,34 @@ Response RecordingService::put_match_log(const Request& request) {
   return json_response(to_json());
 }
 
-MatchLogFile RecordingService::find(const Request& request) const {
+RecordingFile RecordingService::find(const Request& request) const {
   auto file = files_.find(request.matches.at(1));
-  if (!file) throw HttpError(404, "there is no such recording");
+  if (!file || file->kind != RecordingFile::Kind::kMatchLog)
+    throw HttpError(404, "there is no such recording");
   return *std::move(file);
 }
 
 Response RecordingService::change_log(const Request& request) {
-  const MatchLogFile file = find(request);
-  const Json body = body_json(request);
-  check_keys(body, {"pinned"});
-  if (!body.contains("pinned") || !body["pinned"].is_boolean())
-    throw HttpError(400, "/pinned: expected true or false");
-  files_.pin(file.name, body["pinned"].get<bool>());
+  const RecordingFile file = find(request);
+  files_.pin(file.name, asked_pinned(request));
   return json_response(to_json());
 }
 
 Response RecordingService::remove_log(const Request& request) {
-  const MatchLogFile file = find(request);
+  const RecordingFile file = find(request);
   if (!files_.remove(file.name)) throw HttpError(409, "it is being recorded; stop that first");
-  const DiskUse use = files_.disk_use();
-  {
-    const std::lock_guard lock(mutex_);
-    disk_ = use;
-  }
   return json_response(to_json());
 }
 
 Response RecordingService::get_log(const Request& request) const {
-  const MatchLogFile file = find(request);
+  const RecordingFile file = find(request);
   return file_response(files_.path_of(file.name),
                        file.name.ends_with(".gz") ? "application/gzip" : "application/octet-stream",
                        file.name);
 }
 
 Response RecordingService::get_events(const Request& request) const {
-  const MatchLogFile file = find(request);
+  const RecordingFile file = find(request);
   if (!file.index && !file.problem.empty()) throw HttpError(422, file.problem);
   if (!file.index) throw HttpError(409, "it is still being read or recorded; try again in a moment");
   const MatchLogIndex& index = *file.index;

@@ -4,13 +4,13 @@
 #include "base/snapshot.h"
 #include "config/config.h"
 #include "net/referee_listener.h"
-#include "services/recording/match_log_files.h"
 #include "services/recording/match_log_recorder.h"
 #include "services/recording/match_rule.h"
+#include "services/recording/recording_files.h"
 #include "services/service.h"
-#include "settings/state_folder.h"
 
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -24,10 +24,8 @@ namespace sslv {
 /// the room that they may take.
 class RecordingService final : public Service {
  public:
-  static constexpr const char* kFolderName = "recordings";
-
   /// All must outlive this.
-  RecordingService(const Snapshot<Config>& config, const StateFolder& folder, const RefereeListener& referee);
+  RecordingService(const Snapshot<Config>& config, RecordingFiles& files, const RefereeListener& referee);
 
   // Service
   std::vector<Route> routes() override;
@@ -40,8 +38,9 @@ class RecordingService final : public Service {
   struct Recording {
     StartedBy started_by = StartedBy::kNobody;  // nobody: nothing is recorded
     bool is_paused = false;
-    int match = 0;       // number of the rule's match when it began
-    std::string name{};  // of the file
+    int match = 0;  // number of the rule's match when it began
+    std::filesystem::path file{};
+    std::string name() const { return file.filename().string(); }
     double begin_s = 0;
     std::string problem{};  // why the last one could not begin, or ended early
     double problem_s = 0;   // when that was
@@ -64,18 +63,17 @@ class RecordingService final : public Service {
   Response remove_log(const Request& request);
   Response get_log(const Request& request) const;
   Response get_events(const Request& request) const;
-  MatchLogFile find(const Request& request) const;
+  RecordingFile find(const Request& request) const;
 
   const Snapshot<Config>& config_;
   const RefereeListener& referee_;
-  MatchLogFiles files_;
+  RecordingFiles& files_;
   MatchLogRecorder recorder_;
   EventQueue events_;
   std::mutex control_mutex_;  // for what begins and ends recordings, which may wait for the disk
   MatchRule rule_;
   mutable std::mutex mutex_;  // guards the next ones
   Recording recording_;
-  DiskUse disk_;
   std::string no_room_problem_;   // why no log could begin; empty when one could
   std::jthread keeper_, thread_;  // last: they use the others
 };

@@ -199,7 +199,9 @@ void StatusService::each_second() {
     clock_ = clock;
   }
   // Also so that a break of an alert is seen while nobody asks.
-  history_.look(make_report(nullptr).alerts, take_all_events());
+  const std::vector<Alert> alerts = make_report(nullptr).alerts;
+  history_.look(alerts, take_all_events());
+  for (Service* service : services_) service->see_alerts(alerts);
 }
 
 }  // namespace sslv

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "services/recording/match_log_files.h"
+#include "services/recording/recording_files.h"
 
 #include "recording/match_log_writer.h"
 #include "support/temporary_folder.h"
@@ -25,7 +25,7 @@ using ::testing::UnorderedElementsAre;
 
 constexpr std::uint64_t kPlenty = std::uint64_t{1} << 60U;
 
-class MatchLogFilesTest : public ::testing::Test {
+class RecordingFilesTest : public ::testing::Test {
  protected:
   /// A log whose bytes cannot be packed.
   void write(const std::string& name, int messages = 10, bool ends = true) const {
@@ -40,15 +40,15 @@ class MatchLogFilesTest : public ::testing::Test {
   }
   std::vector<std::string> names() const {
     std::vector<std::string> out;
-    for (const MatchLogFile& file : files_.list()) out.push_back(file.name);
+    for (const RecordingFile& file : files_.list(RecordingFile::Kind::kMatchLog)) out.push_back(file.name);
     return out;
   }
 
   test::TemporaryFolder folder_;
-  MatchLogFiles files_{folder_.path()};
+  RecordingFiles files_{folder_.path()};
 };
 
-TEST_F(MatchLogFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
+TEST_F(RecordingFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
   // By when they were written: the name of one says something else, as that of another program's log may.
   const auto now = fs::file_time_type::clock::now();
   int hours = 0;
@@ -70,16 +70,16 @@ TEST_F(MatchLogFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
   EXPECT_TRUE(fs::is_empty(folder_.path())) << "nothing of them is left";
 }
 
-TEST_F(MatchLogFilesTest, TheLogThatIsWrittenIsNotRemoved) {
+TEST_F(RecordingFilesTest, TheLogThatIsWrittenIsNotRemoved) {
   const fs::path log = files_.begin("match");
   write(log.filename().string(), 10, false);
   EXPECT_THAT(files_.make_room(0), IsEmpty());
   EXPECT_FALSE(files_.remove(log.filename().string()));
-  files_.end(true);
+  files_.end(log, true);
   EXPECT_TRUE(files_.remove(log.filename().string()));
 }
 
-TEST_F(MatchLogFilesTest, WhatStandsBesideALogGoesWithIt) {
+TEST_F(RecordingFilesTest, WhatStandsBesideALogGoesWithIt) {
   const fs::path begun = files_.begin("match");
   write("a.log.gz");
   files_.pin("a.log.gz", true);
@@ -92,20 +92,20 @@ TEST_F(MatchLogFilesTest, WhatStandsBesideALogGoesWithIt) {
   EXPECT_TRUE(fs::exists(begun.string() + ".unfinished")) << "it is about to be written";
 }
 
-TEST_F(MatchLogFilesTest, TwoOfOneMinuteHaveTwoNames) {
+TEST_F(RecordingFilesTest, TwoOfOneMinuteHaveTwoNames) {
   const fs::path first = files_.begin("match");
   write(first.filename().string());
-  files_.end(true);
+  files_.end(first, true);
   const fs::path second = files_.begin("match");
   EXPECT_NE(first, second);
   EXPECT_THAT(second.filename().string(), HasSubstr("_match"));
 }
 
-TEST_F(MatchLogFilesTest, WhatWasNotFinishedIsMadeWhole) {
+TEST_F(RecordingFilesTest, WhatWasNotFinishedIsMadeWhole) {
   const fs::path log = files_.begin("match");
   write(log.filename().string(), 10, false);
-  files_.end(false);  // its service was killed
-  MatchLogFiles later(folder_.path());
+  files_.end(log, false);  // its service was killed
+  RecordingFiles later(folder_.path());
   later.look_after({});
   const auto file = later.find(log.filename().string());
   ASSERT_TRUE(file && file->index);
@@ -113,7 +113,7 @@ TEST_F(MatchLogFilesTest, WhatWasNotFinishedIsMadeWhole) {
   EXPECT_EQ(file->index->messages.at(LoggedMessage::kVision2014), 10U);
 }
 
-TEST_F(MatchLogFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
+TEST_F(RecordingFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
   write("theirs.log.gz", 10, false);
   fs::remove(index_file_of(files_.path_of("theirs.log.gz")));
   const auto size = fs::file_size(files_.path_of("theirs.log.gz"));
@@ -128,7 +128,7 @@ TEST_F(MatchLogFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
   EXPECT_THAT(files_.find("none.log")->problem, HasSubstr("is no log of the league"));
 }
 
-TEST_F(MatchLogFilesTest, ALogThatIsReplacedIsReadAgain) {
+TEST_F(RecordingFilesTest, ALogThatIsReplacedIsReadAgain) {
   write("a.log.gz", 10);
   files_.look_after({});
   EXPECT_EQ(files_.find("a.log.gz")->index->messages.at(LoggedMessage::kVision2014), 10U);
@@ -141,14 +141,14 @@ TEST_F(MatchLogFilesTest, ALogThatIsReplacedIsReadAgain) {
 
 TEST(MatchLogName, IsAFileOfTheFolderAndNothingElse) {
   for (const char* name : {"a.log", "2026-07-03_14-05_GROUP_PHASE_A-vs-B.log.gz", "a b.log"})
-    EXPECT_TRUE(is_match_log_name(name)) << name;
+    EXPECT_TRUE(is_recording_name(name)) << name;
   for (const char* name : {"", ".log", ".log.gz", "..log", "../a.log", "a/b.log", "a\\b.log", "a.txt",
                            "a.log.index", "a\n.log", "ä.log", "a.log.pinned"})
-    EXPECT_FALSE(is_match_log_name(name)) << name;
+    EXPECT_FALSE(is_recording_name(name)) << name;
   std::string long_name(300, 'a');
   long_name.append(".log");
-  EXPECT_FALSE(is_match_log_name(long_name));
-  EXPECT_FALSE(is_match_log_name(std::string("a\0.log", 6)));
+  EXPECT_FALSE(is_recording_name(long_name));
+  EXPECT_FALSE(is_recording_name(std::string("a\0.log", 6)));
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clips/clip.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+namespace sslv {
+
+/// The newest frames of one camera, in memory of a size that never changes. The camera's thread puts them in,
+/// which copies the image once, allocates nothing and waits for nobody; the oldest make room. One other
+/// thread, the keeper, may hold frames back until it has written them to a file.
+class ImageRing {
+ public:
+  /// Takes the memory and touches all of it, so that the camera's thread is given none by the system later:
+  /// that takes .2 s for each GB. Throws std::system_error when there is none.
+  explicit ImageRing(std::size_t bytes);
+  ~ImageRing();
+  ImageRing(const ImageRing&) = delete;
+  ImageRing& operator=(const ImageRing&) = delete;
+
+  std::size_t bytes() const { return bytes_; }
+
+  /// What all frames of the ring tell together.
+  struct Extent {
+    std::uint64_t frames = 0;
+    std::int64_t oldest_ns = 0, newest_ns = 0;  // when they arrived, on the steady clock; 0: there is none
+    std::uint32_t oldest_setup = 0;             // no frame of the ring has an earlier one
+    std::uint64_t dropped = 0;  // since the ring was made, because the keeper held all that could have gone
+  };
+  /// From any thread.
+  Extent extent() const noexcept;
+
+  /// For the camera's thread. Of an image in tiles only those are copied. False when there is no room for it
+  /// because the keeper holds so much, or because it is larger than the ring.
+  bool put(const ClipFrame& frame) noexcept;
+
+  // For the keeper.
+
+  /// The frames that arrived in this time (steady clock) are not overwritten until they are let go. Those
+  /// that are held already stay so. May be called again for those that come later.
+  void hold(std::int64_t from_ns, std::int64_t to_ns);
+  /// The oldest of them, until the next call of let_go(); null: there is none. Of an image in tiles the other
+  /// tiles have no meaning.
+  const ClipFrame* oldest_held();
+  void let_go();
+  void let_all_go();
+
+ private:
+  struct Slot {
+    std::atomic<std::uint64_t> state{0};  // number of the frame * 4 + State
+    std::atomic<std::int64_t> arrived_ns{0};
+    std::atomic<std::uint32_t> setup{0};
+    std::size_t begin = 0, bytes = 0;  // in the memory
+  };
+  enum State : std::uint64_t { kEmpty = 0, kKept = 1, kHeld = 2 };
+  static constexpr std::size_t kSlots = 1 << 14;  // frames at most
+
+  Slot& slot(std::uint64_t frame) const { return slots_[frame % kSlots]; }
+  bool make_room(std::size_t begin, std::size_t bytes, bool from_the_start) noexcept;
+
+  const std::size_t bytes_;
+  std::byte* memory_ = nullptr;
+  const std::unique_ptr<Slot[]> slots_;
+  std::atomic<std::uint64_t> begin_{0}, end_{0};  // numbers of the frames that are there: [begin, end)
+  std::atomic<std::uint64_t> dropped_{0};
+  std::size_t at_ = 0;  // where the next frame would begin; the camera's thread's
+
+  std::deque<std::uint64_t> held_;  // the keeper's, as is the rest
+  std::uint64_t next_to_hold_ = 0;
+  ClipFrame oldest_;
+  std::vector<std::byte> whole_;  // an image that is put together of tiles
+};
+
+}  // namespace sslv

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "health/memory_left.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// None: there is no such file, or "max" stands in it.
+std::optional<std::uint64_t> number_in(const fs::path& file) {
+  std::ifstream in(file);
+  std::uint64_t value = 0;
+  if (in >> value) return value;
+  return std::nullopt;
+}
+
+std::uint64_t available_bytes(const fs::path& meminfo) {
+  std::ifstream in(meminfo);
+  for (std::string line; std::getline(in, line);) {
+    constexpr const char* kName = "MemAvailable:";
+    if (line.starts_with(kName)) return std::stoull(line.substr(std::string(kName).size())) * 1024;
+  }
+  return std::numeric_limits<std::uint64_t>::max();
+}
+
+/// What a group uses and could not give back at once: what is read of files it could.
+std::uint64_t used_bytes(const fs::path& group) {
+  const std::uint64_t current = number_in(group / "memory.current").value_or(0);
+  std::ifstream in(group / "memory.stat");
+  std::string name;
+  for (std::uint64_t value = 0; in >> name >> value;) {
+    if (name == "file") return current - std::min(current, value);
+  }
+  return current;
+}
+
+}  // namespace
+
+std::uint64_t memory_left_bytes(const fs::path& root) {
+  std::uint64_t left = available_bytes(root / "proc/meminfo");
+  std::ifstream groups(root / "proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;  // control groups of version 1 have no such limits
+    const fs::path top = root / "sys/fs/cgroup";
+    for (fs::path group = fs::path(line.substr(4)); !group.empty(); group = group.parent_path()) {
+      for (const char* limit : {"memory.high", "memory.max"}) {
+        const auto most = number_in(top / group / limit);
+        if (!most) continue;
+        const std::uint64_t used = used_bytes(top / group);
+        left = std::min(left, *most - std::min(*most, used));
+      }
+    }
+  }
+  return left;
+}
+
+std::uint64_t memory_left_bytes() {
+  return memory_left_bytes("/");
+}
+
+}  // namespace sslv

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/handover.h"
+#include "clips/image_ring.h"
+#include "config/config.h"
+#include "net/vision_sender.h"
+#include "pipeline/camera_pipeline.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace sslv {
+
+/// What of a camera's frames is kept in memory.
+struct RecordedFrames {
+  enum class Images {
+    kWhole,
+    kEveryNth,
+    kFound,  // a whole one now and then, and of the others the parts around what has a colour of a pattern or
+             // ball
+  };
+  std::shared_ptr<ImageRing> ring;  // null: nothing is kept
+  Images images = Images::kWhole;
+  int every_nth = 1;
+};
+
+/// The camera's last seconds: what its thread puts into memory after each frame. Its thread waits for nobody
+/// and allocates nothing here.
+class RecordedCamera final : public FrameObserver {
+ public:
+  /// `sender`: what sends the camera's packets; must outlive the camera's thread.
+  explicit RecordedCamera(const DetectionSender& sender);
+
+  // FrameObserver
+  void frame_begins(const CameraSetup& setup) noexcept override;
+  void frame_ends(const Frame& frame, const CameraSetup& setup) noexcept override;
+
+  // From any other thread.
+
+  /// From the next frame on.
+  void keep(RecordedFrames frames) { frames_.store(std::move(frames)); }
+  /// Bytes of all images and their count since the start, as the camera gave them, kept or not.
+  struct Seen {
+    std::uint64_t frames = 0, bytes = 0;
+  };
+  Seen seen() const;
+
+  /// A setup that the camera has from now on, before it gets it; `config`: that it is of; null: the same as
+  /// the setup before. Gives it its number.
+  void note(CameraSetup& setup, std::shared_ptr<const Config> config);
+  struct Setup {
+    std::shared_ptr<const CameraSetup> setup;
+    std::shared_ptr<const Config> config;
+  };
+  /// Nothing: it was forgotten.
+  std::optional<Setup> setup(std::uint32_t number) const;
+  /// Setups before it are not asked for any more.
+  void forget_before(std::uint32_t number);
+
+ private:
+  static constexpr int kTilePx = 32;
+  std::size_t mark_tiles(const Frame& frame) noexcept;
+
+  const DetectionSender& sender_;
+  Handover<RecordedFrames> frames_{RecordedFrames{}};
+  std::atomic<std::uint64_t> frames_seen_{0}, bytes_seen_{0};
+
+  // The camera thread's.
+  std::vector<std::byte> memory_;       // of the stages, before this frame
+  std::size_t memory_bytes_ = 0;        // of it; 0: it is not kept with this frame
+  std::vector<std::byte> tiles_, key_;  // marked in this frame; where colours were in the last whole image
+  ImageView key_view_;                  // its size and format
+  std::int64_t next_key_ns_ = 0;        // when memory and a whole image are kept again
+  ImageRing* ring_ = nullptr;           // that the last frame went to
+  const Pipeline* pipeline_ = nullptr;
+  std::uint64_t count_ = 0;
+  bool is_kept_ = false, is_key_ = false;  // this frame
+
+  mutable std::mutex mutex_;  // guards the rest
+  std::vector<Setup> setups_;
+  std::uint32_t next_number_ = 0;
+};
+
+}  // namespace sslv

@@ -1,0 +1,455 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/clip_service.h"
+
+#include "base/background.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "config/version.h"
+#include "health/metrics_text.h"
+#include "recording/match_events.h"
+#include "replay/clip_setup.h"
+#include "services/recording/recording_request.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+constexpr std::chrono::milliseconds kLookInterval{200}, kNextFrames{20};
+constexpr double kShareInterval_s = 1;
+/// Stages' memory is kept so often; a clip begins where it is.
+constexpr double kKeyInterval_s = 1.1;
+/// For frames that are still on their way when the clip ends.
+constexpr double kLateFrames_s = 0.3;
+constexpr double kKeptEvents_s = 1300;
+constexpr std::size_t kMaxEvents = 1000;
+constexpr double kProblemIsTold_s = 600;
+/// Between two clips for alerts of one kind.
+constexpr double kAlertAgain_s = 60;
+constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
+constexpr std::uint64_t kMb = 1'000'000;
+
+std::int64_t to_ns(double steady_s) {
+  return std::llround(steady_s * 1e9);
+}
+
+Json clip_json(const RecordingFile& file) {
+  Json out{
+      {"name", file.name}, {"bytes", file.bytes},      {"begin_s", nullptr},       {"seconds", nullptr},
+      {"why", ""},         {"cameras", Json::array()}, {"pinned", file.is_pinned}, {"problem", file.problem}};
+  if (!file.clip) return out;
+  out["begin_s"] = file.clip->begin_s;
+  out["seconds"] = file.clip->end_s - file.clip->begin_s;
+  out["why"] = file.clip->why;
+  for (const ClipFacts::Camera& camera : file.clip->cameras)
+    out["cameras"].push_back({{"id", camera.id}, {"frames", camera.frames}, {"missing", camera.missing}});
+  return out;
+}
+
+}  // namespace
+
+ClipService::ClipService(const Snapshot<Config>& config, RecordingFiles& files, Cameras& cameras,
+                         const RefereeListener& referee)
+    : config_(config),
+      files_(files),
+      referee_(referee),
+      last_seconds_(cameras),
+      thread_([this](const std::stop_token& stop) {
+        become_background_thread("clips", 15);
+        work(stop);
+      }) {}
+
+void ClipService::work(const std::stop_token& stop) {
+  double shared_s = 0;
+  while (!stop.stop_requested()) {
+    const auto order = next_order(stop);
+    look_at_game();
+    if (order) {
+      write(*order, stop);
+    } else if (steady_s() - shared_s >= kShareInterval_s) {
+      shared_s = steady_s();
+      last_seconds_.look(config_.load()->recording.last_seconds);
+    }
+  }
+}
+
+std::optional<ClipService::Order> ClipService::next_order(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  ordered_.wait_for(lock, stop, kLookInterval, [&] { return order_.has_value(); });
+  if (!order_) return std::nullopt;
+  is_writing_ = true;
+  return std::exchange(order_, std::nullopt);
+}
+
+bool ClipService::put(Order order) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (order_ || is_writing_) return false;
+    order_ = std::move(order);
+  }
+  ordered_.notify_one();
+  return true;
+}
+
+void ClipService::note_event(const std::string& kind, const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  recent_.push_back({unix_time_s(), kind, text});
+  while (recent_.size() > kMaxEvents || recent_.front().time_s < unix_time_s() - kKeptEvents_s)
+    recent_.pop_front();
+}
+
+void ClipService::order_for_event(bool is_wanted, const std::string& kind, const std::string& text) {
+  note_event(kind, text);
+  if (!is_wanted) return;
+  const ClipSettings settings = config_.load()->recording.clips;
+  const double now_s = steady_s();
+  // What happens while one is written stands in that one's list of events.
+  put({.name = kind,
+       .why = text,
+       .begin_s = now_s - settings.seconds,
+       .end_s = now_s + settings.seconds_after});
+}
+
+void ClipService::see_alerts(const std::vector<Alert>& alerts) {
+  const ClipSettings settings = config_.load()->recording.clips;
+  std::set<std::string> now;
+  std::vector<std::pair<const Alert*, bool>> added;  // and whether a clip may be made for it
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Alert& alert : alerts) {
+      const std::string key = fmt::format("{} {} {}", alert.id, alert.camera.value_or(-1), alert.about);
+      now.insert(key);
+      if (alerts_.contains(key) || alert.id.starts_with("clip_")) continue;
+      double& made_s = clipped_.emplace(alert.id, -1e9).first->second;
+      const bool may = steady_s() - made_s >= kAlertAgain_s;
+      if (may) made_s = steady_s();
+      added.emplace_back(&alert, may);
+    }
+    alerts_ = std::move(now);
+  }
+  for (const auto& [alert, may] : added) order_for_event(settings.on_alert && may, "alert", alert->title);
+}
+
+void ClipService::look_at_game() {
+  const ClipSettings settings = config_.load()->recording.clips;
+  const auto now = referee_.status(steady_s()).match;
+  const auto before = std::exchange(match_, now);
+  if (!now || !before) return;
+  for (std::size_t team = 0; team < 2; ++team) {
+    if (now->score[team] > before->score[team]) {
+      order_for_event(
+          settings.on_goal, "goal",
+          fmt::format("Goal for {}: {} : {}", team == 0 ? "yellow" : "blue", now->score[0], now->score[1]));
+    }
+  }
+  if (now->command && now->command != before->command)
+    order_for_event(settings.on_command, "command", command_text(*now->command));
+}
+
+void ClipService::write(const Order& order, const std::stop_token& stop) {
+  std::vector<Source> sources;
+  double bytes = 0;
+  for (LastSeconds::Ring& ring : last_seconds_.rings()) {
+    // At once: what is held is not overwritten while the file is made.
+    ring.ring->hold(to_ns(order.begin_s - kKeyInterval_s), to_ns(order.end_s));
+    const ImageRing::Extent extent = ring.ring->extent();
+    const double held_s =
+        std::min(static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9, steady_s() - order.begin_s);
+    bytes += ring.bytes_per_s * (held_s + std::max(0.0, order.end_s - steady_s()));
+    sources.push_back({.from = std::move(ring), .dropped_before = extent.dropped});
+  }
+  std::filesystem::path file;
+  std::string problem;
+  bool is_finished = false;
+  try {
+    files_.make_room(config_.load()->recording, events_, static_cast<std::uint64_t>(bytes));
+    file = files_.begin(order.name, RecordingFile::Kind::kClip);
+    {
+      const std::lock_guard lock(mutex_);
+      clip_ = {.file = file.filename().string(), .why = order.why};
+    }
+    const double ahead_s = unix_time_s() - steady_s();  // of the steady clock is the other
+    ClipWriter writer(file, {.site = config_.load()->site,
+                             .version = kVersion,
+                             .why = order.why,
+                             .begin_s = order.begin_s + ahead_s,
+                             .end_s = order.end_s + ahead_s});
+    write_frames(order, writer, sources, stop);
+    finish(order, writer, sources);
+    is_finished = true;
+  } catch (const std::exception& error) {
+    problem = error.what();
+    log::error("the clip is not written: {}", problem);
+  }
+  for (Source& source : sources) source.from.ring->let_all_go();
+  try {
+    if (!file.empty()) files_.end(file, is_finished);
+  } catch (const StorageError& error) {
+    log::warning("{}", error.what());
+  }
+  const std::lock_guard lock(mutex_);
+  is_writing_ = false;
+  if (!problem.empty()) clip_ = {.problem = problem, .problem_s = unix_time_s()};
+}
+
+void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vector<Source>& sources,
+                               const std::stop_token& stop) {
+  std::uint64_t checked_bytes = 0;
+  std::mutex idle;
+  std::condition_variable_any stopped;
+  for (;;) {
+    const double now_s = steady_s();
+    for (Source& source : sources)
+      source.from.ring->hold(to_ns(order.begin_s - kKeyInterval_s), to_ns(order.end_s));
+    while (write_next(writer, sources)) {
+      if (writer.bytes() - checked_bytes > kCheckDiskEvery) {
+        checked_bytes = writer.bytes();
+        files_.make_room(config_.load()->recording, events_);
+      }
+      if (stop.stop_requested()) return;
+    }
+    look_at_game();
+    // Those that were not there when it was looked the last time are there now.
+    if (now_s > order.end_s + kLateFrames_s || stop.stop_requested()) return;
+    std::unique_lock lock(idle);
+    stopped.wait_for(lock, stop, kNextFrames, [] { return false; });
+  }
+}
+
+/// The frame that arrived first of those that are held. False: there is none.
+bool ClipService::write_next(ClipWriter& writer, std::vector<Source>& sources) {
+  Source* first = nullptr;
+  std::int64_t first_ns = 0;
+  for (Source& source : sources) {
+    const ClipFrame* const frame = source.from.ring->oldest_held();
+    if (frame == nullptr || (first != nullptr && frame->info.times.arrived_ns >= first_ns)) continue;
+    first = &source;
+    first_ns = frame->info.times.arrived_ns;
+  }
+  if (first == nullptr) return false;
+  const ClipFrame& frame = *first->from.ring->oldest_held();
+  const bool is_written = write_one(writer, *first, frame);
+  first->from.ring->let_go();
+  const std::lock_guard lock(mutex_);
+  if (is_written) ++clip_.frames;
+  clip_.bytes = writer.bytes();
+  return true;
+}
+
+bool ClipService::write_one(ClipWriter& writer, Source& source, const ClipFrame& frame) {
+  if (!source.has_begun && (frame.memory.empty() || frame.tile_px != 0)) return false;
+  auto place = source.setups.find(frame.setup);
+  if (place == source.setups.end()) {
+    const auto setup = source.from.camera->setup(frame.setup);
+    if (!setup || !setup->config) return false;
+    const auto& cameras = setup->config->cameras;
+    const auto camera = std::ranges::find(cameras, source.from.camera_id, &CameraSettings::id);
+    if (camera == cameras.end()) return false;
+    const auto i = static_cast<std::size_t>(camera - cameras.begin());
+    place =
+        source.setups.emplace(frame.setup, writer.add(clip_setup(*setup->config, i, *setup->setup))).first;
+  }
+  source.has_begun = true;
+  ClipFrame out = frame;
+  out.setup = place->second;
+  writer.add(out);
+  if (source.last_number && out.info.number - *source.last_number > 1) {
+    const std::uint32_t missing = out.info.number - *source.last_number - 1;
+    writer.note_missing(out.info.camera_id, missing);
+    const std::lock_guard lock(mutex_);
+    clip_.missing += missing;
+  }
+  source.last_number = out.info.number;
+  return true;
+}
+
+void ClipService::finish(const Order& order, ClipWriter& writer, const std::vector<Source>& sources) {
+  const bool is_empty = std::ranges::none_of(sources, &Source::has_begun);
+  if (is_empty) throw StorageError("no camera has images of that time in memory");
+  std::vector<ClipEvent> events;
+  {
+    const std::lock_guard lock(mutex_);
+    const double ahead_s = unix_time_s() - steady_s();
+    for (const ClipEvent& event : recent_) {
+      if (event.time_s >= order.begin_s + ahead_s - 1 && event.time_s <= order.end_s + ahead_s + 1)
+        events.push_back(event);
+    }
+  }
+  for (const ClipEvent& event : events) writer.add(event);
+  writer.finish();
+  Clip done;
+  {
+    const std::lock_guard lock(mutex_);
+    clip_.bytes = writer.bytes();
+    done = clip_;
+  }
+  log::info("clip {} was written: {} frames, {} missing, {} bytes ({})", done.file, done.frames, done.missing,
+            done.bytes, order.why);
+  events_.add(
+      {.id = "clip_written", .title = fmt::format("Clip {} was written", done.file), .who = order.who});
+}
+
+std::vector<Route> ClipService::routes() {
+  constexpr const char* kClip = "/api/recordings/clips/([^/]+)";
+  Route download{"GET", kClip, [this](const Request& request) { return get_clip(request); }};
+  download.streams = true;
+  return {{"GET", "/api/recordings/clips", [this](const Request&) { return json_response(to_json()); }},
+          // Also while a match locks the settings: that is when somebody wants one.
+          {"POST", "/api/recordings/clips", [this](const Request& request) { return make_clip(request); },
+           Needs::kChange},
+          download,
+          {"PATCH", kClip, [this](const Request& request) { return change_clip(request); }, Needs::kChange},
+          {"DELETE", kClip, [this](const Request& request) { return remove_clip(request); }, Needs::kChange}};
+}
+
+Json ClipService::to_json() const {
+  const LastSeconds::Status status = last_seconds_.status();
+  Json cameras = Json::array();
+  for (const LastSeconds::CameraStatus& camera : status.cameras) {
+    cameras.push_back({{"id", camera.id},
+                       {"seconds", camera.seconds},
+                       {"frames", camera.frames},
+                       {"bytes", camera.bytes},
+                       {"dropped", camera.dropped}});
+  }
+  Json clips = Json::array();
+  for (const RecordingFile& file : files_.list(RecordingFile::Kind::kClip)) clips.push_back(clip_json(file));
+  const ClipSettings settings = config_.load()->recording.clips;
+  const std::lock_guard lock(mutex_);
+  const bool is_busy = is_writing_ || order_;
+  return {{"last_seconds",
+           {{"memory_bytes", status.bytes},
+            {"wanted_bytes", status.wanted_bytes},
+            {"images", params_to_json(status.settings).at("images")},
+            {"every_nth", status.settings.every_nth},
+            {"cameras", std::move(cameras)},
+            {"problem", status.problem}}},
+          {"clip",
+           {{"state", is_busy                 ? "writing"
+                      : clip_.problem.empty() ? "idle"
+                                              : "failed"},
+            {"name", clip_.file},
+            {"why", clip_.why},
+            {"frames", clip_.frames},
+            {"missing", clip_.missing},
+            {"bytes", clip_.bytes},
+            {"error", is_busy ? "" : clip_.problem}}},
+          {"seconds", settings.seconds},
+          {"clips", std::move(clips)}};
+}
+
+Response ClipService::make_clip(const Request& request) {
+  const Json body = request.body.empty() ? Json::object() : body_json(request);
+  check_keys(body, {"seconds", "seconds_after", "name"});
+  const ClipSettings settings = config_.load()->recording.clips;
+  const auto number = [&](const char* key, double least, double otherwise) {
+    if (!body.contains(key)) return otherwise;
+    constexpr double kMost_s = 600;
+    const bool is_good =
+        body[key].is_number() && body[key].get<double>() >= least && body[key].get<double>() <= kMost_s;
+    if (!is_good)
+      throw HttpError(400, fmt::format("/{}: expected a number of seconds, {} to {}", key, least, kMost_s));
+    return body[key].get<double>();
+  };
+  const double before_s = number("seconds", 0.5, settings.seconds), after_s = number("seconds_after", 0, 0);
+  const std::string name = body.contains("name") ? asked_name(body) : "by_hand";
+  const LastSeconds::Status status = last_seconds_.status();
+  if (status.bytes == 0) {
+    throw HttpError(409, status.wanted_bytes == 0
+                             ? "no images are kept in memory: /recording/last_seconds/memory_mb is 0"
+                             : "no images are in memory yet; try again in a few seconds");
+  }
+  const double now_s = steady_s();
+  if (!put({.name = name,
+            .why = "kept by hand",
+            .who = request.address,
+            .begin_s = now_s - before_s,
+            .end_s = now_s + after_s}))
+    throw HttpError(409, "a clip is being written; try again when it is done");
+  return json_response(to_json(), 202);
+}
+
+RecordingFile ClipService::find(const Request& request) const {
+  auto file = files_.find(request.matches.at(1));
+  if (!file || file->kind != RecordingFile::Kind::kClip) throw HttpError(404, "there is no such clip");
+  return *std::move(file);
+}
+
+Response ClipService::change_clip(const Request& request) {
+  const RecordingFile file = find(request);
+  files_.pin(file.name, asked_pinned(request));
+  return json_response(to_json());
+}
+
+Response ClipService::remove_clip(const Request& request) {
+  const RecordingFile file = find(request);
+  if (!files_.remove(file.name)) throw HttpError(409, "it is being written; wait until it is done");
+  return json_response(to_json());
+}
+
+Response ClipService::get_clip(const Request& request) const {
+  const RecordingFile file = find(request);
+  return file_response(files_.path_of(file.name), "application/octet-stream", file.name);
+}
+
+void ClipService::report(HealthReport& report) const {
+  const LastSeconds::Status status = last_seconds_.status();
+  std::string problem;
+  {
+    const std::lock_guard lock(mutex_);
+    if (unix_time_s() - clip_.problem_s < kProblemIsTold_s) problem = clip_.problem;
+  }
+  const auto warn = [&](const char* id, std::string title, std::string fix) {
+    report.alerts.push_back({.id = id,
+                             .check = "last_seconds",
+                             .severity = Severity::kWarn,
+                             .title = std::move(title),
+                             .fix = std::move(fix),
+                             .page = "#/recordings"});
+  };
+  if (!problem.empty()) {
+    warn("clip_failed", fmt::format("A clip was not written: {}", problem),
+         "Put that right, then keep the last seconds again on the page Recordings.");
+  }
+  if (!status.problem.empty()) {
+    warn("clip_memory", fmt::format("The last seconds are shorter than wanted: {}", status.problem),
+         "Close other programs, add memory, raise the service's limit (docs/recording.md), or ask for less "
+         "(Settings, recording).");
+  }
+  Check check{"last_seconds", "Last seconds", CheckState::kPass, kNoFigure, "", ""};
+  if (status.wanted_bytes == 0) {
+    check.text = "off: no images are kept in memory";
+  } else if (status.bytes == 0) {
+    check.text = "no images are in memory yet";
+  } else {
+    double least_s = std::numeric_limits<double>::max();
+    for (const LastSeconds::CameraStatus& camera : status.cameras) {
+      if (camera.bytes > 0) least_s = std::min(least_s, camera.seconds);
+    }
+    check.value = fmt::format("{:.1f}", least_s);
+    check.unit = "s";
+    check.text = "of images are in memory";
+  }
+  report.checks.push_back(std::move(check));
+}
+
+void ClipService::write_metrics(MetricsText& out) const {
+  const LastSeconds::Status status = last_seconds_.status();
+  out.begin("sslv_last_seconds", "gauge", "Seconds of each camera's images that are in memory.");
+  for (const LastSeconds::CameraStatus& camera : status.cameras)
+    out.add({{"camera", std::to_string(camera.id)}}, camera.seconds);
+  out.begin("sslv_last_seconds_dropped_frames", "gauge",
+            "Frames that are not in memory because a clip was being written.");
+  for (const LastSeconds::CameraStatus& camera : status.cameras)
+    out.add({{"camera", std::to_string(camera.id)}}, camera.dropped);
+}
+
+}  // namespace sslv

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clips/image_ring.h"
+#include "recording/recording_settings.h"
+#include "services/cameras/cameras.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// The memory for the newest images of all cameras: each gets a part of it by what it sends, so that all
+/// reach back as far. look() and rings() are for one thread, that of clips; the rest for any.
+class LastSeconds {
+ public:
+  /// `cameras` must outlive this.
+  explicit LastSeconds(Cameras& cameras) : cameras_(cameras) {}
+
+  /// To be called now and then: shares the memory out again when cameras or settings have changed, which
+  /// empties what changes. Not while a ring is read.
+  void look(const LastSecondsSettings& settings);
+
+  struct Ring {
+    int camera_id = 0;
+    std::shared_ptr<RecordedCamera> camera;
+    std::shared_ptr<ImageRing> ring;
+    double bytes_per_s = 0;  // of all its images
+  };
+  /// Those that have memory.
+  std::vector<Ring> rings() const;
+
+  struct CameraStatus {
+    int id = 0;
+    std::uint64_t frames = 0, dropped = 0, bytes = 0;  // dropped: while a clip was written
+    double seconds = 0;                                // from the oldest to the newest frame
+  };
+  struct Status {
+    std::uint64_t wanted_bytes = 0, bytes = 0;
+    LastSecondsSettings settings;
+    std::vector<CameraStatus> cameras;
+    std::string problem;  // why it is less than wanted; empty: it is not
+  };
+  Status status() const;
+
+ private:
+  struct Known {
+    RecordedCamera::Seen seen;  // at seen_s
+    double seen_s = 0;
+    double bytes_per_s = 0;
+    std::shared_ptr<RecordedCamera> camera;
+    std::shared_ptr<ImageRing> ring;
+  };
+  void measure(double now_s);
+  void share_out(std::uint64_t bytes);
+  void hand_over(const Known& known) const;
+
+  Cameras& cameras_;
+  double changed_s_ = 0;      // when the list of cameras did, on the steady clock
+  mutable std::mutex mutex_;  // guards the rest, which only look() changes
+  std::map<int, Known> known_;
+  LastSecondsSettings settings_;
+  std::string problem_;
+};
+
+}  // namespace sslv

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/recording_files.h"
+
+#include "base/error.h"
+#include "base/log.h"
+#include "clips/clip_reader.h"
+#include "recording/match_log_writer.h"
+#include "settings/state_folder.h"
+
+#include <algorithm>
+#include <ctime>
+#include <functional>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxName = 200;
+constexpr int kMaxOfOneName = 1000;
+constexpr std::uint64_t kMb = 1'000'000;
+constexpr const char* kClipEnding = ".clip";
+
+bool ends_with(const std::string& text, std::string_view end) {
+  return text.size() > end.size() && text.ends_with(end);
+}
+
+fs::path pin_of(const fs::path& log) {
+  return log.string() + ".pinned";
+}
+
+fs::path unfinished_mark_of(const fs::path& log) {
+  return log.string() + ".unfinished";
+}
+
+/// No link: that could lead out of the folder.
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::symlink_status(path, error).type() == fs::file_type::regular;
+}
+
+bool is_clip(const fs::path& file) {
+  return file.extension() == kClipEnding;
+}
+
+ClipFacts facts_of(const ClipReader& clip) {
+  ClipFacts out{.begin_s = clip.about().begin_s, .end_s = clip.about().end_s, .why = clip.about().why};
+  if (!clip.entries().empty()) {
+    out.begin_s = clip.entries().front().t_capture_s;
+    out.end_s = clip.entries().back().t_capture_s;
+  }
+  for (const ClipReader::Camera& camera : clip.cameras())
+    out.cameras.push_back({static_cast<int>(camera.id), camera.frames.size(), camera.missing});
+  return out;
+}
+
+std::uint64_t size_of(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  return error ? 0 : size;
+}
+
+}  // namespace
+
+bool is_recording_name(const std::string& name) {
+  const auto is_allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '_' || c == '.' || c == ' ';
+  };
+  return (ends_with(name, ".log") || ends_with(name, ".log.gz") || ends_with(name, kClipEnding)) &&
+         name.size() <= kMaxName && name[0] != '.' && std::ranges::all_of(name, is_allowed);
+}
+
+RecordingFiles::RecordingFiles(fs::path folder) : folder_(std::move(folder)) {}
+
+std::vector<std::string> RecordingFiles::names() const {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (is_recording_name(name) && is_file(entry->path())) out.push_back(name);
+  }
+  return out;
+}
+
+bool RecordingFiles::is_open(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return open_names_.contains(name);
+}
+
+fs::path RecordingFiles::begin(const std::string& name, RecordingFile::Kind kind) {
+  const char* const ending = kind == RecordingFile::Kind::kClip ? kClipEnding : ".log.gz";
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw StorageError(fmt::format("{}: cannot be made: {}", folder_.string(), error.message()));
+  const std::string begin = fmt::format("{:%Y-%m-%d_%H-%M}_{}", fmt::gmtime(std::time(nullptr)), name);
+  for (int number = 1; number < kMaxOfOneName; ++number) {
+    const std::string file = begin + (number > 1 ? fmt::format("_{}", number) : "") + ending;
+    if (fs::exists(folder_ / file, error)) continue;
+    {
+      const std::lock_guard lock(mutex_);
+      open_names_.insert(file);
+    }
+    write_file_durably(unfinished_mark_of(folder_ / file), "");
+    return folder_ / file;
+  }
+  throw StorageError(fmt::format("{}: there are too many recordings named {}", folder_.string(), begin));
+}
+
+void RecordingFiles::end(const fs::path& file, bool is_finished) {
+  if (is_finished) remove_file(unfinished_mark_of(file));
+  const std::lock_guard lock(mutex_);
+  open_names_.erase(file.filename().string());
+}
+
+std::optional<RecordingFile> RecordingFiles::find(const std::string& name) const {
+  if (!is_recording_name(name)) return std::nullopt;
+  std::error_code error;
+  const fs::path path = folder_ / name;
+  if (!is_file(path)) return std::nullopt;
+  RecordingFile out{.name = name,
+                    .kind = is_clip(path) ? RecordingFile::Kind::kClip : RecordingFile::Kind::kMatchLog,
+                    .bytes = size_of(path),
+                    .is_pinned = fs::exists(pin_of(path), error),
+                    .index = {},
+                    .clip = {},
+                    .problem = {}};
+  const std::lock_guard lock(mutex_);
+  if (const auto known = known_.find(name); known != known_.end() && !open_names_.contains(name)) {
+    out.index = known->second.index;
+    out.clip = known->second.clip;
+    out.problem = known->second.problem;
+  }
+  return out;
+}
+
+std::vector<RecordingFile> RecordingFiles::list(RecordingFile::Kind kind) const {
+  std::vector<std::pair<fs::file_time_type, RecordingFile>> files;
+  for (const std::string& name : names()) {
+    std::error_code error;
+    if (auto file = find(name); file && file->kind == kind)
+      files.emplace_back(fs::last_write_time(path_of(name), error), *std::move(file));
+  }
+  std::ranges::sort(files, std::greater{},
+                    [](const auto& file) { return std::tie(file.first, file.second.name); });
+  std::vector<RecordingFile> out;
+  for (auto& file : files) out.push_back(std::move(file.second));
+  return out;
+}
+
+void RecordingFiles::pin(const std::string& name, bool is_pinned) {
+  const fs::path pin = pin_of(folder_ / name);
+  is_pinned ? write_file_durably(pin, "") : remove_file(pin);
+}
+
+bool RecordingFiles::remove(const std::string& name) {
+  if (is_open(name)) return false;
+  const fs::path log = folder_ / name;
+  remove_file(log);
+  remove_file(index_file_of(log));
+  remove_file(pin_of(log));
+  remove_file(unfinished_mark_of(log));
+  const std::lock_guard lock(mutex_);
+  known_.erase(name);
+  return true;
+}
+
+DiskUse RecordingFiles::disk_use() const {
+  DiskUse use;
+  for (const std::string& name : names())
+    use.used_bytes += size_of(folder_ / name) + size_of(index_file_of(folder_ / name));
+  std::error_code error;
+  fs::space_info space = fs::space(folder_, error);
+  if (error) space = fs::space(folder_.parent_path(), error);  // it is not made yet
+  if (!error) use.free_bytes = space.available;
+  return use;
+}
+
+std::vector<std::string> RecordingFiles::make_room(std::uint64_t quota_bytes) {
+  struct Log {
+    fs::file_time_type written;
+    std::string name;
+    std::uint64_t bytes = 0;
+  };
+  // By when they were written, not by their names: others put logs here too, and a clock may have been wrong.
+  std::vector<Log> logs;
+  std::uint64_t used_bytes = 0;
+  for (const std::string& name : names()) {
+    std::error_code error;
+    const fs::path path = folder_ / name;
+    const std::uint64_t bytes = size_of(path) + size_of(index_file_of(path));
+    used_bytes += bytes;
+    if (!is_open(name) && !fs::exists(pin_of(path), error))
+      logs.push_back({fs::last_write_time(path, error), name, bytes});
+  }
+  std::ranges::sort(logs, {}, [](const Log& log) { return std::pair(log.written, log.name); });
+  std::vector<std::string> removed;
+  for (const Log& log : logs) {
+    if (used_bytes <= quota_bytes) break;
+    remove(log.name);
+    used_bytes -= log.bytes;
+    removed.push_back(log.name);
+  }
+  return removed;
+}
+
+void RecordingFiles::make_room(const RecordingSettings& settings, EventQueue& events,
+                               std::uint64_t wanted_bytes) {
+  const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb) * kMb;
+  const std::uint64_t keep_free = static_cast<std::uint64_t>(settings.keep_free_mb) * kMb;
+  if (wanted_bytes > quota) {
+    throw StorageError(fmt::format("it would take {} MB, and recordings may take {} MB (/recording/quota_mb)",
+                                   wanted_bytes / kMb, settings.quota_mb));
+  }
+  for (const std::string& name : make_room(quota - wanted_bytes)) {
+    log::info("recording {} was removed to make room", name);
+    events.add(
+        {.id = "recording_removed", .title = fmt::format("Recording {} was removed to make room", name)});
+  }
+  const DiskUse use = disk_use();
+  if (use.used_bytes + wanted_bytes > quota)
+    throw StorageError(
+        fmt::format("recordings take the {} MB that they may (/recording/quota_mb), and none of them "
+                    "can be removed",
+                    settings.quota_mb));
+  if (use.free_bytes < keep_free + wanted_bytes)
+    throw StorageError(
+        fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "
+                    "(/recording/keep_free_mb)",
+                    use.free_bytes / kMb, settings.keep_free_mb));
+}
+
+/// What stands beside a recording goes with it, also when somebody removed only that.
+void RecordingFiles::remove_orphans() const {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path log = fs::path(entry->path()).replace_extension();
+    const std::string name = log.filename().string(), kind = entry->path().extension().string();
+    const bool is_ours = kind == ".index" || kind == ".pinned" || kind == ".unfinished";
+    std::error_code failed;
+    if (is_ours && is_recording_name(name) && !is_open(name) && !fs::exists(fs::symlink_status(log, failed)))
+      fs::remove(entry->path(), failed);
+  }
+}
+
+void RecordingFiles::look_at_log(const fs::path& path, Known& now, const std::stop_token& stop) const {
+  // The service was killed while it wrote this one. Files of others stay as they are.
+  if (const fs::path mark = unfinished_mark_of(path); fs::exists(mark)) {
+    const RepairedMatchLog repaired = repair_match_log(path, stop);
+    if (!repaired.was_whole)
+      log::warning("{}: was not ended; what was on the disk of it is kept", path.string());
+    remove_file(mark);
+  }
+  now.index = std::make_shared<const MatchLogIndex>(match_log_index(path, stop));
+  now.problem = now.index->problem;
+}
+
+void RecordingFiles::look_after(const std::stop_token& stop) {
+  const std::vector<std::string> all = names();
+  remove_orphans();
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(known_, [&](const auto& one) { return std::ranges::find(all, one.first) == all.end(); });
+  }
+  for (const std::string& name : all) {
+    if (stop.stop_requested()) return;
+    if (is_open(name)) continue;
+    const fs::path path = folder_ / name;
+    std::error_code error;
+    Known now{.bytes = size_of(path),
+              .written = fs::last_write_time(path, error),
+              .index = {},
+              .clip = {},
+              .problem = {}};
+    {
+      const std::lock_guard lock(mutex_);
+      const auto known = known_.find(name);
+      if (known != known_.end() && known->second.bytes == now.bytes && known->second.written == now.written)
+        continue;
+    }
+    try {
+      if (is_clip(path)) {
+        const ClipReader clip(path);  // reads what an unfinished one has
+        now.clip = std::make_shared<const ClipFacts>(facts_of(clip));
+        if (clip.is_unfinished()) now.problem = "was not ended: what was on the disk of it is kept";
+        remove_file(unfinished_mark_of(path));
+      } else {
+        look_at_log(path, now, stop);
+      }
+    } catch (const std::exception& failure) {
+      if (stop.stop_requested()) return;
+      now.problem = failure.what();
+    }
+    now.bytes = size_of(path);
+    now.written = fs::last_write_time(path, error);
+    const std::lock_guard lock(mutex_);
+    known_[name] = std::move(now);
+  }
+}
+
+}  // namespace sslv

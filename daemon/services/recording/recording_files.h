@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "recording/match_log_index.h"
+#include "recording/recording_settings.h"
+#include "services/event.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace sslv {
+
+/// What a clip is, without its frames.
+struct ClipFacts {
+  double begin_s = 0, end_s = 0;  // Unix time of the first and the last frame
+  std::string why{};              // it was kept
+  struct Camera {
+    int id = 0;
+    std::size_t frames = 0;
+    std::uint64_t missing = 0;
+  };
+  std::vector<Camera> cameras{};
+};
+
+/// A match log or clip of the folder.
+struct RecordingFile {
+  enum class Kind { kMatchLog, kClip };
+  std::string name;
+  Kind kind = Kind::kMatchLog;
+  std::uint64_t bytes = 0;
+  bool is_pinned = false;
+  // Of its kind; null while it is made, and when it cannot be.
+  std::shared_ptr<const MatchLogIndex> index;
+  std::shared_ptr<const ClipFacts> clip;
+  std::string problem;  // why it cannot be read, or not to its end; empty when it can
+};
+
+struct DiskUse {
+  std::uint64_t used_bytes = 0;  // by recordings
+  std::uint64_t free_bytes = 0;  // that the service may use
+};
+
+/// The folder with recordings. A match log is NAME.log.gz or NAME.log, a clip NAME.clip; beside it may stand
+/// a log's index (.index), a mark that it is pinned (.pinned), and one that it is not finished yet
+/// (.unfinished). May be used from any thread.
+class RecordingFiles {
+ public:
+  static constexpr const char* kFolderName = "recordings";  // in the state folder
+
+  /// Makes the folder when the first recording is begun.
+  explicit RecordingFiles(std::filesystem::path folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+
+  /// A path for a new one that begins now: "2026-07-03_14-05_NAME.log.gz" (UTC), with a number where there is
+  /// one of that name. It is not complete until end() is called. Throws StorageError.
+  std::filesystem::path begin(const std::string& name,
+                              RecordingFile::Kind kind = RecordingFile::Kind::kMatchLog);
+  /// `is_finished`: it needs no repairing. Throws StorageError.
+  void end(const std::filesystem::path& file, bool is_finished);
+
+  /// Those that were written last come first.
+  std::vector<RecordingFile> list(RecordingFile::Kind kind) const;
+  /// None: there is no such file, or its name is none of a recording.
+  std::optional<RecordingFile> find(const std::string& name) const;
+  std::filesystem::path path_of(const std::string& name) const { return folder_ / name; }
+
+  /// Throw StorageError.
+  void pin(const std::string& name, bool is_pinned);
+  /// False: it is being written.
+  bool remove(const std::string& name);
+
+  DiskUse disk_use() const;
+  /// Removes recordings that are complete and not pinned, those that were written longest ago first, until
+  /// they take no more than that. Their names. Throws StorageError.
+  std::vector<std::string> make_room(std::uint64_t quota_bytes);
+  /// The same, and tells of what was removed. Throws StorageError also when the settings leave no room for
+  /// another recording, of so many bytes.
+  void make_room(const RecordingSettings& settings, EventQueue& events, std::uint64_t wanted_bytes = 0);
+
+  /// Makes logs whole that were not finished, and indexes that are missing. May take long.
+  void look_after(const std::stop_token& stop);
+
+ private:
+  struct Known {
+    std::uint64_t bytes = 0;
+    std::filesystem::file_time_type written;
+    std::shared_ptr<const MatchLogIndex> index;
+    std::shared_ptr<const ClipFacts> clip;
+    std::string problem;
+  };
+  std::vector<std::string> names() const;
+  bool is_open(const std::string& name) const;
+  void look_at_log(const std::filesystem::path& path, Known& now, const std::stop_token& stop) const;
+  void remove_orphans() const;
+
+  const std::filesystem::path folder_;
+  mutable std::mutex mutex_;          // guards the next two; not held while a file is read
+  std::set<std::string> open_names_;  // of those that are written
+  std::map<std::string, Known> known_;
+};
+
+/// Whether a client may name such a recording: nothing but a file of the folder.
+bool is_recording_name(const std::string& name);
+
+}  // namespace sslv
