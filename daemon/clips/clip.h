@@ -49,7 +49,7 @@ struct ClipEvent {
   std::string text{};  // for people
 };
 
-/// What stands at the beginning of a clip.
+/// What a clip says about itself.
 struct ClipAbout {
   std::string site{};             // name of the field
   std::string version{};          // of the service that wrote it

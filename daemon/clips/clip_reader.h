@@ -37,8 +37,8 @@ class ClipReader {
     std::uint64_t missing = 0;          // frames that were processed and are not in the clip
   };
 
-  /// Reads the index, or makes it when there is none: that takes as long as reading the file. Throws
-  /// ClipError.
+  /// Reads the index, or makes it when there is none, from what stands before each block. The file stays
+  /// open: it may be removed. Throws ClipError.
   explicit ClipReader(const std::filesystem::path& file);
   ~ClipReader();
   ClipReader(ClipReader&&) noexcept;
@@ -50,16 +50,22 @@ class ClipReader {
   /// In the order of their ids.
   const std::vector<Camera>& cameras() const;
   const Camera* camera(std::uint32_t id) const;
+  /// Those that are damaged have null for their `about`.
   const std::vector<ClipSetup>& setups() const;
   const std::vector<ClipEvent>& events() const;
   /// It ends in the middle, or has no index; what was read before the damage is there.
   bool is_unfinished() const;
+  /// What is wrong with it, in one line that begins with the path; empty: nothing was found. Images are only
+  /// looked at when they are read.
+  const std::string& problem() const;
 
   /// Frame `place` of entries(). All in it lies in this reader's memory until the next call; an image in
-  /// tiles is put together with the whole one before. Throws ClipError when it is damaged.
+  /// tiles is put together with the whole one before. Its setup is one of setups(). Throws ClipError when it
+  /// is damaged.
   const ClipFrame& read(std::size_t place);
   /// The same into memory of the caller's, who gets it when its size is known: the image is read there and
-  /// nowhere else (for a camera's buffers).
+  /// nowhere else (for a camera's buffers). Rows and low bits lie there without gaps. `room` is not called
+  /// for a frame without an image, and may throw.
   const ClipFrame& read(std::size_t place, const std::function<std::uint8_t*(std::size_t bytes)>& room);
 
  private:

@@ -10,8 +10,8 @@
 namespace sslv {
 
 /// Writes a clip from its beginning to its end. Every block can be read at once, also when the rest is never
-/// written: who reads an unfinished clip makes the index again. Throws StorageError wherever it writes. Used by
-/// one thread at a time.
+/// written: who reads an unfinished clip makes the index again. Throws StorageError wherever it writes. Used
+/// by one thread at a time.
 class ClipWriter {
  public:
   /// Makes the file, which must not be there yet.
@@ -23,8 +23,9 @@ class ClipWriter {
 
   /// Its place in the clip's list of setups, for the frames that follow.
   std::uint32_t add(const ClipSetup& setup);
-  /// A camera's frames come in their order; an image in tiles only after a whole one of the same size and
-  /// format. Copies nothing that is large.
+  /// A camera's frames come in their order, behind the setup that they name; an image in tiles only after a
+  /// whole one of the same size and format. Copies nothing that is large: of an image in tiles the tiles
+  /// only.
   void add(const ClipFrame& frame);
   void add(const ClipEvent& event);
   /// Frames of a camera that the clip lacks although they were processed, and why.

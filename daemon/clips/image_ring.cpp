@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clips/image_ring.h"
 
-#include "clips/tiles.h"
+#include "clips/clip_format.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -47,23 +47,20 @@ void each_stretch(const ClipFrame& frame, const Copy& copy) {
       }
       continue;
     }
-    each_tile(image.width, image.height, frame.tile_px, frame.tiles, [&](const Tile& tile) {
-      for (int y = tile.top; y < tile.bottom; ++y) {
-        copy(image.row(y) + shift + static_cast<std::size_t>(tile.left) * pixel,
-             static_cast<std::size_t>(tile.right - tile.left) * pixel);
-      }
+    const ClipTiles tiles{image.width, image.height, frame.tile_px};
+    tiles.each_row(frame.tiles, [&](int x, int y, int pixels) {
+      copy(image.row(y) + shift + static_cast<std::size_t>(x) * pixel,
+           static_cast<std::size_t>(pixels) * pixel);
     });
   }
 }
 
 std::size_t image_bytes(const ClipFrame& frame) {
-  const std::size_t planes = frame.image.to_low_bits != 0 ? 2 : 1;
-  const auto pixel = static_cast<std::size_t>(bytes_per_pixel(frame.image.format)) * planes;
-  std::size_t pixels =
-      static_cast<std::size_t>(frame.image.width) * static_cast<std::size_t>(frame.image.height);
-  if (frame.tile_px != 0)
-    pixels = pixels_in_tiles(frame.image.width, frame.image.height, frame.tile_px, frame.tiles);
-  return pixels * pixel;
+  const ImageView& image = frame.image;
+  const std::size_t planes = image.to_low_bits != 0 ? 2 : 1;
+  if (frame.tile_px == 0) return planes * clip_plane_bytes(image.format, image.width, image.height);
+  const std::uint64_t pixels = ClipTiles{image.width, image.height, frame.tile_px}.pixels(frame.tiles);
+  return planes * static_cast<std::size_t>(pixels) * static_cast<std::size_t>(bytes_per_pixel(image.format));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include "services/cameras/recorded_camera.h"
 
 #include "base/clock.h"
-#include "clips/tiles.h"
+#include "clips/clip_format.h"
 
 #include <algorithm>
 #include <span>
@@ -91,9 +91,10 @@ void RecordedCamera::frame_ends(const Frame& frame, const CameraSetup& setup) no
 /// Bytes of `tiles_` that count.
 std::size_t RecordedCamera::mark_tiles(const Frame& frame) noexcept {
   const ImageView& image = frame.image.view();
-  const std::size_t bytes = tile_bits_bytes(image.width, image.height, kTilePx);
+  const ClipTiles tiles{image.width, image.height, kTilePx};
+  const std::size_t bytes = tiles.map_bytes();
   std::fill_n(tiles_.begin(), bytes, std::byte{0});
-  const int columns = tiles_across(image.width, kTilePx), rows = tiles_across(image.height, kTilePx);
+  const int columns = tiles.columns(), rows = tiles.rows();
   const auto tile_of = [](int px, int count) { return std::clamp(px / kTilePx, 0, count - 1); };
   for (const Region& region : frame.regions.regions) {
     if (!is_of_pattern_or_ball(region.label)) continue;

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clips/clip_format.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <zlib.h>
+
+namespace sslv {
+namespace {
+
+// Bits of a frame's flags.
+constexpr std::uint32_t kHasCameraTime = 1, kHasSigma = 2, kIsByPtp = 4, kIsDeep = 8;
+// Bits of an index line's flags.
+constexpr std::uint32_t kHasMemory = 1, kIsWhole = 2;
+
+/// By their numbers in the file, which stay when the list in image.h changes.
+constexpr std::array kFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,     PixelFormat::kRgb24,
+                              PixelFormat::kBgr24,    PixelFormat::kMono8,    PixelFormat::kBayerRg8,
+                              PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8};
+
+void put_f64(std::span<std::byte> bytes, std::size_t place, double value) {
+  put_u64(bytes, place, std::bit_cast<std::uint64_t>(value));
+}
+
+double f64_at(std::span<const std::byte> bytes, std::size_t place) {
+  return std::bit_cast<double>(u64_at(bytes, place));
+}
+
+int i32_at(std::span<const std::byte> bytes, std::size_t place) {
+  return static_cast<int>(u32_at(bytes, place));
+}
+
+void put_text(std::span<std::byte> bytes, std::string_view text) {
+  std::ranges::transform(text, bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+}
+
+bool is_text(std::span<const std::byte> bytes, std::string_view text) {
+  return std::ranges::equal(bytes, text, {}, {}, [](char c) { return static_cast<std::byte>(c); });
+}
+
+}  // namespace
+
+std::uint32_t u32_at(std::span<const std::byte> bytes, std::size_t place) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) value = value << 8U | std::to_integer<std::uint32_t>(bytes[place + i]);
+  return value;
+}
+
+std::uint64_t u64_at(std::span<const std::byte> bytes, std::size_t place) {
+  return u32_at(bytes, place) | std::uint64_t{u32_at(bytes, place + 4)} << 32U;
+}
+
+void put_u32(std::span<std::byte> bytes, std::size_t place, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) bytes[place + i] = static_cast<std::byte>(value >> 8 * i);
+}
+
+void put_u64(std::span<std::byte> bytes, std::size_t place, std::uint64_t value) {
+  for (std::size_t i = 0; i < 8; ++i) bytes[place + i] = static_cast<std::byte>(value >> 8 * i);
+}
+
+std::uint32_t clip_sum(std::span<const std::byte> bytes, std::uint32_t sum) {
+  if (bytes.empty()) return sum;  // zlib takes a null pointer for the wish to begin
+  return static_cast<std::uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+std::array<std::byte, kClipHeadBytes> clip_head() {
+  std::array<std::byte, kClipHeadBytes> out{};
+  put_text(out, kClipMagic);
+  put_u32(out, kClipMagic.size(), kClipVersion);
+  return out;
+}
+
+std::array<std::byte, kClipTrailerBytes> clip_trailer(std::uint64_t index_place) {
+  std::array<std::byte, kClipTrailerBytes> out{};
+  put_u64(out, 0, index_place);
+  put_text(std::span(out).subspan(8), kClipTrailerMagic);
+  return out;
+}
+
+std::optional<std::uint64_t> index_place_of(std::span<const std::byte, kClipTrailerBytes> trailer) {
+  if (!is_text(trailer.subspan(8), kClipTrailerMagic)) return std::nullopt;
+  return u64_at(trailer, 0);
+}
+
+std::array<std::byte, kClipBlockBytes> encoded(const ClipBlockHead& head) {
+  std::array<std::byte, kClipBlockBytes> out{};
+  put_u32(out, 0, head.type);
+  put_u32(out, 4, head.camera_id);
+  put_u64(out, 8, head.bytes);
+  put_u64(out, 16, static_cast<std::uint64_t>(head.time_ns));
+  put_u32(out, 24, head.sum);
+  put_u32(out, 28, clip_sum(std::span(out).first(28)));
+  return out;
+}
+
+std::optional<ClipBlockHead> block_head_of(std::span<const std::byte, kClipBlockBytes> bytes) {
+  if (u32_at(bytes, 28) != clip_sum(bytes.first(28))) return std::nullopt;
+  return ClipBlockHead{.type = u32_at(bytes, 0),
+                       .camera_id = u32_at(bytes, 4),
+                       .bytes = u64_at(bytes, 8),
+                       .time_ns = static_cast<std::int64_t>(u64_at(bytes, 16)),
+                       .sum = u32_at(bytes, 24)};
+}
+
+std::array<std::byte, kClipFrameBytes> encoded(const ClipFrameHead& head) {
+  const CaptureTimes& times = head.info.times;
+  const WholePicture& whole = head.info.whole;
+  std::array<std::byte, kClipFrameBytes> out{};
+  put_u32(out, 0, head.info.number);
+  put_u32(out, 4, head.setup);
+  put_f64(out, 8, times.t_capture_s);
+  put_f64(out, 16, times.t_capture_camera_s.value_or(0));
+  put_f64(out, 24, times.t_capture_sigma_s.value_or(0));
+  put_u32(out, 32,
+          (times.t_capture_camera_s ? kHasCameraTime : 0) | (times.t_capture_sigma_s ? kHasSigma : 0) |
+              (times.is_by_ptp ? kIsByPtp : 0) | (head.is_deep ? kIsDeep : 0));
+  put_u32(out, 36, static_cast<std::uint32_t>(std::ranges::find(kFormats, head.format) - kFormats.begin()));
+  put_u32(out, 40, static_cast<std::uint32_t>(head.width));
+  put_u32(out, 44, static_cast<std::uint32_t>(head.height));
+  put_u32(out, 48, static_cast<std::uint32_t>(whole.width));
+  put_u32(out, 52, static_cast<std::uint32_t>(whole.height));
+  put_u32(out, 56, static_cast<std::uint32_t>(whole.x));
+  put_u32(out, 60, static_cast<std::uint32_t>(whole.y));
+  put_u32(out, 64, static_cast<std::uint32_t>(head.tile_px));
+  put_u64(out, 72, head.packet_bytes);
+  put_u64(out, 80, head.memory_bytes);
+  put_u64(out, 88, head.tiles_bytes);
+  put_u64(out, 96, head.image_bytes);
+  put_u64(out, 104, head.base);
+  put_u32(out, 124, clip_sum(std::span(out).first(124)));
+  return out;
+}
+
+std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrameBytes> bytes,
+                                           std::uint64_t payload_bytes, std::uint64_t place) {
+  if (u32_at(bytes, 124) != clip_sum(bytes.first(124))) return std::nullopt;
+  ClipFrameHead head;
+  head.info.number = u32_at(bytes, 0);
+  head.setup = u32_at(bytes, 4);
+  const std::uint32_t flags = u32_at(bytes, 32);
+  CaptureTimes& times = head.info.times;
+  times.t_capture_s = f64_at(bytes, 8);
+  if ((flags & kHasCameraTime) != 0) times.t_capture_camera_s = f64_at(bytes, 16);
+  if ((flags & kHasSigma) != 0) times.t_capture_sigma_s = f64_at(bytes, 24);
+  times.is_by_ptp = (flags & kIsByPtp) != 0;
+  head.is_deep = (flags & kIsDeep) != 0;
+  for (const double time_s :
+       {times.t_capture_s, times.t_capture_camera_s.value_or(0), times.t_capture_sigma_s.value_or(0)}) {
+    if (!std::isfinite(time_s)) return std::nullopt;
+  }
+  const std::uint32_t format = u32_at(bytes, 36);
+  if (format >= kFormats.size()) return std::nullopt;
+  head.format = kFormats[format];
+  head.width = i32_at(bytes, 40);
+  head.height = i32_at(bytes, 44);
+  WholePicture& whole = head.info.whole;
+  whole = {.width = i32_at(bytes, 48),
+           .height = i32_at(bytes, 52),
+           .x = i32_at(bytes, 56),
+           .y = i32_at(bytes, 60)};
+  // A sensor's size and a place on it, so that sums of them are numbers, too.
+  constexpr int kMaxSide = 1 << 20;
+  for (const int number : {whole.width, whole.height, whole.x, whole.y}) {
+    if (number < 0 || number > kMaxSide) return std::nullopt;
+  }
+  head.tile_px = i32_at(bytes, 64);
+  head.packet_bytes = u64_at(bytes, 72);
+  head.memory_bytes = u64_at(bytes, 80);
+  head.tiles_bytes = u64_at(bytes, 88);
+  head.image_bytes = u64_at(bytes, 96);
+  head.base = u64_at(bytes, 104);
+
+  std::uint64_t rest = payload_bytes;
+  for (const std::uint64_t part : {std::uint64_t{kClipFrameBytes}, head.packet_bytes, head.memory_bytes,
+                                   head.tiles_bytes, head.image_bytes}) {
+    if (part > rest) return std::nullopt;
+    rest -= part;
+  }
+  if (rest != 0) return std::nullopt;
+  const bool has_image = head.width != 0 || head.height != 0;
+  if (has_image && !is_valid_size(head.format, head.width, head.height)) return std::nullopt;
+  const std::uint64_t most_image_bytes =
+      has_image ? clip_plane_bytes(head.format, head.width, head.height) * (head.is_deep ? 2 : 1) : 0;
+  if (head.tile_px == 0)
+    return head.image_bytes == most_image_bytes && head.tiles_bytes == 0 ? std::optional(head) : std::nullopt;
+  constexpr int kMaxTile = 16384;
+  if (!has_image || head.tile_px < 0 || head.tile_px > kMaxTile) return std::nullopt;
+  const ClipTiles tiles{head.width, head.height, head.tile_px};
+  if (head.tiles_bytes != tiles.map_bytes() || head.image_bytes > most_image_bytes) return std::nullopt;
+  if (head.base >= place) return std::nullopt;
+  return head;
+}
+
+std::array<std::byte, kClipIndexBytes> encoded(const ClipIndexLine& line) {
+  std::array<std::byte, kClipIndexBytes> out{};
+  put_u64(out, 0, line.place);
+  put_u64(out, 8, line.bytes);
+  put_f64(out, 16, line.t_capture_s);
+  put_u32(out, 24, line.type);
+  put_u32(out, 28, line.camera_id);
+  put_u32(out, 32, line.number);
+  put_u32(out, 36, (line.has_memory ? kHasMemory : 0) | (line.is_whole ? kIsWhole : 0));
+  return out;
+}
+
+ClipIndexLine index_line_of(std::span<const std::byte, kClipIndexBytes> bytes) {
+  const std::uint32_t flags = u32_at(bytes, 36);
+  return {.place = u64_at(bytes, 0),
+          .bytes = u64_at(bytes, 8),
+          .t_capture_s = f64_at(bytes, 16),
+          .type = u32_at(bytes, 24),
+          .camera_id = u32_at(bytes, 28),
+          .number = u32_at(bytes, 32),
+          .has_memory = (flags & kHasMemory) != 0,
+          .is_whole = (flags & kIsWhole) != 0};
+}
+
+}  // namespace sslv

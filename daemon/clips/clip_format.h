@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// How a clip's bytes lie, for its writer and its reader. docs/recording.md describes the same for authors of
+// tools: keep both alike. All numbers are little-endian.
+
+#include "clips/clip.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace sslv {
+
+/// Like PNG's: a byte that is no ASCII, and line ends that a transfer as text would change.
+inline constexpr std::string_view kClipMagic = "\x89SSL_CLIP\r\n\x1a";
+inline constexpr std::uint32_t kClipVersion = 1;
+inline constexpr std::size_t kClipHeadBytes = 16;     // of the file
+inline constexpr std::size_t kClipBlockBytes = 32;    // before each block's payload
+inline constexpr std::size_t kClipFrameBytes = 128;   // at the beginning of a frame's payload
+inline constexpr std::size_t kClipSetupBytes = 16;    // at the beginning of a setup's payload
+inline constexpr std::size_t kClipMissingBytes = 8;   // the whole payload
+inline constexpr std::size_t kClipIndexBytes = 40;    // of each block that the index names
+inline constexpr std::size_t kClipTrailerBytes = 16;  // at the end of the file
+inline constexpr std::string_view kClipTrailerMagic = "SSL_CEND";
+
+/// JSON values take more memory than their text, so there is a limit for that of a block and for all of a
+/// clip.
+inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{4} << 20U;
+inline constexpr std::size_t kMaxClipJsonBytesInAll = std::size_t{64} << 20U;
+
+enum class ClipBlock : std::uint32_t { kAbout = 1, kSetup, kFrame, kEvent, kMissing, kIndex };
+
+struct ClipBlockHead {
+  std::uint32_t type = 0;  // ClipBlock, or one that a later program wrote
+  std::uint32_t camera_id = 0;
+  std::uint64_t bytes = 0;   // of the payload
+  std::int64_t time_ns = 0;  // Unix; 0: it has none
+  std::uint32_t sum = 0;     // CRC-32 of the payload
+};
+
+/// A frame's payload begins with this; then come packet, memory, tiles and image.
+struct ClipFrameHead {
+  FrameInfo info{};         // all but the camera's id, which the block has, and arrived_ns
+  std::uint32_t setup = 0;  // number
+  PixelFormat format = PixelFormat::kMono8;
+  int width = 0, height = 0;  // px; 0: without an image
+  bool is_deep = false;       // low bits follow the pixels
+  int tile_px = 0;            // 0: the whole image is there
+  std::uint64_t packet_bytes = 0, memory_bytes = 0, tiles_bytes = 0, image_bytes = 0;
+  std::uint64_t base = 0;  // with tiles: place in the file of the block with the whole image before
+};
+
+/// What the index says of a block.
+struct ClipIndexLine {
+  std::uint64_t place = 0;  // in the file
+  std::uint64_t bytes = 0;  // of the payload
+  double t_capture_s = 0;   // of a frame; 0 for others
+  std::uint32_t type = 0, camera_id = 0;
+  std::uint32_t number = 0;  // of a frame or setup; 0 for others
+  bool has_memory = false, is_whole = false;
+};
+
+std::array<std::byte, kClipHeadBytes> clip_head();
+std::array<std::byte, kClipBlockBytes> encoded(const ClipBlockHead& head);
+std::array<std::byte, kClipFrameBytes> encoded(const ClipFrameHead& head);
+std::array<std::byte, kClipIndexBytes> encoded(const ClipIndexLine& line);
+std::array<std::byte, kClipTrailerBytes> clip_trailer(std::uint64_t index_place);
+
+/// None where the bytes are damaged.
+std::optional<ClipBlockHead> block_head_of(std::span<const std::byte, kClipBlockBytes> bytes);
+/// None where the bytes are damaged, or cannot be a payload of `payload_bytes` at `place`; then all sizes
+/// in it fit each other.
+std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrameBytes> bytes,
+                                           std::uint64_t payload_bytes, std::uint64_t place);
+ClipIndexLine index_line_of(std::span<const std::byte, kClipIndexBytes> bytes);
+/// Place of the index; none: this is no trailer.
+std::optional<std::uint64_t> index_place_of(std::span<const std::byte, kClipTrailerBytes> trailer);
+
+std::uint32_t u32_at(std::span<const std::byte> bytes, std::size_t place);
+std::uint64_t u64_at(std::span<const std::byte> bytes, std::size_t place);
+void put_u32(std::span<std::byte> bytes, std::size_t place, std::uint32_t value);
+void put_u64(std::span<std::byte> bytes, std::size_t place, std::uint64_t value);
+
+/// CRC-32 as gzip has it, going on from `sum`.
+std::uint32_t clip_sum(std::span<const std::byte> bytes, std::uint32_t sum = 0);
+
+/// Zeros behind a payload, so that every block begins at a multiple of 8.
+constexpr std::size_t clip_padding(std::uint64_t payload_bytes) {
+  return static_cast<std::size_t>((8 - payload_bytes % 8) % 8);
+}
+/// Bytes of a block with its head and padding. `payload_bytes` must be below 2^63.
+constexpr std::uint64_t clip_block_bytes(std::uint64_t payload_bytes) {
+  return kClipBlockBytes + payload_bytes + clip_padding(payload_bytes);
+}
+
+/// The size of one plane: the pixels, or their low bits.
+constexpr std::size_t clip_plane_bytes(PixelFormat format, int width, int height) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+         static_cast<std::size_t>(bytes_per_pixel(format));
+}
+
+/// Square tiles over an image; those at the right and the lower edge may be smaller.
+struct ClipTiles {
+  int width = 0, height = 0;  // px of the image
+  int tile_px = 1;
+
+  int columns() const { return (width + tile_px - 1) / tile_px; }
+  int rows() const { return (height + tile_px - 1) / tile_px; }
+  /// Of the map with a bit for each.
+  std::size_t map_bytes() const {
+    return (static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows()) + 7) / 8;
+  }
+  /// Calls `row(x, y, pixels)` for each row of pixels of each marked tile, in the order of the file.
+  /// `map` has map_bytes().
+  template <class Row>
+  void each_row(std::span<const std::byte> map, const Row& row) const {
+    std::size_t tile = 0;
+    for (int top = 0; top < height; top += tile_px) {
+      const int bottom = top + (tile_px < height - top ? tile_px : height - top);
+      for (int left = 0; left < width; left += tile_px, ++tile) {
+        if ((std::to_integer<unsigned>(map[tile / 8]) >> tile % 8 & 1U) == 0) continue;
+        const int pixels = tile_px < width - left ? tile_px : width - left;
+        for (int y = top; y < bottom; ++y) row(left, y, pixels);
+      }
+    }
+  }
+  /// Of the marked tiles.
+  std::uint64_t pixels(std::span<const std::byte> map) const {
+    std::uint64_t count = 0;
+    each_row(map, [&](int, int, int row_pixels) { count += static_cast<std::uint64_t>(row_pixels); });
+    return count;
+  }
+};
+
+}  // namespace sslv

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clips/clip_writer.h"
+
+#include "base/error.h"
+#include "clips/clip_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+namespace sslv {
+namespace {
+
+/// So much of a clip may wait in memory for the disk, twice; more would push out what other programs need,
+/// and a disk that is slow would stop the writer for long at once.
+constexpr std::uint64_t kMaxUnwrittenBytes = 32ULL << 20U;
+
+std::int64_t ns_of(double time_s) {
+  constexpr double kMostNs = 9.2e18;
+  return std::isfinite(time_s) ? static_cast<std::int64_t>(std::clamp(time_s * 1e9, -kMostNs, kMostNs)) : 0;
+}
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+}  // namespace
+
+struct ClipWriter::File {
+  File(const std::filesystem::path& path, const ClipAbout& about)
+      : name(path.string()), fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640)) {
+    if (fd < 0) fail();
+    folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    try {
+      const auto head = clip_head();
+      parts.clear();
+      add_part(head);
+      write_parts(head.size());
+      const std::string text = json_text({{"format", "ssl-visiond clip"},
+                                          {"site", about.site},
+                                          {"version", about.version},
+                                          {"why", about.why},
+                                          {"begin_s", about.begin_s},
+                                          {"end_s", about.end_s}});
+      write_block(ClipBlock::kAbout, 0, ns_of(about.begin_s), {bytes_of(text)}, {});
+    } catch (...) {
+      ::close(fd);
+      throw;
+    }
+  }
+  ~File() { ::close(fd); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  [[noreturn]] void fail() const {
+    throw StorageError(fmt::format("{}: cannot be written: {}", name, std::strerror(errno)));
+  }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw StorageError(fmt::format("{}: {}", name, why));
+  }
+
+  /// Within the limits that its reader has.
+  std::string json_text(const Json& json) {
+    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (text.size() > kMaxClipJsonBytes || json_bytes + text.size() > kMaxClipJsonBytesInAll)
+      refuse(fmt::format("settings and events of a clip are limited to {} MiB each and {} MiB together",
+                         kMaxClipJsonBytes >> 20U, kMaxClipJsonBytesInAll >> 20U));
+    json_bytes += text.size();
+    return text;
+  }
+
+  void add_part(std::span<const std::byte> part) {
+    if (part.empty()) return;
+    parts.push_back({const_cast<std::byte*>(part.data()), part.size()});  // writev only reads it
+  }
+
+  /// Writes what `parts` names, behind what is there. What was written in part is cut off again, so that the
+  /// file ends with a block.
+  void write_parts(std::uint64_t count) {
+    if (is_broken) refuse("cannot be written: it could not be shortened after an earlier error");
+    std::size_t done = 0;
+    while (done < parts.size()) {
+      const std::size_t some = std::min<std::size_t>(parts.size() - done, IOV_MAX);
+      ssize_t got = ::writev(fd, &parts[done], static_cast<int>(some));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) {
+        const int why = errno;
+        is_broken = ::ftruncate(fd, static_cast<off_t>(size)) != 0 ||
+                    ::lseek(fd, static_cast<off_t>(size), SEEK_SET) < 0;
+        errno = why;
+        fail();
+      }
+      for (; done < parts.size() && static_cast<std::size_t>(got) >= parts[done].iov_len; ++done)
+        got -= static_cast<ssize_t>(parts[done].iov_len);
+      if (got == 0) continue;
+      parts[done].iov_base = static_cast<char*>(parts[done].iov_base) + got;
+      parts[done].iov_len -= static_cast<std::size_t>(got);
+    }
+    size += count;
+  }
+
+  /// Lets the disk begin with what is new, waits for what it had before, and gives that memory back.
+  void hand_on() {
+    sync_range(handed_on, size - handed_on, SYNC_FILE_RANGE_WRITE);
+    if (handed_on > written)
+      sync_range(written, handed_on - written,
+                 SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
+    ::posix_fadvise(fd, 0, static_cast<off_t>(handed_on), POSIX_FADV_DONTNEED);
+    written = handed_on;
+    handed_on = size;
+  }
+  /// What a disk says here it does not say again. Some file systems know no ranges; finish() is enough there.
+  void sync_range(std::uint64_t begin, std::uint64_t count, unsigned how) const {
+    if (::sync_file_range(fd, static_cast<off_t>(begin), static_cast<off_t>(count), how) == 0) return;
+    if (errno == EIO || errno == ENOSPC || errno == EDQUOT) fail();
+  }
+
+  void write_block(ClipBlock type, std::uint32_t camera_id, std::int64_t time_ns,
+                   std::initializer_list<std::span<const std::byte>> payload, ClipIndexLine line) {
+    parts.assign(1, {});
+    std::uint32_t sum = 0;
+    std::uint64_t count = 0;
+    for (const std::span<const std::byte> part : payload) {
+      sum = clip_sum(part, sum);
+      count += part.size();
+      add_part(part);
+    }
+    finish_block(type, camera_id, time_ns, sum, count, line);
+  }
+
+  /// Writes a block whose payload lies in parts[1] and the following.
+  void finish_block(ClipBlock type, std::uint32_t camera_id, std::int64_t time_ns, std::uint32_t sum,
+                    std::uint64_t count, ClipIndexLine line) {
+    const auto head = encoded(ClipBlockHead{.type = static_cast<std::uint32_t>(type),
+                                            .camera_id = camera_id,
+                                            .bytes = count,
+                                            .time_ns = time_ns,
+                                            .sum = sum});
+    parts[0] = {const_cast<std::byte*>(head.data()), head.size()};
+    if (size - handed_on >= kMaxUnwrittenBytes) hand_on();
+    constexpr std::array<std::byte, 8> kPadding{};
+    add_part(std::span(kPadding).first(clip_padding(count)));
+    line.place = size;
+    line.bytes = count;
+    line.type = static_cast<std::uint32_t>(type);
+    line.camera_id = camera_id;
+    index.reserve(index.size() + 1);  // what was written is never missing in it
+    write_parts(clip_block_bytes(count));
+    index.push_back(line);
+  }
+
+  /// The rows of one plane, which lies `offset` bytes behind the image's.
+  void add_plane(const ImageView& image, std::ptrdiff_t offset, std::uint32_t& sum) {
+    const std::size_t row_bytes = clip_plane_bytes(image.format, image.width, 1);
+    const bool is_tight = image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes);
+    const std::size_t piece = is_tight ? row_bytes * static_cast<std::size_t>(image.height) : row_bytes;
+    for (int y = 0; y < (is_tight ? 1 : image.height); ++y) {
+      const auto rows = std::as_bytes(std::span(image.row(y) + offset, piece));
+      sum = clip_sum(rows, sum);
+      add_part(rows);
+    }
+  }
+
+  /// Copies the marked tiles of one plane to `tiles`.
+  void gather_tiles(const ImageView& image, std::ptrdiff_t offset, const ClipTiles& grid,
+                    std::span<const std::byte> map) {
+    const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(image.format));
+    grid.each_row(map, [&](int x, int y, int pixels) {
+      const std::byte* row = reinterpret_cast<const std::byte*>(image.row(y) + offset) +
+                             static_cast<std::size_t>(x) * pixel_bytes;
+      tiles.insert(tiles.end(), row, row + static_cast<std::size_t>(pixels) * pixel_bytes);
+    });
+  }
+
+  struct Base {
+    std::uint64_t place = 0;
+    int width = 0, height = 0;
+    PixelFormat format = PixelFormat::kMono8;
+    bool is_deep = false;
+  };
+
+  const std::string name;
+  std::filesystem::path folder;
+  const int fd;
+  std::uint64_t size = 0;
+  std::uint64_t handed_on = 0, written = 0;  // the disk has begun with it; it is there
+  bool is_broken = false;
+  std::vector<iovec> parts;      // of the block that is written
+  std::vector<std::byte> tiles;  // of the frame that is written
+  std::vector<ClipIndexLine> index;
+  std::map<std::uint32_t, Base> bases;  // each camera's newest whole image
+  std::uint32_t setups = 0;
+  std::size_t json_bytes = 0;
+};
+
+ClipWriter::ClipWriter(const std::filesystem::path& file, const ClipAbout& about)
+    : file_(std::make_unique<File>(file, about)) {}
+
+ClipWriter::~ClipWriter() = default;
+
+std::uint32_t ClipWriter::add(const ClipSetup& setup) {
+  const std::string text = file_->json_text(setup.about);
+  std::array<std::byte, kClipSetupBytes> head{};
+  put_u32(head, 0, file_->setups);
+  put_u64(head, 8, text.size());
+  ClipIndexLine line;
+  line.number = file_->setups;
+  file_->write_block(ClipBlock::kSetup, static_cast<std::uint32_t>(setup.camera_id), 0,
+                     {head, bytes_of(text), setup.table}, line);
+  return file_->setups++;
+}
+
+void ClipWriter::add(const ClipFrame& frame) {
+  const ImageView& image = frame.image;
+  const std::uint32_t camera_id = frame.info.camera_id;
+  if (frame.setup >= file_->setups)
+    file_->refuse(fmt::format("a frame of camera {} has setup {}, but {} were added", camera_id, frame.setup,
+                              file_->setups));
+  if (!image.empty() && !is_valid_size(image.format, image.width, image.height))
+    file_->refuse(fmt::format("a frame of camera {} has {}x{} px, which a clip cannot hold", camera_id,
+                              image.width, image.height));
+  ClipFrameHead head;
+  head.info = frame.info;
+  CaptureTimes& times = head.info.times;
+  if (!std::isfinite(times.t_capture_s))
+    file_->refuse(fmt::format("a frame of camera {} has no time", camera_id));
+  for (std::optional<double>* time_s : {&times.t_capture_camera_s, &times.t_capture_sigma_s}) {
+    if (*time_s && !std::isfinite(**time_s)) time_s->reset();
+  }
+  head.setup = frame.setup;
+  head.format = image.format;
+  head.packet_bytes = frame.packet.size();
+  head.memory_bytes = frame.memory.size();
+  if (!image.empty()) {
+    head.width = image.width;
+    head.height = image.height;
+    head.is_deep = image.to_low_bits != 0;
+    head.image_bytes = clip_plane_bytes(image.format, image.width, image.height) * (head.is_deep ? 2 : 1);
+  }
+  file_->tiles.clear();
+  const bool is_in_tiles = frame.tile_px != 0 && !image.empty();
+  if (is_in_tiles) {
+    const auto base = file_->bases.find(camera_id);
+    if (base == file_->bases.end() || base->second.width != image.width ||
+        base->second.height != image.height || base->second.format != image.format ||
+        base->second.is_deep != head.is_deep)
+      file_->refuse(fmt::format(
+          "a frame of camera {} is there in parts, but no whole one of its size was before it", camera_id));
+    const ClipTiles grid{image.width, image.height, std::max(1, frame.tile_px)};
+    if (frame.tile_px < 0 || frame.tile_px > 16384 || frame.tiles.size() != grid.map_bytes())
+      file_->refuse(fmt::format("a frame of camera {} has {} bytes for its tiles of {} px; expected {}",
+                                camera_id, frame.tiles.size(), frame.tile_px, grid.map_bytes()));
+    file_->gather_tiles(image, 0, grid, frame.tiles);
+    if (head.is_deep) file_->gather_tiles(image, image.to_low_bits, grid, frame.tiles);
+    head.tile_px = frame.tile_px;
+    head.tiles_bytes = frame.tiles.size();
+    head.image_bytes = file_->tiles.size();
+    head.base = base->second.place;
+  }
+
+  const auto head_bytes = encoded(head);
+  file_->parts.assign(1, {});
+  std::uint32_t sum = 0;
+  for (const std::span<const std::byte> part :
+       {std::span<const std::byte>(head_bytes), frame.packet, frame.memory,
+        is_in_tiles ? frame.tiles : std::span<const std::byte>{}, std::span<const std::byte>(file_->tiles)}) {
+    sum = clip_sum(part, sum);
+    file_->add_part(part);
+  }
+  const bool is_whole = !image.empty() && !is_in_tiles;
+  if (is_whole) {
+    file_->add_plane(image, 0, sum);
+    if (head.is_deep) file_->add_plane(image, image.to_low_bits, sum);
+  }
+  ClipIndexLine line;
+  line.t_capture_s = head.info.times.t_capture_s;
+  line.number = head.info.number;
+  line.has_memory = head.memory_bytes > 0;
+  line.is_whole = is_whole;
+  const std::uint64_t place = file_->size;
+  file_->finish_block(
+      ClipBlock::kFrame, camera_id, ns_of(line.t_capture_s), sum,
+      kClipFrameBytes + head.packet_bytes + head.memory_bytes + head.tiles_bytes + head.image_bytes, line);
+  if (is_whole) file_->bases[camera_id] = {place, head.width, head.height, head.format, head.is_deep};
+}
+
+void ClipWriter::add(const ClipEvent& event) {
+  const std::string text =
+      file_->json_text({{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}});
+  file_->write_block(ClipBlock::kEvent, 0, ns_of(event.time_s), {bytes_of(text)}, {});
+}
+
+void ClipWriter::note_missing(std::uint32_t camera_id, std::uint64_t frames) {
+  std::array<std::byte, kClipMissingBytes> bytes{};
+  put_u64(bytes, 0, frames);
+  file_->write_block(ClipBlock::kMissing, camera_id, 0, {bytes}, {});
+}
+
+void ClipWriter::finish() {
+  std::vector<std::byte> lines;
+  lines.reserve(file_->index.size() * kClipIndexBytes);
+  for (const ClipIndexLine& line : file_->index) {
+    const auto bytes = encoded(line);
+    lines.insert(lines.end(), bytes.begin(), bytes.end());
+  }
+  const std::uint64_t place = file_->size;
+  file_->write_block(ClipBlock::kIndex, 0, 0, {lines}, {});
+  const auto trailer = clip_trailer(place);
+  file_->parts.clear();
+  file_->add_part(trailer);
+  file_->write_parts(trailer.size());
+  if (::fdatasync(file_->fd) != 0) file_->fail();
+  const int folder = ::open(file_->folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) file_->fail();
+  const bool is_there = ::fsync(folder) == 0;
+  const int why = errno;
+  ::close(folder);
+  errno = why;
+  if (!is_there) file_->fail();
+  ::posix_fadvise(file_->fd, 0, 0, POSIX_FADV_DONTNEED);
+}
+
+std::uint64_t ClipWriter::bytes() const {
+  return file_->size;
+}
+
+}  // namespace sslv
