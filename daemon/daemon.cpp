@@ -18,6 +18,7 @@
 #include "services/network/network_service.h"
 #include "services/recording/clip_service.h"
 #include "services/recording/recording_service.h"
+#include "services/recording/replay_service.h"
 #include "services/settings/profile_service.h"
 #include "services/settings/settings_service.h"
 #include "services/sources/source_service.h"
@@ -109,14 +110,18 @@ struct ColorParts {
 };
 
 struct RecordingParts {
-  RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras)
+  RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras,
+                 ColorParts& colors)
       : files(kept.folder.path() / RecordingFiles::kFolderName),
         service(settings.config(), files, network.service.referee()),
-        clips(settings.config(), files, cameras.running, network.service.referee()) {}
+        clips(settings.config(), files, cameras.running, network.service.referee()),
+        replay(settings.config(), files, cameras.running,
+               [&colors](int camera_id) { return colors.learning.learnt_table(camera_id); }) {}
 
   RecordingFiles files;
   RecordingService service;
   ClipService clips;
+  ReplayService replay;
 };
 
 struct Panel {
@@ -141,7 +146,7 @@ struct Daemon::Parts {
         colors(kept, settings, network, cameras),
         sources(kept.folder, settings, cameras.running, file_folders(options)),
         verdict(settings.config(), cameras.running, network.service.referee()),
-        recording(kept, settings, network, cameras),
+        recording(kept, settings, network, cameras, colors),
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
@@ -158,6 +163,7 @@ struct Daemon::Parts {
                                    &network.service,
                                    &recording.service,
                                    &recording.clips,
+                                   &recording.replay,
                                    &status,
                                    &settings,
                                    &profiles,

@@ -33,7 +33,7 @@ rules='
   services              engines config web
   services/access       engines config web services
   services/network      engines config web services
-  services/recording    engines config web services replay services/cameras/cameras.h services/cameras/recorded_camera.h
+  services/recording    engines config web services replay services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/recorded_camera.h
   services/settings     engines config web services
   services/backup       engines config web services services/settings/settings_editor.h services/settings/settings_routes.h
   services/cameras      engines config web services services/network/teams.h

@@ -75,6 +75,10 @@ std::string command_text(int command) {
   return word(kCommands, "Command", command);
 }
 
+std::string stage_text(int stage) {
+  return word(kStages, "Stage", stage);
+}
+
 const char* name_of(MatchEvent::Kind kind) {
   return std::ranges::find(kKinds, kind, &KindName::kind)->name;
 }
@@ -108,7 +112,7 @@ void MatchEventFinder::add_referee(const LoggedMessage& message, std::vector<Mat
   };
   if (referee.has_stage() && stage_ != referee.stage()) {
     stage_ = referee.stage();
-    tell(MatchEvent::Kind::kStage, word(kStages, "Stage", *stage_));
+    tell(MatchEvent::Kind::kStage, stage_text(*stage_));
   }
   if (referee.has_command() && command_ != referee.command()) {
     command_ = referee.command();

@@ -26,6 +26,8 @@ struct MatchEvent {
 
 /// "Kick-off, yellow": the game controller's Command, for people.
 std::string command_text(int command);
+/// "First half": its Stage.
+std::string stage_text(int stage);
 
 const char* name_of(MatchEvent::Kind kind);
 /// Throws std::invalid_argument.

@@ -83,6 +83,11 @@ std::shared_ptr<const LearningReport> LearningService::report_of(int camera_id) 
   return report;
 }
 
+std::shared_ptr<const Lut> LearningService::learnt_table(int camera_id) const {
+  const auto report = jobs_.job(camera_id).report;
+  return report ? report->learnt.lut : nullptr;
+}
+
 Response LearningService::cancel(const Request& request) {
   const int camera_id = path_camera_id(request);
   if (!jobs_.cancel(camera_id))

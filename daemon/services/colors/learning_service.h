@@ -21,6 +21,9 @@ class LearningService final : public Service, public CameraObserver {
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
   std::vector<Route> routes() override;
 
+  /// What waits to be accepted for this camera; null: nothing does.
+  std::shared_ptr<const Lut> learnt_table(int camera_id) const;
+
  private:
   Json state_json(int camera_id) const;
   /// Of a finished job. Throws HttpError 409.

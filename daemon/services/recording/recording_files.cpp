@@ -128,11 +128,13 @@ std::optional<RecordingFile> RecordingFiles::find(const std::string& name) const
                     .kind = is_clip(path) ? RecordingFile::Kind::kClip : RecordingFile::Kind::kMatchLog,
                     .bytes = size_of(path),
                     .is_pinned = fs::exists(pin_of(path), error),
+                    .is_open = false,
                     .index = {},
                     .clip = {},
                     .problem = {}};
   const std::lock_guard lock(mutex_);
-  if (const auto known = known_.find(name); known != known_.end() && !open_names_.contains(name)) {
+  out.is_open = open_names_.contains(name);
+  if (const auto known = known_.find(name); known != known_.end() && !out.is_open) {
     out.index = known->second.index;
     out.clip = known->second.clip;
     out.problem = known->second.problem;

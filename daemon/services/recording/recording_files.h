@@ -36,7 +36,7 @@ struct RecordingFile {
   std::string name;
   Kind kind = Kind::kMatchLog;
   std::uint64_t bytes = 0;
-  bool is_pinned = false;
+  bool is_pinned = false, is_open = false;  // open: it is being written
   // Of its kind; null while it is made, and when it cannot be.
   std::shared_ptr<const MatchLogIndex> index;
   std::shared_ptr<const ClipFacts> clip;

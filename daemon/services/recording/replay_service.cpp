@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/replay_service.h"
+
+#include "base/background.h"
+#include "base/error.h"
+#include "replay/replay_clip.h"
+#include "services/cameras/camera_routes.h"
+#include "services/recording/recording_request.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kMaxDifferences = 2000;
+constexpr std::array<std::string_view, 3> kWithNames{"recorded_settings", "settings_now", "learnt_colors"};
+constexpr std::array<const char*, 4> kStateNames{"idle", "running", "done", "failed"};
+constexpr int kMaxPlace = 100'000'000;
+
+const char* name_of(ClipDifference::Kind kind) {
+  switch (kind) {
+    case ClipDifference::Kind::kFound: return "found";
+    case ClipDifference::Kind::kLost: return "lost";
+    case ClipDifference::Kind::kMoved: return "moved";
+    case ClipDifference::Kind::kIdChanged: return "id";
+  }
+  return "";
+}
+
+std::string what_of(const ClipDifference& difference) {
+  if (!difference.team) return "ball";
+  const int id = difference.id_after >= 0 ? difference.id_after : difference.id_before;
+  return fmt::format("{} {}", *difference.team == Team::kBlue ? "blue" : "yellow", id);
+}
+
+}  // namespace
+
+ReplayService::ReplayService(const Snapshot<Config>& config, const RecordingFiles& files, Cameras& cameras,
+                             LearntTable learnt_table)
+    : config_(config),
+      files_(files),
+      cameras_(cameras),
+      learnt_table_(std::move(learnt_table)),
+      thread_([this](const std::stop_token& stop) {
+        become_background_thread("compare", 15);
+        compare(stop);
+      }) {}
+
+std::vector<Route> ReplayService::routes() {
+  const auto call = [this](Response (ReplayService::*handle)(const Request&)) -> Handler {
+    return [this, handle](const Request& request) { return (this->*handle)(request); };
+  };
+  return {{"GET", "/api/recordings/clips/([^/]+)/frames", call(&ReplayService::get_frames)},
+          {"GET", "/api/recordings/clips/([^/]+)/frames/([0-9]+)", call(&ReplayService::get_frame)},
+          {"GET", "/api/recordings/clips/([^/]+)/frames/([0-9]+)/picture", call(&ReplayService::get_picture)},
+          {"GET", "/api/recordings/logs/([^/]+)/at", call(&ReplayService::get_moment)},
+          // Also while a match locks the settings: it changes none.
+          {"POST", "/api/recordings/clips/([^/]+)/compare", call(&ReplayService::start_comparison),
+           Needs::kChange},
+          {"GET", "/api/recordings/compare",
+           [this](const Request&) { return json_response(comparison_state()); }}};
+}
+
+RecordingFile ReplayService::find(const Request& request, RecordingFile::Kind kind) const {
+  auto file = files_.find(request.matches.at(1));
+  if (!file || file->kind != kind) throw HttpError(404, "there is no such recording");
+  if (file->is_open) throw HttpError(409, "it is still being written");
+  return *std::move(file);
+}
+
+template <class Reader>
+std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<OpenOne<Reader>>& list,
+                                                                   const RecordingFile& file) {
+  const std::lock_guard lock(open_mutex_);
+  const auto found = std::ranges::find_if(
+      list, [&](const auto& one) { return one.name == file.name && one.bytes == file.bytes; });
+  if (found != list.end()) {
+    std::rotate(list.begin(), found, found + 1);
+    return list.front().open;
+  }
+  try {
+    OpenOne<Reader> one{file.name, file.bytes, std::make_shared<Open<Reader>>(files_.path_of(file.name))};
+    list.insert(list.begin(), std::move(one));
+  } catch (const std::runtime_error& error) {
+    throw HttpError(422, error.what());
+  }
+  if (list.size() > kMaxOpen) list.pop_back();
+  return list.front().open;
+}
+
+std::shared_ptr<ReplayService::Open<ClipReader>> ReplayService::find_clip(const Request& request) {
+  return opened(clips_, find(request, RecordingFile::Kind::kClip));
+}
+
+Response ReplayService::get_frames(const Request& request) {
+  const auto open = find_clip(request);
+  const std::lock_guard lock(open->mutex);
+  const ClipReader& clip = open->reader;
+  const double begin_s = clip.entries().empty() ? clip.about().begin_s : clip.entries().front().t_capture_s;
+  const double end_s = clip.entries().empty() ? begin_s : clip.entries().back().t_capture_s;
+  Json cameras = Json::array(), events = Json::array();
+  for (const ClipReader::Camera& camera : clip.cameras()) {
+    Json times = Json::array(), numbers = Json::array();
+    for (const std::size_t place : camera.frames) {
+      times.push_back(clip.entries()[place].t_capture_s - begin_s);
+      numbers.push_back(clip.entries()[place].number);
+    }
+    cameras.push_back({{"id", camera.id},
+                       {"missing", camera.missing},
+                       {"places", camera.frames},
+                       {"times_s", std::move(times)},
+                       {"numbers", std::move(numbers)}});
+  }
+  for (const ClipEvent& event : clip.events())
+    events.push_back({{"time_s", event.time_s - begin_s}, {"kind", event.kind}, {"text", event.text}});
+  return json_response({{"begin_s", begin_s},
+                        {"seconds", end_s - begin_s},
+                        {"why", clip.about().why},
+                        {"site", clip.about().site},
+                        {"version", clip.about().version},
+                        {"events", std::move(events)},
+                        {"cameras", std::move(cameras)}});
+}
+
+/// use(frame) while it lies in the reader's memory.
+template <class Use>
+Response with_frame(ClipReader& clip, const Request& request, const Use& use) {
+  const int place = read_whole_number("frame", request.matches.at(2), 0, kMaxPlace);
+  if (static_cast<std::size_t>(place) >= clip.entries().size())
+    throw HttpError(404, fmt::format("the clip has {} frames", clip.entries().size()));
+  try {
+    return use(clip.read(static_cast<std::size_t>(place)));
+  } catch (const ClipError& error) {
+    throw HttpError(422, error.what());
+  }
+}
+
+Response ReplayService::get_frame(const Request& request) {
+  const auto open = find_clip(request);
+  const std::lock_guard lock(open->mutex);
+  return with_frame(open->reader, request, [&](const ClipFrame& frame) {
+    const ClipReader& clip = open->reader;
+    Json out =
+        detections_json_of(frame.packet).value_or(Json{{"robots", Json::array()}, {"balls", Json::array()}});
+    out.update({{"camera", frame.info.camera_id},
+                {"number", frame.info.number},
+                {"time_s", frame.info.times.t_capture_s - clip.entries().front().t_capture_s},
+                {"width", frame.image.width},
+                {"height", frame.image.height}});
+    return json_response(out);
+  });
+}
+
+Response ReplayService::get_picture(const Request& request) {
+  const auto open = find_clip(request);
+  const std::lock_guard lock(open->mutex);
+  return with_frame(open->reader, request,
+                    [&](const ClipFrame& frame) { return jpeg_response(frame.image, request); });
+}
+
+Response ReplayService::get_moment(const Request& request) {
+  constexpr double kMost_s = 1e6;
+  const auto text = request.query.find("time_s");
+  if (text == request.query.end()) throw HttpError(400, "time_s: expected s since the log's beginning");
+  const double at_s = read_number("time_s", text->second, 0, kMost_s);
+  const auto open = opened(logs_, find(request, RecordingFile::Kind::kMatchLog));
+  const std::lock_guard lock(open->mutex);
+  return json_response(open->reader.at(at_s));
+}
+
+Response ReplayService::start_comparison(const Request& request) {
+  const RecordingFile file = find(request, RecordingFile::Kind::kClip);
+  const Json body = body_json(request);
+  check_keys(body, {"camera", "with"});
+  Comparison order{.state = Comparison::State::kRunning, .clip = file.name};
+  if (body.contains("with")) {
+    const auto with =
+        std::ranges::find(kWithNames, body["with"].is_string() ? body["with"].get<std::string>() : "");
+    if (with == kWithNames.end())
+      throw HttpError(400, fmt::format("/with: expected one of {}", fmt::join(kWithNames, ", ")));
+    order.with = static_cast<With>(with - kWithNames.begin());
+  }
+  const auto open = opened(clips_, file);
+  {
+    const std::lock_guard lock(open->mutex);
+    const auto& cameras = open->reader.cameras();
+    if (cameras.empty()) throw HttpError(422, "the clip has no frames");
+    order.camera_id = static_cast<int>(cameras.front().id);
+    if (body.contains("camera")) {
+      const bool is_number =
+          body["camera"].is_number_unsigned() && body["camera"].get<std::uint64_t>() <= 255;
+      order.camera_id = is_number ? body["camera"].get<int>() : -1;
+    }
+    const auto camera =
+        std::ranges::find(cameras, static_cast<std::uint32_t>(order.camera_id), &ClipReader::Camera::id);
+    if (order.camera_id < 0 || camera == cameras.end())
+      throw HttpError(400, "/camera: expected the id of a camera that the clip has");
+    order.frames = camera->frames.size();
+  }
+  // Tables that the service keeps are taken from it: a clip's reader knows no such names.
+  if (order.with == With::kSettingsNow) order.table = cameras_.get(order.camera_id).context().adapted_lut;
+  if (order.with == With::kLearntColors) {
+    order.table = learnt_table_(order.camera_id);
+    if (!order.table) throw HttpError(409, "no learnt colours wait to be accepted for this camera");
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (comparison_.state == Comparison::State::kRunning)
+      throw HttpError(409, "another comparison is running; try again when it is done");
+    comparison_ = std::move(order);
+  }
+  ordered_.notify_one();
+  return json_response(comparison_state(), 202);
+}
+
+Json ReplayService::comparison_state() const {
+  const std::lock_guard lock(mutex_);
+  return {{"state", kStateNames[static_cast<std::size_t>(comparison_.state)]},
+          {"clip", comparison_.clip},
+          {"camera", comparison_.camera_id},
+          {"with", kWithNames[static_cast<std::size_t>(comparison_.with)]},
+          {"done", comparison_.done},
+          {"frames", comparison_.frames},
+          {"error", comparison_.error},
+          {"result", comparison_.result}};
+}
+
+void ReplayService::compare(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    Comparison order;
+    {
+      std::unique_lock lock(mutex_);
+      ordered_.wait(lock, stop, [&] { return comparison_.state == Comparison::State::kRunning; });
+      if (stop.stop_requested()) return;
+      order = comparison_;
+    }
+    Json result = nullptr;
+    std::string error;
+    try {
+      result = compared(order, stop);
+    } catch (const std::exception& problem) {
+      error = problem.what();
+    }
+    const std::lock_guard lock(mutex_);
+    comparison_.state = error.empty() ? Comparison::State::kDone : Comparison::State::kFailed;
+    comparison_.error = error;
+    comparison_.result = std::move(result);
+    comparison_.table.reset();
+  }
+}
+
+Json ReplayService::compared(const Comparison& order, const std::stop_token& stop) {
+  ClipReader clip(files_.path_of(order.clip));
+  OtherSetup other{.path = "the settings now", .table = order.table};
+  if (order.with == With::kSettingsNow) other.settings = config_.load();
+  ClipReplay replay(clip, static_cast<std::uint32_t>(order.camera_id), {},
+                    order.with == With::kRecordedSettings ? std::nullopt : std::optional(other));
+  ClipComparison comparison;
+  ClipReplay::Result result;
+  while (!stop.stop_requested() && replay.next(result)) {
+    comparison.add(result.recorded->packet, result.packet);
+    const std::lock_guard lock(mutex_);
+    ++comparison_.done;
+  }
+  const CompareLimits limits;
+  const DifferenceCounts &robots = comparison.robots(), &balls = comparison.balls();
+  Json differences = Json::array();
+  const ClipReader::Camera& camera = *clip.camera(static_cast<std::uint32_t>(order.camera_id));
+  std::size_t at = 0;  // of the camera's frames, which come in the same order
+  const double begin_s = clip.entries().front().t_capture_s;
+  for (const FrameDifferences& frame : comparison.different_frames()) {
+    while (at + 1 < camera.frames.size() && clip.entries()[camera.frames[at]].number != frame.number) ++at;
+    for (const ClipDifference& one : frame.differences) {
+      if (differences.size() >= kMaxDifferences) break;
+      differences.push_back({{"place", camera.frames[at]},
+                             {"time_s", frame.t_capture_s - begin_s},
+                             {"kind", name_of(one.kind)},
+                             {"what", what_of(one)},
+                             {"by_mm", one.moved_mm},
+                             {"by_deg", one.turned_deg},
+                             {"x_mm", one.x_mm},
+                             {"y_mm", one.y_mm},
+                             {"pixel_x", one.pixel_x},
+                             {"pixel_y", one.pixel_y}});
+    }
+  }
+  return {{"exact", replay.doubts().empty()},
+          {"why_not_exact", replay.doubts().empty() ? "" : replay.doubts().front()},
+          {"frames", comparison.frames()},
+          {"frames_that_differ", comparison.frames_that_differ()},
+          {"frames_with_other_bytes", comparison.frames_with_other_bytes()},
+          {"found", robots.found + balls.found},
+          {"lost", robots.lost + balls.lost},
+          {"moved", robots.moved + balls.moved},
+          {"id_changed", robots.id_changed},
+          {"largest_mm", std::max(robots.max_moved_mm, balls.max_moved_mm)},
+          {"threshold_mm", limits.moved_mm},
+          {"differences", std::move(differences)}};
+}
+
+}  // namespace sslv

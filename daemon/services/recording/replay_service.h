@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "clips/clip_reader.h"
+#include "image/jpeg.h"
+#include "recording/match_moment.h"
+#include "replay/compare_clip.h"
+#include "services/cameras/cameras.h"
+#include "services/recording/recording_files.h"
+#include "services/service.h"
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sslv {
+
+/// Shows recordings in the panel, frame by frame: clients say which one they want and keep the time
+/// themselves. Compares what a clip's frames give with other settings to what they gave live, in a thread of
+/// low priority.
+class ReplayService final : public Service {
+ public:
+  /// A colour table of that camera that waits to be accepted; null: there is none.
+  using LearntTable = std::function<std::shared_ptr<const Lut>(int camera_id)>;
+
+  /// All must outlive this.
+  ReplayService(const Snapshot<Config>& config, const RecordingFiles& files, Cameras& cameras,
+                LearntTable learnt_table);
+
+  // Service
+  std::vector<Route> routes() override;
+
+ private:
+  /// A recording that clients look at, kept open: those that were asked for last.
+  template <class Reader>
+  struct Open {
+    explicit Open(const std::filesystem::path& file) : reader(file) {}
+    Reader reader;
+    std::mutex mutex;  // one client at a time reads
+  };
+  template <class Reader>
+  struct OpenOne {
+    std::string name;
+    std::uint64_t bytes = 0;  // of the file: another one may have come in its place
+    std::shared_ptr<Open<Reader>> open;
+  };
+  static constexpr std::size_t kMaxOpen = 4;
+  template <class Reader>
+  std::shared_ptr<Open<Reader>> opened(std::vector<OpenOne<Reader>>& list, const RecordingFile& file);
+
+  enum class With { kRecordedSettings, kSettingsNow, kLearntColors };
+  struct Comparison {
+    enum class State { kIdle, kRunning, kDone, kFailed };
+    State state = State::kIdle;
+    std::string clip{};
+    int camera_id = 0;
+    With with = With::kRecordedSettings;
+    std::shared_ptr<const Lut> table{};
+    std::uint64_t done = 0, frames = 0;
+    std::string error{};
+    Json result = nullptr;
+  };
+  void compare(const std::stop_token& stop);
+  Json compared(const Comparison& order, const std::stop_token& stop);
+
+  RecordingFile find(const Request& request, RecordingFile::Kind kind) const;
+  std::shared_ptr<Open<ClipReader>> find_clip(const Request& request);
+  Response get_frames(const Request& request);
+  Response get_frame(const Request& request);
+  Response get_picture(const Request& request);
+  Response get_moment(const Request& request);
+  Response start_comparison(const Request& request);
+  Json comparison_state() const;
+
+  const Snapshot<Config>& config_;
+  const RecordingFiles& files_;
+  Cameras& cameras_;
+  const LearntTable learnt_table_;
+  std::mutex open_mutex_;  // guards the next two
+  std::vector<OpenOne<ClipReader>> clips_;
+  std::vector<OpenOne<MatchMoments>> logs_;
+  mutable std::mutex mutex_;  // guards the next one
+  Comparison comparison_;
+  std::condition_variable_any ordered_;
+  std::jthread thread_;  // last: it uses the others
+};
+
+}  // namespace sslv

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clips/image_ring.h"
+
+#include "clips/clip_format.h"
+#include "support/allocation_count.h"
+#include "support/clip_images.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+constexpr std::size_t kRingBytes = 1 << 20;
+
+std::vector<std::byte> bytes_of(const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Frame `number` arrives at that many milliseconds, and its image is told by its number.
+ClipFrame numbered(std::uint32_t number, const ImageView& image) {
+  ClipFrame frame;
+  frame.info.camera_id = 3;
+  frame.info.number = number;
+  frame.info.times.arrived_ns = std::int64_t{number} * 1'000'000;
+  frame.setup = number / 10;
+  frame.image = image;
+  return frame;
+}
+
+std::vector<std::uint32_t> held_numbers(ImageRing& ring) {
+  std::vector<std::uint32_t> out;
+  while (const ClipFrame* frame = ring.oldest_held()) {
+    out.push_back(frame->info.number);
+    ring.let_go();
+  }
+  return out;
+}
+
+TEST(ImageRing, GivesBackAllOfAFrame) {
+  ImageRing ring(kRingBytes);
+  const auto packet = bytes_of("packet"), memory = bytes_of("memory of stages");
+  for (const bool is_deep : {false, true}) {
+    const OwnedImage image = noise_image(PixelFormat::kBayerGb8, 62, 40, 7, 3, is_deep);
+    ClipFrame frame = numbered(is_deep ? 2 : 1, image.view);
+    frame.info.times.t_capture_s = 12.5;
+    frame.info.whole = {100, 90, 4, 6};
+    frame.packet = packet;
+    frame.memory = memory;
+    ASSERT_TRUE(ring.put(frame));
+    ring.hold(0, 10'000'000'000);
+    const ClipFrame* got = ring.oldest_held();
+    ASSERT_NE(got, nullptr);
+    EXPECT_EQ(got->info.number, frame.info.number);
+    EXPECT_EQ(got->info.times.t_capture_s, 12.5);
+    EXPECT_EQ(got->info.whole.x, 4);
+    EXPECT_EQ(got->image.format, PixelFormat::kBayerGb8);
+    EXPECT_EQ(pixels_of(got->image), pixels_of(image.view));
+    EXPECT_TRUE(std::ranges::equal(got->packet, packet));
+    EXPECT_TRUE(std::ranges::equal(got->memory, memory));
+    ring.let_go();
+    EXPECT_EQ(ring.oldest_held(), nullptr);
+  }
+}
+
+TEST(ImageRing, KeepsTheMarkedTiles) {
+  ImageRing ring(kRingBytes);
+  const OwnedImage image = noise_image(PixelFormat::kUyvy, 70, 50, 1, 6);
+  const ClipTiles tiles{70, 50, 32};
+  std::vector<std::byte> map(tiles.map_bytes());
+  map[0] = std::byte{0b100100};  // the third of the first row, the third of the second
+  ClipFrame frame = numbered(1, image.view);
+  frame.tile_px = 32;
+  frame.tiles = map;
+  ASSERT_TRUE(ring.put(frame));
+  ring.hold(0, 10'000'000'000);
+  const ClipFrame* got = ring.oldest_held();
+  ASSERT_NE(got, nullptr);
+  EXPECT_EQ(got->tile_px, 32);
+  tiles.each_row(got->tiles, [&](int x, int y, int pixels) {
+    EXPECT_EQ(std::memcmp(got->image.row(y) + 2 * x, image.view.row(y) + 2 * x,
+                          2 * static_cast<std::size_t>(pixels)),
+              0);
+  });
+}
+
+TEST(ImageRing, TheOldestMakeRoom) {
+  ImageRing ring(kRingBytes);
+  std::uint32_t number = 0;
+  for (; number < 500; ++number) {
+    // Sizes differ, so that frames do not always begin at the same places.
+    const OwnedImage image =
+        noise_image(PixelFormat::kMono8, 100 + static_cast<int>(number % 7) * 20, 100, number);
+    ASSERT_TRUE(ring.put(numbered(number, image.view)));
+    const ImageRing::Extent extent = ring.extent();
+    EXPECT_EQ(extent.newest_ns, std::int64_t{number} * 1'000'000);
+    EXPECT_EQ(extent.newest_ns - extent.oldest_ns, static_cast<std::int64_t>(extent.frames - 1) * 1'000'000);
+    EXPECT_EQ(extent.oldest_setup, extent.oldest_ns / 10'000'000);
+  }
+  EXPECT_GT(ring.extent().frames, 50U);
+  EXPECT_LT(ring.extent().frames, 100U);
+  EXPECT_EQ(ring.extent().dropped, 0U);
+  ring.hold(0, 10'000'000'000);
+  const auto kept = held_numbers(ring);
+  EXPECT_EQ(kept.back(), 499U);
+  for (std::size_t i = 1; i < kept.size(); ++i) EXPECT_EQ(kept[i], kept[i - 1] + 1);
+}
+
+TEST(ImageRing, WhatIsHeldStaysUntilItIsLetGo) {
+  ImageRing ring(kRingBytes);
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 256, 256, 1);
+  for (std::uint32_t number = 0; number < 10; ++number) ASSERT_TRUE(ring.put(numbered(number, image.view)));
+  ring.hold(4'000'000, 6'000'000);
+  // The ring goes on until it comes to what is held.
+  std::uint32_t number = 10;
+  while (ring.put(numbered(number, image.view))) ++number;
+  EXPECT_GT(number, 10U);
+  EXPECT_EQ(ring.extent().dropped, 1U);
+  EXPECT_FALSE(ring.put(numbered(number, image.view)));
+  ASSERT_NE(ring.oldest_held(), nullptr);
+  EXPECT_EQ(ring.oldest_held()->info.number, 4U);
+  ring.let_go();
+  EXPECT_TRUE(ring.put(numbered(number, image.view)));
+  ring.hold(4'000'000, 6'000'000);
+  EXPECT_THAT(held_numbers(ring), ::testing::ElementsAre(5, 6)) << "each is held once";
+  EXPECT_TRUE(ring.put(numbered(number, image.view)));
+  EXPECT_EQ(ring.extent().dropped, 2U);
+}
+
+TEST(ImageRing, WhatIsLargerThanItIsNotKept) {
+  ImageRing ring(1000);
+  EXPECT_FALSE(ring.put(numbered(1, noise_image(PixelFormat::kMono8, 256, 256, 1).view)));
+  EXPECT_EQ(ring.extent().frames, 0U);
+  EXPECT_EQ(ring.extent().dropped, 1U);
+  EXPECT_EQ(ring.extent().oldest_ns, 0);
+}
+
+TEST(ImageRing, AllocatesNothingForAFrame) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  ImageRing ring(kRingBytes);
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 256, 200, 1);
+  const std::uint64_t before = allocation_count();
+  for (std::uint32_t number = 0; number < 100; ++number) ring.put(numbered(number, image.view));
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST(ImageRing, TheKeeperReadsWholeFramesWhileTheCameraGoesOn) {
+  ImageRing ring(kRingBytes);
+  std::atomic<bool> ends = false;
+  std::thread camera([&] {
+    std::vector<std::uint8_t> pixels(128 * 128);
+    for (std::uint32_t number = 1; !ends; ++number) {
+      std::fill(pixels.begin(), pixels.end(), static_cast<std::uint8_t>(number));
+      ring.put(numbered(number, {pixels.data(), 128, 128, 128, PixelFormat::kMono8}));
+    }
+  });
+  std::uint32_t last = 0;
+  std::uint64_t frames = 0;
+  while (frames < 1000) {
+    const ImageRing::Extent extent = ring.extent();
+    ring.hold(extent.oldest_ns, extent.newest_ns);
+    while (const ClipFrame* frame = ring.oldest_held()) {
+      ASSERT_GT(frame->info.number, last);
+      last = frame->info.number;
+      const auto pixels = pixels_of(frame->image);
+      ASSERT_TRUE(std::ranges::all_of(
+          pixels, [&](std::uint8_t pixel) { return pixel == static_cast<std::uint8_t>(last); }));
+      ring.let_go();
+      ++frames;
+    }
+  }
+  ends = true;
+  camera.join();
+}
+
+}  // namespace
+}  // namespace sslv
