@@ -147,7 +147,7 @@ struct ClipReader::File {
     read_at(0, there);
     const auto known = clip_head();
     if (there.empty()) refuse("is no clip: it is empty");
-    if (std::ranges::equal(head, known)) return;
+    if (std::ranges::equal(there, known)) return;
     constexpr std::size_t kName = kClipMagic.size() - 3;  // without the line ends
     if (!std::ranges::equal(there.first(std::min(there.size(), kName)),
                             std::span(known).first(std::min(there.size(), kName))))
@@ -202,6 +202,8 @@ struct ClipReader::File {
                          {line.place, line.bytes}});
         continue;
       }
+      if (line.type == static_cast<std::uint32_t>(ClipBlock::kSetup) && line.number < most_setups(line.place))
+        setups_used = std::max<std::size_t>(setups_used, std::size_t{line.number} + 1);
       read_at(line.place, bytes);
       const auto block = block_head_of(bytes);
       if (!block || block->type != line.type || block->camera_id != line.camera_id ||
@@ -228,7 +230,7 @@ struct ClipReader::File {
                      frame_head_of(std::span(bytes).last<kClipFrameBytes>(), head->bytes, place)) {
         found.push_back({entry_of(*head, *frame_head), {place, head->bytes}});
         // What it was processed with may be damaged; the frame is there all the same.
-        if (frame_head->setup < place / kLeastSetupBytes)
+        if (frame_head->setup < most_setups(place))
           setups_used = std::max<std::size_t>(setups_used, std::size_t{frame_head->setup} + 1);
       }
       place += clip_block_bytes(head->bytes);
@@ -284,8 +286,7 @@ struct ClipReader::File {
     const std::uint32_t number = u32_at(payload, 0);
     const std::uint64_t text_bytes = u64_at(payload, 8);
     payload = payload.subspan(kClipSetupBytes);
-    // Those before it took so much of the file at least.
-    if (number >= place / kLeastSetupBytes + 1 || text_bytes > payload.size()) return false;
+    if (number >= most_setups(place) || text_bytes > payload.size()) return false;
     const auto text = payload.first(static_cast<std::size_t>(text_bytes));
     Json json = json_in(text);
     if (!json.is_object()) return false;
@@ -295,6 +296,11 @@ struct ClipReader::File {
     return true;
   }
 
+  /// More cannot have been written before `place` and by the block there, so that a number that lies costs no
+  /// more memory than the file has.
+  static constexpr std::uint64_t most_setups(std::uint64_t place) {
+    return place / (kClipBlockBytes + kClipSetupBytes) + 1;
+  }
   void reserve_setups(std::size_t count) {
     while (setups.size() < count) setups.push_back({.camera_id = 0, .about = nullptr});
   }
@@ -458,9 +464,6 @@ struct ClipReader::File {
     const Entry& entry = entries[place];
     refuse(fmt::format("frame {} of camera {} {}", entry.number, entry.camera_id, why));
   }
-
-  /// The least that a setup takes of a file.
-  static constexpr std::uint64_t kLeastSetupBytes = kClipBlockBytes + kClipSetupBytes;
 
   const std::string name;
   const int fd;

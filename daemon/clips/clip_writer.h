@@ -10,8 +10,9 @@
 namespace sslv {
 
 /// Writes a clip from its beginning to its end. Every block can be read at once, also when the rest is never
-/// written: who reads an unfinished clip makes the index again. Throws StorageError wherever it writes. Used
-/// by one thread at a time.
+/// written: who reads an unfinished clip makes the index again. Throws StorageError wherever it writes, also
+/// for what a clip cannot hold; all that was added before stays, and more may be added. Used by one thread at
+/// a time.
 class ClipWriter {
  public:
   /// Makes the file, which must not be there yet.

@@ -12,9 +12,14 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <map>
+#include <new>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -293,6 +298,431 @@ TEST_F(Clip, FramesAreInTheOrderOfTheirCapture) {
   const ClipReader reader(path());
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_EQ(reader.entries()[i].t_capture_s, 1.0 + static_cast<double>(i));
+}
+
+/// Every frame that can be read is one that was written. Returns how many can.
+std::size_t expect_no_other(ClipReader& reader, const std::vector<Kept>& kept) {
+  std::size_t good = 0;
+  for (std::size_t i = 0; i < reader.entries().size(); ++i) {
+    try {
+      const Kept got(reader.read(i));
+      const auto same = std::ranges::find_if(kept, [&](const Kept& one) {
+        return one.info.camera_id == got.info.camera_id && one.info.number == got.info.number;
+      });
+      EXPECT_NE(same, kept.end());
+      if (same != kept.end()) expect_same(got, *same);
+      ++good;
+    } catch (const ClipError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("frame "));
+    }
+  }
+  for (const ClipSetup& setup : reader.setups())
+    EXPECT_THAT(setup.about.dump(), AnyOf("null", R"({"settings":{"gain":3}})", R"({"patterns":null})"));
+  for (const ClipEvent& event : reader.events()) EXPECT_EQ(event.text, "Yellow, 1:0");
+  return good;
+}
+
+TEST_F(Clip, WithoutAnIndexAllIsThere) {
+  const std::vector<Kept> kept = write_small(false);
+  ClipReader reader(path());
+  EXPECT_TRUE(reader.is_unfinished());
+  EXPECT_THAT(reader.problem(), HasSubstr("was not finished"));
+  EXPECT_EQ(expect_no_other(reader, kept), kept.size());
+  EXPECT_EQ(reader.about().site, "Halle 3");
+  EXPECT_EQ(reader.setups().size(), 2U);
+  EXPECT_EQ(reader.events().size(), 1U);
+  EXPECT_EQ(reader.camera(7)->missing, 5U);
+}
+
+TEST_F(Clip, CutAnywhereItHasWhatWasWhole) {
+  const std::vector<Kept> kept = write_small();
+  const std::uint64_t size = fs::file_size(path());
+  const std::uint64_t index_begin = block_ends_[block_ends_.size() - 2];
+  for (std::uint64_t end = size - 1; end >= kClipHeadBytes; --end) {
+    ASSERT_EQ(::truncate(path().c_str(), static_cast<off_t>(end)), 0);
+    SCOPED_TRACE(end);
+    ClipReader reader(path());
+    EXPECT_TRUE(reader.is_unfinished());
+    const std::size_t good = expect_no_other(reader, kept);
+    EXPECT_TRUE(end < index_begin || good == kept.size());
+    // A block's end without its padding is enough.
+    const auto whole = static_cast<std::size_t>(
+        std::ranges::count_if(block_ends_, [&](std::uint64_t block_end) { return block_end <= end; }));
+    const std::size_t frames = whole <= 3 ? 0 : std::min(kept.size(), whole - 3 - (whole > 9 ? 1 : 0));
+    EXPECT_GE(good, frames);
+    if (HasFailure()) return;
+  }
+  for (const std::uint64_t end : {15, 9, 1}) {
+    ASSERT_EQ(::truncate(path().c_str(), static_cast<off_t>(end)), 0);
+    EXPECT_EQ(refusal("a.clip"), "is no clip: it ends in its head");
+  }
+  ASSERT_EQ(::truncate(path().c_str(), 0), 0);
+  EXPECT_EQ(refusal("a.clip"), "is no clip: it is empty");
+}
+
+TEST_F(Clip, NoDamageGoesUnnoticed) {
+  for (const bool finishes : {true, false}) {
+    fs::remove(path());
+    const std::vector<Kept> kept = write_small(finishes);
+    const std::string whole = read_file();
+    const int file = ::open(path().c_str(), O_WRONLY | O_CLOEXEC);
+    for (std::size_t i = kClipHeadBytes; i < whole.size(); ++i) {
+      SCOPED_TRACE(i);
+      const char bad = static_cast<char>(whole[i] ^ (1 << i % 8));
+      ASSERT_EQ(::pwrite(file, &bad, 1, static_cast<off_t>(i)), 1);
+      ClipReader reader(path());
+      const std::size_t good = expect_no_other(reader, kept);
+      // At most one frame and those that lie on it are lost while there is an index.
+      EXPECT_TRUE(!finishes || good >= kept.size() - 3) << good;
+      if (HasFailure()) return;
+      ASSERT_EQ(::pwrite(file, &whole[i], 1, static_cast<off_t>(i)), 1);
+    }
+    ::close(file);
+  }
+}
+
+TEST_F(Clip, WhatIsNoClipIsRefused) {
+  write_small();
+  const std::string whole = read_file();
+  write_file("empty.clip", "");
+  write_file("text.clip", "this is a text and no clip at all");
+  write_file("log.clip", "SSL_LOG_FILE" + std::string(100, '\0'));
+  write_file("as_text.clip", "\x89SSL_CLIP\n\x1a" + whole.substr(12));
+  std::string other = whole;
+  other[12] = 2;
+  write_file("new.clip", other);
+  ASSERT_EQ(::mkfifo(path("pipe.clip").c_str(), 0600), 0);
+  EXPECT_EQ(refusal("empty.clip"), "is no clip: it is empty");
+  EXPECT_EQ(refusal("text.clip"), "is no clip: it does not begin like one");
+  EXPECT_EQ(refusal("log.clip"), "is no clip: it does not begin like one");
+  EXPECT_EQ(refusal("as_text.clip"), "was changed by a transfer as text; transfer it as binary");
+  EXPECT_EQ(refusal("new.clip"), "version 2 of clips is not known; expected 1");
+  EXPECT_EQ(refusal("pipe.clip"), "is no clip: it is no file");
+  EXPECT_EQ(refusal("."), "is no clip: it is no file");
+  EXPECT_EQ(refusal("nowhere.clip"), "cannot be read: No such file or directory");
+  EXPECT_THROW(ClipReader("/dev/zero"), ClipError);
+}
+
+/// A block with the sums that belong to it.
+std::string block(std::uint32_t type, std::uint32_t camera_id, const std::string& payload) {
+  const auto payload_bytes = bytes_from(payload);
+  const auto head = encoded(ClipBlockHead{
+      .type = type, .camera_id = camera_id, .bytes = payload.size(), .sum = clip_sum(payload_bytes)});
+  return text_from(head) + payload + std::string(clip_padding(payload.size()), '\0');
+}
+std::string block(ClipBlock type, std::uint32_t camera_id, const std::string& payload) {
+  return block(static_cast<std::uint32_t>(type), camera_id, payload);
+}
+std::string with_index(const std::string& blocks, const std::vector<ClipIndexLine>& lines) {
+  std::string payload;
+  for (const ClipIndexLine& line : lines) payload += text_from(encoded(line));
+  return blocks + block(ClipBlock::kIndex, 0, payload) + text_from(clip_trailer(blocks.size()));
+}
+/// A frame of 4 x 2 px, mono8.
+std::string frame_block(std::uint32_t camera_id, ClipFrameHead head, const std::string& rest) {
+  if (head.width == 0) head.width = 4, head.height = 2;
+  if (head.tile_px == 0) head.image_bytes = 8;
+  return block(ClipBlock::kFrame, camera_id, text_from(encoded(head)) + rest);
+}
+std::string setup_block(std::uint32_t number, const std::string& json) {
+  std::array<std::byte, kClipSetupBytes> head{};
+  put_u32(head, 0, number);
+  put_u64(head, 8, json.size());
+  return block(ClipBlock::kSetup, 0, text_from(head) + json);
+}
+
+TEST_F(Clip, BlocksOfLaterProgramsAreSkipped) {
+  write_file("a.clip", text_from(clip_head()) + block(99, 3, "something") + setup_block(0, "{}") +
+                           frame_block(0, {}, "pixels!!") + block(77, 0, ""));
+  ClipReader reader(path());
+  ASSERT_EQ(reader.entries().size(), 1U);
+  EXPECT_THAT(pixels_of(reader.read(0).image), ElementsAre('p', 'i', 'x', 'e', 'l', 's', '!', '!'));
+}
+
+TEST_F(Clip, AnIndexThatLiesIsNotBelieved) {
+  const std::string blocks = text_from(clip_head()) + setup_block(0, "{}") + frame_block(0, {}, "pixels!!") +
+                             frame_block(1, {}, "PIXELS!!");
+  const std::uint64_t first = text_from(clip_head()).size() + setup_block(0, "{}").size();
+  const std::uint64_t bytes = kClipFrameBytes + 8, second = first + clip_block_bytes(bytes);
+  const auto frame = static_cast<std::uint32_t>(ClipBlock::kFrame);
+  const ClipIndexLine good{.place = first, .bytes = bytes, .type = frame, .is_whole = true};
+  const ClipIndexLine other{.place = second, .bytes = bytes, .type = frame, .camera_id = 1, .is_whole = true};
+  const ClipIndexLine setup{.place = kClipHeadBytes,
+                            .bytes = kClipSetupBytes + 2,
+                            .type = static_cast<std::uint32_t>(ClipBlock::kSetup)};
+  write_file("a.clip", with_index(blocks, {setup, good, other}));
+  {
+    ClipReader reader(path());
+    EXPECT_FALSE(reader.is_unfinished());
+    ASSERT_EQ(reader.entries().size(), 2U);
+    EXPECT_EQ(reader.read(1).info.camera_id, 1U);
+  }
+  // Places that cannot be: the blocks are looked for instead.
+  std::vector<std::vector<ClipIndexLine>> lies{{setup, other, good}, {good, good}};
+  for (const std::uint64_t place : {std::uint64_t{0}, std::uint64_t{8}, first + 1, blocks.size() - 8,
+                                    blocks.size() + 8, ~std::uint64_t{0}, ~std::uint64_t{0} - 39}) {
+    lies.push_back({good});
+    lies.back()[0].place = place;
+  }
+  for (const std::uint64_t count :
+       {std::uint64_t{0}, std::uint64_t{127}, ~std::uint64_t{0}, std::uint64_t{1} << 62U}) {
+    lies.push_back({good});
+    lies.back()[0].bytes = count;
+  }
+  for (const auto& lines : lies) {
+    write_file("a.clip", with_index(blocks, lines));
+    ClipReader reader(path());
+    EXPECT_TRUE(reader.is_unfinished());
+    ASSERT_EQ(reader.entries().size(), 2U);
+    EXPECT_EQ(reader.read(1).info.camera_id, 1U);
+  }
+  // Other frames than there are: each is refused when it is read.
+  for (int what = 0; what < 5; ++what) {
+    ClipIndexLine lie = good;
+    if (what == 0) lie.number = 5;
+    if (what == 1) lie.camera_id = 1;
+    if (what == 2) lie.t_capture_s = 1;
+    if (what == 3) lie.has_memory = true;
+    if (what == 4) lie.is_whole = false;
+    write_file("a.clip", with_index(blocks, {setup, lie}));
+    ClipReader reader(path());
+    ASSERT_EQ(reader.entries().size(), 1U);
+    EXPECT_THROW(reader.read(0), ClipError);
+  }
+}
+
+TEST_F(Clip, SizesThatLieAreRefused) {
+  const std::string begin = text_from(clip_head()) + setup_block(0, "{}");
+  std::vector<ClipFrameHead> lies(12);
+  lies[0].packet_bytes = ~std::uint64_t{0};
+  lies[1].memory_bytes = 1;
+  lies[2].width = 16384, lies[2].height = 16384;
+  lies[3].width = -4, lies[3].height = -2;
+  lies[4].tile_px = 2, lies[4].image_bytes = 8;  // without a map
+  lies[5].tile_px = -2, lies[5].tiles_bytes = 1, lies[5].image_bytes = 7;
+  lies[6].is_deep = true;
+  lies[7].info.times.t_capture_s = std::numeric_limits<double>::quiet_NaN();
+  lies[8].info.times.t_capture_camera_s = std::numeric_limits<double>::infinity();
+  lies[9].width = 4, lies[9].height = 2, lies[9].format = PixelFormat::kRgb24;
+  lies[10].info.whole.x = -1;
+  lies[11].tile_px = 2, lies[11].tiles_bytes = 1, lies[11].image_bytes = 7, lies[11].base = 1 << 20;
+  for (std::size_t i = 0; i < lies.size(); ++i) {
+    SCOPED_TRACE(i);
+    write_file("a.clip", begin + frame_block(0, lies[i], "pixels!!") + frame_block(4, {}, "pixels!!"));
+    ClipReader reader(path());
+    ASSERT_EQ(reader.entries().size(), 1U);
+    EXPECT_EQ(reader.read(0).info.camera_id, 4U);
+  }
+  // A setup far away takes no memory.
+  write_file("a.clip",
+             begin + setup_block(4'000'000'000, "{}") + frame_block(0, {.setup = 4'000'000'000}, "pixels!!"));
+  ClipReader reader(path());
+  EXPECT_EQ(reader.setups().size(), 1U);
+  EXPECT_THROW(reader.read(0), ClipError);
+  // A block that is larger than the file.
+  std::string huge = text_from(encoded(ClipBlockHead{.type = 3, .bytes = std::uint64_t{1} << 62U}));
+  write_file("a.clip", begin + huge);
+  EXPECT_EQ(ClipReader(path()).entries().size(), 0U);
+  huge = text_from(encoded(ClipBlockHead{.type = 2, .bytes = ~std::uint64_t{0} - 31}));
+  write_file("a.clip", begin + huge);
+  EXPECT_EQ(ClipReader(path()).entries().size(), 0U);
+}
+
+TEST_F(Clip, TilesLieOnlyOnAWholeImageOfTheirCamera) {
+  const std::string begin = text_from(clip_head()) + setup_block(0, "{}");
+  const std::string whole = frame_block(0, {}, "pixels!!");
+  ClipFrameHead tiles;
+  tiles.info.number = 1;
+  tiles.info.times.t_capture_s = 1;
+  tiles.tile_px = 2;
+  tiles.tiles_bytes = 1;
+  tiles.image_bytes = 4;
+  const std::string rest =
+      "\x02"
+      "abcd";  // the second of two tiles
+  const auto frames_of = [&](const ClipFrameHead& head, std::uint32_t camera_id, const std::string& payload) {
+    write_file("a.clip", begin + whole + frame_block(camera_id, head, payload));
+    ClipReader reader(path());
+    EXPECT_EQ(reader.entries().size(), 2U);
+    const std::vector<std::uint8_t> pixels = pixels_of(reader.read(1).image);
+    return std::string(pixels.begin(), pixels.end());
+  };
+  tiles.base = begin.size();
+  EXPECT_EQ(frames_of(tiles, 0, rest),
+            "piabls"
+            "cd");
+  EXPECT_THROW(frames_of(tiles, 1, rest), ClipError);  // another camera's
+  EXPECT_THROW(frames_of(tiles, 0,
+                         "\x03"
+                         "abcd"),
+               ClipError);  // two tiles, pixels of one
+  EXPECT_THROW(frames_of(tiles, 0, std::string("\0abcd", 5)), ClipError);
+  for (const std::uint64_t base :
+       {std::uint64_t{0}, std::uint64_t{16}, begin.size() + 8, begin.size() + 32}) {
+    ClipFrameHead lie = tiles;
+    lie.base = base;
+    EXPECT_THROW(frames_of(lie, 0, rest), ClipError);
+  }
+  ClipFrameHead larger = tiles;
+  larger.width = 4, larger.height = 4, larger.image_bytes = 4;
+  EXPECT_THROW(frames_of(larger, 0, rest), ClipError);
+  // A base that is in tiles itself.
+  write_file(
+      "a.clip", begin + whole + frame_block(0, tiles, rest) + [&] {
+        ClipFrameHead second = tiles;
+        second.info.number = 2;
+        second.info.times.t_capture_s = 2;
+        second.base = begin.size() + whole.size();
+        return frame_block(0, second, rest);
+      }());
+  ClipReader reader(path());
+  ASSERT_EQ(reader.entries().size(), 3U);
+  reader.read(1);
+  EXPECT_THROW(reader.read(2), ClipError);
+  reader.read(1);
+}
+
+TEST_F(Clip, TextsOfAFileShowAsWhatTheyAre) {
+  write_file("a.clip",
+             text_from(clip_head()) + block(ClipBlock::kAbout, 0, R"({"site": "a\u001b[2Jb", "why": 3})") +
+                 block(ClipBlock::kEvent, 0, R"({"time_s": 5, "kind": "x", "text": "a\nb"})") +
+                 block(ClipBlock::kEvent, 0, "[1, 2") + block(ClipBlock::kEvent, 0, std::string(200, '[')));
+  const ClipReader reader(path());
+  EXPECT_EQ(reader.about().site, "a\\u001b[2Jb");
+  EXPECT_EQ(reader.about().why, "");
+  ASSERT_EQ(reader.events().size(), 1U);
+  EXPECT_EQ(reader.events()[0].text, "a\\u000ab");
+}
+
+/// While it lives, no file of this program grows beyond so many bytes.
+class SmallDisk {
+ public:
+  explicit SmallDisk(std::uint64_t bytes) : handler_(::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit small{bytes, limit_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~SmallDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &limit_);
+    ::signal(SIGXFSZ, handler_);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+ private:
+  rlimit limit_{};
+  void (*handler_)(int);
+};
+
+TEST_F(Clip, AFullDiskLeavesWhatWasWhole) {
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 40, 30, 1);
+  ClipFrame frame;
+  frame.image = image.view;
+  std::size_t added = 0;
+  std::uint64_t bytes = 0;
+  {
+    ClipWriter writer(path(), kAbout);
+    writer.add(ClipSetup{});
+    {
+      const SmallDisk disk(10'000);
+      try {
+        for (;; ++added) {
+          frame.info.number = static_cast<std::uint32_t>(added);
+          frame.info.times.t_capture_s = static_cast<double>(added);
+          writer.add(frame);
+        }
+      } catch (const StorageError& error) {
+        EXPECT_EQ(error.what(), path().string() + ": cannot be written: File too large");
+      }
+    }
+    EXPECT_GE(added, 5U);
+    bytes = writer.bytes();
+    EXPECT_EQ(fs::file_size(path()), bytes) << "what was written in part is cut off";
+    {
+      ClipReader reader(path());
+      EXPECT_EQ(reader.entries().size(), added);
+      EXPECT_TRUE(reader.is_unfinished());
+    }
+    // There is room again.
+    writer.add(frame);
+    writer.finish();
+  }
+  ClipReader reader(path());
+  EXPECT_FALSE(reader.is_unfinished());
+  ASSERT_EQ(reader.entries().size(), added + 1);
+  for (std::size_t i = 0; i <= added; ++i) EXPECT_TRUE(pixels_of(reader.read(i).image) == image.bytes);
+}
+
+TEST_F(Clip, WhatCannotBeWrittenIsNamed) {
+  write_file("there.clip", "");
+  for (const std::string name : {"there.clip", "no/folder.clip"}) {
+    try {
+      ClipWriter(path(name), kAbout);
+      ADD_FAILURE() << name;
+    } catch (const StorageError& error) {
+      EXPECT_THAT(error.what(), StartsWith(path(name).string() + ": cannot be written: "));
+    }
+  }
+  ClipWriter writer(path(), kAbout);
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 8, 8, 1);
+  ClipFrame frame;
+  frame.image = image.view;
+  EXPECT_THROW(writer.add(frame), StorageError);  // there is no setup
+  writer.add(ClipSetup{});
+  constexpr std::array kMap{std::byte{1}};
+  frame.tile_px = 4;
+  frame.tiles = kMap;
+  EXPECT_THROW(writer.add(frame), StorageError);  // there is no whole image
+  frame.tile_px = 0;
+  writer.add(frame);
+  frame.tile_px = 4;
+  writer.add(frame);
+  frame.tile_px = 1;
+  EXPECT_THROW(writer.add(frame), StorageError);  // its map is larger
+  frame.tile_px = 4;
+  frame.image.height = 4;
+  EXPECT_THROW(writer.add(frame), StorageError);
+  EXPECT_THROW(writer.add(ClipEvent{0, "x", std::string(kMaxClipJsonBytes, 'x')}), StorageError);
+  writer.finish();
+  EXPECT_EQ(ClipReader(path()).entries().size(), 2U);
+}
+
+TEST_F(Clip, GoesOnWhenItIsRemoved) {
+  const std::vector<Kept> kept = write_small();
+  ClipReader reader(path());
+  fs::remove(path());
+  EXPECT_EQ(expect_no_other(reader, kept), kept.size());
+}
+
+/// Bytes that this program has read so far.
+std::uint64_t bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string key;
+  std::uint64_t value = 0;
+  io >> key >> value;
+  return key == "rchar:" ? value : 0;
+}
+
+TEST_F(Clip, OpeningReadsNoImages) {
+  if (bytes_read() == 0) GTEST_SKIP() << "the kernel does not say what was read";
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 1000, 1000, 1);
+  std::vector<std::uint64_t> counts;
+  for (const std::size_t frames : {5U, 50U}) {
+    const std::string name = std::to_string(frames) + ".clip";
+    {
+      ClipWriter writer(path(name), kAbout);
+      writer.add(ClipSetup{});
+      ClipFrame frame;
+      frame.image = image.view;
+      for (std::size_t i = 0; i < frames; ++i) writer.add(frame);
+      writer.finish();
+    }
+    const std::uint64_t before = bytes_read();
+    const ClipReader reader(path(name));
+    counts.push_back(bytes_read() - before);
+    EXPECT_EQ(reader.entries().size(), frames);
+  }
+  EXPECT_LT(counts[1], counts[0] + 45 * kClipIndexBytes + 500) << "each frame is a line of the index";
 }
 
 }  // namespace
