@@ -23,7 +23,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::chrono::milliseconds kLookInterval{200}, kNextFrames{20};
+constexpr std::chrono::milliseconds kOrderInterval{200}, kNextFrames{20};
 constexpr double kShareInterval_s = 1;
 /// Stages' memory is kept so often; a clip begins where it is.
 constexpr double kKeyInterval_s = 1.1;
@@ -31,11 +31,10 @@ constexpr double kKeyInterval_s = 1.1;
 constexpr double kLateFrames_s = 0.3;
 constexpr double kKeptEvents_s = 1300;
 constexpr std::size_t kMaxEvents = 1000;
-constexpr double kProblemIsTold_s = 600;
+constexpr double kFailureIsTold_s = 600;
 /// Between two clips for alerts of one kind.
 constexpr double kAlertAgain_s = 60;
 constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
-constexpr std::uint64_t kMb = 1'000'000;
 
 std::int64_t to_ns(double steady_s) {
   return std::llround(steady_s * 1e9);
@@ -83,7 +82,7 @@ void ClipService::work(const std::stop_token& stop) {
 
 std::optional<ClipService::Order> ClipService::next_order(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  ordered_.wait_for(lock, stop, kLookInterval, [&] { return order_.has_value(); });
+  ordered_.wait_for(lock, stop, kOrderInterval, [&] { return order_.has_value(); });
   if (!order_) return std::nullopt;
   is_writing_ = true;
   return std::exchange(order_, std::nullopt);
@@ -405,7 +404,7 @@ void ClipService::report(HealthReport& report) const {
   std::string problem;
   {
     const std::lock_guard lock(mutex_);
-    if (unix_time_s() - clip_.problem_s < kProblemIsTold_s) problem = clip_.problem;
+    if (unix_time_s() - clip_.problem_s < kFailureIsTold_s) problem = clip_.problem;
   }
   const auto warn = [&](const char* id, std::string title, std::string fix) {
     report.alerts.push_back({.id = id,

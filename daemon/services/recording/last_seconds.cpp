@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/params_json.h"
 #include "health/memory_left.h"
+#include "services/recording/recording_files.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,6 @@
 namespace sslv {
 namespace {
 
-constexpr std::uint64_t kMb = 1'000'000;
 /// How long what cameras send is measured before it counts.
 constexpr double kMeasured_s = 2;
 /// A part may differ by so much of what it should be: to change it costs the images in it.

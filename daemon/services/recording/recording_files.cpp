@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxName = 200;
 constexpr int kMaxOfOneName = 1000;
-constexpr std::uint64_t kMb = 1'000'000;
 constexpr const char* kClipEnding = ".clip";
 
 bool ends_with(const std::string& text, std::string_view end) {

@@ -18,6 +18,8 @@
 
 namespace sslv {
 
+inline constexpr std::uint64_t kMb = 1'000'000;  // bytes, as the settings count them
+
 /// What a clip is, without its frames.
 struct ClipFacts {
   double begin_s = 0, end_s = 0;  // Unix time of the first and the last frame

@@ -12,7 +12,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMaxName = 100;
+constexpr std::size_t kMaxGivenName = 100;
 
 }  // namespace
 
@@ -28,13 +28,13 @@ void check_keys(const Json& body, std::initializer_list<std::string_view> known)
 std::string asked_name(const Json& body) {
   if (!body["name"].is_string()) throw HttpError(400, "/name: expected a text");
   const std::string name = body["name"].get<std::string>();
-  const bool is_good = !name.empty() && name.size() <= kMaxName && std::ranges::all_of(name, [](char c) {
+  const bool is_good = !name.empty() && name.size() <= kMaxGivenName && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' ||
            c == '_' || c == '-';
   });
   if (!is_good)
     throw HttpError(
-        400, fmt::format("/name: expected 1 to {} letters (A to Z), digits, spaces, '_' or '-'", kMaxName));
+        400, fmt::format("/name: expected 1 to {} letters (A to Z), digits, spaces, '_' or '-'", kMaxGivenName));
   return file_name_part(name);
 }
 

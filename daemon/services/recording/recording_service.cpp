@@ -26,7 +26,6 @@ constexpr std::chrono::seconds kCheckInterval{5};  // of the disk
 constexpr std::chrono::seconds kFilesInterval{1};
 /// How long it is told why a recording ended early.
 constexpr double kProblemIsTold_s = 600;
-constexpr std::uint64_t kMb = 1'000'000;
 
 MatchLogGroups match_log_groups(const Config& config) {
   const NetworkSettings& network = config.network;
