@@ -167,7 +167,7 @@ BallModel ball_model_of(const Config& config) {
 }
 
 CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut,
-                           const LoadTable& load_table) {
+                           const LoadTable& load_table, std::shared_ptr<const PatternTable> patterns) {
   const CameraSettings& camera = config.cameras[i];
   const auto labels = std::make_shared<const LabelSet>(config.own_labels, "/own_labels");
   auto scene = std::make_shared<Scene>();
@@ -180,8 +180,9 @@ CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<
     for (const int id : settings->ids) scene->roster[index].set(static_cast<std::size_t>(id));
   }
 
-  std::shared_ptr<const PatternTable> patterns;
-  if (config.patterns_file.empty()) {
+  if (patterns) {
+    // Somebody has them already.
+  } else if (config.patterns_file.empty()) {
     patterns = std::shared_ptr<const PatternTable>(&league_patterns(), [](const PatternTable*) {});
   } else {
     std::ifstream in(config.patterns_file, std::ios::binary);

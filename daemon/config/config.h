@@ -198,10 +198,11 @@ BallModel ball_model_of(const Config& config);
 using LoadTable = std::function<std::shared_ptr<const Lut>(const std::string& name, const std::string& path,
                                                            const LabelSet& labels)>;
 
-/// What the frames of the camera at place `i` of the list mean. Reads the pattern table, and the colour table
-/// unless `lut` is given; throws SettingsError when their files cannot be used. Without `load_table` a saved
-/// table cannot.
+/// What the frames of the camera at place `i` of the list mean. Reads the pattern table unless `patterns` is
+/// given, and the colour table unless `lut` is; throws SettingsError when their files cannot be used. Without
+/// `load_table` a saved table cannot.
 CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr,
-                           const LoadTable& load_table = {});
+                           const LoadTable& load_table = {},
+                           std::shared_ptr<const PatternTable> patterns = nullptr);
 
 }  // namespace sslv

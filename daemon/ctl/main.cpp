@@ -51,6 +51,8 @@ void add_commands(CommandLine& line) {
   add_score(line);
   add_track(line);
   add_annotate(line);
+  add_replay(line);
+  add_clip(line);
   add_calibrate(line);
   add_learn_colours(line);
   add_passwd(line);

@@ -126,20 +126,8 @@ class Correcting {
 }  // namespace
 
 Json draft_of_truth(const std::string& name, const Frame& frame) {
-  Json line{{"frame", name},
-            {"checked", false},
-            {"width", frame.image.view().width},
-            {"height", frame.image.view().height}};
-  line.update(detections_json(frame.robots, frame.balls));
-  int number = 0;
-  for (const char* kind : kKinds) {
-    for (Json& thing : line[kind]) {
-      thing.erase("confidence");
-      thing.erase("area");
-      thing.update({{"number", ++number}, {"by", "detector"}, {"visible_share", 1}});
-    }
-  }
-  return line;
+  const ImageView& image = frame.image.view();
+  return truth_draft_json(name, image.width, image.height, frame.robots, frame.balls);
 }
 
 void correct(Json& line, const Corrections& corrections, const Scene& scene) {

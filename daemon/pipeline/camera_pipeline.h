@@ -53,6 +53,9 @@ class CameraPipeline {
   void change(CameraSetup setup) { setup_.store(std::move(setup)); }
   std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
 
+  /// The next frame gets this number, those after it the following ones: for who processes recorded frames
+  /// again. Before process(), by the same thread.
+  void set_next_number(std::uint32_t number) { next_number_ = number; }
   /// Runs the stack on one image. The result is valid until the next call.
   const Frame& process(Image image, const CaptureTimes& times, const WholePicture& whole = {}) noexcept;
 

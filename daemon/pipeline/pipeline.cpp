@@ -185,7 +185,8 @@ std::size_t BasicPipeline<Floor>::save(std::span<std::byte> room) const noexcept
 
 template <class Floor>
 std::vector<std::string> BasicPipeline<Floor>::restore(std::span<const std::byte> saved) {
-  ByteReader from(saved);
+  constexpr bool kRefusesNan = true;  // stages sort and compare what they remember
+  ByteReader from(saved, kRefusesNan);
   std::vector<std::string> not_understood;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     auto one = from.whole();

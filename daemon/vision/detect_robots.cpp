@@ -441,7 +441,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
       if (scene.roster[team_index].any()) possible &= scene.roster[team_index];
       if (possible.count() > 1 && is_remembered) {
         Ids last;
-        last.set(static_cast<std::size_t>(remembered->id));
+        last.set(remembered->id);
         possible &= last;
       }
     }

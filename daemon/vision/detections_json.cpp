@@ -32,6 +32,21 @@ Json detections_json(const RobotList& robots, const BallList& balls) {
   return out;
 }
 
+Json truth_draft_json(const std::string& name, int width_px, int height_px, const RobotList& robots,
+                      const BallList& balls) {
+  Json line{{"frame", name}, {"checked", false}, {"width", width_px}, {"height", height_px}};
+  line.update(detections_json(robots, balls));
+  int number = 0;
+  for (const char* kind : {"robots", "balls"}) {
+    for (Json& thing : line[kind]) {
+      thing.erase("confidence");
+      thing.erase("area");
+      thing.update({{"number", ++number}, {"by", "detector"}, {"visible_share", 1}});
+    }
+  }
+  return line;
+}
+
 Json regions_json(const RegionList& list, const LabelSet& labels) {
   constexpr std::size_t kMax = 500;
   std::vector<const Region*> largest;

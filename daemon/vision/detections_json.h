@@ -5,11 +5,18 @@
 #include "vision/detections.h"
 #include "vision/regions.h"
 
+#include <string>
+
 namespace sslv {
 
 /// {"robots": [...], "balls": [...]} as docs/openapi.json says: millimetres, radians, pixels of the camera's
 /// image.
 Json detections_json(const RobotList& robots, const BallList& balls);
+
+/// A line of a truth file that nobody has checked yet, from what was found in an image of this size: the same
+/// without confidence and area, with the "number" of each mark, "by": "detector", and "checked": false.
+Json truth_draft_json(const std::string& name, int width_px, int height_px, const RobotList& robots,
+                      const BallList& balls);
 
 /// The largest regions as docs/openapi.json's PreviewRegions has them.
 Json regions_json(const RegionList& regions, const LabelSet& labels);

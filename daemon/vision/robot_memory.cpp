@@ -21,16 +21,9 @@ void RobotMemory::remember(const RobotList& robots, double now_s, const RowTimes
     const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
       return entry.team == robot.team && entry.id == robot.id;
     });
-    Entry now{robot.team,
-              robot.id,
-              robot.x_mm,
-              robot.y_mm,
-              robot.orientation_rad,
-              0,
-              0,
-              0,
-              now_s + rows.delay_s(robot.pixel_y),
-              now_s};
+    Entry now{
+        robot.team, static_cast<std::uint8_t>(robot.id), robot.x_mm, robot.y_mm, robot.orientation_rad, 0, 0,
+        0,          now_s + rows.delay_s(robot.pixel_y), now_s};
     if (known == entries_.end()) {
       entries_.push_back(now);
       continue;

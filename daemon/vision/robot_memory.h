@@ -6,6 +6,7 @@
 #include "vision/row_times.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
 #include <vector>
 
@@ -16,7 +17,7 @@ class RobotMemory {
  public:
   struct Entry {
     Team team;
-    int id;
+    std::uint8_t id;  // as wide as ids are: whatever a recording says is one
     double x_mm, y_mm, orientation_rad;
     double x_mm_s, y_mm_s, turn_rad_s;  // 0 until seen twice
     double seen_s;                      // when the row that shows it was exposed

@@ -43,6 +43,8 @@ void add_simulate(CommandLine& line);
 void add_score(CommandLine& line);
 void add_track(CommandLine& line);
 void add_annotate(CommandLine& line);
+void add_replay(CommandLine& line);
+void add_clip(CommandLine& line);
 
 void add_calibrate(CommandLine& line);  // with a daemon or without
 void add_learn_colours(CommandLine& line);

@@ -2,6 +2,7 @@
 #include "vision/patterns.h"
 
 #include "base/error.h"
+#include "vision/patterns_text.h"
 
 #include <algorithm>
 #include <array>
@@ -41,6 +42,33 @@ TEST(Patterns, OtherArrangementsAreData) {
                      "lab.json");
   EXPECT_EQ(table.dots.size(), 2u);
   EXPECT_EQ(table.side_colors, (std::vector<Label>{label::kPink, label::kCyan}));
+}
+
+TEST(Patterns, AreWrittenAsTheyAreRead) {
+  const LabelSet labels({{12, "purple"}}, "");
+  const std::string json =
+      R"({"name": "lab", "center_diameter_mm": 30.25, "dot_diameter_mm": 20, "top_radius_mm": 80.5,
+      "dots": [[40, 0.1], [-40, 0, 21]], "team_colors": {"yellow": "purple", "blue": "blue"},
+      "codes": [{"id": 1, "colors": ["pink", "cyan"]}, {"id": 7, "colors": ["pink", "purple"]}]})";
+  const PatternTable table = parse_patterns(json, "lab.json", labels);
+  const PatternTable again = parse_patterns(patterns_text(table, labels), "again", labels);
+  EXPECT_EQ(again.name, table.name);
+  EXPECT_EQ(again.center_diameter_mm, table.center_diameter_mm);
+  EXPECT_EQ(again.team_colors, table.team_colors);
+  EXPECT_EQ(again.top_radius_mm, table.top_radius_mm);
+  EXPECT_EQ(again.top_front_mm, table.top_front_mm);
+  EXPECT_EQ(again.side_colors, table.side_colors);
+  ASSERT_EQ(again.dots.size(), table.dots.size());
+  for (std::size_t i = 0; i < table.dots.size(); ++i) {
+    EXPECT_EQ(again.dots[i].x_mm, table.dots[i].x_mm);
+    EXPECT_EQ(again.dots[i].y_mm, table.dots[i].y_mm);
+    EXPECT_EQ(again.dots[i].diameter_mm, table.dots[i].diameter_mm);
+  }
+  ASSERT_EQ(again.codes.size(), table.codes.size());
+  EXPECT_EQ(again.codes[1].colors, table.codes[1].colors);
+  EXPECT_EQ(patterns_text(again, labels), patterns_text(table, labels));
+  EXPECT_EQ(patterns_text(parse_patterns(patterns_text(league_patterns()), "")),
+            patterns_text(league_patterns()));
 }
 
 TEST(Patterns, MayHaveOwnLabels) {

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/json.h"
+#include "geometry/scene.h"
+#include "net/packets.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace sslv {
+
+/// From when on something counts as moved.
+struct CompareLimits {
+  double moved_mm = 1;
+  double turned_deg = 1;
+};
+
+/// What one run found and another did not, or elsewhere.
+struct ClipDifference {
+  enum class Kind { kFound, kLost, kMoved, kIdChanged };
+  Kind kind{};
+  std::optional<Team> team{};         // none: a ball
+  int id_before = -1, id_after = -1;  // of a robot, where it is there
+  double x_mm = 0, y_mm = 0;          // after; of what is lost, before
+  double moved_mm = 0, turned_deg = 0;
+};
+
+/// A frame in which the two runs differ.
+struct FrameDifferences {
+  std::uint32_t number = 0;
+  double t_capture_s = 0;
+  std::vector<ClipDifference>
+      differences{};  // empty: only the packets' bytes differ, by less than the limits
+};
+
+struct DifferenceCounts {
+  std::uint64_t before = 0, after = 0;  // seen in all frames together
+  std::uint64_t found = 0, lost = 0, moved = 0, id_changed = 0;
+  double max_moved_mm = 0, max_turned_deg = 0;  // of all, also below the limits
+};
+
+/// Two runs over the same frames, told by the packets they send: "before" and "after".
+class ClipComparison {
+ public:
+  /// Frames that differ are kept up to this number; all are counted.
+  static constexpr std::size_t kMaxKept = 10'000;
+
+  explicit ClipComparison(const CompareLimits& limits = {}) : limits_(limits) {}
+
+  /// Both of one frame. Robots belong together by team and id within 100 mm, then by team to the nearest
+  /// within it; balls to the nearest within it. An empty packet, or one that is none, counts as one without
+  /// anything.
+  void add(std::span<const std::byte> before, std::span<const std::byte> after);
+
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t frames_with_other_bytes() const { return frames_with_other_bytes_; }
+  /// Those with differences above the limits.
+  std::uint64_t frames_that_differ() const { return frames_that_differ_; }
+  const DifferenceCounts& robots() const { return robots_; }
+  const DifferenceCounts& balls() const { return balls_; }
+  const std::vector<FrameDifferences>& different_frames() const { return kept_; }
+
+ private:
+  const CompareLimits limits_;
+  std::uint64_t frames_ = 0, frames_with_other_bytes_ = 0, frames_that_differ_ = 0;
+  DifferenceCounts robots_, balls_;
+  std::vector<FrameDifferences> kept_;
+  SSL_WrapperPacket before_, after_;  // kept for their memory
+};
+
+/// {"frames", "frames_with_other_bytes", "frames_that_differ", "robots": {...counts}, "balls": {...},
+/// "differences": [{"frame", "t_capture", "what": [{"kind": "found" | "lost" | "moved" | "id_changed",
+/// "team", "id", "id_before", "x", "y", "moved_mm", "turned_deg"}]}]}; a ball has no team and ids.
+Json comparison_json(const ClipComparison& comparison);
+
+}  // namespace sslv

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vision/patterns.h"
+
+#include <string>
+
+namespace sslv {
+
+/// The JSON text that parse_patterns() makes the same table of.
+std::string patterns_text(const PatternTable& table, const LabelSet& labels = LabelSet::built_in());
+
+}  // namespace sslv
