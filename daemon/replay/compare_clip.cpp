@@ -17,7 +17,7 @@ constexpr double kSameThingMm = 100;
 struct FoundThing {
   std::optional<Team> team{};  // none: a ball
   int id = -1;
-  double x_mm = 0, y_mm = 0, orientation_rad = 0;
+  double x_mm = 0, y_mm = 0, orientation_rad = 0, pixel_x = 0, pixel_y = 0;
   bool is_matched = false;
 };
 
@@ -25,7 +25,7 @@ void add_robots(const google::protobuf::RepeatedPtrField<SSL_DetectionRobot>& ro
                 std::vector<FoundThing>& out) {
   for (const SSL_DetectionRobot& robot : robots) {
     out.push_back({team, robot.has_robot_id() ? static_cast<int>(robot.robot_id()) : -1, robot.x(), robot.y(),
-                   robot.orientation()});
+                   robot.orientation(), robot.pixel_x(), robot.pixel_y()});
   }
 }
 
@@ -39,7 +39,7 @@ std::vector<FoundThing> robots_in(const SSL_WrapperPacket& packet) {
 std::vector<FoundThing> balls_in(const SSL_WrapperPacket& packet) {
   std::vector<FoundThing> out;
   for (const SSL_DetectionBall& ball : packet.detection().balls())
-    out.push_back({std::nullopt, -1, ball.x(), ball.y(), 0});
+    out.push_back({std::nullopt, -1, ball.x(), ball.y(), 0, ball.pixel_x(), ball.pixel_y()});
   return out;
 }
 
@@ -58,12 +58,14 @@ class ThingMatcher {
     for (const FoundThing& thing : before_) {
       if (thing.is_matched) continue;
       ++counts_.lost;
-      out_.push_back({ClipDifference::Kind::kLost, thing.team, thing.id, -1, thing.x_mm, thing.y_mm});
+      out_.push_back({ClipDifference::Kind::kLost, thing.team, thing.id, -1, thing.x_mm, thing.y_mm, 0, 0,
+                      thing.pixel_x, thing.pixel_y});
     }
     for (const FoundThing& thing : after_) {
       if (thing.is_matched) continue;
       ++counts_.found;
-      out_.push_back({ClipDifference::Kind::kFound, thing.team, -1, thing.id, thing.x_mm, thing.y_mm});
+      out_.push_back({ClipDifference::Kind::kFound, thing.team, -1, thing.id, thing.x_mm, thing.y_mm, 0, 0,
+                      thing.pixel_x, thing.pixel_y});
     }
   }
 
@@ -104,7 +106,8 @@ class ThingMatcher {
     if (a.id == b.id && !has_moved) return;
     const auto kind = a.id != b.id ? ClipDifference::Kind::kIdChanged : ClipDifference::Kind::kMoved;
     ++(a.id != b.id ? counts_.id_changed : counts_.moved);
-    out_.push_back({kind, b.team, a.id, b.id, b.x_mm, b.y_mm, pair.distance_mm, turned_deg});
+    out_.push_back(
+        {kind, b.team, a.id, b.id, b.x_mm, b.y_mm, pair.distance_mm, turned_deg, b.pixel_x, b.pixel_y});
   }
 
   std::vector<FoundThing> before_, after_;

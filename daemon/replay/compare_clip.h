@@ -27,6 +27,7 @@ struct ClipDifference {
   int id_before = -1, id_after = -1;  // of a robot, where it is there
   double x_mm = 0, y_mm = 0;          // after; of what is lost, before
   double moved_mm = 0, turned_deg = 0;
+  double pixel_x = 0, pixel_y = 0;  // in the image, as x_mm and y_mm
 };
 
 /// A frame in which the two runs differ.
