@@ -3,8 +3,10 @@
 
 #include "base/clock.h"
 #include "base/params_json.h"
+#include "capture/files/file_clip.h"
 #include "capture/files/file_media.h"
 #include "capture/files/file_playback.h"
+#include "capture/files/recording.h"
 #include "capture/pixel_format_choice.h"
 
 #include <algorithm>
@@ -30,6 +32,7 @@ struct Options {
   std::string path;
   PixelFormatOrAuto pixel_format;
   int width = 0, height = 0;
+  std::optional<int> camera;
   std::optional<double> frame_rate_hz;
   bool loop = false;
   Json controls = Json::object();
@@ -39,13 +42,16 @@ struct Options {
         file("path", &O::path,
              "a folder of images (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
              "their "
-             "names; or one such file; or a video"),
+             "names; or one such file; or a video; or a clip (.clip)"),
         choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
-               "how the bytes of raw frames lie; images and videos know it themselves (auto)"),
+               "how the bytes of raw frames lie; images, videos and clips know it themselves (auto)"),
         number("width", &O::width, 0, 16384, "px", "of raw frames; 0: there are none"),
         number("height", &O::height, 0, 16384, "px", "of raw frames; 0: there are none"),
-        number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
-               "images a second; 0: as fast as they are taken; null: a video's own rate, 30 for the rest"),
+        number("camera", &O::camera, 0, 255, "", "id of the camera of a clip; null: the first in it"),
+        number(
+            "frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
+            "images a second; 0: as fast as they are taken; null: a video's own rate, the times of a clip, "
+            "30 for the rest"),
         flag("loop", &O::loop, "begin again at the end"),
         object("controls", &O::controls,
                "how it is played, such as {\"paused\": true, \"position\": 100}; changed while it runs"),
@@ -53,7 +59,10 @@ struct Options {
   }
 };
 
-enum class Kind { kPicture, kRaw, kVideo };
+constexpr std::string_view kExpectedFiles =
+    "expected a folder of images, an image, a raw frame, a video or a clip";
+
+enum class Kind { kPicture, kRaw, kVideo, kClip };
 
 struct Item {
   Kind kind;
@@ -61,11 +70,12 @@ struct Item {
   std::string name;  // stem
 };
 
-/// What is neither image nor raw frame is tried as a video.
+/// What is neither image, raw frame nor clip is tried as a video.
 Kind kind_of(const fs::path& path) {
   switch (recording_kind(path)) {
     case RecordingKind::kImage: return Kind::kPicture;
     case RecordingKind::kRaw: return Kind::kRaw;
+    case RecordingKind::kClip: return Kind::kClip;
     default: return Kind::kVideo;
   }
 }
@@ -74,11 +84,11 @@ std::vector<Item> find_items(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) {
-    throw CaptureError(
-        fmt::format("path \"{}\": {}; expected a folder of images, an image, a raw frame or a video", path,
-                    std::make_error_code(error ? static_cast<std::errc>(error.value())
-                                               : std::errc::no_such_file_or_directory)
-                        .message()));
+    throw CaptureError(fmt::format("path \"{}\": {}; {}", path,
+                                   std::make_error_code(error ? static_cast<std::errc>(error.value())
+                                                              : std::errc::no_such_file_or_directory)
+                                       .message(),
+                                   kExpectedFiles));
   }
   std::vector<Item> items;
   const auto add = [&](const fs::path& file, Kind kind) {
@@ -91,7 +101,7 @@ std::vector<Item> find_items(const std::string& path) {
   fs::directory_iterator folder(path, error);
   for (; !error && folder != fs::directory_iterator(); folder.increment(error)) {
     const Kind kind = kind_of(folder->path());
-    if (kind != Kind::kVideo) add(folder->path(), kind);
+    if (kind == Kind::kPicture || kind == Kind::kRaw) add(folder->path(), kind);
   }
   if (error) throw CaptureError(fmt::format("path \"{}\": {}", path, error.message()));
   if (items.empty()) {
@@ -118,9 +128,11 @@ class Descriptor {
   int fd_;
 };
 
-class FileSource final : public Source {
+/// Images and raw frames, a file each.
+class StillRecording final : public Recording {
  public:
-  explicit FileSource(const Options& options) : options_(options), items_(find_items(options.path)) {
+  StillRecording(const Options& options, std::vector<Item> items)
+      : options_(options), items_(std::move(items)) {
     const bool raw =
         std::any_of(items_.begin(), items_.end(), [](const Item& i) { return i.kind == Kind::kRaw; });
     if (raw &&
@@ -132,59 +144,10 @@ class FileSource final : public Source {
                       options_.path, options_.pixel_format ? name_of(*options_.pixel_format) : "auto",
                       options_.width, options_.height));
     }
-    double rate_hz = kStillRateHz;
-    auto count = static_cast<std::int64_t>(items_.size());
-    if (items_.front().kind == Kind::kVideo) {
-      try {
-        media_ = std::make_unique<MediaReader>(items_.front().path, false);
-      } catch (const std::exception& error) {
-        throw CaptureError(
-            fmt::format("path \"{}\": {}; expected a folder of images, an image, a raw frame or a video",
-                        options_.path, error.what()));
-      }
-      if (const double own_hz = media_->frame_rate_hz(); own_hz > 0) rate_hz = own_hz;
-      count = media_->count() > 0 ? media_->count() : kEndless;
-    }
-    playback_ = std::make_shared<Playback>(count, options_.frame_rate_hz.value_or(rate_hz), options_.loop);
-    warnings_ = apply_controls(*playback_, options_.controls);
   }
 
-  CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
-    try {
-      const auto turn = playback_->wait_turn(timeout);
-      if (!turn) return CaptureStatus::kTimeout;
-      return show(*turn, image, problem);
-    } catch (const std::exception& error) {
-      problem = fmt::format("path \"{}\": {}", options_.path, error.what());
-      return CaptureStatus::kLost;
-    }
-  }
-
-  std::shared_ptr<Controls> controls() override { return playback_; }
-  std::vector<std::string> warnings() const override { return warnings_; }
-
- private:
-  CaptureStatus show(std::int64_t place, CapturedImage& image, std::string& problem) {
-    const CaptureStatus status =
-        media_ ? take_video(place, image, problem) : take_still(place, image, problem);
-    any_good_ = any_good_ || status == CaptureStatus::kImage;
-    image.times.t_capture_s = unix_time_s();
-    return status;
-  }
-
-  /// At the end, behind so many images.
-  CaptureStatus begin_again(std::int64_t count, CapturedImage& image, std::string& problem) {
-    if (!playback_->begin_again(count)) return CaptureStatus::kEnd;
-    if (!std::exchange(any_good_, false)) {
-      problem = fmt::format("path \"{}\": nothing in it can be read", options_.path);
-      return CaptureStatus::kLost;
-    }
-    return show(0, image, problem);
-  }
-
-  CaptureStatus take_still(std::int64_t place, CapturedImage& image, std::string& problem) {
-    if (const auto count = static_cast<std::int64_t>(items_.size()); place >= count)
-      return begin_again(count, image, problem);
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) override {
+    if (place >= count()) return CaptureStatus::kEnd;
     const Item& item = items_[static_cast<std::size_t>(place)];
     try {
       image.image = item.kind == Kind::kRaw ? read_raw(item.path) : read_picture(item.path);
@@ -196,6 +159,9 @@ class FileSource final : public Source {
     }
   }
 
+  std::int64_t count() const override { return static_cast<std::int64_t>(items_.size()); }
+
+ private:
   Image read_picture(const std::string& path) {
     Image image;
     std::string problem = "no image in it";
@@ -229,38 +195,122 @@ class FileSource final : public Source {
     return image;
   }
 
-  CaptureStatus take_video(std::int64_t place, CapturedImage& image, std::string& problem) {
-    const Item& item = items_.front();
-    if (place != video_place_) {
+  const Options options_;
+  const std::vector<Item> items_;
+  PicturePool pool_;
+};
+
+class VideoRecording final : public Recording {
+ public:
+  explicit VideoRecording(Item item)
+      : item_(std::move(item)), media_(std::make_unique<MediaReader>(item_.path, false)) {
+    if (media_->count() > 0) count_ = media_->count();
+  }
+
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) override {
+    if (place != place_) {
       if (place > 0) {
         media_->seek(place);
       } else {  // without reading through all of it
-        media_ = std::make_unique<MediaReader>(item.path, false);
+        media_ = std::make_unique<MediaReader>(item_.path, false);
       }
-      video_place_ = place;
+      place_ = place;
     }
     const MediaReader::Result result = media_->read(pool_, image.image, problem);
-    if (result == MediaReader::Result::kEnd) return begin_again(video_place_, image, problem);
-    const std::int64_t number = video_place_++;
+    if (result == MediaReader::Result::kEnd) {
+      count_ = place_;
+      return CaptureStatus::kEnd;
+    }
+    const std::int64_t number = place_++;
     if (result == MediaReader::Result::kDamaged) {
-      problem = fmt::format("{}: frame {}: {}", item.path, number, problem);
+      problem = fmt::format("{}: frame {}: {}", item_.path, number, problem);
       return CaptureStatus::kIncomplete;
     }
-    image.name = fmt::format("{}{:06}", item.name, number);
+    image.name = fmt::format("{}{:06}", item_.name, number);
     image.times.t_capture_camera_s = media_->time_s();
     return CaptureStatus::kImage;
   }
 
+  std::int64_t count() const override { return count_; }
+  double frame_rate_hz() const override { return media_->frame_rate_hz(); }
+
+ private:
   static constexpr std::int64_t kEndless = std::int64_t{1} << 40;  // images of a video that does not say
 
+  const Item item_;
+  PicturePool pool_;
+  std::unique_ptr<MediaReader> media_;
+  std::int64_t place_ = 0;  // of the image it gives next
+  std::int64_t count_ = kEndless;
+};
+
+/// Throws CaptureError.
+std::unique_ptr<Recording> open_recording(const Options& options) {
+  std::vector<Item> items = find_items(options.path);
+  const Kind kind = items.front().kind;
+  if (options.camera && kind != Kind::kClip)
+    throw CaptureError(
+        fmt::format("path \"{}\": only a clip (.clip) has cameras; camera must be null, not {}", options.path,
+                    *options.camera));
+  if (kind != Kind::kVideo && kind != Kind::kClip)
+    return std::make_unique<StillRecording>(options, std::move(items));
+  try {
+    if (kind == Kind::kVideo) return std::make_unique<VideoRecording>(std::move(items.front()));
+    return open_clip(options.path, options.camera);
+  } catch (const std::exception& error) {
+    if (kind == Kind::kClip) throw CaptureError(error.what());
+    throw CaptureError(fmt::format("path \"{}\": {}; {}", options.path, error.what(), kExpectedFiles));
+  }
+}
+
+class FileSource final : public Source {
+ public:
+  explicit FileSource(const Options& options) : options_(options), recording_(open_recording(options)) {
+    std::vector<double> distances_s = recording_->distances_s();
+    if (options_.frame_rate_hz || distances_s.empty()) {
+      const double own_hz = recording_->frame_rate_hz();
+      playback_ = std::make_shared<Playback>(
+          recording_->count(), options_.frame_rate_hz.value_or(own_hz > 0 ? own_hz : kStillRateHz),
+          options_.loop);
+    } else {
+      playback_ = std::make_shared<Playback>(std::move(distances_s), options_.loop);
+    }
+    warnings_ = apply_controls(*playback_, options_.controls);
+  }
+
+  CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
+    try {
+      const auto turn = playback_->wait_turn(timeout);
+      if (!turn) return CaptureStatus::kTimeout;
+      CaptureStatus status = take(*turn, image, problem);
+      if (status != CaptureStatus::kEnd || !playback_->begin_again(recording_->count())) return status;
+      if (!std::exchange(any_good_, false)) {
+        problem = fmt::format("path \"{}\": nothing in it can be read", options_.path);
+        return CaptureStatus::kLost;
+      }
+      return take(0, image, problem);
+    } catch (const std::exception& error) {
+      problem = fmt::format("path \"{}\": {}", options_.path, error.what());
+      return CaptureStatus::kLost;
+    }
+  }
+
+  std::shared_ptr<Controls> controls() override { return playback_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
+
+ private:
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) {
+    const CaptureStatus status = recording_->take(place, image, problem);
+    any_good_ = any_good_ || status == CaptureStatus::kImage;
+    image.times.t_capture_s = unix_time_s();
+    return status;
+  }
+
   const Options options_;
-  const std::vector<Item> items_;
+  const std::unique_ptr<Recording> recording_;
   std::shared_ptr<Playback> playback_;
   std::vector<std::string> warnings_;
-  PicturePool pool_;
-  std::unique_ptr<MediaReader> media_;  // of a video
-  std::int64_t video_place_ = 0;        // of the image it gives next
-  bool any_good_ = false;               // in this pass
+  bool any_good_ = false;  // in this pass
 };
 
 }  // namespace
@@ -276,6 +326,7 @@ RecordingKind recording_kind(const fs::path& file) {
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
   if (ending == ".raw") return RecordingKind::kRaw;
+  if (ending == ".clip") return RecordingKind::kClip;
   if (is_one_of(kImages)) return RecordingKind::kImage;
   return is_one_of(kVideos) ? RecordingKind::kVideo : RecordingKind::kOther;
 }
@@ -283,7 +334,7 @@ RecordingKind recording_kind(const fs::path& file) {
 Backend file_backend() {
   return {
       "files",
-      "recorded images, raw frames or a video instead of a camera",
+      "recorded images, raw frames, a video or a clip instead of a camera",
       [](const Json& options, const std::string& path) {
         return params_to_json(params_from_json<Options>(options, path));
       },

@@ -8,10 +8,10 @@
 namespace sslv {
 
 /// What a file is by the ending of its name.
-enum class RecordingKind { kImage, kRaw, kVideo, kOther };
+enum class RecordingKind { kImage, kRaw, kVideo, kClip, kOther };
 RecordingKind recording_kind(const std::filesystem::path& file);
 
-/// "files": recorded images (PNG, JPEG, BMP, PPM), raw frames or a video instead of a camera.
+/// "files": recorded images (PNG, JPEG, BMP, PPM), raw frames, a video or a clip instead of a camera.
 Backend file_backend();
 
 }  // namespace sslv

@@ -4,6 +4,7 @@
 #include "base/error.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,12 @@ std::uint64_t Playback::State::word() const {
 Playback::Playback(std::int64_t count, double rate_hz, bool loop)
     : rate_hz_(rate_hz), state_(State{.loop = loop}.word()), count_(count) {}
 
+Playback::Playback(std::vector<double> distances_s, bool loop)
+    : rate_hz_(0),
+      distances_s_(std::move(distances_s)),
+      state_(State{.loop = loop}.word()),
+      count_(static_cast<std::int64_t>(distances_s_.size())) {}
+
 /// Returns the state that `change` has made.
 template <class Change>
 Playback::State Playback::update(const Change& change) {
@@ -44,6 +51,19 @@ Playback::State Playback::update(const Change& change) {
     change(after);
   } while (!state_.compare_exchange_weak(word, after.word()));
   return after;
+}
+
+/// From this image to the next.
+Playback::Clock::duration Playback::time_after(std::int64_t place) const {
+  constexpr double kMaxDistance_s = 3600;  // a file may say anything
+  double distance_s = 1 / rate_hz_;
+  if (!distances_s_.empty()) {
+    // Behind the last image the first is shown again.
+    const auto i = static_cast<std::size_t>(place);
+    const double said_s = distances_s_[i < distances_s_.size() ? i : 0];
+    distance_s = said_s > 0 ? std::min(said_s, kMaxDistance_s) : 0;  // also for NaN
+  }
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(distance_s / speed_));
 }
 
 std::optional<std::int64_t> Playback::wait_turn(std::chrono::milliseconds timeout) {
@@ -57,7 +77,7 @@ std::optional<std::int64_t> Playback::wait_turn(std::chrono::milliseconds timeou
     const bool may_go_on = !taken.paused || steps;
     const Clock::time_point now = Clock::now();
     if (is_due_at_once_.exchange(false)) due_ = now;
-    if (may_go_on && (rate_hz_ == 0 || steps || now >= due_)) {
+    if (may_go_on && (!is_timed() || steps || now >= due_)) {
       State after = taken;
       ++after.next;
       if (after.steps > 0) --after.steps;
@@ -67,12 +87,8 @@ std::optional<std::int64_t> Playback::wait_turn(std::chrono::milliseconds timeou
     if (now >= until) return std::nullopt;
     changed_.wait(mark, may_go_on ? std::min(until, due_) : until);
   }
-  if (rate_hz_ > 0) {
-    const auto period =
-        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / (rate_hz_ * speed_)));
-    // A reader that comes late is not rushed afterwards.
-    due_ = std::max(due_ + period, Clock::now());
-  }
+  // A reader that comes late is not rushed afterwards.
+  if (is_timed()) due_ = std::max(due_ + time_after(taken.next), Clock::now());
   return taken.next;
 }
 
@@ -112,7 +128,7 @@ std::vector<Control> Playback::list() {
   out[4].least = 0.01;
   out[4].most = 100;
   out[4].value = speed_.load();
-  out[4].writable = rate_hz_ > 0;
+  out[4].writable = is_timed();
   out[5].name = "loop";
   out[5].title = "Loop";
   out[5].help = "begin again at the end";

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace sslv {
 
@@ -18,6 +19,8 @@ class Playback final : public Controls {
  public:
   /// `count`: images of the recording, as far as is known. `rate_hz` 0: as fast as they are taken.
   Playback(std::int64_t count, double rate_hz, bool loop);
+  /// So long after each image the next one comes, in s, and after the last one the first again.
+  Playback(std::vector<double> distances_s, bool loop);
 
   /// Waits until an image is due and says which one, which may be beyond the last; nothing when none is due
   /// within `timeout`.
@@ -44,7 +47,11 @@ class Playback final : public Controls {
   template <class Change>
   State update(const Change& change);
 
+  bool is_timed() const { return rate_hz_ > 0 || !distances_s_.empty(); }
+  Clock::duration time_after(std::int64_t place) const;
+
   const double rate_hz_;
+  const std::vector<double> distances_s_;  // empty: the rate counts
   std::atomic<std::uint64_t> state_;
   std::atomic<std::int64_t> count_;
   std::atomic<double> speed_{1};

@@ -79,7 +79,7 @@ Json list_files(const fs::path& folder, const std::vector<fs::path>& allowed) {
     if (!is_folder && (kind == RecordingKind::kOther || !i->is_regular_file(gone))) continue;
     // Only a link may lead out.
     if (i->is_symlink(gone) && !may_list(i->path(), allowed)) continue;
-    if (!is_folder && kind != RecordingKind::kVideo) ++images;
+    if (!is_folder && (kind == RecordingKind::kImage || kind == RecordingKind::kRaw)) ++images;
     entries.push_back({name, is_folder});
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {

@@ -5,6 +5,7 @@
 #include "clips/clip_writer.h"
 #include "image/pixel_format_names.h"
 #include "support/clip_images.h"
+#include "support/paths.h"
 
 #include <algorithm>
 #include <array>
@@ -228,6 +229,14 @@ TEST_F(Clip, GivesBackAllThatWasAdded) {
     EXPECT_EQ(reader.entries()[i].is_whole, kept[i].tile_px == 0);
     expect_same(Kept(reader.read(i)), kept[i]);
   }
+}
+
+/// tests/e2e/clip_reader.test.mjs reads the same file with a reader that was written from the description.
+TEST_F(Clip, IsWrittenAsItWasDescribed) {
+  write_small();
+  std::ifstream file(source_path("/tests/golden/small.clip"), std::ios::binary);
+  const std::string golden{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_TRUE(read_file() == golden) << "another format is another version, with its description";
 }
 
 TEST_F(Clip, HoldsEveryPixelFormat) {
