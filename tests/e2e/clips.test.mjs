@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clips, from outside: the real service, what it sends on the network, and a reader of the format that is written from
+// its description (docs/recording.md), not with the service's code.
+import assert from 'node:assert/strict';
+import { execFileSync, spawnSync } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { existsSync, mkdirSync, readdirSync, symlinkSync, truncateSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, beforeEach, describe, it } from 'node:test';
+import { readClip } from './clip_reader.mjs';
+import { gameController } from './league_messages.mjs';
+import { becomes, createService, freeUdpPort, root } from './service.mjs';
+
+const GROUP = '239.255.77.92', GC_GROUP = '239.255.77.93';
+const service = await createService(GROUP);
+const gcPort = await freeUdpPort();
+service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
+// Two cameras, smaller than a field's, so that seconds fit into little memory.
+const [first] = service.settings.cameras;
+service.settings.cameras = [0, 1].map((id) => ({ ...structuredClone(first), id, source: { ...structuredClone(first.source), frame_rate_hz: 25 } }));
+service.settings.recording = { last_seconds: { memory_mb: 400 }, clips: { seconds: 3, seconds_after: 0.5 } };
+const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
+const folder = join(service.stateFolder, 'recordings');
+
+const ask = async (method, path, body) => {
+  const answer = await fetch(service.address(`api/recordings${path}`), { method, body: body && JSON.stringify(body) });
+  const text = await answer.text();
+  return { status: answer.status, json: answer.headers.get('content-type')?.includes('json') ? JSON.parse(text) : null, text };
+};
+const clips = async () => (await ask('GET', '/clips')).json;
+/** So much of each camera is in memory. */
+const reaches = (seconds) => becomes(clips, ({ last_seconds: { cameras } }) => cameras.length === 2 && cameras.every((camera) => camera.seconds >= seconds));
+/** A clip that was asked for, once the service has read it. */
+async function clipWith(body, name) {
+  const answer = await ask('POST', '/clips', { name, ...body });
+  assert.equal(answer.status, 202, answer.text);
+  return isThere(name);
+}
+const isThere = async (name) => (await becomes(clips, ({ clip, clips: all }) => clip.state === 'idle' && all.some((one) => one.name.endsWith(`_${name}.clip`) && one.begin_s !== null)))
+  .clips.find((one) => one.name.endsWith(`_${name}.clip`));
+const pathOf = ({ name }) => join(folder, name);
+
+/** Hears the service's detections until it is closed. */
+async function listen() {
+  const socket = createSocket({ type: 'udp4', reuseAddr: true });
+  socket.bind(service.settings.network.vision.port);
+  await once(socket, 'listening');
+  socket.addMembership(GROUP, '127.0.0.1');
+  const heard = new Set();
+  socket.on('message', (message) => heard.add(message.toString('latin1')));
+  return { heard, close: () => socket.close() };
+}
+
+describe('clips', () => {
+  before(() => service.start());
+  beforeEach(() => service.restore());
+  after(() => service.end());
+
+  it('hold what was sent, byte for byte, for a reader that is not ours', async () => {
+    const ears = await listen();
+    await reaches(3);
+    const made = await clipWith({ seconds: 2 }, 'sent');
+    ears.close();
+    assert.ok(made.seconds > 1.8 && made.seconds < 3.5, `${made.seconds}`);
+    assert.deepEqual(made.cameras.map(({ id, missing }) => ({ id, missing })), [{ id: 0, missing: 0 }, { id: 1, missing: 0 }]);
+    for (const { frames } of made.cameras) assert.ok(frames > 40, `${frames} frames`);
+
+    const clip = readClip(pathOf(made));
+    assert.equal(clip.about.why, 'kept by hand');
+    assert.equal(clip.frames.length, made.cameras[0].frames + made.cameras[1].frames);
+    for (const id of [0, 1]) {
+      const frames = clip.frames.filter(({ camera_id }) => camera_id === id);
+      frames.forEach((frame, i) => assert.equal(frame.number, frames[0].number + i));
+      assert.ok(frames[0].memory.length > 0, 'it begins with what the stages remember');
+      assert.ok(frames.every(({ image, width, height }) => image.length >= width * height));
+      assert.ok(frames.every(({ packet }) => ears.heard.has(packet.toString('latin1'))), 'these packets were sent');
+    }
+    const settings = clip.setups[0].about.settings;
+    assert.equal(settings.cameras.length, 1);
+    assert.equal(settings.site, service.settings.site ?? settings.site);
+  });
+
+  it('give the same bytes again, also over a change of settings and of the light', async () => {
+    await reaches(1);
+    const order = await ask('POST', '/clips', { seconds: 1, seconds_after: 3, name: 'same' });
+    assert.equal(order.status, 202, order.text);
+    assert.equal((await ask('POST', '/clips', {})).status, 409, 'one at a time');
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/min_confidence', value: 0.3 });
+    await service.patch({ op: 'replace', path: '/cameras/1/colors/bits', value: 6 });
+    const made = await isThere('same');
+    assert.ok(readClip(pathOf(made)).setups.length >= 4, 'what changed is in it');
+    const told = execFileSync(CTL, ['replay', pathOf(made), '--compare', '--json'], { encoding: 'utf8' });
+    const result = JSON.parse(told);
+    assert.match(JSON.stringify(result), /"frames_with_other_bytes":\s*0/);
+    assert.doesNotMatch(JSON.stringify(result), /"frames_with_other_bytes":\s*[1-9]/);
+
+    // The same in the panel's way.
+    assert.equal((await ask('POST', `/clips/${made.name}/compare`, { camera: 1, with: 'recorded_settings' })).status, 202);
+    const same = await becomes(async () => (await ask('GET', '/compare')).json, ({ state }) => state !== 'running');
+    assert.equal(same.state, 'done', same.error);
+    assert.deepEqual({ ...same.result, frames: 0, largest_mm: 0 }, {
+      exact: true, why_not_exact: '', frames: 0, frames_that_differ: 0, frames_with_other_bytes: 0, found: 0, lost: 0, moved: 0, id_changed: 0, largest_mm: 0, threshold_mm: 1, differences: [],
+    });
+    assert.equal(same.result.frames, made.cameras[1].frames);
+  });
+
+  it('tell what other settings would find', async () => {
+    await reaches(1);
+    const made = await clipWith({ seconds: 1 }, 'other');
+    await service.patch({ op: 'replace', path: '/cameras/0/stages/detect_robots/min_confidence', value: 1 });
+    assert.equal((await ask('POST', `/clips/${made.name}/compare`, { with: 'settings_now' })).status, 202);
+    const { state, result, error } = await becomes(async () => (await ask('GET', '/compare')).json, (now) => now.state !== 'running');
+    assert.equal(state, 'done', error);
+    assert.ok(result.lost > 0 && result.found === 0, JSON.stringify({ ...result, differences: [] }));
+    const [difference] = result.differences;
+    assert.equal(difference.kind, 'lost');
+    assert.match(difference.what, /^(yellow|blue) \d+$/);
+    const frame = (await ask('GET', `/clips/${made.name}/frames/${difference.place}`)).json;
+    assert.ok(frame.robots.some(({ team, id, pixel_x }) => `${team} ${id}` === difference.what && Math.abs(pixel_x - difference.pixel_x) < 1));
+    assert.equal((await ask('POST', `/clips/${made.name}/compare`, { with: 'learnt_colors' })).status, 409);
+    assert.equal((await ask('POST', `/clips/${made.name}/compare`, { with: 'x' })).status, 400);
+    assert.equal((await ask('POST', `/clips/${made.name}/compare`, { camera: 7 })).status, 400);
+  });
+
+  it('are shown frame by frame', async () => {
+    await reaches(1);
+    const made = await clipWith({ seconds: 1 }, 'shown');
+    const { json: index } = await ask('GET', `/clips/${made.name}/frames`);
+    assert.deepEqual(index.cameras.map(({ id, places }) => [id, places.length]), made.cameras.map(({ id, frames }) => [id, frames]));
+    const place = index.cameras[1].places[3];
+    const { json: frame } = await ask('GET', `/clips/${made.name}/frames/${place}`);
+    assert.equal(frame.camera, 1);
+    assert.equal(frame.number, index.cameras[1].numbers[3]);
+    assert.ok(Math.abs(frame.time_s - index.cameras[1].times_s[3]) < 1e-6);
+    const picture = await fetch(service.address(`api/recordings/clips/${made.name}/frames/${place}/picture?width=200`));
+    assert.equal(picture.headers.get('content-type'), 'image/jpeg');
+    assert.ok((await picture.arrayBuffer()).byteLength > 1000);
+    assert.equal((await ask('GET', `/clips/${made.name}/frames/999999`)).status, 404);
+    for (const name of ['..%2Fadmin.json', 'none.clip', '.clip']) assert.equal((await ask('GET', `/clips/${name}/frames`)).status, 404, name);
+  });
+
+  it('may be a camera', async () => {
+    await reaches(1);
+    const made = await clipWith({ seconds: 1 }, 'camera');
+    const before = (await ask('GET', `/clips/${made.name}/frames/0`)).json;
+    writeFileSync(join(service.folder, 'shown.clip'), '');
+    const show = execFileSync('cp', [pathOf(made), join(service.folder, 'shown.clip')]);
+    assert.equal(show.length, 0);
+    await service.patch({ op: 'replace', path: '/cameras/0/source', value: { backend: 'files', path: join(service.folder, 'shown.clip'), camera_id: 0, loop: true } });
+    await service.statusBecomes(({ cameras: [one] }) => one.state === 'open' && one.robots === before.robots.length);
+  });
+
+  it('are made at a goal and at a command when the settings say so', async () => {
+    await reaches(1);
+    await service.patch({ op: 'replace', path: '/recording/clips/on_goal', value: true });
+    const gc = createSocket('udp4');
+    gc.bind(0, '127.0.0.1');
+    await once(gc, 'listening');
+    gc.setMulticastInterface('127.0.0.1');
+    let said = { yellow: ['A', 0], blue: ['B', 0], stage: 1, command: 1 };
+    const talking = setInterval(() => gc.send(gameController(said), gcPort, GC_GROUP), 100);
+    await becomes(async () => (await (await fetch(service.address('api/status'))).json()).referee, (referee) => referee.silent_s !== null);
+    await new Promise((resolve) => { setTimeout(resolve, 500); });
+    said = { ...said, yellow: ['A', 1] };
+    const goal = await isThere('goal');
+    assert.equal(goal.why, 'Goal for yellow: 1 : 0');
+    assert.ok(readClip(pathOf(goal)).events.some(({ kind, text }) => kind === 'goal' && text.startsWith('Goal for yellow')));
+    await service.patch({ op: 'replace', path: '/recording/clips/on_goal', value: false }, { op: 'replace', path: '/recording/clips/on_command', value: true });
+    said = { ...said, command: 3 };
+    assert.equal((await isThere('command')).why, 'Force start');
+    clearInterval(talking);
+    gc.close();
+  });
+
+  it('are made of parts of images where memory is to reach far', async () => {
+    const before = (await reaches(1)).last_seconds.cameras[0];
+    await service.patch({ op: 'replace', path: '/recording/last_seconds/images', value: 'found' });
+    const rate = (camera) => camera.frames && camera.seconds;
+    await becomes(clips, ({ last_seconds }) => last_seconds.images === 'found' && last_seconds.cameras.every(rate));
+    await reaches(2);
+    const made = await clipWith({ seconds: 1.5 }, 'parts');
+    const clip = readClip(pathOf(made));
+    const parts = clip.frames.filter(({ tile_px }) => tile_px > 0);
+    assert.ok(parts.length > clip.frames.length / 2, `${parts.length} of ${clip.frames.length} are in parts`);
+    assert.ok(clip.frames.every(({ image, width, height }) => image.length >= width * height));
+    assert.ok(before.frames > 0);
+    const { json: index } = await ask('GET', `/clips/${made.name}/frames`);
+    assert.equal((await ask('GET', `/clips/${made.name}/frames/${index.cameras[0].places.at(-1)}/picture`)).status, 200);
+  });
+
+  it('can be kept, taken away, and make room', async () => {
+    await reaches(1);
+    const kept = await clipWith({ seconds: 0.5 }, 'kept'), other = await clipWith({ seconds: 0.5 }, 'other_one');
+    assert.equal((await ask('PATCH', `/clips/${kept.name}`, { pinned: true })).json.clips.find(({ name }) => name === kept.name).pinned, true);
+    assert.equal((await ask('DELETE', `/clips/${other.name}`)).status, 200);
+    assert.ok(!existsSync(pathOf(other)));
+    const bytes = await fetch(service.address(`api/recordings/clips/${kept.name}`));
+    assert.equal((await bytes.arrayBuffer()).byteLength, kept.bytes);
+    await service.patch({ op: 'replace', path: '/recording/quota_mb', value: Math.ceil(kept.bytes / 1e6) + 10 });
+    assert.equal((await ask('POST', '/clips', { seconds: 3, name: 'too_large' })).status, 202);
+    const failed = await becomes(clips, ({ clip }) => clip.state === 'failed');
+    assert.match(failed.clip.error, /quota_mb/);
+    const { alerts } = await (await fetch(service.address('api/alerts'))).json();
+    assert.match(alerts.find(({ id }) => id === 'clip_failed').title, /^A clip was not written: .*quota_mb/);
+    assert.ok(existsSync(pathOf(kept)), 'what is pinned stays');
+    await ask('PATCH', `/clips/${kept.name}`, { pinned: false });
+  });
+
+  it('are refused by name when they make no sense', async () => {
+    for (const [body, why] of [[{ seconds: 0 }, /^\/seconds: expected a number of seconds, 0\.5 to 600$/], [{ name: '../x' }, /^\/name: expected/], [{ second: 1 }, /^\/second: is not known here/], [[], /expected an object/]]) {
+      const answer = await ask('POST', '/clips', body);
+      assert.equal(answer.status, 400);
+      assert.match(answer.json.error, why);
+    }
+    mkdirSync(folder, { recursive: true });
+    writeFileSync(join(folder, 'foreign.clip'), 'this is no clip, but somebody named it so');
+    symlinkSync('/etc/passwd', join(folder, 'link.clip'));
+    const { clips: all } = await becomes(clips, (now) => now.clips.some(({ name, problem }) => name === 'foreign.clip' && problem));
+    assert.ok(!all.some(({ name }) => name === 'link.clip'));
+    assert.equal((await ask('GET', '/clips/foreign.clip/frames')).status, 422);
+    await service.patch({ op: 'replace', path: '/recording/last_seconds/memory_mb', value: 0 });
+    await becomes(clips, ({ last_seconds }) => last_seconds.memory_bytes === 0);
+    assert.match((await ask('POST', '/clips', {})).json.error, /memory_mb is 0/);
+  });
+
+  it('can be read to where a service that was killed got', async () => {
+    await reaches(2);
+    await ask('POST', '/clips', { seconds: 2, seconds_after: 60, name: 'killed' });
+    await becomes(clips, ({ clip }) => clip.frames > 60);
+    process.kill(service.pid(), 'SIGKILL');
+    await becomes(async () => { try { return process.kill(service.pid(), 0); } catch { return false; } }, (runs) => !runs);
+    const [name] = readdirSync(folder).filter((file) => file.endsWith('_killed.clip'));
+    truncateSync(join(folder, name), 30_000_001);
+    const info = spawnSync(CTL, ['clip', 'info', join(folder, name)], { encoding: 'utf8' });
+    assert.equal(info.status, 0, info.stderr);
+    await service.start();
+    const made = await isThere('killed');
+    assert.match(made.problem, /was not ended/);
+    assert.ok(made.cameras.every(({ frames }) => frames > 3));
+    assert.equal((await ask('GET', `/clips/${name}/frames/0/picture`)).status, 200);
+  });
+});
