@@ -2,15 +2,14 @@
 #include "base/error.h"
 #include "capture/files/file.h"
 #include "capture/files/file_playback.h"
-#include "clips/clip_format.h"
 #include "clips/clip_writer.h"
 #include "support/clip_images.h"
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
