@@ -32,7 +32,7 @@ struct Options {
   std::string path;
   PixelFormatOrAuto pixel_format;
   int width = 0, height = 0;
-  std::optional<int> camera;
+  std::optional<int> camera_id;
   std::optional<double> frame_rate_hz;
   bool loop = false;
   Json controls = Json::object();
@@ -47,7 +47,7 @@ struct Options {
                "how the bytes of raw frames lie; images, videos and clips know it themselves (auto)"),
         number("width", &O::width, 0, 16384, "px", "of raw frames; 0: there are none"),
         number("height", &O::height, 0, 16384, "px", "of raw frames; 0: there are none"),
-        number("camera", &O::camera, 0, 255, "", "id of the camera of a clip; null: the first in it"),
+        number("camera_id", &O::camera_id, 0, 255, "", "id of the camera of a clip; null: the first in it"),
         number(
             "frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
             "images a second; 0: as fast as they are taken; null: a video's own rate, the times of a clip, "
@@ -248,15 +248,15 @@ class VideoRecording final : public Recording {
 std::unique_ptr<Recording> open_recording(const Options& options) {
   std::vector<Item> items = find_items(options.path);
   const Kind kind = items.front().kind;
-  if (options.camera && kind != Kind::kClip)
+  if (options.camera_id && kind != Kind::kClip)
     throw CaptureError(
-        fmt::format("path \"{}\": only a clip (.clip) has cameras; camera must be null, not {}", options.path,
-                    *options.camera));
+        fmt::format("path \"{}\": only a clip (.clip) has cameras; camera_id must be null, not {}",
+                    options.path, *options.camera_id));
   if (kind != Kind::kVideo && kind != Kind::kClip)
     return std::make_unique<StillRecording>(options, std::move(items));
   try {
     if (kind == Kind::kVideo) return std::make_unique<VideoRecording>(std::move(items.front()));
-    return open_clip(options.path, options.camera);
+    return open_clip(options.path, options.camera_id);
   } catch (const std::exception& error) {
     if (kind == Kind::kClip) throw CaptureError(error.what());
     throw CaptureError(fmt::format("path \"{}\": {}; {}", options.path, error.what(), kExpectedFiles));

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/error.h"
+#include "base/plain_text.h"
 #include "ctl/commands/commands.h"
 #include "ctl/commands/offline_options.h"
 #include "ctl/replay.h"
 #include "settings/migrations.h"
 #include "settings/store.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -62,6 +65,33 @@ std::shared_ptr<const Lut> table_in(const std::string& file, const Config* setti
   return read_lut(file, "--lut", labels);
 }
 
+/// Like diff: 1 says that there are differences.
+constexpr int kTrouble = 2;
+
+/// What `act` returns. What is wrong with the clip is said with its name; `settings_file`: whose messages
+/// have theirs.
+template <class Act>
+int with_clip(const ClipChoice& choice, const std::string& settings_file, const Act& act) {
+  const std::string name = choice.clip.string();
+  const auto named = [&](const std::string& what) {
+    const bool has_name =
+        what.starts_with(name) || (!settings_file.empty() && what.starts_with(settings_file));
+    return has_name ? what : name + ": " + what;
+  };
+  try {
+    ClipReader clip(choice.clip);
+    return act(clip);
+  } catch (const SettingsError& error) {
+    throw SettingsError(named(error.what()));
+  } catch (const ClipError& error) {
+    std::cerr << "ssl-visionctl: " << escaped_lines(named(error.what())) << "\n";
+    return kTrouble;
+  } catch (const StorageError& error) {
+    std::cerr << "ssl-visionctl: " << escaped_lines(error.what()) << "\n";
+    return kTrouble;
+  }
+}
+
 }  // namespace
 
 void add_replay(CommandLine& line) {
@@ -75,8 +105,8 @@ void add_replay(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   auto* command = line.app.add_subcommand(
       "replay",
-      "run a clip's frames through the stack again, as the live run did or with other settings. Exit code 1 "
-      "if --compare finds differences, like diff");
+      "run a clip's frames through the stack again, as the live run did or with other settings. Exit code of "
+      "--compare, like diff: 0: the same, 1: differences, 2: trouble");
   o->choice.add_to(command);
   command->add_option("--settings", o->settings_file, "settings to use instead of the clip's");
   command->add_option("--lut", o->lut_file, "colour table (.lut) to use instead of the clip's");
@@ -95,27 +125,28 @@ void add_replay(CommandLine& line) {
   add_json_flag(command, o->as_json);
   line.on(command, [o] {
     add_stage_libraries(o->stage_folders, MissingStages::kRefused);
-    ClipReader clip(o->choice.clip);
-    ReplayCommand replay{
-        .camera_id = o->choice.camera_or_all(), .span = o->choice.span(), .limits = o->limits};
-    replay.compares = o->compares;
-    if (!o->settings_file.empty() || !o->lut_file.empty()) {
-      OtherSetup& other = replay.other.emplace();
-      other.path = o->settings_file;
-      if (!o->settings_file.empty())
-        other.settings = std::make_shared<const Config>(settings_in(o->settings_file));
-      if (!o->lut_file.empty()) other.table = table_in(o->lut_file, other.settings.get());
-    }
-    std::optional<Output> found;
-    if (!o->output.empty()) replay.found = &found.emplace(o->output).stream();
-    const std::vector<ReplayedCamera> cameras = replay_cameras(clip, replay);
-    if (found) found->finish();
-    (o->output == "-" ? std::cerr : std::cout)
-        << (o->as_json ? replayed_json(cameras).dump(2) + "\n"
-                       : replayed_text(cameras, replay.other.has_value()));
-    const bool differs =
-        std::any_of(cameras.begin(), cameras.end(), [](const ReplayedCamera& one) { return one.differs; });
-    return differs ? EXIT_FAILURE : EXIT_SUCCESS;
+    return with_clip(o->choice, o->settings_file, [&](ClipReader& clip) {
+      ReplayCommand replay{
+          .camera_id = o->choice.camera_or_all(), .span = o->choice.span(), .limits = o->limits};
+      replay.compares = o->compares;
+      if (!o->settings_file.empty() || !o->lut_file.empty()) {
+        OtherSetup& other = replay.other.emplace();
+        other.path = o->settings_file;
+        if (!o->settings_file.empty())
+          other.settings = std::make_shared<const Config>(settings_in(o->settings_file));
+        if (!o->lut_file.empty()) other.table = table_in(o->lut_file, other.settings.get());
+      }
+      std::optional<Output> found;
+      if (!o->output.empty()) replay.found = &found.emplace(o->output).stream();
+      const std::vector<ReplayedCamera> cameras = replay_cameras(clip, replay);
+      if (found) found->finish();
+      (o->output == "-" ? std::cerr : std::cout)
+          << (o->as_json ? replayed_json(cameras).dump(2) + "\n"
+                         : replayed_text(cameras, replay.other.has_value()));
+      const bool differs =
+          std::any_of(cameras.begin(), cameras.end(), [](const ReplayedCamera& one) { return one.differs; });
+      return differs ? EXIT_FAILURE : EXIT_SUCCESS;
+    });
   });
 }
 
@@ -154,11 +185,12 @@ void add_clip(CommandLine& line) {
   add_stages_options(write, o->stage_folders);
   line.on(write, [o] {
     add_stage_libraries(o->stage_folders, MissingStages::kRefused);
-    ClipReader clip(o->choice.clip);
-    o->to.camera_id = o->choice.camera_or_all();
-    o->to.span = o->choice.span();
-    std::cout << exported_text(export_clip(clip, o->to));
-    return EXIT_SUCCESS;
+    return with_clip(o->choice, {}, [&](ClipReader& clip) {
+      o->to.camera_id = o->choice.camera_or_all();
+      o->to.span = o->choice.span();
+      std::cout << exported_text(export_clip(clip, o->to));
+      return EXIT_SUCCESS;
+    });
   });
 }
 

@@ -2,15 +2,14 @@
 #include "base/error.h"
 #include "capture/files/file.h"
 #include "capture/files/file_playback.h"
-#include "clips/clip_format.h"
 #include "clips/clip_writer.h"
 #include "support/clip_images.h"
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -92,7 +91,7 @@ Got next_of(Source& source, milliseconds timeout = milliseconds(0)) {
 
 TEST_F(ClipSource, GivesTheFramesOfACameraAsTheyWere) {
   for (const int camera : {3, 5}) {
-    const auto source = open("kick.clip", {{"camera", camera}, {"frame_rate_hz", 0}});
+    const auto source = open("kick.clip", {{"camera_id", camera}, {"frame_rate_hz", 0}});
     const double now_s =
         std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     for (unsigned i = 0; i < 5; ++i) {
@@ -128,7 +127,7 @@ TEST_F(ClipSource, KeepsTheTimesBetweenFrames) {
 }
 
 TEST_F(ClipSource, ItsControlsAreThoseOfAPlayer) {
-  const auto source = open("kick.clip", {{"camera", 3}, {"loop", true}, {"controls", {{"speed", 16.0}}}});
+  const auto source = open("kick.clip", {{"camera_id", 3}, {"loop", true}, {"controls", {{"speed", 16.0}}}});
   EXPECT_TRUE(source->warnings().empty());
   const auto controls = source->controls();
   EXPECT_EQ(controls->get("speed").value, 16.0);
@@ -156,7 +155,7 @@ TEST_F(ClipSource, ARateOfItsOwnCounts) {
 
 TEST_F(ClipSource, DamagedFramesAreNamedAndSkipped) {
   damage(places_[1] - 20);  // in the pixels of camera 5's first
-  const auto source = open("kick.clip", {{"camera", 5}, {"frame_rate_hz", 0}});
+  const auto source = open("kick.clip", {{"camera_id", 5}, {"frame_rate_hz", 0}});
   const Got bad = next_of(*source);
   EXPECT_EQ(bad.status, CaptureStatus::kIncomplete);
   EXPECT_EQ(bad.problem, path("kick.clip") + ": frame 500 of camera 5 is damaged");
@@ -178,7 +177,7 @@ TEST_F(ClipSource, AnUnfinishedOneIsShownAsFarAsItGoes) {
 }
 
 TEST_F(ClipSource, WhatCannotBeShownIsNamed) {
-  EXPECT_EQ(refusal("kick.clip", {{"camera", 4}}),
+  EXPECT_EQ(refusal("kick.clip", {{"camera_id", 4}}),
             path("kick.clip") + ": no camera 4 in this clip; expected 3, 5");
   std::ofstream(path("text.clip")) << "this is no clip, but a text";
   EXPECT_EQ(refusal("text.clip"), path("text.clip") + ": is no clip: it does not begin like one");
@@ -186,7 +185,7 @@ TEST_F(ClipSource, WhatCannotBeShownIsNamed) {
   EXPECT_EQ(refusal("none.clip"), path("none.clip") + ": no frames in this clip");
   EXPECT_THAT(refusal("nowhere.clip"), HasSubstr("No such file or directory; expected"));
   std::ofstream(path("a.raw")) << "12345678";
-  EXPECT_THAT(refusal("a.raw", {{"camera", 3}, {"pixel_format", "mono8"}, {"width", 4}, {"height", 2}}),
+  EXPECT_THAT(refusal("a.raw", {{"camera_id", 3}, {"pixel_format", "mono8"}, {"width", 4}, {"height", 2}}),
               HasSubstr("only a clip (.clip) has cameras"));
   // A clip in a folder of images is none of them.
   const auto source =

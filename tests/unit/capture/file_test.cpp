@@ -364,7 +364,7 @@ TEST_F(Files, UnknownOptionsAreRefused) {
   EXPECT_THROW(file_backend().complete({{"pixel_format", "rgb"}}, "/cameras/0/source"), SettingsError);
   EXPECT_EQ(file_backend().complete(Json::object(), ""),
             Json::parse(
-                R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "camera": null, "frame_rate_hz": null,
+                R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "camera_id": null, "frame_rate_hz": null,
                             "loop": false, "controls": {}})"));
 }
 
