@@ -114,6 +114,34 @@ std::string recordings_text(const Json& recordings) {
   return out;
 }
 
+std::string clips_text(const Json& clips) {
+  std::string out = "in memory:";
+  for (const Json& camera : clips.at("last_seconds").at("cameras")) {
+    out += fmt::format(" camera {} {:.1f} s", camera.at("id").get<int>(), camera.at("seconds").get<double>());
+    if (const auto dropped = camera.at("dropped").get<std::uint64_t>(); dropped > 0)
+      out += fmt::format(" ({} frames dropped)", dropped);
+    out += ",";
+  }
+  out += fmt::format(" {}\n", size_text(clips.at("last_seconds").at("memory_bytes").get<double>()));
+  if (const auto problem = clips.at("last_seconds").at("problem").get<std::string>(); !problem.empty())
+    out += problem + "\n";
+  const Json& now = clips.at("clip");
+  if (now.at("state") != "idle")
+    out +=
+        fmt::format("clip: {} {}\n", now.at("state").get<std::string>(), now.at("error").get<std::string>());
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& clip : clips.at("clips")) {
+    rows.push_back(
+        {clip.at("name").get<std::string>(),
+         clip.at("seconds").is_null() ? "" : fmt::format("{:.1f} s", clip.at("seconds").get<double>()),
+         size_text(clip.at("bytes").get<double>()), clip.at("pinned").get<bool>() ? "pinned" : "",
+         clip.at("why").get<std::string>(), clip.at("problem").get<std::string>()});
+  }
+  if (!rows.empty())
+    out += "\n" + table_text({{"clip"}, {"length", true}, {"size", true}, {""}, {"why"}, {""}}, rows);
+  return out;
+}
+
 PlayKey take_key(std::string& typed) {
   struct Key {
     std::string_view sent;

@@ -18,6 +18,8 @@ std::string match_log_info_text(const Json& info);
 
 /// What the service says of recordings (docs/openapi.json's Recordings), for a terminal.
 std::string recordings_text(const Json& recordings);
+/// Likewise of the last seconds and clips (Clips).
+std::string clips_text(const Json& clips);
 
 struct PlayOptions {
   double speed = 1;

@@ -22,7 +22,7 @@ const FIRST_HALF = 1;
 const GROUP = '224.5.23.104';
 const port = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GROUP, port, interface: 'lo' };
-service.settings.recording = { match_logs: 'by_hand' };
+service.settings.recording.match_logs = 'by_hand';
 let referee, timer;
 /** Until something else is said. Without a command the game controller is silent. */
 function refereeSays(command, yellowGoals = 0) {

@@ -84,6 +84,7 @@ export async function createService(group) {
   if (!process.env.SSLV_SCREENSHOTS) for (const { source } of settings.cameras) source.frame_rate_hz = 10;
   settings.network.referee = { enabled: false };
   settings.panel = { port: 0 };
+  settings.recording = { last_seconds: { memory_mb: 64 } }; // many services run at once
   let daemon = null;
   let first = null;
   let log = [];

@@ -3,11 +3,13 @@
 #include "base/plain_text.h"
 #include "ctl/commands/commands.h"
 #include "ctl/commands/offline_options.h"
+#include "ctl/match_log.h"
 #include "ctl/replay.h"
 #include "settings/migrations.h"
 #include "settings/store.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -15,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -150,9 +153,55 @@ void add_replay(CommandLine& line) {
   });
 }
 
+namespace {
+
+/// Waits until the daemon has written the clip that it was asked for. Its name.
+std::string written_clip(const Client& client) {
+  for (;;) {
+    const Json now = client.get_json("/api/recordings/clips").at("clip");
+    const std::string state = now.at("state").get<std::string>();
+    if (state == "failed") throw StorageError(now.at("error").get<std::string>());
+    if (state == "idle") return now.at("name").get<std::string>();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+void add_clip_service_commands(CommandLine& line, CLI::App* group) {
+  struct Options {
+    std::string name;
+    double seconds = 0, seconds_after = 0;
+    bool as_json = false;
+  };
+  const auto o = std::make_shared<Options>();
+  auto* list =
+      group->add_subcommand("list", "how far back the daemon's memory reaches, and the clips it keeps");
+  add_json_flag(list, o->as_json);
+  line.on(list, [&line, o] {
+    print_answer(line.client().get_json("/api/recordings/clips"), o->as_json, clips_text);
+    return EXIT_SUCCESS;
+  });
+  auto* keep =
+      group->add_subcommand("keep", "write a clip of the last seconds; says its name when it is done");
+  auto* seconds = keep->add_option("--seconds", o->seconds, "how far back; default: as the settings say");
+  seconds->check(CLI::Range(0.5, 600.0));
+  keep->add_option("--after", o->seconds_after, "s that it goes on from now")->check(CLI::Range(0.0, 600.0));
+  keep->add_option("--name", o->name, "becomes a part of the file's name");
+  line.on(keep, [&line, o, seconds] {
+    Json body{{"seconds_after", o->seconds_after}};
+    if (seconds->count() > 0) body["seconds"] = o->seconds;
+    if (!o->name.empty()) body["name"] = o->name;
+    line.client().post("/api/recordings/clips", body);
+    std::cout << written_clip(line.client()) << "\n";
+    return EXIT_SUCCESS;
+  });
+}
+
+}  // namespace
+
 void add_clip(CommandLine& line) {
-  auto* group = line.app.add_subcommand("clip", "look into clips: raw frames that the daemon kept");
+  auto* group = line.app.add_subcommand("clip", "keep and look into clips: the last seconds' raw frames");
   group->require_subcommand(1);
+  add_clip_service_commands(line, group);
   struct Options {
     ClipChoice choice;
     std::filesystem::path clip;

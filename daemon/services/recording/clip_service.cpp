@@ -9,6 +9,7 @@
 #include "health/metrics_text.h"
 #include "recording/match_events.h"
 #include "replay/clip_setup.h"
+#include "services/recording/recording_report.h"
 #include "services/recording/recording_request.h"
 
 #include <algorithm>
@@ -401,43 +402,18 @@ Response ClipService::get_clip(const Request& request) const {
 
 void ClipService::report(HealthReport& report) const {
   const LastSeconds::Status status = last_seconds_.status();
-  std::string problem;
+  LastSecondsFacts facts{
+      .is_wanted = status.wanted_bytes > 0, .is_there = status.bytes > 0, .problem = status.problem};
+  double least_s = std::numeric_limits<double>::max();
+  for (const LastSeconds::CameraStatus& camera : status.cameras) {
+    if (camera.bytes > 0) least_s = std::min(least_s, camera.seconds);
+  }
+  if (facts.is_there) facts.seconds = least_s;
   {
     const std::lock_guard lock(mutex_);
-    if (unix_time_s() - clip_.problem_s < kFailureIsTold_s) problem = clip_.problem;
+    if (unix_time_s() - clip_.problem_s < kFailureIsTold_s) facts.clip_problem = clip_.problem;
   }
-  const auto warn = [&](const char* id, std::string title, std::string fix) {
-    report.alerts.push_back({.id = id,
-                             .check = "last_seconds",
-                             .severity = Severity::kWarn,
-                             .title = std::move(title),
-                             .fix = std::move(fix),
-                             .page = "#/recordings"});
-  };
-  if (!problem.empty()) {
-    warn("clip_failed", fmt::format("A clip was not written: {}", problem),
-         "Put that right, then keep the last seconds again on the page Recordings.");
-  }
-  if (!status.problem.empty()) {
-    warn("clip_memory", fmt::format("The last seconds are shorter than wanted: {}", status.problem),
-         "Close other programs, add memory, raise the service's limit (docs/recording.md), or ask for less "
-         "(Settings, recording).");
-  }
-  Check check{"last_seconds", "Last seconds", CheckState::kPass, kNoFigure, "", ""};
-  if (status.wanted_bytes == 0) {
-    check.text = "off: no images are kept in memory";
-  } else if (status.bytes == 0) {
-    check.text = "no images are in memory yet";
-  } else {
-    double least_s = std::numeric_limits<double>::max();
-    for (const LastSeconds::CameraStatus& camera : status.cameras) {
-      if (camera.bytes > 0) least_s = std::min(least_s, camera.seconds);
-    }
-    check.value = fmt::format("{:.1f}", least_s);
-    check.unit = "s";
-    check.text = "of images are in memory";
-  }
-  report.checks.push_back(std::move(check));
+  report_last_seconds(facts, report);
 }
 
 void ClipService::write_metrics(MetricsText& out) const {

@@ -7,14 +7,23 @@
 
 namespace sslv {
 
+namespace {
+
+/// What is wrong with recordings stops no match.
+void warn_of(const char* check, const char* id, std::string title, std::string fix, HealthReport& report) {
+  report.alerts.push_back({.id = id,
+                           .check = check,
+                           .severity = Severity::kWarn,
+                           .title = std::move(title),
+                           .fix = std::move(fix),
+                           .page = "#/recordings"});
+}
+
+}  // namespace
+
 void report_recording(const RecordingFacts& facts, HealthReport& report) {
   const auto warn = [&](const char* id, std::string title, std::string fix) {
-    report.alerts.push_back({.id = id,
-                             .check = "recording",
-                             .severity = Severity::kWarn,
-                             .title = std::move(title),
-                             .fix = std::move(fix),
-                             .page = "#/recordings"});
+    warn_of("recording", id, std::move(title), std::move(fix), report);
   };
   constexpr const char* kMakeRoom =
       "Delete or download recordings, or let them take more of the disk (Settings, recording).";
@@ -37,6 +46,31 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
     check.text = facts.is_paused ? "paused: there is a break" : "is recorded";
   } else {
     check.text = facts.is_by_hand ? "off: somebody starts it by hand" : "waits for the game controller";
+  }
+  report.checks.push_back(std::move(check));
+}
+
+void report_last_seconds(const LastSecondsFacts& facts, HealthReport& report) {
+  constexpr const char* kCheck = "last_seconds";
+  if (!facts.clip_problem.empty()) {
+    warn_of(kCheck, "clip_failed", fmt::format("A clip was not written: {}", facts.clip_problem),
+            "Put that right, then keep the last seconds again on the page Recordings.", report);
+  }
+  if (!facts.problem.empty()) {
+    warn_of(
+        kCheck, "clip_memory", fmt::format("The last seconds are shorter than wanted: {}", facts.problem),
+        "Close other programs, add memory, raise the service's limit, or ask for less (Settings, recording).",
+        report);
+  }
+  Check check{kCheck, "Last seconds", CheckState::kPass, kNoFigure, "", ""};
+  if (!facts.is_wanted) {
+    check.text = "off: no images are kept in memory";
+  } else if (!facts.is_there) {
+    check.text = "no images are in memory yet";
+  } else {
+    check.value = fmt::format("{:.1f}", facts.seconds);
+    check.unit = "s";
+    check.text = "of images are in memory";
   }
   report.checks.push_back(std::move(check));
 }

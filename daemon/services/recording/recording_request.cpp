@@ -33,8 +33,8 @@ std::string asked_name(const Json& body) {
            c == '_' || c == '-';
   });
   if (!is_good)
-    throw HttpError(
-        400, fmt::format("/name: expected 1 to {} letters (A to Z), digits, spaces, '_' or '-'", kMaxGivenName));
+    throw HttpError(400, fmt::format("/name: expected 1 to {} letters (A to Z), digits, spaces, '_' or '-'",
+                                     kMaxGivenName));
   return file_name_part(name);
 }
 

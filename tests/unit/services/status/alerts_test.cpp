@@ -84,6 +84,7 @@ HealthReport report_of(const Input& input) {
                   .referee = input.referee},
                  report);
   report_recording({}, report);
+  report_last_seconds({}, report);
   report_computer(input.computer, input.clock, report);
   report_settings({input.settings_problem, input.save_problem, input.state_problem, input.reload_problem},
                   report);
@@ -261,6 +262,10 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   recording.problem.clear();
   recording.no_room_problem = "the quota is used up";
   report_recording(recording, left_out);
+  LastSecondsFacts last_seconds;
+  last_seconds.problem = "there is little memory";
+  last_seconds.clip_problem = "the disk is full";
+  report_last_seconds(last_seconds, left_out);
   for (Alert& alert : left_out.alerts) all.push_back(std::move(alert));
   std::set<std::string> found;
   for (const Alert& alert : all) found.insert(alert.id);
