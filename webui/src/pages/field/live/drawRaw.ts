@@ -60,8 +60,10 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
       circle(pen, x, y, ring);
       const angle = angleOn(view, orientation);
       const [left, top] = [leftOf(view, x, y), topOf(view, x, y)];
-      ctx.moveTo(left + ring * Math.cos(angle), top + ring * Math.sin(angle));
-      ctx.lineTo(left + (ring + 6) * Math.cos(angle), top + (ring + 6) * Math.sin(angle));
+      if (!Number.isNaN(angle)) {
+        ctx.moveTo(left + ring * Math.cos(angle), top + ring * Math.sin(angle));
+        ctx.lineTo(left + (ring + 6) * Math.cos(angle), top + (ring + 6) * Math.sin(angle));
+      }
       number(left, top, ring, at_place);
     }
     for (const { x, y } of detections.balls) {
