@@ -69,6 +69,9 @@ export interface ClipFrames {
   cameras: ClipCamera[];
 }
 
+/** As it was sent; what is null the packet did not tell. */
+export type RecordedRobot = Omit<Robot, 'id' | 'orientation'> & { id: number | null; orientation: number | null };
+
 export interface ClipFrame {
   camera: number;
   number: number;
@@ -76,7 +79,7 @@ export interface ClipFrame {
   /** Of the camera's image, px. */
   width: number;
   height: number;
-  robots: Robot[];
+  robots: RecordedRobot[];
   balls: Ball[];
 }
 
@@ -121,7 +124,7 @@ export interface Comparison {
   result: ComparisonResult | null;
 }
 
-export interface LogRobot { team: Team; id: number; x: number; y: number; orientation: number | null }
+export interface LogRobot { team: Team; id: number | null; x: number; y: number; orientation: number | null }
 export interface LogTrackedRobot extends LogRobot { vx?: number | null; vy?: number | null }
 
 /** What a log knows of one moment: the newest of each source that is not old. */

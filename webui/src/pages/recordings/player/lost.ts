@@ -3,12 +3,13 @@
 import type { ClipEvent, ClipFrame } from '../../../api/types';
 
 type Seen = Pick<ClipFrame, 'time_s' | 'camera' | 'robots'>;
-const keyOf = ({ team, id }: { team: string; id: number }) => `${team} ${id}`;
+/** A robot without a number cannot be told from others. */
+const keysOf = ({ robots }: Seen) => new Set(robots.filter(({ id }) => id !== null).map(({ team, id }) => `${team} ${id}`));
 
 /** "Camera 0 loses yellow 3" */
 export function lostBetween(before: Seen, after: Seen): ClipEvent[] {
-  const still = new Set(after.robots.map(keyOf));
-  return [...new Set(before.robots.map(keyOf))].filter((key) => !still.has(key))
+  const still = keysOf(after);
+  return [...keysOf(before)].filter((key) => !still.has(key))
     .map((key) => ({ time_s: after.time_s, kind: 'lost', text: `Camera ${after.camera} loses ${key}` }));
 }
 

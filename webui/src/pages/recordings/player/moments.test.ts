@@ -17,6 +17,7 @@ it('says how old each camera’s report was', () => {
 it('takes a log’s moment as cameras and tracks', () => {
   const [one] = camerasOfLog(moment());
   expect(one!.at).toBeCloseTo(-100);
+  expect(camerasAt([{ camera: 3, number: 9, time_s: 1, width: 1, height: 1, robots: [{ ...robot(), id: null, orientation: null }], balls: [] }], 1)[0]!.detections.robots[0]).toMatchObject({ id: -1, orientation: NaN });
   // A robot whose heading nobody knows has none.
   expect(one!.detections.robots[0]!.orientation).toBeNaN();
   expect(tracksOfLog(moment())).toBeNull();

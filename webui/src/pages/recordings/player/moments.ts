@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What was seen and tracked at one moment, as the drawings of the field need it.
-import type { ClipFrame, FieldSize, FieldTracks, LogMoment, LogRobot, Robot } from '../../../api/types';
+import type { ClipFrame, FieldSize, FieldTracks, LogMoment, LogRobot, RecordedRobot, Robot } from '../../../api/types';
+import { NO_ID } from '../../../picture/marks';
 import type { OfCamera } from '../../field/live/raw';
 
 /** Division B, until the service or the log says another. */
@@ -10,13 +11,16 @@ export const defaultField: FieldSize = {
   goal_center_to_penalty_mark: 6000, ball_radius: 21.5, max_robot_radius: 90,
 };
 
+/** What a packet did not tell is drawn as unknown: "?" for a number, and no heading. */
+export const knownRobot = (robot: RecordedRobot): Robot => ({ ...robot, id: robot.id ?? NO_ID, orientation: robot.orientation ?? NaN });
+
 /** `at` of each, in ms: how long after the moment it was seen, so below 0 what was seen before. */
 export function camerasAt(frames: readonly ClipFrame[], time_s: number): OfCamera[] {
-  return frames.map(({ camera, number, time_s: seen_s, robots, balls }) => ({ camera, at: (seen_s - time_s) * 1000, detections: { camera, frame: number, t_capture: seen_s, robots, balls } }));
+  return frames.map(({ camera, number, time_s: seen_s, robots, balls }) => ({ camera, at: (seen_s - time_s) * 1000, detections: { camera, frame: number, t_capture: seen_s, robots: robots.map(knownRobot), balls } }));
 }
 
 const NOT_TOLD = { height: 0, confidence: 1, pixel_x: 0, pixel_y: 0 };
-const robotOf = ({ team, id, x, y, orientation }: LogRobot): Robot => ({ team, id, x, y, orientation: orientation ?? NaN, ...NOT_TOLD });
+const robotOf = ({ team, id, x, y, orientation }: LogRobot): Robot => knownRobot({ team, id, x, y, orientation, ...NOT_TOLD });
 
 export function camerasOfLog({ time_s, cameras }: LogMoment): OfCamera[] {
   return cameras.map((one) => ({
@@ -30,7 +34,7 @@ export function tracksOfLog({ time_s, tracked }: LogMoment): FieldTracks | null 
   const { robots, ball } = tracked;
   return {
     number: 1, time: time_s, kick: null,
-    robots: robots.map(({ team, id, x, y, orientation, vx, vy }) => ({ team, id, x, y, orientation: orientation ?? NaN, vx: vx ?? 0, vy: vy ?? 0, turn_rad_s: 0, sigma_mm: 0, visibility: 1 })),
+    robots: robots.map(({ team, id, x, y, orientation, vx, vy }) => ({ team, id: id ?? NO_ID, x, y, orientation: orientation ?? NaN, vx: vx ?? 0, vy: vy ?? 0, turn_rad_s: 0, sigma_mm: 0, visibility: 1 })),
     balls: ball ? [{ x: ball.x, y: ball.y, z: ball.z ?? 0, vx: ball.vx ?? 0, vy: ball.vy ?? 0, vz: 0, visibility: 1 }] : [],
   };
 }
