@@ -30,17 +30,21 @@ export function useClips(period_ms: number) {
   }
   const ask = () => look(() => api.get<Clips>('recordings/clips'));
   let lastAt = -Infinity;
+  /** What went wrong the last time stays wrong until the next answer. */
+  let wrong: unknown = null;
   const trouble = usePolling(async () => {
-    if (isBusy.value || isUnknown.value) return;
     const isDue = performance.now() - lastAt > period_ms - WRITING_MS / 2;
-    if (!isDue && state.value?.clip.state !== 'writing') return;
-    lastAt = performance.now();
-    try {
-      await ask();
-    } catch (error) {
-      if (error instanceof ApiError && error.status === 404) isUnknown.value = true;
-      throw error;
+    if (!isBusy.value && !isUnknown.value && (isDue || state.value?.clip.state === 'writing')) {
+      lastAt = performance.now();
+      try {
+        await ask();
+        wrong = null;
+      } catch (error) {
+        if (error instanceof ApiError && error.status === 404) isUnknown.value = true;
+        wrong = error;
+      }
     }
+    if (wrong) throw wrong;
   }, WRITING_MS);
 
   /** Throws ApiError. */
@@ -48,6 +52,7 @@ export function useClips(period_ms: number) {
     isBusy.value = true;
     try {
       await look(request);
+      wrong = null;
       trouble.value = '';
     } finally {
       isBusy.value = false;

@@ -40,7 +40,13 @@ export function useClip(name: string, first: number | null) {
   /** Grows with each answer, for what is computed from answers. */
   const version = ref(0);
   const lost = new Map<number, LostRobots>();
-  const lostEvents = shallowRef<TimedEvent[]>([]);
+  /** Grows with news about lost robots. */
+  const lostVersion = ref(0);
+  /** Only the chosen camera's, as of the others not every frame is asked for. */
+  const lostEvents = computed<TimedEvent[]>(() => {
+    void lostVersion.value;
+    return camera.value ? lost.get(camera.value.id)?.events ?? [] : [];
+  });
   let alive = true;
 
   const loader = new Loader(LIMITS, onAnswer, onFailure);
@@ -116,19 +122,18 @@ export function useClip(name: string, first: number | null) {
 
   function onAnswer(): void {
     trouble.value = '';
+    let isNews = false;
     for (const one of clip.value?.cameras ?? []) {
       let known = lost.get(one.id);
       if (!known) lost.set(one.id, known = new LostRobots());
       // Only what came since is new; the service asks for few, so this stays short.
       for (const i of fresh(one)) if (known.take(i, loader.get<ClipFrame>(objectsKey(one.places[i]!))!)) isNews = true;
     }
-    if (isNews) lostEvents.value = [...lost.values()].flatMap((one) => one.events);
-    isNews = false;
+    if (isNews) lostVersion.value++;
     version.value++;
     void show();
     plan();
   }
-  let isNews = false;
   /** Frames that were asked for and are there, but not looked at yet: near the position, and those one after the other. */
   function fresh(one: ClipCamera): number[] {
     const known = lost.get(one.id)!;
