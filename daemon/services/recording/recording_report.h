@@ -22,11 +22,11 @@ void report_recording(const RecordingFacts& facts, HealthReport& report);
 
 /// How the cameras' last seconds and clips of them stand.
 struct LastSecondsFacts {
-  bool is_wanted = false;    // the settings give them memory
-  bool is_there = false;     // they have some
-  double seconds = 0;        // that all cameras reach back
-  std::string problem;       // why they are shorter than wanted
-  std::string clip_problem;  // why the newest clip was not written
+  bool is_wanted = false;      // the settings give them memory
+  bool is_there = false;       // they have some
+  double seconds = 0;          // that all cameras reach back
+  std::string problem{};       // why they are shorter than wanted
+  std::string clip_problem{};  // why the newest clip was not written
 };
 
 void report_last_seconds(const LastSecondsFacts& facts, HealthReport& report);

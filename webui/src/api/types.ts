@@ -62,6 +62,7 @@ export type MatchLogNow = Schemas['MatchLogNow'];
 export type MatchLog = Schemas['MatchLog'];
 export type MatchLogEvents = Schemas['MatchLogEvents'];
 export type MatchLogEvent = Schemas['MatchLogEvent'];
+export type * from './clips';
 
 export type Session = Schemas['Session'];
 export type SettingsRevision = Schemas['SettingsRevision'];

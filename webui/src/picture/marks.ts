@@ -60,6 +60,8 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
   });
   const corners = 36;
   const ring = Array.from({ length: corners }, (_, i) => at(point((i / corners) * 2 * Math.PI, 1)));
+  /** A recorded packet may lack its heading. */
+  const hasNoHeading = Number.isNaN(robot.orientation);
   const front = point(robot.orientation, 1);
   const tip = point(robot.orientation, 2);
   const length = Math.hypot(front.x - centre.x, front.y - centre.y) || 1;
@@ -68,8 +70,8 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
     radius: Math.max(Math.hypot(ux.x, ux.y), Math.hypot(uy.x, uy.y)),
     ring: `M${ring.join('L')}Z`,
     // Where the field's x lies in an uncalibrated image is not known, so neither is the heading.
-    heading: model ? `M${at(front)}L${at(tip)}` : '',
-    ahead: !model ? { x: 0, y: 0 } : { x: (front.x - centre.x) / length, y: (front.y - centre.y) / length },
+    heading: model && !hasNoHeading ? `M${at(front)}L${at(tip)}` : '',
+    ahead: !model || hasNoHeading ? { x: 0, y: 0 } : { x: (front.x - centre.x) / length, y: (front.y - centre.y) / length },
   };
 }
 
@@ -95,7 +97,10 @@ export function marks(header: PreviewHeader, radii: Radii, model: CameraModel | 
   return { size: turnedSize(turn, picture), robots, balls };
 }
 
-export const tagText = (robot: Robot) => `${robot.team === 'yellow' ? 'y' : 'b'}${robot.id}`;
+/** A recorded packet may lack the robot's number. */
+export const NO_ID = -1;
+export const idText = (id: number): string => (id === NO_ID ? '?' : String(id));
+export const tagText = (robot: Robot) => `${robot.team === 'yellow' ? 'y' : 'b'}${idText(robot.id)}`;
 
 export interface Tag {
   key: string;

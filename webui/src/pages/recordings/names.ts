@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the name of a match log's file tells: "2026-07-03_14-05_GROUP_PHASE_Yellow-vs-Blue.log.gz".
+// What the name of a match log's or a clip's file tells: "2026-07-03_14-05_GROUP_PHASE_Yellow-vs-Blue.log.gz".
 import { timeOfDay } from '../../format';
 
 export interface LogName {
@@ -17,7 +17,7 @@ const PHASES: Record<string, string> = { GROUP_PHASE: 'Group phase', ELIMINATION
 const spaced = (text: string) => text.replaceAll('_', ' ').trim();
 
 export function readName(file: string): LogName {
-  const base = file.replace(/\.log(\.gz)?$/, '');
+  const base = file.replace(/\.(?:log(?:\.gz)?|clip)$/, '');
   const [, day, hour, minute, more = ''] = /^(\d{4}-\d\d-\d\d)_(\d\d)-(\d\d)(?:-\d\d)?(?:_(.*))?$/.exec(base) ?? [];
   if (day === undefined) return { title: spaced(base) || file, phase: '', when: '' };
   const phase = Object.keys(PHASES).find((one) => more === one || more.startsWith(`${one}_`));

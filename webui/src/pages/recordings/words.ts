@@ -93,13 +93,15 @@ export function hintsOf(now: MatchLogNow, referee: Pick<Status['referee'], 'enab
 /** "12 GB of 50 GB"; the quota 0 is none. */
 export const usedText = ({ used_bytes, quota_bytes }: Recordings['disk']): string => (quota_bytes > 0 ? `${bytes(used_bytes)} of ${bytes(quota_bytes)}` : bytes(used_bytes));
 
+export type Kept = Pick<MatchLog, 'bytes' | 'pinned'>;
+
 /** Shares of the bar, 0 to 1: what pinned logs take, and the others. */
-export function sharesOf({ used_bytes, quota_bytes }: Recordings['disk'], logs: readonly MatchLog[]): { pinned: number; others: number } {
+export function sharesOf({ used_bytes, quota_bytes }: Recordings['disk'], kept: readonly Kept[]): { pinned: number; others: number } {
   const whole = Math.max(quota_bytes, used_bytes, 1);
-  const pinned = Math.min(pinnedBytes(logs), used_bytes);
+  const pinned = Math.min(pinnedBytes(kept), used_bytes);
   return { pinned: pinned / whole, others: (used_bytes - pinned) / whole };
 }
-export const pinnedBytes = (logs: readonly MatchLog[]): number => logs.reduce((sum, log) => sum + (log.pinned ? log.bytes : 0), 0);
+export const pinnedBytes = (kept: readonly Kept[]): number => kept.reduce((sum, one) => sum + (one.pinned ? one.bytes : 0), 0);
 
 export interface LogFacts {
   title: string;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What single cameras report, each in its colour. Rings of several cameras around one robot lie inside each other.
 import type { FieldSize } from '../../../api/types';
+import { idText } from '../../../picture/marks';
 import { bandOf } from './agreement';
 import { BODY, BODY_INK } from './palette';
 import { ballRadius, circle, label, robotBody, robotRadius, setType, type Pen } from './pen';
@@ -25,7 +26,7 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
     ctx.fill();
     ctx.fillStyle = BODY_INK[team];
     setType(pen);
-    for (const { detections } of cameras) for (const one of detections.robots) if (one.team === team) ctx.fillText(String(one.id), leftOf(view, one.x, one.y), topOf(view, one.x, one.y) + 0.5);
+    for (const { detections } of cameras) for (const one of detections.robots) if (one.team === team) ctx.fillText(idText(one.id), leftOf(view, one.x, one.y), topOf(view, one.x, one.y) + 0.5);
   }
   ctx.beginPath();
   for (const { detections } of cameras) for (const { x, y } of detections.balls) circle(pen, x, y, ballRadius(pen, field) - 0.5);
@@ -60,8 +61,10 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
       circle(pen, x, y, ring);
       const angle = angleOn(view, orientation);
       const [left, top] = [leftOf(view, x, y), topOf(view, x, y)];
-      ctx.moveTo(left + ring * Math.cos(angle), top + ring * Math.sin(angle));
-      ctx.lineTo(left + (ring + 6) * Math.cos(angle), top + (ring + 6) * Math.sin(angle));
+      if (!Number.isNaN(angle)) {
+        ctx.moveTo(left + ring * Math.cos(angle), top + ring * Math.sin(angle));
+        ctx.lineTo(left + (ring + 6) * Math.cos(angle), top + (ring + 6) * Math.sin(angle));
+      }
       number(left, top, ring, at_place);
     }
     for (const { x, y } of detections.balls) {

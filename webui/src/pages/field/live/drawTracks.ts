@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What all cameras together make of the field: robots, the ball, where they go and where they were.
 import type { FieldKick, FieldSize, FieldTracks, Team, TrackedBall, TrackedRobot } from '../../../api/types';
+import { idText } from '../../../picture/marks';
 import type { BallModels } from '../ballModels';
 import { ballPath, carriedBall, carriedRobot, isSeen, speedOf, type Pose } from './motion';
 import { BODY, BODY_INK, TEAM_LINE } from './palette';
@@ -100,7 +101,7 @@ function drawRobots(pen: Pen, { field, tracks, dt_s, isLate }: Scene, team: Team
     const left = leftOf(view, pose.x, pose.y);
     const top = topOf(view, pose.x, pose.y) + 0.5;
     ctx.fillStyle = isBright ? BODY_INK[team] : colours['--t1'];
-    ctx.fillText(String(robot.id), left, top);
+    ctx.fillText(idText(robot.id), left, top);
   }
 }
 

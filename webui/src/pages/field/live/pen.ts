@@ -35,9 +35,15 @@ export const ballRadius = ({ view }: Pen, field: FieldSize): number => Math.max(
 /** Half of the angle of the flat front. */
 export const FRONT = 0.56;
 
+/** `orientation` NaN: it is not known. */
 export function robotBody({ ctx, view }: Pen, x: number, y: number, orientation: number, r_px: number): void {
   const left = leftOf(view, x, y);
   const top = topOf(view, x, y);
+  if (Number.isNaN(orientation)) {
+    ctx.moveTo(left + r_px, top);
+    ctx.arc(left, top, r_px, 0, 2 * Math.PI);
+    return;
+  }
   const angle = angleOn(view, orientation);
   ctx.moveTo(left + r_px * Math.cos(angle + FRONT), top + r_px * Math.sin(angle + FRONT));
   ctx.arc(left, top, r_px, angle + FRONT, angle - FRONT + 2 * Math.PI);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was seen and tracked at one moment, as the drawings of the field need it.
+import type { ClipFrame, FieldSize, FieldTracks, LogMoment, LogRobot, RecordedRobot, Robot } from '../../../api/types';
+import { NO_ID } from '../../../picture/marks';
+import type { OfCamera } from '../../field/live/raw';
+
+/** Division B, until the service or the log says another. */
+export const defaultField: FieldSize = {
+  field_length: 9000, field_width: 6000, goal_width: 1000, goal_depth: 180, boundary_width: 300,
+  penalty_area_depth: 1000, penalty_area_width: 2000, center_circle_radius: 500, line_thickness: 10,
+  goal_center_to_penalty_mark: 6000, ball_radius: 21.5, max_robot_radius: 90,
+};
+
+/** What a packet did not tell is drawn as unknown: "?" for a number, and no heading. */
+export const knownRobot = (robot: RecordedRobot): Robot => ({ ...robot, id: robot.id ?? NO_ID, orientation: robot.orientation ?? NaN });
+
+/** `at` of each, in ms: how long after the moment it was seen, so below 0 what was seen before. */
+export function camerasAt(frames: readonly ClipFrame[], time_s: number): OfCamera[] {
+  return frames.map(({ camera, number, time_s: seen_s, robots, balls }) => ({ camera, at: (seen_s - time_s) * 1000, detections: { camera, frame: number, t_capture: seen_s, robots: robots.map(knownRobot), balls } }));
+}
+
+const NOT_TOLD = { height: 0, confidence: 1, pixel_x: 0, pixel_y: 0 };
+const robotOf = ({ team, id, x, y, orientation }: LogRobot): Robot => knownRobot({ team, id, x, y, orientation, ...NOT_TOLD });
+
+export function camerasOfLog({ time_s, cameras }: LogMoment): OfCamera[] {
+  return cameras.map((one) => ({
+    camera: one.id, at: (one.time_s - time_s) * 1000,
+    detections: { camera: one.id, frame: 0, t_capture: one.time_s, robots: one.robots.map(robotOf), balls: one.balls.map(({ x, y }) => ({ x, y, area: 0, confidence: 1, pixel_x: 0, pixel_y: 0 })) },
+  }));
+}
+
+export function tracksOfLog({ time_s, tracked }: LogMoment): FieldTracks | null {
+  if (!tracked) return null;
+  const { robots, ball } = tracked;
+  return {
+    number: 1, time: time_s, kick: null,
+    robots: robots.map(({ team, id, x, y, orientation, vx, vy }) => ({ team, id: id ?? NO_ID, x, y, orientation: orientation ?? NaN, vx: vx ?? 0, vy: vy ?? 0, turn_rad_s: 0, sigma_mm: 0, visibility: 1 })),
+    balls: ball ? [{ x: ball.x, y: ball.y, z: ball.z ?? 0, vx: ball.vx ?? 0, vy: ball.vy ?? 0, vz: 0, visibility: 1 }] : [],
+  };
+}
+
+/** The field of the log; what it does not tell is as the service has it. */
+export function fieldOfLog(moment: LogMoment | null, known: FieldSize): FieldSize {
+  if (!moment?.field) return known;
+  const { length, width } = moment.field;
+  if (length === known.field_length && width === known.field_width) return known;
+  // Painted lines of another field would lie at wrong places.
+  return { ...known, field_length: length, field_width: width, goal_center_to_penalty_mark: Math.min(known.goal_center_to_penalty_mark, length), field_lines: null, field_arcs: null };
+}
