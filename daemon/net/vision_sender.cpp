@@ -9,6 +9,7 @@ double DetectionSender::send(const FrameInfo& info, const RobotList& robots, con
   const double t_sent_s = unix_time_s();
   write_detection(info, robots, balls, t_sent_s, packet_);
   last_packet_ = serialize(packet_, buffer_);
+  last_number_ = info.number;
   out_.send(last_packet_);
   return t_sent_s;
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <mutex>
 #include <span>
 #include <stop_token>
@@ -28,14 +29,17 @@ class DetectionSender {
   /// Sends one packet, also when nothing was found, and returns its t_sent (Unix s). Never waits; a packet
   /// that does not leave is counted by the MulticastSender.
   double send(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept;
-  /// The one that was sent last.
-  std::span<const std::byte> last_packet() const { return last_packet_; }
+  /// The one that was sent last, if it was of this frame; empty: none was.
+  std::span<const std::byte> packet_of(std::uint32_t frame_number) const {
+    return frame_number == last_number_ ? last_packet_ : std::span<const std::byte>();
+  }
 
  private:
   MulticastSender& out_;
   SSL_WrapperPacket packet_;
   std::vector<std::byte> buffer_;
   std::span<const std::byte> last_packet_;
+  std::uint32_t last_number_ = 0;
 };
 
 /// Publishes the geometry again and again from a thread of its own, so that teams get it without any camera.

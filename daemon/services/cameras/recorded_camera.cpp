@@ -71,7 +71,7 @@ void RecordedCamera::frame_ends(const Frame& frame, const CameraSetup& setup) no
   ClipFrame out{.info = frame.info,
                 .setup = setup.number,
                 .image = image,
-                .packet = sender_.last_packet(),
+                .packet = sender_.packet_of(frame.info.number),
                 .memory = std::span(memory_).first(memory_bytes_)};
   if (kept->images == RecordedFrames::Images::kFound) {
     const std::size_t bytes = mark_tiles(frame);

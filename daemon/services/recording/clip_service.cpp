@@ -26,8 +26,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kOrderInterval{200}, kNextFrames{20};
 constexpr double kShareInterval_s = 1;
-/// Stages' memory is kept so often; a clip begins where it is.
-constexpr double kKeyInterval_s = 1.1;
+/// Stages' memory is kept so often, and with it a whole image where others are kept in parts; a clip begins
+/// where it is.
+constexpr double kKeyInterval_s = 0.3, kWholeInterval_s = 1.1;
 /// For frames that are still on their way when the clip ends.
 constexpr double kLateFrames_s = 0.3;
 constexpr double kKeptEvents_s = 1300;
@@ -154,12 +155,14 @@ void ClipService::look_at_game() {
     order_for_event(settings.on_command, "command", command_text(*now->command));
 }
 
-void ClipService::write(const Order& order, const std::stop_token& stop) {
+void ClipService::write(Order order, const std::stop_token& stop) {
   std::vector<Source> sources;
   double bytes = 0;
+  const bool is_in_parts = last_seconds_.status().settings.images == LastSecondsSettings::Images::kFound;
+  order.begin_s -= is_in_parts ? kWholeInterval_s : kKeyInterval_s;
   for (LastSeconds::Ring& ring : last_seconds_.rings()) {
     // At once: what is held is not overwritten while the file is made.
-    ring.ring->hold(to_ns(order.begin_s - kKeyInterval_s), to_ns(order.end_s));
+    ring.ring->hold(to_ns(order.begin_s), to_ns(order.end_s));
     const ImageRing::Extent extent = ring.ring->extent();
     const double held_s =
         std::min(static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9, steady_s() - order.begin_s);
@@ -207,8 +210,7 @@ void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vect
   std::condition_variable_any stopped;
   for (;;) {
     const double now_s = steady_s();
-    for (Source& source : sources)
-      source.from.ring->hold(to_ns(order.begin_s - kKeyInterval_s), to_ns(order.end_s));
+    for (Source& source : sources) source.from.ring->hold(to_ns(order.begin_s), to_ns(order.end_s));
     while (write_next(writer, sources)) {
       if (writer.bytes() - checked_bytes > kCheckDiskEvery) {
         checked_bytes = writer.bytes();

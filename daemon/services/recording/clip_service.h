@@ -72,7 +72,7 @@ class ClipService final : public Service {
   bool put(Order order);
   void order_for_event(bool is_wanted, const std::string& kind, const std::string& text);
   void note_event(const std::string& kind, const std::string& text);
-  void write(const Order& order, const std::stop_token& stop);
+  void write(Order order, const std::stop_token& stop);
   void write_frames(const Order& order, ClipWriter& writer, std::vector<Source>& sources,
                     const std::stop_token& stop);
   bool write_next(ClipWriter& writer, std::vector<Source>& sources);
