@@ -154,12 +154,18 @@ describe('the player', () => {
       await press(page, byId('compare-settings_now'));
       await textBecomes(page, 'compare-result', /^In \d+ of \d+ frames something differs: .*\d+ lost/);
       const { result } = await ask('recordings/compare');
-      const wanted = result.differences.at(-1);
-      const place = result.differences.find(({ kind }) => kind === 'lost').place;
+      const { place, time_s: first } = result.differences.find(({ kind }) => kind === 'lost');
       await press(page, `${byId('difference')}[data-place="${place}"] >> nth=0`);
       await placeBecomes(page, place);
       assert.equal(await page.locator(`${byId('difference-ring')}[data-kind="lost"]`).count(), result.differences.filter((one) => one.place === place && one.kind === 'lost').length);
-      assert.ok(wanted.time_s <= frames.seconds + 0.001);
+      // From there to the next, by a button; and back.
+      await page.selectOption(`${byId('jump-to')} select`, 'difference');
+      await press(page, byId('event-after'));
+      const after = result.differences.find(({ time_s }) => time_s > first + 0.001);
+      await placeBecomes(page, after.place);
+      await textBecomes(page, 'timeline-tip', /Difference: /);
+      await press(page, byId('event-before'));
+      await placeBecomes(page, place);
       await layoutIsSound(page);
       await accessibleInThemes(page, `compared, ${view}`);
     }));
@@ -186,6 +192,23 @@ describe('the player', () => {
     await page.focus(byId('timeline'));
     await page.keyboard.press('End');
     await placeBecomes(page, places.at(-1));
+    // Which robots this camera lost is found by the page itself, and led to.
+    const all = await Promise.all(places.map((place) => ask(`${clipPath(name)}/frames/${place}`)));
+    const keys = ({ robots }) => robots.map((robot) => `${robot.team} ${robot.id}`);
+    const lost = all.flatMap((frame, i) => (i > 0 && keys(all[i - 1]).some((key) => !keys(frame).includes(key)) ? [i] : []));
+    if (lost.length) {
+      await page.waitForSelector(`${byId('jump-to')} option[value="lost"]`, { state: 'attached' });
+      await page.selectOption(`${byId('jump-to')} select`, 'lost');
+      // Once all frames are known, the last one that was lost is what is before the end.
+      await page.focus(byId('timeline'));
+      await becomes(async () => {
+        await page.keyboard.press('End');
+        await page.keyboard.press('Shift+ArrowLeft');
+        return timeOf(page);
+      }, (time) => lost.at(-1) === places.length - 1 || Math.abs(time - frames.cameras[0].times_s[lost.at(-1)]) < 0.001);
+      await page.keyboard.press('End');
+      await placeBecomes(page, places.at(-1));
+    }
     assert.match(await page.getAttribute(byId('timeline'), 'aria-valuetext'), /^00:\d\d\.\d\d of 00:\d\d\.\d\d/);
     await page.keyboard.press('Escape');
     await page.waitForSelector(byId(`camera-picture-${id}`));
