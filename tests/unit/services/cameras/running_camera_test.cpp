@@ -21,16 +21,21 @@ class RunningCameraTest : public testing::Test {
  protected:
   RunningCamera::Change prepare(const Config& next) {
     const CameraSetup& setup = *camera_.pipeline().setup();
-    return camera_.prepare(next.cameras[0],
+    return camera_.prepare(next.cameras[0], std::make_shared<const Config>(next),
                            make_setup(next, 0, CameraInUse{now_, now_.cameras[0], setup}, {}), "/cameras/0");
   }
   CameraContext context() const { return camera_.pipeline().setup()->context; }
+  std::uint32_t context_number() const { return camera_.pipeline().setup()->number; }
 
   const Config now_ = config_with(Json::object());
   MulticastSender multicast_{MulticastSettings{}};
   FieldIntake intake_;
-  RunningCamera camera_{now_.cameras[0], make_setup(now_, 0, std::nullopt, {})->setup, multicast_,
-                        intake_.add(), std::make_shared<CameraTotals>()};
+  RunningCamera camera_{now_.cameras[0],
+                        make_setup(now_, 0, std::nullopt, {})->setup,
+                        std::make_shared<const Config>(now_),
+                        multicast_,
+                        intake_.add(),
+                        std::make_shared<CameraTotals>()};
 };
 
 TEST_F(RunningCameraTest, ALightTableOfTheTimeBetweenPrepareAndCommitIsKept) {
@@ -55,6 +60,28 @@ TEST_F(RunningCameraTest, OtherColoursEndTheLightTableOfTheEarlierOnes) {
   EXPECT_NE(context().accepted_lut, accepted);
   EXPECT_EQ(context().adapted_lut, context().accepted_lut);
   EXPECT_FALSE(camera_.change_light(accepted, adapted)) << "it was made for the earlier colours";
+}
+
+TEST_F(RunningCameraTest, ARecordingKnowsWhatEachSetupIs) {
+  const auto recorded = camera_.recorded();
+  ASSERT_TRUE(recorded->setup(context_number()));
+  EXPECT_EQ(recorded->setup(context_number())->config->cameras[0].id, 3);
+  auto change = prepare(config_with({{"field", {{"field_length", 4321}}}}));
+  camera_.commit(change, {140, 150});
+  const auto second = recorded->setup(context_number());
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->config->field.field_length, 4321);
+  EXPECT_EQ(second->setup->context.scene, context().scene);
+  const auto accepted = context().accepted_lut;
+  ASSERT_TRUE(camera_.change_light(accepted, std::make_shared<const Lut>(*accepted)));
+  const auto third = recorded->setup(context_number());
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->config, second->config) << "the light is no change of settings";
+  EXPECT_EQ(third->setup->context.adapted_lut, context().adapted_lut);
+  recorded->forget_before(third->setup->number);
+  EXPECT_FALSE(recorded->setup(second->setup->number));
+  recorded->forget_before(1000);
+  EXPECT_TRUE(recorded->setup(third->setup->number)) << "it is in use";
 }
 
 TEST_F(RunningCameraTest, RobotHeightsAreThoseOfTheCommit) {
