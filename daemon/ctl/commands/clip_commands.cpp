@@ -167,12 +167,12 @@ std::string written_clip(const Client& client) {
 }
 
 void add_clip_service_commands(CommandLine& line, CLI::App* group) {
-  struct Options {
+  struct KeepOptions {
     std::string name;
     double seconds = 0, seconds_after = 0;
     bool as_json = false;
   };
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<KeepOptions>();
   auto* list =
       group->add_subcommand("list", "how far back the daemon's memory reaches, and the clips it keeps");
   add_json_flag(list, o->as_json);
