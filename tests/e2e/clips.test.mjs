@@ -149,7 +149,7 @@ describe('clips', () => {
     const show = execFileSync('cp', [pathOf(made), join(service.folder, 'shown.clip')]);
     assert.equal(show.length, 0);
     await service.patch({ op: 'replace', path: '/cameras/0/source', value: { backend: 'files', path: join(service.folder, 'shown.clip'), camera_id: 0, loop: true } });
-    await service.statusBecomes(({ cameras: [one] }) => one.state === 'open' && one.robots === before.robots.length);
+    await service.statusBecomes(({ cameras: [one] }) => one.state === 'running' && one.backend === 'files' && one.robots === before.robots.length);
   });
 
   it('are made at a goal and at a command when the settings say so', async () => {
@@ -180,8 +180,7 @@ describe('clips', () => {
     await service.patch({ op: 'replace', path: '/recording/last_seconds/images', value: 'found' });
     const rate = (camera) => camera.frames && camera.seconds;
     await becomes(clips, ({ last_seconds }) => last_seconds.images === 'found' && last_seconds.cameras.every(rate));
-    await reaches(2);
-    const made = await clipWith({ seconds: 1.5 }, 'parts');
+    const made = await clipWith({ seconds: 0.5, seconds_after: 3 }, 'parts');
     const clip = readClip(pathOf(made));
     const parts = clip.frames.filter(({ tile_px }) => tile_px > 0);
     assert.ok(parts.length > clip.frames.length / 2, `${parts.length} of ${clip.frames.length} are in parts`);
@@ -203,6 +202,7 @@ describe('clips', () => {
     assert.equal((await ask('POST', '/clips', { seconds: 3, name: 'too_large' })).status, 202);
     const failed = await becomes(clips, ({ clip }) => clip.state === 'failed');
     assert.match(failed.clip.error, /quota_mb/);
+    assert.ok(!readdirSync(folder).some((file) => file.includes('too_large')), 'nothing of it is left');
     const { alerts } = await (await fetch(service.address('api/alerts'))).json();
     assert.match(alerts.find(({ id }) => id === 'clip_failed').title, /^A clip was not written: .*quota_mb/);
     assert.ok(existsSync(pathOf(kept)), 'what is pinned stays');

@@ -50,9 +50,11 @@ void RecordedCamera::frame_begins(const CameraSetup& setup) noexcept {
              count_++ % static_cast<std::uint64_t>(kept->every_nth) == 0;
   if (!is_kept_) return;
   const std::int64_t now_ns = steady_ns();
-  is_key_ = ring_ != kept->ring.get() || pipeline_ != setup.pipeline.get() || now_ns >= next_key_ns_;
+  is_key_ = ring_ != kept->ring.get() || images_ != kept->images || pipeline_ != setup.pipeline.get() ||
+            now_ns >= next_key_ns_;
   if (!is_key_) return;
   ring_ = kept->ring.get();
+  images_ = kept->images;
   pipeline_ = setup.pipeline.get();
   const bool is_in_parts = kept->images == RecordedFrames::Images::kFound;
   next_key_ns_ = now_ns + (is_in_parts ? kWholeInterval_ns : kKeyInterval_ns);

@@ -78,6 +78,7 @@ class RecordedCamera final : public FrameObserver {
   ImageView key_view_;                  // its size and format
   std::int64_t next_key_ns_ = 0;        // when memory and a whole image are kept again
   ImageRing* ring_ = nullptr;           // that the last frame went to
+  RecordedFrames::Images images_ = RecordedFrames::Images::kWhole;
   const Pipeline* pipeline_ = nullptr;
   std::uint64_t count_ = 0;
   bool is_kept_ = false, is_key_ = false;  // this frame

@@ -195,6 +195,8 @@ void ClipService::write(Order order, const std::stop_token& stop) {
   for (Source& source : sources) source.from.ring->let_all_go();
   try {
     if (!file.empty()) files_.end(file, is_finished);
+    const bool is_empty = !problem.empty() && std::ranges::none_of(sources, &Source::has_begun);
+    if (!file.empty() && is_empty) files_.remove(file.filename().string());
   } catch (const StorageError& error) {
     log::warning("{}", error.what());
   }
