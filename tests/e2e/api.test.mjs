@@ -454,10 +454,39 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal((await ask('get', '/api/recordings/logs/{name}', { parameters })).subarray(0, 2).toString('hex'), '1f8b');
     const { begin_s, end_s } = await ask('get', '/api/recordings/logs/{name}/events', { parameters });
     assert.ok(end_s > begin_s);
+    const moment = await ask('get', '/api/recordings/logs/{name}/at', { parameters, query: '?time_s=0.5' });
+    assert.ok(moment.cameras.length > 0 && moment.cameras[0].time_s <= 0.5);
+    for (const query of ['', '?time_s=x', '?time_s=-1']) await ask('get', '/api/recordings/logs/{name}/at', { parameters, query, expect: 400 });
     await ask('patch', '/api/recordings/logs/{name}', { parameters, body: { pinned: 'x' }, expect: 400 });
     assert.equal((await ask('patch', '/api/recordings/logs/{name}', { parameters, body: { pinned: true } })).logs[0].pinned, true);
     assert.deepEqual((await ask('delete', '/api/recordings/logs/{name}', { parameters })).logs, []);
     for (const method of ['get', 'delete']) await ask(method, '/api/recordings/logs/{name}', { parameters, expect: 404 });
+  });
+
+  it('keeps, shows and compares clips', async () => {
+    const path = '/api/recordings/clips', one = `${path}/{name}`;
+    for (const body of [{ seconds: 0 }, { seconds_after: 601 }, { name: '../x' }, { more: 1 }, []]) await ask('post', path, { body, expect: 400 });
+    await becomes(path, ({ last_seconds: { cameras } }) => cameras.length > 0 && cameras.every(({ seconds }) => seconds > 0.5));
+    await ask('post', path, { body: { seconds: 0.5, name: 'api' }, expect: 202 });
+    const { clips: [clip] } = await becomes(path, ({ clip: now, clips }) => now.state === 'idle' && typeof clips[0]?.seconds === 'number');
+    const parameters = { name: clip.name };
+    const { cameras } = await ask('get', `${one}/frames`, { parameters });
+    const frame = cameras[0].places[1];
+    assert.equal((await ask('get', `${one}/frames/{frame}`, { parameters: { ...parameters, frame } })).number, cameras[0].numbers[1]);
+    await ask('get', `${one}/frames/{frame}`, { parameters: { ...parameters, frame: 1e6 }, expect: 404 });
+    assert.equal((await ask('get', `${one}/frames/{frame}/picture`, { parameters: { ...parameters, frame }, query: '?width=100' })).toString('latin1', 6, 10), 'JFIF');
+    for (const body of [{ camera: 99 }, { with: 'x' }, { more: 1 }]) await ask('post', `${one}/compare`, { parameters, body, expect: 400 });
+    await ask('post', `${one}/compare`, { parameters, body: { with: 'learnt_colors' }, expect: 409 });
+    await ask('post', `${one}/compare`, { parameters, body: {}, expect: 202 });
+    const { result } = await becomes('/api/recordings/compare', ({ state }) => state === 'done');
+    assert.equal(result.frames_that_differ, 0);
+    await ask('patch', one, { parameters, body: { pinned: 1 }, expect: 400 });
+    assert.equal((await ask('patch', one, { parameters, body: { pinned: true } })).clips[0].pinned, true);
+    assert.equal((await ask('get', one, { parameters })).length, clip.bytes);
+    assert.deepEqual((await ask('delete', one, { parameters })).clips, []);
+    for (const method of ['get', 'delete']) await ask(method, one, { parameters, expect: 404 });
+    for (const more of ['frames', 'frames/{frame}', 'frames/{frame}/picture']) await ask('get', `${one}/${more}`, { parameters, expect: 404 });
+    await ask('post', `${one}/compare`, { parameters, body: {}, expect: 404 });
   });
 
   it('backs up and restores', async () => {

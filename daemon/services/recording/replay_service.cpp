@@ -57,8 +57,8 @@ std::vector<Route> ReplayService::routes() {
     return [this, handle](const Request& request) { return (this->*handle)(request); };
   };
   return {{"GET", "/api/recordings/clips/([^/]+)/frames", call(&ReplayService::get_frames)},
-          {"GET", "/api/recordings/clips/([^/]+)/frames/([0-9]+)", call(&ReplayService::get_frame)},
-          {"GET", "/api/recordings/clips/([^/]+)/frames/([0-9]+)/picture", call(&ReplayService::get_picture)},
+          {"GET", R"(/api/recordings/clips/([^/]+)/frames/(\d+))", call(&ReplayService::get_frame)},
+          {"GET", R"(/api/recordings/clips/([^/]+)/frames/(\d+)/picture)", call(&ReplayService::get_picture)},
           {"GET", "/api/recordings/logs/([^/]+)/at", call(&ReplayService::get_moment)},
           // Also while a match locks the settings: it changes none.
           {"POST", "/api/recordings/clips/([^/]+)/compare", call(&ReplayService::start_comparison),
