@@ -179,10 +179,12 @@ std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrame
     rest -= part;
   }
   if (rest != 0) return std::nullopt;
+  if (head.packet_bytes > kMaxClipPacketBytes || head.memory_bytes > kMaxClipMemoryBytes) return std::nullopt;
   const bool has_image = head.width != 0 || head.height != 0;
   if (has_image && !is_valid_size(head.format, head.width, head.height)) return std::nullopt;
   const std::uint64_t most_image_bytes =
       has_image ? clip_plane_bytes(head.format, head.width, head.height) * (head.is_deep ? 2 : 1) : 0;
+  if (most_image_bytes > kMaxClipImageBytes) return std::nullopt;
   if (head.tile_px == 0)
     return head.image_bytes == most_image_bytes && head.tiles_bytes == 0 ? std::optional(head) : std::nullopt;
   constexpr int kMaxTile = 16384;

@@ -33,6 +33,15 @@ inline constexpr std::string_view kClipTrailerMagic = "SSL_CEND";
 inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{4} << 20U;
 inline constexpr std::size_t kMaxClipJsonBytesInAll = std::size_t{64} << 20U;
 
+/// Files may be sparse: what they say of sizes costs their authors nothing, so there are limits beside the
+/// file's own size. Tables of 8 bits a colour have 16 MiB; the largest image of any camera has less.
+inline constexpr std::size_t kMaxClipSetups = 16384;
+inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;
+inline constexpr std::size_t kMaxClipTableBytesInAll = std::size_t{256} << 20U;
+inline constexpr std::size_t kMaxClipPacketBytes = 65'507;  // the largest datagram
+inline constexpr std::size_t kMaxClipMemoryBytes = std::size_t{1} << 20U;
+inline constexpr std::size_t kMaxClipImageBytes = std::size_t{128} << 20U;
+
 enum class ClipBlock : std::uint32_t { kAbout = 1, kSetup, kFrame, kEvent, kMissing, kIndex };
 
 struct ClipBlockHead {

@@ -251,7 +251,8 @@ struct ClipReader::File {
     if (type != ClipBlock::kAbout && type != ClipBlock::kSetup && type != ClipBlock::kEvent &&
         type != ClipBlock::kMissing)
       return;
-    if ((type != ClipBlock::kSetup && head.bytes > kMaxClipJsonBytes) || !take_known(type, head, place))
+    const std::size_t most = kMaxClipJsonBytes + (type == ClipBlock::kSetup ? kMaxClipTableBytes : 0);
+    if (head.bytes > most || !take_known(type, head, place))
       note(fmt::format("the block at byte {} is damaged", place));
   }
 
@@ -290,8 +291,11 @@ struct ClipReader::File {
     const auto text = payload.first(static_cast<std::size_t>(text_bytes));
     Json json = json_in(text);
     if (!json.is_object()) return false;
-    reserve_setups(std::size_t{number} + 1);
     const auto table = payload.subspan(text.size());
+    if (table.size() > kMaxClipTableBytes || table.size() > kMaxClipTableBytesInAll - table_bytes)
+      return false;
+    table_bytes += table.size();
+    reserve_setups(std::size_t{number} + 1);
     setups[number] = {static_cast<int>(head.camera_id), std::move(json), {table.begin(), table.end()}};
     return true;
   }
@@ -299,7 +303,7 @@ struct ClipReader::File {
   /// More cannot have been written before `place` and by the block there, so that a number that lies costs no
   /// more memory than the file has.
   static constexpr std::uint64_t most_setups(std::uint64_t place) {
-    return place / (kClipBlockBytes + kClipSetupBytes) + 1;
+    return std::min<std::uint64_t>(place / (kClipBlockBytes + kClipSetupBytes) + 1, kMaxClipSetups);
   }
   void reserve_setups(std::size_t count) {
     while (setups.size() < count) setups.push_back({.camera_id = 0, .about = nullptr});
@@ -320,11 +324,20 @@ struct ClipReader::File {
 
   void put_in_order() {
     reserve_setups(setups_used);
-    std::ranges::stable_sort(found, {},
-                             [](const std::pair<Entry, BlockPlace>& one) { return one.first.t_capture_s; });
+    // A camera's frames stay as they were processed, also where the clock was set back meanwhile.
+    std::map<std::uint32_t, double> latest_s;
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Entry& entry = found[i].first;
+      double& latest = latest_s.emplace(entry.camera_id, entry.t_capture_s).first->second;
+      latest = std::max(latest, entry.t_capture_s);
+      order.emplace_back(latest, i);
+    }
+    std::ranges::stable_sort(order, {}, [](const auto& one) { return one.first; });
     std::map<std::uint32_t, Camera> by_id;
     for (const auto& [id, count] : missing) by_id[id].missing = count;
-    for (const auto& [entry, place] : found) {
+    for (const auto& [time_s, i] : order) {
+      const auto& [entry, place] = found[i];
       by_id[entry.camera_id].frames.push_back(entries.size());
       entries.push_back(entry);
       places.push_back(place);
@@ -383,6 +396,12 @@ struct ClipReader::File {
 
   /// The whole image that `parts` lie on; null where there is none that fits.
   const BaseImage* base_of(const Loaded& parts) {
+    if (!bases.contains(parts.block.camera_id)) {
+      constexpr std::size_t kMostBytes = std::size_t{256} << 20U;  // eight large cameras'
+      std::size_t bytes = image_bytes_of(parts.head);
+      for (const auto& [id, base] : bases) bytes += base.pixels.size();
+      if (bytes > kMostBytes) bases.clear();
+    }
     BaseImage& base = bases[parts.block.camera_id];
     if (base.place != parts.head.base || base.place == 0) {
       base.place = 0;
@@ -476,7 +495,7 @@ struct ClipReader::File {
   std::vector<BlockPlace> places;  // of entries
   std::vector<Camera> cameras;
   std::vector<ClipSetup> setups;
-  std::size_t setups_used = 0, json_bytes = 0;
+  std::size_t setups_used = 0, json_bytes = 0, table_bytes = 0;
   std::vector<ClipEvent> events;
   std::map<std::uint32_t, std::uint64_t> missing;
 

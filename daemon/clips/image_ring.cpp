@@ -72,13 +72,17 @@ ImageRing::ImageRing(std::size_t bytes) : bytes_(aligned(bytes)), slots_(new Slo
   memory_ = static_cast<std::byte*>(memory);
   madvise(memory, bytes_, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
   madvise(memory, bytes_, MADV_DONTDUMP);
-  if (madvise(memory, bytes_, MADV_POPULATE_WRITE) != 0) {
+  // In pieces: the kernel lets no other thread of this process get memory meanwhile.
+  constexpr std::size_t kPiece = std::size_t{4} << 20U;
+  for (std::size_t at = 0; at < bytes_; at += kPiece) {
+    const std::size_t piece = std::min(kPiece, bytes_ - at);
+    if (madvise(memory_ + at, piece, MADV_POPULATE_WRITE) == 0) continue;
     const int problem = errno;
     if (problem == ENOMEM || problem == EFAULT) {
       munmap(memory, bytes_);
       throw std::system_error(ENOMEM, std::generic_category(), "memory for images");
     }
-    std::memset(memory, 0, bytes_);  // an older kernel
+    std::memset(memory_ + at, 0, piece);  // an older kernel
   }
 }
 
@@ -230,6 +234,7 @@ void ImageRing::let_go() {
 
 void ImageRing::let_all_go() {
   while (!held_.empty()) let_go();
+  next_to_hold_ = 0;  // another clip may want the same frames again
 }
 
 }  // namespace sslv

@@ -48,13 +48,15 @@ std::uint64_t memory_left_bytes(const fs::path& root) {
   for (std::string line; std::getline(groups, line);) {
     if (!line.starts_with("0::/")) continue;  // control groups of version 1 have no such limits
     const fs::path top = root / "sys/fs/cgroup";
-    for (fs::path group = fs::path(line.substr(4)); !group.empty(); group = group.parent_path()) {
+    // The last one has no name: the container's own, where this runs in one.
+    for (fs::path group = line.substr(4);; group = group.parent_path()) {
       for (const char* limit : {"memory.high", "memory.max"}) {
         const auto most = number_in(top / group / limit);
         if (!most) continue;
         const std::uint64_t used = used_bytes(top / group);
         left = std::min(left, *most - std::min(*most, used));
       }
+      if (group.empty()) break;
     }
   }
   return left;

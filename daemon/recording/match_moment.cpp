@@ -102,7 +102,8 @@ std::optional<Json> detections_json_of(std::span<const std::byte> packet) {
   return detections_json_of(wrapper.detection());
 }
 
-MatchMoments::MatchMoments(const std::filesystem::path& log) : index_(match_log_index(log)), reader_(log) {}
+MatchMoments::MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index)
+    : index_(std::move(index)), reader_(log) {}
 
 Json MatchMoments::field() {
   if (field_) return *field_;
@@ -110,7 +111,7 @@ Json MatchMoments::field() {
   reader_.go_to_begin();
   LoggedMessage message;
   for (int i = 0; i < kMostMessages && reader_.next(message); ++i) {
-    if (message.time_ns > index_.first_ns + kFieldWithin_ns) break;
+    if (message.time_ns > index_->first_ns + kFieldWithin_ns) break;
     SSL_WrapperPacket wrapper;
     if (!is_vision(message) || !parse(wrapper, message.bytes) || !wrapper.has_geometry()) continue;
     const auto& size = wrapper.geometry().field();
@@ -121,15 +122,15 @@ Json MatchMoments::field() {
 }
 
 Json MatchMoments::at(double at_s) {
-  const double length_s = seconds_of(index_.last_ns - index_.first_ns);
+  const double length_s = seconds_of(index_->last_ns - index_->first_ns);
   at_s = std::isfinite(at_s) ? std::clamp(at_s, 0.0, length_s) : 0;
-  const std::int64_t now_ns = index_.first_ns + std::llround(at_s * 1e9);
+  const std::int64_t now_ns = index_->first_ns + std::llround(at_s * 1e9);
   Json out{{"time_s", at_s},
            {"cameras", Json::array()},
            {"tracked", nullptr},
            {"referee", nullptr},
            {"field", field()}};
-  reader_.go_to(std::max(index_.first_ns, now_ns - kNewReferee_ns), index_);
+  reader_.go_to(std::max(index_->first_ns, now_ns - kNewReferee_ns), *index_);
   std::map<std::uint32_t, Json> cameras;
   LoggedMessage message;
   SSL_WrapperPacket vision;
@@ -137,7 +138,7 @@ Json MatchMoments::at(double at_s) {
   Referee referee;
   std::string tracker_source;
   for (int i = 0; i < kMostMessages && reader_.next(message) && message.time_ns <= now_ns; ++i) {
-    const double time_s = seconds_of(message.time_ns - index_.first_ns);
+    const double time_s = seconds_of(message.time_ns - index_->first_ns);
     if (message.type == LoggedMessage::kReferee) {
       if (parse(referee, message.bytes)) out["referee"] = referee_json(referee);
       continue;

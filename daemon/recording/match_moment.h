@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,8 +20,8 @@ std::optional<Json> detections_json_of(std::span<const std::byte> packet);
 /// Looks at a match log anywhere: what was known at a moment. Used by one thread at a time.
 class MatchMoments {
  public:
-  /// Reads the log's index, or makes it. Throws StorageError.
-  explicit MatchMoments(const std::filesystem::path& log);
+  /// `index`: of this log. Throws StorageError.
+  MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index);
 
   /// docs/openapi.json's MatchMoment: the newest of each source that is no older than .2 s, of the game
   /// controller 2 s. `at_s`: since the log's first message, kept within the log.
@@ -29,7 +30,7 @@ class MatchMoments {
  private:
   Json field();
 
-  const MatchLogIndex index_;
+  const std::shared_ptr<const MatchLogIndex> index_;
   MatchLogReader reader_;
   std::optional<Json> field_;  // null: the log's beginning has none
 };

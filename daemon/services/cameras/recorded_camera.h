@@ -45,6 +45,8 @@ class RecordedCamera final : public FrameObserver {
 
   /// From the next frame on.
   void keep(RecordedFrames frames) { frames_.store(std::move(frames)); }
+  /// Lets go of memory that was kept before and that the camera's thread has left since.
+  void tidy() const { frames_.load(); }
   /// Bytes of all images and their count since the start, as the camera gave them, kept or not.
   struct Seen {
     std::uint64_t frames = 0, bytes = 0;

@@ -37,6 +37,16 @@ constexpr double kFailureIsTold_s = 600;
 /// Between two clips for alerts of one kind.
 constexpr double kAlertAgain_s = 60;
 constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
+/// A match log must never end because a clip took the last of the room.
+constexpr int kReserve_mb = 200;
+
+/// Nothing is held back from match logs where they have little room anyway.
+RecordingSettings with_reserve(RecordingSettings settings) {
+  const int reserve_mb = std::min(kReserve_mb, settings.quota_mb / 4);
+  settings.quota_mb -= reserve_mb;
+  settings.keep_free_mb += reserve_mb;
+  return settings;
+}
 
 std::int64_t to_ns(double steady_s) {
   return std::llround(steady_s * 1e9);
@@ -158,7 +168,9 @@ void ClipService::look_at_game() {
 void ClipService::write(Order order, const std::stop_token& stop) {
   std::vector<Source> sources;
   double bytes = 0;
-  const bool is_in_parts = last_seconds_.status().settings.images == LastSecondsSettings::Images::kFound;
+  const LastSecondsSettings kept = last_seconds_.status().settings;
+  const bool is_in_parts = kept.images == LastSecondsSettings::Images::kFound;
+  order_every_nth_ = kept.images == LastSecondsSettings::Images::kEveryNth ? kept.every_nth : 1;
   order.begin_s -= is_in_parts ? kWholeInterval_s : kKeyInterval_s;
   for (LastSeconds::Ring& ring : last_seconds_.rings()) {
     // At once: what is held is not overwritten while the file is made.
@@ -166,14 +178,15 @@ void ClipService::write(Order order, const std::stop_token& stop) {
     const ImageRing::Extent extent = ring.ring->extent();
     const double held_s =
         std::min(static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9, steady_s() - order.begin_s);
-    bytes += ring.bytes_per_s * (held_s + std::max(0.0, order.end_s - steady_s()));
+    bytes += std::min(ring.bytes_per_s * std::max(0.0, held_s), static_cast<double>(ring.ring->bytes())) +
+             ring.bytes_per_s * std::max(0.0, order.end_s - steady_s());
     sources.push_back({.from = std::move(ring), .dropped_before = extent.dropped});
   }
   std::filesystem::path file;
   std::string problem;
   bool is_finished = false;
   try {
-    files_.make_room(config_.load()->recording, events_, static_cast<std::uint64_t>(bytes));
+    files_.make_room(with_reserve(config_.load()->recording), events_, static_cast<std::uint64_t>(bytes));
     file = files_.begin(order.name, RecordingFile::Kind::kClip);
     {
       const std::lock_guard lock(mutex_);
@@ -202,7 +215,7 @@ void ClipService::write(Order order, const std::stop_token& stop) {
   }
   const std::lock_guard lock(mutex_);
   is_writing_ = false;
-  if (!problem.empty()) clip_ = {.problem = problem, .problem_s = unix_time_s()};
+  if (!problem.empty()) clip_ = {.problem = problem, .problem_s = steady_s()};
 }
 
 void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vector<Source>& sources,
@@ -216,7 +229,7 @@ void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vect
     while (write_next(writer, sources)) {
       if (writer.bytes() - checked_bytes > kCheckDiskEvery) {
         checked_bytes = writer.bytes();
-        files_.make_room(config_.load()->recording, events_);
+        files_.make_room(with_reserve(config_.load()->recording), events_);
       }
       if (stop.stop_requested()) return;
     }
@@ -249,7 +262,10 @@ bool ClipService::write_next(ClipWriter& writer, std::vector<Source>& sources) {
 }
 
 bool ClipService::write_one(ClipWriter& writer, Source& source, const ClipFrame& frame) {
+  // Parts need the whole image that they are parts of.
   if (!source.has_begun && (frame.memory.empty() || frame.tile_px != 0)) return false;
+  if (source.lacks_whole && frame.tile_px != 0) return false;
+  source.lacks_whole = true;  // until it is written
   auto place = source.setups.find(frame.setup);
   if (place == source.setups.end()) {
     const auto setup = source.from.camera->setup(frame.setup);
@@ -262,22 +278,34 @@ bool ClipService::write_one(ClipWriter& writer, Source& source, const ClipFrame&
         source.setups.emplace(frame.setup, writer.add(clip_setup(*setup->config, i, *setup->setup))).first;
   }
   source.has_begun = true;
+  source.lacks_whole = false;
   ClipFrame out = frame;
   out.setup = place->second;
   writer.add(out);
-  if (source.last_number && out.info.number - *source.last_number > 1) {
-    const std::uint32_t missing = out.info.number - *source.last_number - 1;
-    writer.note_missing(out.info.camera_id, missing);
-    const std::lock_guard lock(mutex_);
-    clip_.missing += missing;
-  }
+  // What is left out on purpose is not missing.
+  const std::uint32_t step = source.last_number ? out.info.number - *source.last_number : 1;
+  const auto wanted = static_cast<std::uint32_t>(order_every_nth_);
+  if (step > wanted) note_missing(writer, source, (step - 1) / wanted);
   source.last_number = out.info.number;
   return true;
 }
 
-void ClipService::finish(const Order& order, ClipWriter& writer, const std::vector<Source>& sources) {
+void ClipService::note_missing(ClipWriter& writer, Source& source, std::uint64_t frames) {
+  if (frames == 0) return;
+  writer.note_missing(static_cast<std::uint32_t>(source.from.camera_id), frames);
+  source.missing += frames;
+  const std::lock_guard lock(mutex_);
+  clip_.missing += frames;
+}
+
+void ClipService::finish(const Order& order, ClipWriter& writer, std::vector<Source>& sources) {
   const bool is_empty = std::ranges::none_of(sources, &Source::has_begun);
   if (is_empty) throw StorageError("no camera has images of that time in memory");
+  // Those that found no room while it was written, and after which none was kept.
+  for (Source& source : sources) {
+    const std::uint64_t dropped = source.from.ring->extent().dropped - source.dropped_before;
+    note_missing(writer, source, dropped - std::min(dropped, source.missing));
+  }
   std::vector<ClipEvent> events;
   {
     const std::lock_guard lock(mutex_);
@@ -415,7 +443,7 @@ void ClipService::report(HealthReport& report) const {
   if (facts.is_there) facts.seconds = least_s;
   {
     const std::lock_guard lock(mutex_);
-    if (unix_time_s() - clip_.problem_s < kFailureIsTold_s) facts.clip_problem = clip_.problem;
+    if (steady_s() - clip_.problem_s < kFailureIsTold_s) facts.clip_problem = clip_.problem;
   }
   report_last_seconds(facts, report);
 }

@@ -54,7 +54,7 @@ class ClipService final : public Service {
     std::string why{};
     std::uint64_t bytes = 0, frames = 0, missing = 0;
     std::string problem{};  // why it could not be written
-    double problem_s = 0;   // when that was
+    double problem_s = 0;   // when that was, on the steady clock
   };
   /// One camera of the clip that is written.
   struct Source {
@@ -62,7 +62,8 @@ class ClipService final : public Service {
     std::map<std::uint32_t, std::uint32_t> setups{};  // its number -> place in the clip
     std::optional<std::uint32_t> last_number{};       // of the frame before
     bool has_begun = false;
-    std::uint64_t dropped_before = 0;
+    bool lacks_whole = true;  // the image that parts are of
+    std::uint64_t dropped_before = 0, missing = 0;
   };
 
   void work(const std::stop_token& stop);
@@ -77,7 +78,8 @@ class ClipService final : public Service {
                     const std::stop_token& stop);
   bool write_next(ClipWriter& writer, std::vector<Source>& sources);
   bool write_one(ClipWriter& writer, Source& source, const ClipFrame& frame);
-  void finish(const Order& order, ClipWriter& writer, const std::vector<Source>& sources);
+  void note_missing(ClipWriter& writer, Source& source, std::uint64_t frames);
+  void finish(const Order& order, ClipWriter& writer, std::vector<Source>& sources);
 
   Json to_json() const;
   Response make_clip(const Request& request);
@@ -102,7 +104,8 @@ class ClipService final : public Service {
   std::condition_variable_any ordered_;
   // The thread's own.
   std::optional<MatchState> match_;
-  std::jthread thread_;  // last: it uses the others
+  int order_every_nth_ = 1;  // of the clip that is written: which frames are kept on purpose
+  std::jthread thread_;      // last: it uses the others
 };
 
 }  // namespace sslv

@@ -19,7 +19,7 @@ namespace sslv {
 namespace {
 
 /// How long what cameras send is measured before it counts.
-constexpr double kMeasured_s = 2;
+constexpr double kMeasured_s = 0.9;
 /// A part may differ by so much of what it should be: to change it costs the images in it.
 constexpr double kMayDiffer = 0.3;
 /// Of the memory that is left: the rest is for the rest of the service and of the computer.
@@ -31,101 +31,113 @@ bool same(const LastSecondsSettings& a, const LastSecondsSettings& b) {
 
 }  // namespace
 
-void LastSeconds::measure(double now_s) {
+/// The cameras that there are now, with what each sends.
+void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
   const auto recorded = cameras_.recorded();
-  const std::lock_guard lock(mutex_);
-  const bool is_same = std::ranges::equal(known_, recorded, [](const auto& known, const auto& camera) {
-    return known.first == camera.first && known.second.camera == camera.second;
+  const bool is_same = std::ranges::equal(known, recorded, [](const auto& one, const auto& camera) {
+    return one.first == camera.first && one.second.camera == camera.second;
   });
   if (!is_same) {
     changed_s_ = now_s;
     std::map<int, Known> now;
     for (const auto& [id, camera] : recorded) {
-      Known& one = now[id];
-      if (const auto before = known_.find(id); before != known_.end() && before->second.camera == camera)
-        one = std::move(before->second);
-      one.camera = camera;
-      one.seen_s = now_s;
-      one.seen = camera->seen();
+      const auto before = known.find(id);
+      if (before != known.end() && before->second.camera == camera) {
+        now.emplace(id, before->second);
+      } else {
+        now.emplace(id, Known{.seen = camera->seen(), .seen_s = now_s, .camera = camera});
+      }
     }
-    known_ = std::move(now);
+    known = std::move(now);
   }
-  for (auto& [id, known] : known_) {
-    const double passed_s = now_s - known.seen_s;
+  for (auto& [id, one] : known) {
+    one.camera->tidy();
+    const double passed_s = now_s - one.seen_s;
     if (passed_s < kMeasured_s) continue;
-    const RecordedCamera::Seen seen = known.camera->seen();
-    // One that has stopped keeps its part: its last seconds tell why.
-    if (seen.frames != known.seen.frames)
-      known.bytes_per_s = static_cast<double>(seen.bytes - known.seen.bytes) / passed_s;
-    known.seen = seen;
-    known.seen_s = now_s;
+    const RecordedCamera::Seen seen = one.camera->seen();
+    // One that has stopped keeps its part: its last seconds tell why. So a time in which it began or stopped
+    // does not count, only what two in a row say.
+    if (seen.frames != one.seen.frames) {
+      const double rate = static_cast<double>(seen.bytes - one.seen.bytes) / passed_s;
+      if (std::abs(rate - one.last_bytes_per_s) <= kMayDiffer * rate) one.bytes_per_s = rate;
+      one.last_bytes_per_s = rate;
+    }
+    one.seen = seen;
+    one.seen_s = now_s;
   }
+}
+
+void LastSeconds::publish(const std::map<int, Known>& known) {
+  std::map<int, Known> before = known;  // what it had goes after the lock
+  const std::lock_guard lock(mutex_);
+  known_.swap(before);
 }
 
 void LastSeconds::look(const LastSecondsSettings& settings) {
   const double now_s = steady_s();
-  measure(now_s);
+  std::map<int, Known> known = known_;  // this thread alone changes it
+  measure(known, now_s);
+  publish(known);
   if (now_s - changed_s_ < kMeasured_s) return;
+  const bool changes = !same(settings_, settings);
   std::uint64_t ours = 0;
-  bool changes = false;
-  {
-    const std::lock_guard lock(mutex_);
-    changes = !same(settings_, settings);
-    settings_ = settings;
-    for (const auto& [id, known] : known_) ours += known.ring ? known.ring->bytes() : 0;
-  }
+  for (const auto& [id, one] : known) ours += one.ring ? one.ring->bytes() : 0;
   const std::uint64_t wanted = static_cast<std::uint64_t>(settings.memory_mb) * kMb;
+  const auto may = static_cast<std::uint64_t>(
+      kOfWhatIsLeft * (static_cast<double>(ours) + static_cast<double>(memory_left_bytes())));
   std::string problem;
-  const auto may =
-      static_cast<std::uint64_t>(kOfWhatIsLeft * static_cast<double>(ours + memory_left_bytes()));
   if (wanted > may) {
     problem = fmt::format(
         "only {} MB of memory can be taken for them of the {} MB that /recording/last_seconds/memory_mb "
         "wants",
         may / kMb, settings.memory_mb);
   }
+  {
+    const std::lock_guard lock(mutex_);
+    settings_ = settings;
+  }
   try {
-    share_out(std::min(wanted, may));
+    share_out(known, std::min(wanted, may));
   } catch (const std::system_error& error) {
     problem = error.what();
   }
+  publish(known);
+  for (const auto& [id, one] : known) {
+    if (changes) hand_over(one);
+    const ImageRing::Extent extent = one.ring ? one.ring->extent() : ImageRing::Extent{};
+    if (extent.frames > 0 || !one.ring)
+      one.camera->forget_before(one.ring ? extent.oldest_setup : std::numeric_limits<std::uint32_t>::max());
+  }
   if (!problem.empty() && problem_.empty()) log::warning("the cameras' last seconds: {}", problem);
   const std::lock_guard lock(mutex_);
-  for (const auto& [id, known] : known_) {
-    if (changes) hand_over(known);
-    const ImageRing::Extent extent = known.ring ? known.ring->extent() : ImageRing::Extent{};
-    if (extent.frames > 0 || !known.ring)
-      known.camera->forget_before(known.ring ? extent.oldest_setup
-                                             : std::numeric_limits<std::uint32_t>::max());
-  }
   problem_ = std::move(problem);
 }
 
-void LastSeconds::share_out(std::uint64_t bytes) {
+void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes) {
   double all_per_s = 0;
-  for (const auto& [id, known] : known_) all_per_s += known.bytes_per_s;
+  for (const auto& [id, one] : known) all_per_s += one.bytes_per_s;
   if (all_per_s <= 0 && bytes > 0) return;
-  const auto part_of = [&](const Known& known) {
-    return static_cast<std::size_t>(static_cast<double>(bytes) * known.bytes_per_s /
-                                    std::max(all_per_s, 1.0));
+  const auto part_of = [&](const Known& one) {
+    return static_cast<std::size_t>(static_cast<double>(bytes) * one.bytes_per_s / std::max(all_per_s, 1.0));
   };
-  const auto is_good = [&](const Known& known) {
-    const auto part = static_cast<double>(part_of(known));
-    const double now = known.ring ? static_cast<double>(known.ring->bytes()) : 0;
+  const auto is_good = [&](const Known& one) {
+    const auto part = static_cast<double>(part_of(one));
+    const double now = one.ring ? static_cast<double>(one.ring->bytes()) : 0;
     return std::abs(now - part) <= kMayDiffer * part;
   };
-  if (std::ranges::all_of(known_, [&](const auto& one) { return is_good(one.second); })) return;
-  const std::lock_guard lock(mutex_);
+  if (std::ranges::all_of(known, [&](const auto& one) { return is_good(one.second); })) return;
   // First all is given back that is to be of another size, so that never more than `bytes` are taken.
-  for (auto& [id, known] : known_) {
-    if (is_good(known) || !known.ring) continue;
-    known.ring.reset();
-    hand_over(known);
+  for (auto& [id, one] : known) {
+    if (is_good(one) || !one.ring) continue;
+    one.ring.reset();
+    hand_over(one);
   }
-  for (auto& [id, known] : known_) {
-    if (known.ring || part_of(known) == 0) continue;
-    known.ring = std::make_shared<ImageRing>(part_of(known));
-    hand_over(known);
+  publish(known);
+  for (auto& [id, one] : known) {
+    one.camera->tidy();
+    if (one.ring || part_of(one) == 0) continue;
+    one.ring = std::make_shared<ImageRing>(part_of(one));
+    hand_over(one);
   }
 }
 
@@ -143,7 +155,13 @@ std::vector<LastSeconds::Ring> LastSeconds::rings() const {
   std::vector<Ring> out;
   const std::lock_guard lock(mutex_);
   for (const auto& [id, known] : known_) {
-    if (known.ring) out.push_back({id, known.camera, known.ring, known.bytes_per_s});
+    if (!known.ring) continue;
+    // Of images in parts less is kept than comes.
+    const ImageRing::Extent extent = known.ring->extent();
+    const double seconds = static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9;
+    const double kept_per_s =
+        seconds > 0 ? static_cast<double>(known.ring->bytes()) / seconds : known.bytes_per_s;
+    out.push_back({id, known.camera, known.ring, std::min(known.bytes_per_s, kept_per_s)});
   }
   return out;
 }

@@ -29,7 +29,7 @@ class LastSeconds {
     int camera_id = 0;
     std::shared_ptr<RecordedCamera> camera;
     std::shared_ptr<ImageRing> ring;
-    double bytes_per_s = 0;  // of all its images
+    double bytes_per_s = 0;  // that it puts there, or less than that: at most what comes
   };
   /// Those that have memory.
   std::vector<Ring> rings() const;
@@ -49,19 +49,21 @@ class LastSeconds {
 
  private:
   struct Known {
-    RecordedCamera::Seen seen;  // at seen_s
+    RecordedCamera::Seen seen{};  // at seen_s
     double seen_s = 0;
-    double bytes_per_s = 0;
-    std::shared_ptr<RecordedCamera> camera;
-    std::shared_ptr<ImageRing> ring;
+    double last_bytes_per_s = 0;  // in the second before that
+    double bytes_per_s = 0;       // that counts
+    std::shared_ptr<RecordedCamera> camera{};
+    std::shared_ptr<ImageRing> ring{};
   };
-  void measure(double now_s);
-  void share_out(std::uint64_t bytes);
+  void measure(std::map<int, Known>& known, double now_s);
+  void publish(const std::map<int, Known>& known);
+  void share_out(std::map<int, Known>& known, std::uint64_t bytes);
   void hand_over(const Known& known) const;
 
   Cameras& cameras_;
   double changed_s_ = 0;      // when the list of cameras did, on the steady clock
-  mutable std::mutex mutex_;  // guards the rest, which only look() changes
+  mutable std::mutex mutex_;  // guards the rest, which only look() changes; never held for long
   std::map<int, Known> known_;
   LastSecondsSettings settings_;
   std::string problem_;

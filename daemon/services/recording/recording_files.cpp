@@ -106,16 +106,24 @@ fs::path RecordingFiles::begin(const std::string& name, RecordingFile::Kind kind
       const std::lock_guard lock(mutex_);
       open_names_.insert(file);
     }
-    write_file_durably(unfinished_mark_of(folder_ / file), "");
+    try {
+      write_file_durably(unfinished_mark_of(folder_ / file), "");
+    } catch (const StorageError&) {
+      const std::lock_guard lock(mutex_);
+      open_names_.erase(file);
+      throw;
+    }
     return folder_ / file;
   }
   throw StorageError(fmt::format("{}: there are too many recordings named {}", folder_.string(), begin));
 }
 
 void RecordingFiles::end(const fs::path& file, bool is_finished) {
+  {
+    const std::lock_guard lock(mutex_);
+    open_names_.erase(file.filename().string());
+  }
   if (is_finished) remove_file(unfinished_mark_of(file));
-  const std::lock_guard lock(mutex_);
-  open_names_.erase(file.filename().string());
 }
 
 std::optional<RecordingFile> RecordingFiles::find(const std::string& name) const {
@@ -183,30 +191,28 @@ DiskUse RecordingFiles::disk_use() const {
   return use;
 }
 
-std::vector<std::string> RecordingFiles::make_room(std::uint64_t quota_bytes) {
-  struct Log {
-    fs::file_time_type written;
-    std::string name;
-    std::uint64_t bytes = 0;
-  };
-  // By when they were written, not by their names: others put logs here too, and a clock may have been wrong.
-  std::vector<Log> logs;
-  std::uint64_t used_bytes = 0;
+std::vector<RecordingFiles::Removable> RecordingFiles::removable() const {
+  // By when they were written, not by their names: others put recordings here too, and a clock may have been
+  // wrong.
+  std::vector<Removable> out;
   for (const std::string& name : names()) {
     std::error_code error;
     const fs::path path = folder_ / name;
-    const std::uint64_t bytes = size_of(path) + size_of(index_file_of(path));
-    used_bytes += bytes;
-    if (!is_open(name) && !fs::exists(pin_of(path), error))
-      logs.push_back({fs::last_write_time(path, error), name, bytes});
+    if (is_open(name) || fs::exists(pin_of(path), error)) continue;
+    out.push_back({fs::last_write_time(path, error), name, size_of(path) + size_of(index_file_of(path))});
   }
-  std::ranges::sort(logs, {}, [](const Log& log) { return std::pair(log.written, log.name); });
+  std::ranges::sort(out, {}, [](const Removable& one) { return std::pair(one.written, one.name); });
+  return out;
+}
+
+std::vector<std::string> RecordingFiles::make_room(std::uint64_t quota_bytes) {
+  std::uint64_t used_bytes = disk_use().used_bytes;
   std::vector<std::string> removed;
-  for (const Log& log : logs) {
+  for (const Removable& one : removable()) {
     if (used_bytes <= quota_bytes) break;
-    remove(log.name);
-    used_bytes -= log.bytes;
-    removed.push_back(log.name);
+    remove(one.name);
+    used_bytes -= std::min(used_bytes, one.bytes);
+    removed.push_back(one.name);
   }
   return removed;
 }
@@ -219,22 +225,27 @@ void RecordingFiles::make_room(const RecordingSettings& settings, EventQueue& ev
     throw StorageError(fmt::format("it would take {} MB, and recordings may take {} MB (/recording/quota_mb)",
                                    wanted_bytes / kMb, settings.quota_mb));
   }
-  for (const std::string& name : make_room(quota - wanted_bytes)) {
-    log::info("recording {} was removed to make room", name);
-    events.add(
-        {.id = "recording_removed", .title = fmt::format("Recording {} was removed to make room", name)});
-  }
+  // Nothing is removed when that would not be enough.
   const DiskUse use = disk_use();
-  if (use.used_bytes + wanted_bytes > quota)
+  std::uint64_t stays = use.used_bytes;
+  for (const Removable& one : removable()) stays -= std::min(stays, one.bytes);
+  if (stays + wanted_bytes > quota)
     throw StorageError(
         fmt::format("recordings take the {} MB that they may (/recording/quota_mb), and none of them "
                     "can be removed",
                     settings.quota_mb));
-  if (use.free_bytes < keep_free + wanted_bytes)
+  const std::uint64_t may_take = quota - wanted_bytes;
+  const std::uint64_t goes = use.used_bytes - std::min(use.used_bytes, may_take);
+  if (use.free_bytes + goes < keep_free + wanted_bytes)
     throw StorageError(
         fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "
                     "(/recording/keep_free_mb)",
                     use.free_bytes / kMb, settings.keep_free_mb));
+  for (const std::string& name : make_room(may_take)) {
+    log::info("recording {} was removed to make room", name);
+    events.add(
+        {.id = "recording_removed", .title = fmt::format("Recording {} was removed to make room", name)});
+  }
 }
 
 /// What stands beside a recording goes with it, also when somebody removed only that.

@@ -85,7 +85,7 @@ class RecordingFiles {
   /// they take no more than that. Their names. Throws StorageError.
   std::vector<std::string> make_room(std::uint64_t quota_bytes);
   /// The same, and tells of what was removed. Throws StorageError also when the settings leave no room for
-  /// another recording, of so many bytes.
+  /// another recording, of so many bytes, whatever is removed; then nothing is.
   void make_room(const RecordingSettings& settings, EventQueue& events, std::uint64_t wanted_bytes = 0);
 
   /// Makes logs whole that were not finished, and indexes that are missing. May take long.
@@ -99,6 +99,12 @@ class RecordingFiles {
     std::shared_ptr<const ClipFacts> clip;
     std::string problem;
   };
+  struct Removable {
+    std::filesystem::file_time_type written;
+    std::string name;
+    std::uint64_t bytes = 0;
+  };
+  std::vector<Removable> removable() const;  // what was written longest ago comes first
   std::vector<std::string> names() const;
   bool is_open(const std::string& name) const;
   void look_at_log(const std::filesystem::path& path, Known& now, const std::stop_token& stop) const;

@@ -2,6 +2,7 @@
 #include "services/recording/replay_service.h"
 
 #include "base/background.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "replay/replay_clip.h"
 #include "services/cameras/camera_routes.h"
@@ -10,7 +11,9 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,6 +25,7 @@ constexpr std::size_t kMaxDifferences = 2000;
 constexpr std::array<std::string_view, 3> kWithNames{"recorded_settings", "settings_now", "learnt_colors"};
 constexpr std::array<const char*, 4> kStateNames{"idle", "running", "done", "failed"};
 constexpr int kMaxPlace = 100'000'000;
+constexpr double kKeptOpen_s = 60;
 
 const char* name_of(ClipDifference::Kind kind) {
   switch (kind) {
@@ -37,6 +41,37 @@ std::string what_of(const ClipDifference& difference) {
   if (!difference.team) return "ball";
   const int id = difference.id_after >= 0 ? difference.id_after : difference.id_before;
   return fmt::format("{} {}", *difference.team == Team::kBlue ? "blue" : "yellow", id);
+}
+
+Json frames_json(const ClipReader& clip) {
+  const double begin_s = clip.entries().empty() ? clip.about().begin_s : clip.entries().front().t_capture_s;
+  const double end_s = clip.entries().empty() ? begin_s : clip.entries().back().t_capture_s;
+  Json cameras = Json::array(), events = Json::array();
+  for (const ClipReader::Camera& camera : clip.cameras()) {
+    Json times = Json::array(), numbers = Json::array();
+    for (const std::size_t place : camera.frames) {
+      times.push_back(clip.entries()[place].t_capture_s - begin_s);
+      numbers.push_back(clip.entries()[place].number);
+    }
+    cameras.push_back({{"id", camera.id},
+                       {"missing", camera.missing},
+                       {"places", camera.frames},
+                       {"times_s", std::move(times)},
+                       {"numbers", std::move(numbers)}});
+  }
+  for (const ClipEvent& event : clip.events())
+    events.push_back({{"time_s", event.time_s - begin_s}, {"kind", event.kind}, {"text", event.text}});
+  return {{"begin_s", begin_s},           {"seconds", end_s - begin_s},      {"why", clip.about().why},
+          {"site", clip.about().site},    {"version", clip.about().version}, {"events", std::move(events)},
+          {"cameras", std::move(cameras)}};
+}
+
+/// The frame that a request names, while it lies in the reader's memory. Throws HttpError and ClipError.
+const ClipFrame& frame_of(ClipReader& clip, const Request& request) {
+  const int place = read_whole_number("frame", request.matches.at(2), 0, kMaxPlace);
+  if (static_cast<std::size_t>(place) >= clip.entries().size())
+    throw HttpError(404, fmt::format("the clip has {} frames", clip.entries().size()));
+  return clip.read(static_cast<std::size_t>(place));
 }
 
 }  // namespace
@@ -77,75 +112,63 @@ RecordingFile ReplayService::find(const Request& request, RecordingFile::Kind ki
 template <class Reader>
 std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<OpenOne<Reader>>& list,
                                                                    const RecordingFile& file) {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(files_.path_of(file.name), error);
   const std::lock_guard lock(open_mutex_);
-  const auto found = std::ranges::find_if(
-      list, [&](const auto& one) { return one.name == file.name && one.bytes == file.bytes; });
+  const auto found = std::ranges::find_if(list, [&](const auto& one) {
+    return one.name == file.name && one.bytes == file.bytes && one.written == written;
+  });
   if (found != list.end()) {
     std::rotate(list.begin(), found, found + 1);
-    return list.front().open;
+  } else {
+    list.insert(list.begin(), {file.name, file.bytes, written, 0, std::make_shared<Open<Reader>>()});
+    if (list.size() > kMaxOpen) list.pop_back();
   }
-  try {
-    OpenOne<Reader> one{file.name, file.bytes, std::make_shared<Open<Reader>>(files_.path_of(file.name))};
-    list.insert(list.begin(), std::move(one));
-  } catch (const std::runtime_error& error) {
-    throw HttpError(422, error.what());
-  }
-  if (list.size() > kMaxOpen) list.pop_back();
+  list.front().used_s = steady_s();
   return list.front().open;
 }
 
-std::shared_ptr<ReplayService::Open<ClipReader>> ReplayService::find_clip(const Request& request) {
-  return opened(clips_, find(request, RecordingFile::Kind::kClip));
-}
-
-Response ReplayService::get_frames(const Request& request) {
-  const auto open = find_clip(request);
-  const std::lock_guard lock(open->mutex);
-  const ClipReader& clip = open->reader;
-  const double begin_s = clip.entries().empty() ? clip.about().begin_s : clip.entries().front().t_capture_s;
-  const double end_s = clip.entries().empty() ? begin_s : clip.entries().back().t_capture_s;
-  Json cameras = Json::array(), events = Json::array();
-  for (const ClipReader::Camera& camera : clip.cameras()) {
-    Json times = Json::array(), numbers = Json::array();
-    for (const std::size_t place : camera.frames) {
-      times.push_back(clip.entries()[place].t_capture_s - begin_s);
-      numbers.push_back(clip.entries()[place].number);
+/// What nobody looks at any more, or was removed, keeps neither memory nor the disk's.
+template <class Reader>
+void ReplayService::close_unused(std::vector<OpenOne<Reader>>& list) {
+  std::vector<OpenOne<Reader>> closed;  // after the lock
+  const std::lock_guard lock(open_mutex_);
+  for (auto one = list.begin(); one != list.end();) {
+    const bool is_used = steady_s() - one->used_s < kKeptOpen_s && files_.find(one->name).has_value();
+    if (is_used) {
+      ++one;
+      continue;
     }
-    cameras.push_back({{"id", camera.id},
-                       {"missing", camera.missing},
-                       {"places", camera.frames},
-                       {"times_s", std::move(times)},
-                       {"numbers", std::move(numbers)}});
+    closed.push_back(std::move(*one));
+    one = list.erase(one);
   }
-  for (const ClipEvent& event : clip.events())
-    events.push_back({{"time_s", event.time_s - begin_s}, {"kind", event.kind}, {"text", event.text}});
-  return json_response({{"begin_s", begin_s},
-                        {"seconds", end_s - begin_s},
-                        {"why", clip.about().why},
-                        {"site", clip.about().site},
-                        {"version", clip.about().version},
-                        {"events", std::move(events)},
-                        {"cameras", std::move(cameras)}});
 }
 
-/// use(frame) while it lies in the reader's memory.
+void ReplayService::each_second() {
+  close_unused(clips_);
+  close_unused(logs_);
+}
+
 template <class Use>
-Response with_frame(ClipReader& clip, const Request& request, const Use& use) {
-  const int place = read_whole_number("frame", request.matches.at(2), 0, kMaxPlace);
-  if (static_cast<std::size_t>(place) >= clip.entries().size())
-    throw HttpError(404, fmt::format("the clip has {} frames", clip.entries().size()));
+Response ReplayService::with_clip(const RecordingFile& file, const Use& use) {
+  const auto open = opened(clips_, file);
+  const std::lock_guard lock(open->mutex);
   try {
-    return use(clip.read(static_cast<std::size_t>(place)));
+    if (!open->reader) open->reader = std::make_unique<ClipReader>(files_.path_of(file.name));
+    return use(*open->reader);
   } catch (const ClipError& error) {
     throw HttpError(422, error.what());
   }
 }
 
+Response ReplayService::get_frames(const Request& request) {
+  return with_clip(find(request, RecordingFile::Kind::kClip),
+                   [](const ClipReader& clip) { return json_response(frames_json(clip)); });
+}
+
 Response ReplayService::get_frame(const Request& request) {
-  const auto open = find_clip(request);
-  const std::lock_guard lock(open->mutex);
-  return with_frame(open->reader, request, [&](const ClipFrame& frame) {
-    const ClipReader& clip = open->reader;
+  return with_clip(find(request, RecordingFile::Kind::kClip), [&](ClipReader& clip) {
+    const ClipFrame& frame = frame_of(clip, request);
     Json out =
         detections_json_of(frame.packet).value_or(Json{{"robots", Json::array()}, {"balls", Json::array()}});
     out.update({{"camera", frame.info.camera_id},
@@ -158,10 +181,8 @@ Response ReplayService::get_frame(const Request& request) {
 }
 
 Response ReplayService::get_picture(const Request& request) {
-  const auto open = find_clip(request);
-  const std::lock_guard lock(open->mutex);
-  return with_frame(open->reader, request,
-                    [&](const ClipFrame& frame) { return jpeg_response(frame.image, request); });
+  return with_clip(find(request, RecordingFile::Kind::kClip),
+                   [&](ClipReader& clip) { return jpeg_response(frame_of(clip, request).image, request); });
 }
 
 Response ReplayService::get_moment(const Request& request) {
@@ -169,9 +190,18 @@ Response ReplayService::get_moment(const Request& request) {
   const auto text = request.query.find("time_s");
   if (text == request.query.end()) throw HttpError(400, "time_s: expected s since the log's beginning");
   const double at_s = read_number("time_s", text->second, 0, kMost_s);
-  const auto open = opened(logs_, find(request, RecordingFile::Kind::kMatchLog));
+  const RecordingFile file = find(request, RecordingFile::Kind::kMatchLog);
+  // Made by a thread that has the time: a log may be long, or made to unpack to no end.
+  if (!file.index && !file.problem.empty()) throw HttpError(422, file.problem);
+  if (!file.index) throw HttpError(409, "it is still being read; try again in a moment");
+  const auto open = opened(logs_, file);
   const std::lock_guard lock(open->mutex);
-  return json_response(open->reader.at(at_s));
+  try {
+    if (!open->reader) open->reader = std::make_unique<MatchMoments>(files_.path_of(file.name), file.index);
+    return json_response(open->reader->at(at_s));
+  } catch (const StorageError& error) {
+    throw HttpError(422, error.what());
+  }
 }
 
 Response ReplayService::start_comparison(const Request& request) {
@@ -186,23 +216,20 @@ Response ReplayService::start_comparison(const Request& request) {
       throw HttpError(400, fmt::format("/with: expected one of {}", fmt::join(kWithNames, ", ")));
     order.with = static_cast<With>(with - kWithNames.begin());
   }
-  const auto open = opened(clips_, file);
-  {
-    const std::lock_guard lock(open->mutex);
-    const auto& cameras = open->reader.cameras();
+  if (body.contains("camera")) {
+    const bool is_number = body["camera"].is_number_unsigned() && body["camera"].get<std::uint64_t>() <= 255;
+    order.camera_id = is_number ? body["camera"].get<int>() : -1;
+  }
+  with_clip(file, [&](const ClipReader& clip) {
+    const auto& cameras = clip.cameras();
     if (cameras.empty()) throw HttpError(422, "the clip has no frames");
-    order.camera_id = static_cast<int>(cameras.front().id);
-    if (body.contains("camera")) {
-      const bool is_number =
-          body["camera"].is_number_unsigned() && body["camera"].get<std::uint64_t>() <= 255;
-      order.camera_id = is_number ? body["camera"].get<int>() : -1;
-    }
-    const auto camera =
-        std::ranges::find(cameras, static_cast<std::uint32_t>(order.camera_id), &ClipReader::Camera::id);
-    if (order.camera_id < 0 || camera == cameras.end())
+    if (!body.contains("camera")) order.camera_id = static_cast<int>(cameras.front().id);
+    const auto* camera = clip.camera(static_cast<std::uint32_t>(order.camera_id));
+    if (order.camera_id < 0 || camera == nullptr)
       throw HttpError(400, "/camera: expected the id of a camera that the clip has");
     order.frames = camera->frames.size();
-  }
+    return Response{};
+  });
   // Tables that the service keeps are taken from it: a clip's reader knows no such names.
   if (order.with == With::kSettingsNow) order.table = cameras_.get(order.camera_id).context().adapted_lut;
   if (order.with == With::kLearntColors) {

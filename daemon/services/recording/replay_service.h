@@ -36,24 +36,32 @@ class ReplayService final : public Service {
 
   // Service
   std::vector<Route> routes() override;
+  void each_second() override;
 
  private:
-  /// A recording that clients look at, kept open: those that were asked for last.
+  /// A recording that clients look at, kept open for a while.
   template <class Reader>
   struct Open {
-    explicit Open(const std::filesystem::path& file) : reader(file) {}
-    Reader reader;
-    std::mutex mutex;  // one client at a time reads
+    std::mutex mutex;  // one client at a time opens and reads; guards the next one
+    std::unique_ptr<Reader> reader{};
   };
   template <class Reader>
   struct OpenOne {
     std::string name;
-    std::uint64_t bytes = 0;  // of the file: another one may have come in its place
-    std::shared_ptr<Open<Reader>> open;
+    // Another file may have come in its place.
+    std::uint64_t bytes = 0;
+    std::filesystem::file_time_type written{};
+    double used_s = 0;  // on the steady clock
+    std::shared_ptr<Open<Reader>> open{};
   };
   static constexpr std::size_t kMaxOpen = 4;
   template <class Reader>
   std::shared_ptr<Open<Reader>> opened(std::vector<OpenOne<Reader>>& list, const RecordingFile& file);
+  template <class Reader>
+  void close_unused(std::vector<OpenOne<Reader>>& list);
+  /// use(reader), which is opened when nobody has yet. Throws HttpError for one that cannot be read.
+  template <class Use>
+  Response with_clip(const RecordingFile& file, const Use& use);
 
   enum class With { kRecordedSettings, kSettingsNow, kLearntColors };
   struct Comparison {
@@ -71,7 +79,6 @@ class ReplayService final : public Service {
   Json compared(const Comparison& order, const std::stop_token& stop);
 
   RecordingFile find(const Request& request, RecordingFile::Kind kind) const;
-  std::shared_ptr<Open<ClipReader>> find_clip(const Request& request);
   Response get_frames(const Request& request);
   Response get_frame(const Request& request);
   Response get_picture(const Request& request);

@@ -192,6 +192,26 @@ class Clip : public testing::Test {
   std::map<std::uint32_t, std::vector<std::uint8_t>> last_whole_;
 };
 
+TEST_F(Clip, ACamerasFramesStayInTheirOrderWhenTheClockIsSetBack) {
+  {
+    ClipWriter writer(path(), kAbout);
+    writer.add(ClipSetup{.camera_id = 0});
+    const OwnedImage image = noise_image(PixelFormat::kMono8, 16, 16, 1);
+    for (std::uint32_t number = 10; number < 16; ++number) {
+      ClipFrame frame;
+      frame.info.number = number;
+      frame.info.times.t_capture_s = number < 13 ? 1000 + number : 900 + number;
+      frame.image = image.view;
+      writer.add(frame);
+    }
+    writer.finish();
+  }
+  ClipReader clip(path());
+  std::vector<std::uint32_t> numbers;
+  for (const std::size_t place : clip.cameras().at(0).frames) numbers.push_back(clip.entries()[place].number);
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{10, 11, 12, 13, 14, 15}));
+}
+
 TEST_F(Clip, GivesBackAllThatWasAdded) {
   const std::vector<Kept> kept = write_small();
   ClipReader reader(path());

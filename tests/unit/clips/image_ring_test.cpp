@@ -134,6 +134,17 @@ TEST(ImageRing, WhatIsHeldStaysUntilItIsLetGo) {
   EXPECT_EQ(ring.extent().dropped, 2U);
 }
 
+TEST(ImageRing, ASecondClipMayHaveTheSameFrames) {
+  ImageRing ring(kRingBytes);
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 256, 256, 1);
+  for (std::uint32_t number = 1; number <= 5; ++number) ASSERT_TRUE(ring.put(numbered(number, image.view)));
+  for (int clip = 0; clip < 2; ++clip) {
+    ring.hold(2'000'000, 4'000'000);
+    EXPECT_THAT(held_numbers(ring), ::testing::ElementsAre(2, 3, 4));
+    ring.let_all_go();
+  }
+}
+
 TEST(ImageRing, WhatIsLargerThanItIsNotKept) {
   ImageRing ring(1000);
   EXPECT_FALSE(ring.put(numbered(1, noise_image(PixelFormat::kMono8, 256, 256, 1).view)));

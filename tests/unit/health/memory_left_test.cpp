@@ -46,6 +46,13 @@ TEST_F(MemoryLeftTest, IsLimitedByTheGroupAndThoseAboveIt) {
   EXPECT_EQ(left(), 0U);
 }
 
+TEST_F(MemoryLeftTest, IsLimitedByAContainer) {
+  write("proc/self/cgroup", "0::/\n");
+  write("sys/fs/cgroup/memory.max", "2000000000\n");
+  write("sys/fs/cgroup/memory.current", "500000000\n");
+  EXPECT_EQ(left(), 1'500'000'000U);
+}
+
 TEST_F(MemoryLeftTest, IsNotLimitedWhereNothingIsKnown) {
   EXPECT_GT(memory_left_bytes(folder_.path() / "nothing"), std::uint64_t{1} << 50U);
 }

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -84,7 +85,7 @@ class MatchMomentTest : public testing::Test {
 };
 
 TEST_F(MatchMomentTest, IsWhatWasKnownThen) {
-  MatchMoments moments(file());
+  MatchMoments moments(file(), std::make_shared<const MatchLogIndex>(match_log_index(file())));
   const Json five = moments.at(5.05);
   ASSERT_EQ(five["cameras"].size(), 2U);
   EXPECT_EQ(five["cameras"][1]["id"], 1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/recording/recording_files.h"
 
+#include "base/error.h"
 #include "recording/match_log_writer.h"
 #include "support/temporary_folder.h"
 
@@ -68,6 +69,22 @@ TEST_F(RecordingFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
   files_.pin("2026-07-02_b.log.gz", false);
   EXPECT_THAT(files_.make_room(0), ElementsAre("2026-07-02_b.log.gz"));
   EXPECT_TRUE(fs::is_empty(folder_.path())) << "nothing of them is left";
+}
+
+TEST_F(RecordingFilesTest, RemovesNothingWhereThatWouldNotBeEnough) {
+  write("a.log.gz");
+  write("b.log.gz");
+  EventQueue events;
+  RecordingSettings settings;
+  settings.keep_free_mb = 10'000'000;  // no disk has so much
+  EXPECT_THROW(files_.make_room(settings, events), StorageError);
+  settings.keep_free_mb = 0;
+  settings.quota_mb = 10;
+  EXPECT_THROW(files_.make_room(settings, events, 11 * kMb), StorageError);
+  EXPECT_THAT(names(), UnorderedElementsAre("a.log.gz", "b.log.gz"));
+  files_.make_room(settings, events, 10 * kMb);
+  EXPECT_THAT(names(), IsEmpty());
+  EXPECT_EQ(events.take().size(), 2U);
 }
 
 TEST_F(RecordingFilesTest, TheLogThatIsWrittenIsNotRemoved) {
