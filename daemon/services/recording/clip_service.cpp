@@ -74,7 +74,7 @@ ClipService::ClipService(const Snapshot<Config>& config, RecordingFiles& files, 
       referee_(referee),
       last_seconds_(cameras),
       thread_([this](const std::stop_token& stop) {
-        become_background_thread("clips", 15);
+        become_background_thread("clips");
         work(stop);
       }) {}
 
