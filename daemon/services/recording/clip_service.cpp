@@ -226,7 +226,9 @@ void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vect
   for (;;) {
     const double now_s = steady_s();
     for (Source& source : sources) source.from.ring->hold(to_ns(order.begin_s), to_ns(order.end_s));
+    note_end(order, sources);
     while (write_next(writer, sources)) {
+      note_end(order, sources);
       if (writer.bytes() - checked_bytes > kCheckDiskEvery) {
         checked_bytes = writer.bytes();
         files_.make_room(with_reserve(config_.load()->recording), events_);
@@ -238,6 +240,14 @@ void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vect
     if (now_s > order.end_s + kLateFrames_s || stop.stop_requested()) return;
     std::unique_lock lock(idle);
     stopped.wait_for(lock, stop, kNextFrames, [] { return false; });
+  }
+}
+
+/// What finds no room once the clip's time is over is not of the clip.
+void ClipService::note_end(const Order& order, std::vector<Source>& sources) {
+  if (steady_s() < order.end_s) return;
+  for (Source& source : sources) {
+    if (!source.dropped_at_end) source.dropped_at_end = source.from.ring->extent().dropped;
   }
 }
 
@@ -303,7 +313,8 @@ void ClipService::finish(const Order& order, ClipWriter& writer, std::vector<Sou
   if (is_empty) throw StorageError("no camera has images of that time in memory");
   // Those that found no room while it was written, and after which none was kept.
   for (Source& source : sources) {
-    const std::uint64_t dropped = source.from.ring->extent().dropped - source.dropped_before;
+    const std::uint64_t dropped =
+        source.dropped_at_end.value_or(source.from.ring->extent().dropped) - source.dropped_before;
     note_missing(writer, source, dropped - std::min(dropped, source.missing));
   }
   std::vector<ClipEvent> events;

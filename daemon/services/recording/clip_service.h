@@ -64,6 +64,7 @@ class ClipService final : public Service {
     bool has_begun = false;
     bool lacks_whole = true;  // the image that parts are of
     std::uint64_t dropped_before = 0, missing = 0;
+    std::optional<std::uint64_t> dropped_at_end{};  // when the clip's time was over
   };
 
   void work(const std::stop_token& stop);
@@ -76,6 +77,7 @@ class ClipService final : public Service {
   void write(Order order, const std::stop_token& stop);
   void write_frames(const Order& order, ClipWriter& writer, std::vector<Source>& sources,
                     const std::stop_token& stop);
+  static void note_end(const Order& order, std::vector<Source>& sources);
   bool write_next(ClipWriter& writer, std::vector<Source>& sources);
   bool write_one(ClipWriter& writer, Source& source, const ClipFrame& frame);
   void note_missing(ClipWriter& writer, Source& source, std::uint64_t frames);
