@@ -62,7 +62,10 @@ export class FaultyService {
     this.settingsFile = join(this.folder, 'admin.json');
     this.environment = environment;
     this.wrap = wrap;
-    this.settings = { network: { vision: { group, interface: 'lo' }, referee: { enabled: false } }, panel: { port: 0 }, cameras };
+    // Without memory for the last seconds, which comes some seconds after the start: tests look whether memory grows.
+    this.settings = {
+      network: { vision: { group, interface: 'lo' }, referee: { enabled: false } }, panel: { port: 0 }, recording: { last_seconds: { memory_mb: 0 } }, cameras,
+    };
     this.log = [];
     this.receivers = [];
   }
