@@ -32,6 +32,8 @@ constexpr double kOtherHue = 0.03, kOtherHueSpreads = 4;
 constexpr double kClipped = 250;
 /// What is seen so soon was there from the beginning.
 constexpr double kBeginningS = 10;
+/// Images in which a thing was seen, at 1000 Hz for ten days.
+constexpr int kMostCount = 1'000'000'000;
 
 double median_of(std::array<double, 32>& values, std::size_t count) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(count / 2);
@@ -54,7 +56,10 @@ void BallMemory::begin(double now_s) noexcept {
   }
   now_s_ = now_s;
   std::erase_if(entries_, [&](const Entry& entry) {
-    return now_s - entry.seen_s > (entry.had_other_hue ? kForgetOtherHueS : kForgetS);
+    // Counts of a recording may be anything, and these grow.
+    const bool is_possible =
+        entry.pictures >= 0 && entry.pictures < kMostCount && entry.colors >= 0 && entry.colors < kMostCount;
+    return now_s - entry.seen_s > (entry.had_other_hue ? kForgetOtherHueS : kForgetS) || !is_possible;
   });
 }
 

@@ -9,11 +9,29 @@ namespace sslv {
 namespace {
 /// Robots do not drive faster: what seems to is another one, or the same put elsewhere.
 constexpr double kFastestMmS = 8000;
+
+/// Whether a robot can be so. What a recording says of it may be anything; of sums and products of what is
+/// far off nobody knows what becomes.
+bool is_possible(const RobotMemory::Entry& entry) {
+  constexpr double kFar = 1e7, kMostInterval_s = 1e4;
+  for (const double value :
+       {entry.x_mm, entry.y_mm, entry.orientation_rad, entry.x_mm_s, entry.y_mm_s, entry.turn_rad_s}) {
+    if (!(std::abs(value) < kFar)) return false;
+  }
+  // Between two images that came nearly at once, changes of speed are large.
+  constexpr double kMostChange = 1e15;
+  for (const double value : {entry.x_mm_s2, entry.y_mm_s2, entry.turn_rad_s2}) {
+    if (!(std::abs(value) < kMostChange)) return false;
+  }
+  return std::abs(entry.interval_s) < kMostInterval_s &&
+         std::abs(entry.seen_s - entry.frame_s) < kMostInterval_s;
+}
 }  // namespace
 
 void RobotMemory::forget(double now_s, double keep_s) noexcept {
-  std::erase_if(entries_,
-                [&](const Entry& entry) { return entry.seen_s >= now_s || now_s - entry.seen_s > keep_s; });
+  std::erase_if(entries_, [&](const Entry& entry) {
+    return entry.seen_s >= now_s || now_s - entry.seen_s > keep_s || !is_possible(entry);
+  });
 }
 
 void RobotMemory::remember(const RobotList& robots, double now_s, const RowTimes& rows) noexcept {
