@@ -348,10 +348,9 @@ TEST_F(Files, KeepsItsPace) {
 }
 
 TEST_F(Files, WhatCannotBeOpenedIsNamed) {
-  EXPECT_EQ(
-      refusal(path("nowhere")),
-      "path \"" + path("nowhere") +
-          "\": No such file or directory; expected a folder of images, an image, a raw frame, a video or a clip");
+  EXPECT_EQ(refusal(path("nowhere")), "path \"" + path("nowhere") +
+                                          "\": No such file or directory; expected a folder of images, an "
+                                          "image, a raw frame, a video or a clip");
   EXPECT_THAT(refusal(""), HasSubstr("path \"\": "));
   EXPECT_THAT(refusal(folder_.string()),
               HasSubstr("no images in this folder; expected files ending in .png"));
@@ -362,9 +361,10 @@ TEST_F(Files, WhatCannotBeOpenedIsNamed) {
 TEST_F(Files, UnknownOptionsAreRefused) {
   EXPECT_THROW(file_backend().complete({{"paht", "x"}}, "/cameras/0/source"), SettingsError);
   EXPECT_THROW(file_backend().complete({{"pixel_format", "rgb"}}, "/cameras/0/source"), SettingsError);
-  EXPECT_EQ(file_backend().complete(Json::object(), ""),
-            Json::parse(
-                R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "camera_id": null, "frame_rate_hz": null,
+  EXPECT_EQ(
+      file_backend().complete(Json::object(), ""),
+      Json::parse(
+          R"({"path": "", "pixel_format": "auto", "width": 0, "height": 0, "camera_id": null, "frame_rate_hz": null,
                             "loop": false, "controls": {}})"));
 }
 
