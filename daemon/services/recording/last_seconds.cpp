@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/recording/last_seconds.h"
 
-#include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
 #include "health/memory_left.h"
@@ -20,6 +19,8 @@ namespace {
 
 /// How long what cameras send is measured before it counts.
 constexpr double kMeasured_s = 0.9;
+/// Times in a row in which a camera's pace may differ before one counts all the same.
+constexpr int kUnevenAtMost = 5;
 /// A part may differ by so much of what it should be: to change it costs the images in it.
 constexpr double kMayDiffer = 0.3;
 /// Of the memory that is left: the rest is for the rest of the service and of the computer.
@@ -56,10 +57,11 @@ void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
     if (passed_s < kMeasured_s) continue;
     const RecordedCamera::Seen seen = one.camera->seen();
     // One that has stopped keeps its part: its last seconds tell why. So a time in which it began or stopped
-    // does not count, only what two in a row say.
+    // does not count, only what two in a row say; but one whose pace is never even gets memory, too.
     if (seen.frames != one.seen.frames) {
       const double rate = static_cast<double>(seen.bytes - one.seen.bytes) / passed_s;
-      if (std::abs(rate - one.last_bytes_per_s) <= kMayDiffer * rate) one.bytes_per_s = rate;
+      const bool is_even = std::abs(rate - one.last_bytes_per_s) <= kMayDiffer * rate;
+      if (is_even || (one.bytes_per_s <= 0 && ++one.uneven > kUnevenAtMost)) one.bytes_per_s = rate;
       one.last_bytes_per_s = rate;
     }
     one.seen = seen;
@@ -73,8 +75,7 @@ void LastSeconds::publish(const std::map<int, Known>& known) {
   known_.swap(before);
 }
 
-void LastSeconds::look(const LastSecondsSettings& settings) {
-  const double now_s = steady_s();
+void LastSeconds::look(const LastSecondsSettings& settings, double now_s) {
   std::map<int, Known> known = known_;  // this thread alone changes it
   measure(known, now_s);
   publish(known);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/clock.h"
 #include "clips/image_ring.h"
 #include "recording/recording_settings.h"
 #include "services/cameras/cameras.h"
@@ -22,8 +23,8 @@ class LastSeconds {
   explicit LastSeconds(Cameras& cameras) : cameras_(cameras) {}
 
   /// To be called now and then: shares the memory out again when cameras or settings have changed, which
-  /// empties what changes. Not while a ring is read.
-  void look(const LastSecondsSettings& settings);
+  /// empties what changes. Not while a ring is read. `now_s`: on the steady clock.
+  void look(const LastSecondsSettings& settings, double now_s = steady_s());
 
   struct Ring {
     int camera_id = 0;
@@ -53,6 +54,7 @@ class LastSeconds {
     double seen_s = 0;
     double last_bytes_per_s = 0;  // in the second before that
     double bytes_per_s = 0;       // that counts
+    int uneven = 0;               // times without one that counts
     std::shared_ptr<RecordedCamera> camera{};
     std::shared_ptr<ImageRing> ring{};
   };

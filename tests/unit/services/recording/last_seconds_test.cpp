@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/last_seconds.h"
+
+#include "config/stages.h"
+#include "support/clip_images.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace sslv {
+namespace {
+
+/// Cameras of which only the last seconds are looked at.
+class OnlyRecorded final : public Cameras {
+ public:
+  std::map<int, std::shared_ptr<RecordedCamera>> cameras;
+
+  std::map<int, std::shared_ptr<RecordedCamera>> recorded() const override { return cameras; }
+  std::vector<CameraNow> all() const override { return {}; }
+  CameraNow get(int) const override { throw std::logic_error("not asked for"); }
+  std::optional<LentFrame> wait_frame(int, std::uint64_t, std::chrono::milliseconds) override { return {}; }
+  bool change_light(int, const std::shared_ptr<const Lut>&, std::shared_ptr<const Lut>) override {
+    return false;
+  }
+  void add_observer(CameraObserver&) override {}
+  std::string hanging() const override { return {}; }
+  std::string missing() const override { return {}; }
+};
+
+class LastSecondsTest : public testing::Test {
+ protected:
+  LastSecondsTest() {
+    setup_.pipeline =
+        std::make_shared<Pipeline>(stage_table(), std::vector<std::string>{"segment"}, "/stack");
+    for (const int id : {0, 1}) {
+      cameras_.cameras[id] = std::make_shared<RecordedCamera>(sender_);
+      cameras_.cameras[id]->note(setup_, nullptr);
+    }
+    settings_.memory_mb = 16;
+  }
+  /// A second in which camera 0 sends so many images and camera 1 so many.
+  void second(int of_0, int of_1) {
+    for (int id = 0; id < 2; ++id) {
+      for (int i = 0; i < (id == 0 ? of_0 : of_1); ++i) {
+        frame_.image = Image(image_.view, nullptr, nullptr, nullptr);
+        cameras_.cameras[id]->frame_begins(setup_);
+        cameras_.cameras[id]->frame_ends(frame_, setup_);
+      }
+    }
+    last_seconds_.look(settings_, ++now_s_);
+  }
+  std::vector<double> memory_mb() const {
+    std::vector<double> out;
+    for (const LastSeconds::CameraStatus& camera : last_seconds_.status().cameras)
+      out.push_back(static_cast<double>(camera.bytes) / 1e6);
+    return out;
+  }
+
+  MulticastSender multicast_{MulticastSettings{}};
+  DetectionSender sender_{multicast_};
+  CameraSetup setup_;
+  OwnedImage image_ = noise_image(PixelFormat::kMono8, 320, 240, 1);
+  Frame frame_;
+  OnlyRecorded cameras_;
+  LastSeconds last_seconds_{cameras_};
+  LastSecondsSettings settings_;
+  double now_s_ = 100;
+};
+
+TEST_F(LastSecondsTest, MemoryIsSharedByWhatCamerasSend) {
+  for (int i = 0; i < 5; ++i) second(30, 10);
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(12, 0.1), testing::DoubleNear(4, 0.1)));
+  for (int i = 0; i < 5; ++i) second(30, 0);
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(12, 0.1), testing::DoubleNear(4, 0.1)))
+      << "the last seconds of one that stopped tell why";
+}
+
+TEST_F(LastSecondsTest, ACameraWhosePaceIsNeverEvenHasMemoryToo) {
+  for (int i = 0; i < 5; ++i) second(i % 2 == 0 ? 5 : 20, 0);
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(0, 0)) << "it may only be starting";
+  for (int i = 0; i < 4; ++i) second(i % 2 == 0 ? 5 : 20, 0);
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(16, 0.1), 0));
+}
+
+}  // namespace
+}  // namespace sslv
