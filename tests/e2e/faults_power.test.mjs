@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// A match log that is being written while the service is killed, or while the power fails: at most a second of it is
+// missing, and the file can always be read.
+import assert from 'node:assert/strict';
+import { execFileSync, spawn } from 'node:child_process';
+import { closeSync, copyFileSync, existsSync, mkdirSync, openSync, readdirSync, readFileSync, writeFileSync, writeSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { after, describe, it } from 'node:test';
+import { setTimeout as pause } from 'node:timers/promises';
+import { gunzipSync } from 'node:zlib';
+import { cannotUnshare, FaultyService, report, smallCamera, tries } from './faults.mjs';
+import { becomes, DAEMON } from './service.mjs';
+
+const CTL = process.env.SSLV_CTL ?? join(dirname(DAEMON), 'ssl-visionctl');
+const LOGGED_DISK = join(dirname(DAEMON), 'logged_disk');
+const MOST_LOST_S = 1;
+
+const services = [];
+async function create() {
+  const service = new FaultyService(`239.255.78.${101 + services.length}`, { cameras: [smallCamera(0, 60), smallCamera(1, 60)] });
+  services.push(service);
+  await service.prepare();
+  return service;
+}
+after(() => Promise.all(services.map((service) => service.remove())));
+
+/** The times (Unix, s) of all messages of a packed log, by its format's description; fails where it is not whole. */
+function timesIn(file) {
+  const bytes = gunzipSync(readFileSync(file));
+  assert.equal(bytes.toString('latin1', 0, 12), 'SSL_LOG_FILE');
+  const times = [];
+  for (let at = 16; at < bytes.length; at += 16 + bytes.readInt32BE(at + 12)) times.push(Number(bytes.readBigInt64BE(at)) * 1e-9);
+  return times;
+}
+
+const logs = (service) => service.get('api/recordings').then(({ logs: all }) => all);
+async function record(service, name) {
+  await service.good('POST', 'api/recordings/match-log', { record: true, name });
+  const state = async () => (await service.get('api/recordings')).match_log;
+  return (await becomes(state, ({ state: now, messages }) => now === 'recording' && messages.vision > 20)).name;
+}
+
+describe('a match log while the service is killed', () => {
+  it('lacks at most a second, and is made whole at the next start', { timeout: 1_800_000 }, async () => {
+    const service = await create();
+    const rounds = tries(4, 200), lost_ms = [];
+    await service.start();
+    for (let round = 0; round < rounds; ++round) {
+      const began_s = Date.now() / 1000;
+      const name = await record(service, `killed_${round}`);
+      await pause(Math.random() * 1200);
+      const killed_s = Date.now() / 1000;
+      await service.kill('SIGKILL');
+      await service.start();
+      const log = await becomes(() => logs(service).then((all) => all.find((one) => one.name === name)), (one) => one && one.seconds !== null);
+      assert.equal(log.problem, '');
+      const file = join(service.state, 'recordings', name);
+      assert.ok(!existsSync(`${file}.unfinished`) && existsSync(`${file}.index`), 'it has an index again');
+      const missing_s = killed_s - (timesIn(file).at(-1) ?? began_s);
+      assert.ok(missing_s <= MOST_LOST_S, `${missing_s} s are missing`);
+      lost_ms.push(missing_s * 1000);
+      await service.good('DELETE', `api/recordings/logs/${name}`);
+    }
+    await service.stop();
+    report('a match log while the service is killed (times: what is missing at its end)', rounds, 0, lost_ms);
+  });
+});
+
+/** What came to a disk: [{ kind, time_s, place, bytes }]. */
+function disksLog(file) {
+  const all = readFileSync(file), records = [];
+  const HEAD = 21;
+  for (let at = 0; at + HEAD <= all.length;) {
+    const count = all.readUInt32LE(at + 17);
+    records.push({ kind: String.fromCharCode(all[at]), time_s: all.readDoubleLE(at + 1), place: Number(all.readBigUInt64LE(at + 9)), bytes: all.subarray(at + HEAD, at + HEAD + count) });
+    at += HEAD + count;
+  }
+  return records;
+}
+
+const DISK_BYTES = 64 * 1024 * 1024, SECTOR = 4096;
+
+function cannotCutPower() {
+  if (cannotUnshare()) return cannotUnshare();
+  if (!existsSync(LOGGED_DISK)) return `no ${LOGGED_DISK}: libfuse3-dev was not there when it was built`;
+  return ['/dev/fuse', '/dev/loop-control'].every(existsSync) ? false : 'needs /dev/fuse and loop devices';
+}
+
+/** Attaches a file as a disk and mounts it; returns how to take it away again. */
+function mountImage(image, folder) {
+  mkdirSync(folder, { recursive: true });
+  const device = execFileSync('losetup', ['--find', '--show', image], { encoding: 'utf8' }).trim();
+  try {
+    execFileSync('mount', [device, folder]);
+  } catch (error) {
+    execFileSync('losetup', ['--detach', device]);
+    throw error;
+  }
+  return () => {
+    execFileSync('umount', [folder]);
+    execFileSync('losetup', ['--detach', device]);
+  };
+}
+
+describe('a match log while the power fails', () => {
+  // A real file system (ext4) on a disk that writes down what comes to it. After a cut the disk has all that came before
+  // the last flush, and of what came since, any part.
+  it('lacks at most a second, and is made whole', { skip: cannotCutPower(), timeout: 1_800_000 }, async () => {
+    const service = await create();
+    const cuts = tries(12, 200), recorded_s = 10 + cuts / 4;
+    const disk = join(service.folder, 'disk'), diskLog = join(service.folder, 'disk.log');
+    mkdirSync(disk);
+    const server = spawn(LOGGED_DISK, [disk, `${DISK_BYTES}`, diskLog], { stdio: 'inherit' });
+    let name, began_s, ended_s;
+    try {
+      await becomes(() => existsSync(join(disk, 'disk')), (is) => is);
+      execFileSync('mkfs.ext4', ['-q', join(disk, 'disk')], { stdio: 'pipe' });
+      const unmount = mountImage(join(disk, 'disk'), service.state);
+      try {
+        service.settings.recording.keep_free_mb = 1;
+        service.writeSettings();
+        await service.start();
+        name = await record(service, 'power');
+        began_s = Date.now() / 1000;
+        await pause(recorded_s * 1000);
+        ended_s = Date.now() / 1000;
+        await service.kill('SIGKILL');
+      } finally {
+        await service.kill('SIGKILL');
+        unmount();
+      }
+    } finally {
+      execFileSync('umount', [disk]);
+      server.kill();
+    }
+
+    const records = disksLog(diskLog);
+    // What is on the disk for certain grows with the time of the cut.
+    const sure = join(service.folder, 'sure.img'), image = join(service.folder, 'cut.img'), folder = join(service.folder, 'cut');
+    writeFileSync(sure, '');
+    execFileSync('truncate', ['--size', `${DISK_BYTES}`, sure]);
+    const times_s = Array.from({ length: cuts }, () => began_s + 2 + Math.random() * (ended_s - began_s - 2)).sort((a, b) => a - b);
+    const lost_ms = [];
+    let at = 0; // records before it are on the disk
+    for (const cut_s of times_s) {
+      const end = records.findIndex(({ time_s }) => time_s > cut_s);
+      const flushed = records.slice(0, end).findLastIndex(({ kind }) => kind === 'F');
+      const whole = openSync(sure, 'r+');
+      for (; at < flushed; ++at) if (records[at].kind === 'W') writeSync(whole, records[at].bytes, 0, records[at].bytes.length, records[at].place);
+      closeSync(whole);
+      execFileSync('cp', ['--sparse=always', sure, image]);
+      const cut = openSync(image, 'r+');
+      for (const { kind, place, bytes } of records.slice(at, end)) {
+        for (let i = 0; kind === 'W' && i < bytes.length; i += SECTOR)
+          if (Math.random() < 0.5) writeSync(cut, bytes, i, Math.min(SECTOR, bytes.length - i), place + i);
+      }
+      closeSync(cut);
+      const unmount = mountImage(image, folder);
+      try {
+        const there = join(service.folder, 'after_cut.log.gz');
+        copyFileSync(join(folder, 'recordings', name), there);
+        execFileSync(CTL, ['match-log', 'repair', there], { stdio: 'pipe' });
+        const missing_s = cut_s - timesIn(there).at(-1);
+        assert.ok(missing_s <= MOST_LOST_S, `${missing_s} s are missing`);
+        lost_ms.push(missing_s * 1000);
+      } finally {
+        unmount();
+      }
+    }
+    // And the service does the same when it starts with such a disk.
+    const unmount = mountImage(image, service.state);
+    try {
+      await service.start();
+      const log = await becomes(() => logs(service).then((all) => all.find((one) => one.name === name)), (one) => one && one.seconds !== null);
+      assert.equal(log.problem, '');
+      assert.ok(!readdirSync(join(service.state, 'recordings')).some((file) => file.endsWith('.unfinished')));
+      await service.stop();
+    } finally {
+      await service.kill('SIGKILL');
+      unmount();
+    }
+    report('a match log while the power fails (times: what is missing at its end)', cuts, 0, lost_ms);
+  });
+});
