@@ -23,6 +23,15 @@ void write_notes(const Pipeline& pipeline, std::ostream& out) {
   }
 }
 
+/// Of frames that have no times of their own. Those of a folder may be of any times: the shorter the time
+/// between them, the less of what is at another place is taken for a ball that has moved.
+double rate_hz(const CameraSettings& camera) {
+  constexpr double kFast_hz = 250;
+  const auto given = camera.source.find("frame_rate_hz");
+  const bool is_given = given != camera.source.end() && given->is_number() && given->get<double>() > 0;
+  return is_given ? given->get<double>() : kFast_hz;
+}
+
 }  // namespace
 
 int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
@@ -46,6 +55,8 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
 
   NoSink sink;
   CameraPipeline pipeline(id, sink, setup);
+  const double interval_s = 1 / rate_hz(camera);
+  double next_s = 1;
   int unreadable = 0;
   for (;;) {
     CapturedImage captured;
@@ -53,6 +64,10 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
     switch (input->next(captured, problem, std::chrono::seconds(10))) {
       case CaptureStatus::kImage: {
         const std::string name = captured.name;
+        // The recording's own time, or one that is the same each time: what stages remember depends on it.
+        CaptureTimes& times = captured.times;
+        times.t_capture_s = times.t_capture_camera_s.value_or(next_s);
+        next_s = times.t_capture_s + interval_s;
         use(name, pipeline.process(std::move(captured.image), captured.times));
         break;
       }

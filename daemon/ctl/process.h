@@ -17,8 +17,9 @@ struct ProcessOptions {
 };
 
 /// Runs the camera's stack over recorded input in one thread, without a daemon: the same frames give the same
-/// detections. Hands each frame to `use`, with its name. Frames that cannot be read are named on `problems`
-/// and skipped. Returns how many were. Throws SettingsError and CaptureError.
+/// detections. Frames of a clip or video have their own times, others are as far apart as frame_rate_hz of
+/// the camera's source says, or 4 ms. Hands each frame to `use`, with its name. Frames that cannot be read
+/// are named on `problems` and skipped. Returns how many were. Throws SettingsError and CaptureError.
 int process_recording(const Config& config, std::size_t camera_index, const ProcessOptions& options,
                       const std::function<void(const std::string& name, const Frame&)>& use,
                       std::ostream& problems);
