@@ -186,12 +186,12 @@ BallFitter::BallFitter() : look_(std::make_unique<Look>()) {
 }
 BallFitter::~BallFitter() = default;
 
-BallFit BallFitter::fit(const Frame& frame, double x_mm, double y_mm) noexcept {
+BallFit BallFitter::fit(const Frame& frame, double x_mm, double y_mm, const MayBeBall& may_be_ball) noexcept {
   BallFit out;
   double from_x_mm = x_mm, from_y_mm = y_mm;
   constexpr int kStarts = 3;
   for (int start = 1; start <= kStarts; ++start) {
-    out = fit_from(frame, from_x_mm, from_y_mm);
+    out = fit_from(frame, from_x_mm, from_y_mm, may_be_ball);
     // What lies around and what is hidden was looked up for the start: with a far better one, again.
     if (!out.ok || out.moved_mm < kFarMm) break;
     // What a ball hardly explains and pulls it far away is a letter, a stripe, a shirt. Where cells are as
@@ -456,7 +456,7 @@ void BallFitter::judge(BallFit& out) const noexcept {
 
 double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noexcept {
   // At its own place, so that what lies around is looked up for that.
-  if (!fit_from(frame, found.x_mm, found.y_mm).ok) return -1;
+  if (!fit_from(frame, found.x_mm, found.y_mm, {}).ok) return -1;
   const Look& look = *look_;
   const BallTemplate& ball = look.ball;
   Place place{};
@@ -515,7 +515,8 @@ double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noex
   return count > 0 ? sum / count : 0;
 }
 
-BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexcept {
+BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm,
+                             const MayBeBall& may_be_ball) noexcept {
   BallFit out;
   const double reach_mm = frame.radius_mm + kMarginMm + kWanderMm;
   const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, frame.radius_mm, reach_mm);
@@ -594,29 +595,39 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm) noexc
     ball.x += as_float(step.x());
     ball.y += as_float(step.y());
     out.moved_mm = std::hypot(ball.x, ball.y);
+    const auto tell = [&] {
+      out.x_mm = x_mm + ball.x;
+      out.y_mm = y_mm + ball.y;
+      out.r2 = total > 0 ? std::max(0.0, explained / total) : 0;
+      const Eigen::Vector3d with_radius = normal.ldlt().solve(gradient);
+      out.radius_mm = frame.radius_mm + with_radius.z();
+      const Eigen::Matrix2d place_cov = places.inverse();
+      out.place_cov = {place_cov(0, 0), place_cov(0, 1), place_cov(1, 1)};
+      out.radius_sigma_mm = std::sqrt(std::max(0.0, normal.inverse()(2, 2)));
+      out.color = look.planes.yuv ? rgb_of_yuv_color(color) : color;
+      const auto difference = look.planes.yuv ? rgb_of_yuv_contrast(contrast) : contrast;
+      out.contrast =
+          Eigen::Vector3d(difference.data()).norm() / std::max(1.0, Eigen::Vector3d(out.color.data()).norm());
+    };
+    const auto is_hopeless = [&] {
+      if (!may_be_ball) return false;
+      tell();
+      return !may_be_ball(out);
+    };
     const bool too_far = !(out.moved_mm < kWanderMm);
+    if (pass == 1 && !trimmed && is_hopeless()) return out;
     if (length_mm > kSmallStepMm && pass < kPasses && !too_far) continue;
     if (!trimmed && !too_far && look.groups < 3) {
       trimmed = true;
+      if (is_hopeless()) return out;
       if (leave_out_unlike(look) > 0) {
         pass = kPasses - 2;  // two more
         continue;
       }
     }
 
+    tell();
     out.ok = true;
-    out.x_mm = x_mm + ball.x;
-    out.y_mm = y_mm + ball.y;
-    out.r2 = total > 0 ? std::max(0.0, explained / total) : 0;
-    const Eigen::Vector3d with_radius = normal.ldlt().solve(gradient);
-    out.radius_mm = frame.radius_mm + with_radius.z();
-    const Eigen::Matrix2d place_cov = places.inverse();
-    out.place_cov = {place_cov(0, 0), place_cov(0, 1), place_cov(1, 1)};
-    out.radius_sigma_mm = std::sqrt(std::max(0.0, normal.inverse()(2, 2)));
-    out.color = look.planes.yuv ? rgb_of_yuv_color(color) : color;
-    const auto difference = look.planes.yuv ? rgb_of_yuv_contrast(contrast) : contrast;
-    out.contrast =
-        Eigen::Vector3d(difference.data()).norm() / std::max(1.0, Eigen::Vector3d(out.color.data()).norm());
     return out;
   }
   return out;

@@ -7,6 +7,7 @@
 #include "vision/rectangle_fit.h"
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -52,9 +53,13 @@ class BallFitter {
   BallFitter();
   ~BallFitter();
 
+  /// Whether a ball may come of a fit that is not finished, by what it says so far (`ok` is false).
+  using MayBeBall = std::function<bool(const BallFit& so_far)>;
+
   /// Starts at (x, y) on the plane of its centre, good to about the radius. What judge() adds is missing.
-  /// Allocates nothing.
-  BallFit fit(const Frame& frame, double x_mm, double y_mm) noexcept;
+  /// `may_be_ball`, unless it is empty, is asked after the first step and before what is unlike a ball is
+  /// left out; if it says no, the fit ends there and is not ok. Allocates nothing.
+  BallFit fit(const Frame& frame, double x_mm, double y_mm, const MayBeBall& may_be_ball = {}) noexcept;
 
   /// Adds to the result of the last fit() what the samples say that the model has no room for: misfit,
   /// max_alike, out_of_round_mm and its sigma. It takes about as long as a fit.
@@ -68,7 +73,7 @@ class BallFitter {
  private:
   struct Look;
   struct Place;
-  BallFit fit_from(const Frame& frame, double x_mm, double y_mm) noexcept;
+  BallFit fit_from(const Frame& frame, double x_mm, double y_mm, const MayBeBall& may_be_ball) noexcept;
   bool read(const Frame& frame, Look& look, BallFit& out) noexcept;
   void leave_out_odd(const Look& look, BallFit& out) noexcept;
   int leave_out_unlike(const Look& look) noexcept;
