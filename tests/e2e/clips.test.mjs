@@ -265,6 +265,12 @@ describe('clips', () => {
     const { clips: all } = await becomes(clips, (now) => now.clips.some(({ name, problem }) => name === 'foreign.clip' && problem));
     assert.ok(!all.some(({ name }) => name === 'link.clip'));
     assert.equal((await ask('GET', '/clips/foreign.clip/frames')).status, 422);
+    const foreign = join(folder, 'foreign.clip');
+    for (const words of [['clip', 'info', foreign], ['clip', 'info', join(folder, 'none.clip')], ['clip', 'export', foreign, '--out', join(service.folder, 'out')], ['replay', foreign, '--compare']]) {
+      const run = spawnSync(CTL, words, { encoding: 'utf8' });
+      assert.deepEqual([run.status, run.stdout], [2, ''], words.join(' '));
+      assert.match(run.stderr, /^ssl-visionctl: .*\.clip: /);
+    }
     await service.patch({ op: 'replace', path: '/recording/last_seconds/memory_mb', value: 0 });
     await becomes(clips, ({ last_seconds }) => last_seconds.memory_bytes === 0);
     assert.match((await ask('POST', '/clips', {})).json.error, /memory_mb is 0/);
