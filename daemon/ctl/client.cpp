@@ -74,6 +74,7 @@ struct Client::Request {
   std::string body{};
   const char* type = "application/json";
   std::optional<std::uint64_t> if_revision{};
+  std::function<void(std::string_view)> take{};  // the body of an answer that is no refusal; null: returned
 };
 
 std::string Client::answer(const Request& request) const {
@@ -83,7 +84,7 @@ std::string Client::answer(const Request& request) const {
     if (one.if_revision) call.headers.emplace_back("If-Match", std::to_string(*one.if_revision));
     if (!sign_in_->cookie.empty()) call.headers.emplace_back("Cookie", sign_in_->cookie);
     try {
-      return http_exchange(address_, call);
+      return one.take ? http_exchange(address_, call, one.take) : http_exchange(address_, call);
     } catch (const ExchangeError& error) {
       throw ClientError(error.what());
     }
@@ -106,6 +107,12 @@ std::string Client::answer(const Request& request) const {
 
 std::string Client::get(const std::string& path) const {
   return answer({"GET", path});
+}
+
+void Client::get_pieces(const std::string& path, const std::function<void(std::string_view)>& take) const {
+  Request request{"GET", path};
+  request.take = take;
+  answer(request);
 }
 
 Json Client::get_json(const std::string& path) const {

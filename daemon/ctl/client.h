@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace sslv {
@@ -33,6 +34,8 @@ class Client {
 
   /// Body of GET `path`. Throws ClientError with the daemon's own words when it refuses.
   std::string get(const std::string& path) const;
+  /// Likewise, but the body goes to `take` piece by piece: for a file that is too large for memory.
+  void get_pieces(const std::string& path, const std::function<void(std::string_view)>& take) const;
   Json get_json(const std::string& path) const;
   /// Answers of the other methods; they throw likewise. `if_revision`: refused unless the settings are still
   /// at this revision; then the error says who changed what since.

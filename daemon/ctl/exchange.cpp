@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <limits>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/error.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -68,7 +71,8 @@ class Exchange {
         place_(place_of(address)),
         deadline_(Clock::now() + limits.whole) {}
 
-  HttpReply answer_to(const HttpCall& call) {
+  /// `take`: see http_exchange(); null: the body is always in the reply.
+  HttpReply answer_to(const HttpCall& call, const std::function<void(std::string_view)>& take) {
     error_code error;
     const auto endpoints = asio::ip::tcp::resolver(io_).resolve(place_.host, place_.port, error);
     if (error) refuse_silence(error);
@@ -90,21 +94,47 @@ class Exchange {
 
     http::response_parser<http::string_body> parser;
     parser.header_limit(static_cast<std::uint32_t>(limits_.header_bytes));
-    parser.body_limit(limits_.body_bytes);
+    parser.body_limit(take ? std::numeric_limits<std::uint64_t>::max() : limits_.body_bytes);
     beast::flat_buffer buffer;
     wait(limits_.header, [&](auto done) {
       http::async_read_header(stream_, buffer, parser, [done](error_code e, std::size_t) { done(e); });
     });
+    const auto cookie = parser.get()[http::field::set_cookie];
+    HttpReply reply{static_cast<int>(parser.get().result_int()), {}, {cookie.data(), cookie.size()}};
+    if (take && reply.status >= 200 && reply.status <= 299) {
+      http::response_parser<http::buffer_body> pieces(std::move(parser));
+      read_pieces(buffer, pieces, take);
+      return reply;
+    }
+    if (parser.content_length().value_or(0) > limits_.body_bytes) refuse(http::error::body_limit);
+    parser.body_limit(limits_.body_bytes);
     wait(limits_.whole, [&](auto done) {
       http::async_read(stream_, buffer, parser, [done](error_code e, std::size_t) { done(e); });
     });
-    auto& answer = parser.get();
-    const auto cookie = answer[http::field::set_cookie];
-    return {static_cast<int>(answer.result_int()), std::move(answer.body()), {cookie.data(), cookie.size()}};
+    reply.body = std::move(parser.get().body());
+    return reply;
   }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  void read_pieces(beast::flat_buffer& buffer, http::response_parser<http::buffer_body>& pieces,
+                   const std::function<void(std::string_view)>& take) {
+    std::vector<char> piece(std::size_t{256} * 1024);
+    buffer.reserve(piece.size());  // Beast reads as much at once as it has room for
+    while (!pieces.is_done()) {
+      auto& body = pieces.get().body();
+      body.data = piece.data();
+      body.size = piece.size();
+      deadline_ = Clock::now() + limits_.header;  // a large file takes as long as it takes
+      wait(limits_.header, [&](auto done) {
+        http::async_read(stream_, buffer, pieces, [done](error_code e, std::size_t) {
+          done(e == http::error::need_buffer ? error_code() : e);
+        });
+      });
+      take({piece.data(), piece.size() - body.size});
+    }
+  }
 
   /// Runs a step to its end. Throws ExchangeError.
   template <class Step>
@@ -135,7 +165,7 @@ class Exchange {
   const std::string address_;
   const ExchangeLimits limits_;
   const Place place_;
-  const Clock::time_point deadline_;
+  Clock::time_point deadline_;
   asio::io_context io_{1};
   beast::tcp_stream stream_{io_};
 };
@@ -143,7 +173,12 @@ class Exchange {
 }  // namespace
 
 HttpReply http_exchange(const std::string& address, const HttpCall& call, const ExchangeLimits& limits) {
-  return Exchange(address, limits).answer_to(call);
+  return Exchange(address, limits).answer_to(call, {});
+}
+
+HttpReply http_exchange(const std::string& address, const HttpCall& call,
+                        const std::function<void(std::string_view)>& take, const ExchangeLimits& limits) {
+  return Exchange(address, limits).answer_to(call, take);
 }
 
 }  // namespace sslv

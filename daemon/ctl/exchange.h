@@ -4,8 +4,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,5 +43,11 @@ struct ExchangeError : std::runtime_error {
 /// Sends a request over a connection of its own and reads the answer, which is not unpacked, and no other
 /// address is gone to. `address`: http://HOST or http://HOST:PORT. Throws ExchangeError.
 HttpReply http_exchange(const std::string& address, const HttpCall& call, const ExchangeLimits& limits = {});
+
+/// Likewise, but if the answer's status is 2xx its body goes to `take` piece by piece, as large as it is and
+/// for as long as pieces come, with at most `limits.header` between two of them. What `take` throws is passed
+/// on.
+HttpReply http_exchange(const std::string& address, const HttpCall& call,
+                        const std::function<void(std::string_view)>& take, const ExchangeLimits& limits = {});
 
 }  // namespace sslv

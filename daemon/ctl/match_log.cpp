@@ -166,6 +166,24 @@ PlayKey take_key(std::string& typed) {
   return PlayKey::kNone;
 }
 
+PlayKey KeyReader::next(double seconds) {
+  const auto is_begun = [this] { return typed_ == "\x1b" || typed_ == "\x1b["; };
+  if (typed_.empty() || is_begun()) {
+    if (is_begun()) seconds = std::clamp(came_s_ + patience_s_ - steady_s(), 0.0, seconds);
+    pollfd input{file_, POLLIN, 0};
+    const timespec wait{static_cast<time_t>(seconds), static_cast<long>(std::fmod(seconds, 1) * 1e9)};
+    if (::ppoll(&input, 1, &wait, nullptr) == 1) {
+      std::array<char, 64> some{};
+      const ssize_t count = ::read(file_, some.data(), some.size());
+      if (count <= 0) return PlayKey::kEnd;
+      typed_.append(some.data(), static_cast<std::size_t>(count));
+      came_s_ = steady_s();
+    }
+    if (is_begun() && steady_s() < came_s_ + patience_s_) return PlayKey::kNone;
+  }
+  return take_key(typed_);
+}
+
 namespace {
 
 /// What is typed comes at once, key by key, and is not shown. Nothing where standard input is no terminal.
@@ -190,26 +208,15 @@ class Keys {
 
   /// Waits for a key, at most so long.
   PlayKey next(double seconds) {
-    if (typed_.empty()) {
-      if (!is_there_) {
-        std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-        return PlayKey::kNone;
-      }
-      pollfd input{STDIN_FILENO, POLLIN, 0};
-      const timespec wait{static_cast<time_t>(seconds), static_cast<long>(std::fmod(seconds, 1) * 1e9)};
-      if (::ppoll(&input, 1, &wait, nullptr) != 1) return PlayKey::kNone;
-      std::array<char, 64> some{};
-      const ssize_t count = ::read(STDIN_FILENO, some.data(), some.size());
-      if (count <= 0) return PlayKey::kEnd;  // the terminal is gone
-      typed_.append(some.data(), static_cast<std::size_t>(count));
-    }
-    return take_key(typed_);
+    if (is_there_) return reader_.next(seconds);
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    return PlayKey::kNone;
   }
 
  private:
   termios before_{};
   bool is_there_;
-  std::string typed_;
+  KeyReader reader_{STDIN_FILENO};
 };
 
 /// False: it shall end.

@@ -59,4 +59,21 @@ enum class PlayKey {
 /// The key that a terminal sent first; takes it from `typed`.
 PlayKey take_key(std::string& typed);
 
+/// Keys as a terminal sends them. The bytes of one, an arrow's say, may come one after the other.
+class KeyReader {
+ public:
+  /// Reads from `file`, which stays open. `patience_s`: how long the rest of a key is waited for; without it,
+  /// what came is the key Escape, which does nothing.
+  explicit KeyReader(int file, double patience_s = 0.1) : file_(file), patience_s_(patience_s) {}
+
+  /// Waits for a key, at most so long. kEnd: the terminal is gone.
+  PlayKey next(double seconds);
+
+ private:
+  const int file_;
+  const double patience_s_;
+  std::string typed_;
+  double came_s_ = 0;  // the last of it, on the steady clock
+};
+
 }  // namespace sslv

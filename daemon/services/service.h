@@ -7,7 +7,9 @@
 #include "settings/commit.h"
 #include "web/route.h"
 
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,12 @@ struct SupportFile {
   std::function<std::string()> make;  // may throw: the bundle says that the file is missing, and why
 };
 
+/// A recording that is wanted in the support bundle. It is too large for memory.
+struct SupportRecording {
+  std::filesystem::path file;
+  std::string what;  // for the bundle's README
+};
+
 /// One capability that the panel offers: it owns its state and its lock, its routes and their JSON, its
 /// alerts, checks and metrics. It takes by reference what it needs of others, never the daemon, and runs from
 /// its constructor to its destructor. All members may be called from any thread; only daemon.cpp knows all
@@ -57,6 +65,8 @@ class Service {
   virtual void add_diagnostics(Json&) const {}
   virtual void write_metrics(MetricsText&) const {}
   virtual std::vector<SupportFile> support_files() const { return {}; }
+  /// A clip of this name; none: it is not this service's. Throws HttpError when it cannot be had now.
+  virtual std::optional<SupportRecording> support_clip(const std::string& /*name*/) const { return {}; }
 
   /// Called once a second by a thread of low priority, one service after the other: for what may wait.
   virtual void each_second() {}

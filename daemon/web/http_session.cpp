@@ -190,14 +190,17 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (answer_.file) sent_file_.emplace(context_.sent_files);
     if (!answer_.stream) seat_.sends();
     stream_.expires_after(kAnswerTimeout);
-    asio::async_write(stream_, asio::buffer(answer_.bytes),
-                      [self = shared_from_this()](beast::error_code error, std::size_t) {
-                        if (error) return;
-                        self->answer_.bytes = {};
-                        if (self->answer_.stream) return self->stream();
-                        if (self->answer_.file) return self->send_file(0);
-                        self->answer_.keep_alive ? self->wait() : self->finish();
-                      });
+    // What stands before a file goes with the head.
+    const std::string_view before = answer_.file ? std::string_view(answer_.file->before) : "";
+    const std::array<asio::const_buffer, 2> head{asio::buffer(answer_.bytes), asio::buffer(before)};
+    asio::async_write(stream_, head, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error) return;
+      self->answer_.bytes = {};
+      if (self->answer_.file) self->answer_.file->before = {};
+      if (self->answer_.stream) return self->stream();
+      if (self->answer_.file) return self->send_file(0);
+      self->answer_.keep_alive ? self->wait() : self->finish();
+    });
   }
 
   void stream() {
@@ -209,11 +212,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   /// Piece by piece: a worker reads it, and none waits for the client. One that gets fewer bytes than the
   /// head said knows that it has not got all.
   void send_file(std::uint64_t offset) {
-    if (offset >= answer_.file->bytes) {
-      answer_.file.reset();
-      sent_file_.reset();
-      return finish();
-    }
+    if (offset >= answer_.file->bytes) return send_after_file();
     asio::post(context_.workers, [self = shared_from_this(), offset] {
       const std::uint64_t size = std::min<std::uint64_t>(kPieceBytes, self->answer_.file->bytes - offset);
       self->piece_.resize(size);
@@ -224,6 +223,16 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         self->send_piece(offset, static_cast<std::size_t>(count));
       });
     });
+  }
+
+  void send_after_file() {
+    stream_.expires_after(kAnswerTimeout);
+    asio::async_write(stream_, asio::buffer(answer_.file->after),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        self->answer_.file.reset();
+                        self->sent_file_.reset();
+                        if (!error) self->finish();
+                      });
   }
 
   void send_piece(std::uint64_t offset, std::size_t size) {

@@ -43,23 +43,32 @@ Response bytes_response(std::span<const std::uint8_t> bytes, const char* type) {
   return {200, type, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}};
 }
 
-Response file_response(const std::filesystem::path& file, const char* type, const std::string& name) {
+SentFile open_file(const std::filesystem::path& file, const std::string& name) {
   const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
   struct stat facts {};
   if (opened < 0 || ::fstat(opened, &facts) != 0 || !S_ISREG(facts.st_mode)) {
     if (opened >= 0) ::close(opened);
     throw HttpError(404, fmt::format("{}: cannot be read", name));
   }
+  return {std::shared_ptr<const int>(new int(opened),
+                                     [](const int* descriptor) {
+                                       ::close(*descriptor);
+                                       delete descriptor;
+                                     }),
+          static_cast<std::uint64_t>(facts.st_size)};
+}
+
+Response file_response(SentFile file, const char* type, const std::string& name) {
+  const std::uint64_t bytes = file.before.size() + file.bytes + file.after.size();
   Response response{200, type, ""};
   response.headers.emplace_back("Content-Disposition", fmt::format("attachment; filename=\"{}\"", name));
-  response.headers.emplace_back("Content-Length", std::to_string(facts.st_size));
-  response.file = SentFile{std::shared_ptr<const int>(new int(opened),
-                                                      [](const int* descriptor) {
-                                                        ::close(*descriptor);
-                                                        delete descriptor;
-                                                      }),
-                           static_cast<std::uint64_t>(facts.st_size)};
+  response.headers.emplace_back("Content-Length", std::to_string(bytes));
+  response.file = std::move(file);
   return response;
+}
+
+Response file_response(const std::filesystem::path& file, const char* type, const std::string& name) {
+  return file_response(open_file(file, name), type, name);
 }
 
 int read_whole_number(std::string_view name, std::string_view text, int min, int max) {

@@ -38,6 +38,7 @@ struct Request {
 struct SentFile {
   std::shared_ptr<const int> descriptor;  // closes it
   std::uint64_t bytes = 0;
+  std::string before{}, after{};  // sent around it
 };
 
 struct Response {
@@ -105,8 +106,11 @@ Response json_response(const Json& json, int status = 200);
 Response text_response(std::string text, int status = 200);
 Response bytes_response(std::span<const std::uint8_t> bytes, const char* type = "application/octet-stream");
 
+/// Throws HttpError 404 with `name` when it is not there.
+SentFile open_file(const std::filesystem::path& file, const std::string& name);
 /// A file to be saved under this name, of a route that streams. It is sent piece by piece, as fast as the
-/// client takes it. Throws HttpError 404 when it is not there.
+/// client takes it.
+Response file_response(SentFile file, const char* type, const std::string& name);
 Response file_response(const std::filesystem::path& file, const char* type, const std::string& name);
 
 // ---- for handlers: what clients send

@@ -2,6 +2,7 @@
 #include "web/tar_file.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -11,37 +12,84 @@
 
 namespace sslv {
 
+namespace {
+
+/// Appends to `bytes`.
+class TarWriter {
+ public:
+  TarWriter(std::string& bytes, std::time_t modified) : bytes_(bytes), modified_(modified) {
+    if (!out_ || !header_) throw std::bad_alloc();
+  }
+
+  archive* get() { return out_.get(); }
+
+  void check(la_ssize_t result) {
+    if (result < ARCHIVE_OK) throw std::runtime_error(archive_error_string(out_.get()));
+  }
+  void open() {
+    check(archive_write_open(
+        out_.get(), &bytes_, nullptr,
+        [](archive*, void* to, const void* from, std::size_t size) {
+          static_cast<std::string*>(to)->append(static_cast<const char*>(from), size);
+          return static_cast<la_ssize_t>(size);
+        },
+        nullptr));
+  }
+  void begin(const std::string& name, std::uint64_t size) {
+    archive_entry_clear(header_.get());
+    archive_entry_set_pathname(header_.get(), name.c_str());
+    archive_entry_set_size(header_.get(), static_cast<la_int64_t>(size));
+    archive_entry_set_filetype(header_.get(), AE_IFREG);
+    archive_entry_set_perm(header_.get(), 0644);
+    archive_entry_set_mtime(header_.get(), modified_, 0);
+    check(archive_write_header(out_.get(), header_.get()));
+  }
+  void add(const std::vector<TarEntry>& entries) {
+    for (const TarEntry& entry : entries) {
+      begin(entry.name, entry.content.size());
+      check(archive_write_data(out_.get(), entry.content.data(), entry.content.size()));
+    }
+  }
+  void close() { check(archive_write_close(out_.get())); }
+  /// What was begun is not written to its end.
+  void leave() { archive_write_fail(out_.get()); }
+
+ private:
+  std::string& bytes_;
+  const std::time_t modified_;
+  const std::unique_ptr<archive, decltype(&archive_write_free)> out_{archive_write_new(), archive_write_free};
+  const std::unique_ptr<archive_entry, decltype(&archive_entry_free)> header_{archive_entry_new(),
+                                                                              archive_entry_free};
+};
+
+}  // namespace
+
 std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified) {
   std::string bytes;
-  const std::unique_ptr<archive, decltype(&archive_write_free)> out(archive_write_new(), archive_write_free);
-  const std::unique_ptr<archive_entry, decltype(&archive_entry_free)> header(archive_entry_new(),
-                                                                             archive_entry_free);
-  if (!out || !header) throw std::bad_alloc();
-  const auto check = [&](la_ssize_t result) {
-    if (result < ARCHIVE_OK) throw std::runtime_error(archive_error_string(out.get()));
-  };
-  check(archive_write_add_filter_gzip(out.get()));
-  check(archive_write_set_format_ustar(out.get()));
-  check(archive_write_set_bytes_in_last_block(out.get(), 1));  // no zeros behind the gzip's end
-  check(archive_write_open(
-      out.get(), &bytes, nullptr,
-      [](archive*, void* to, const void* from, std::size_t size) {
-        static_cast<std::string*>(to)->append(static_cast<const char*>(from), size);
-        return static_cast<la_ssize_t>(size);
-      },
-      nullptr));
-  for (const TarEntry& entry : entries) {
-    archive_entry_clear(header.get());
-    archive_entry_set_pathname(header.get(), entry.name.c_str());
-    archive_entry_set_size(header.get(), static_cast<la_int64_t>(entry.content.size()));
-    archive_entry_set_filetype(header.get(), AE_IFREG);
-    archive_entry_set_perm(header.get(), 0644);
-    archive_entry_set_mtime(header.get(), modified, 0);
-    check(archive_write_header(out.get(), header.get()));
-    check(archive_write_data(out.get(), entry.content.data(), entry.content.size()));
-  }
-  check(archive_write_close(out.get()));
+  TarWriter out(bytes, modified);
+  out.check(archive_write_add_filter_gzip(out.get()));
+  out.check(archive_write_set_format_ustar(out.get()));
+  out.check(archive_write_set_bytes_in_last_block(out.get(), 1));  // no zeros behind the gzip's end
+  out.open();
+  out.add(entries);
+  out.close();
   return bytes;
+}
+
+TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& name, std::uint64_t size,
+                     std::time_t modified) {
+  constexpr std::size_t kRecord = 512;
+  TarAround around;
+  TarWriter out(around.before, modified);
+  // As ustar, but for what that cannot say: names above 100 bytes, files above 8 GiB.
+  out.check(archive_write_set_format_pax_restricted(out.get()));
+  out.check(archive_write_set_bytes_per_block(out.get(), 0));  // all is in `before` at once
+  out.open();
+  out.add(entries);
+  out.begin(name, size);
+  out.leave();
+  around.after.assign((kRecord - size % kRecord) % kRecord + 2 * kRecord, '\0');
+  return around;
 }
 
 namespace {

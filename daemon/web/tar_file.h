@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <ctime>
 #include <string>
 #include <string_view>
@@ -16,6 +17,15 @@ struct TarEntry {
 
 /// The bytes of a .tar.gz with these files.
 std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified);
+
+/// What stands in a .tar around the bytes of its last file.
+struct TarAround {
+  std::string before, after;
+};
+
+/// Of a .tar with these files and a last one of so many bytes, which is too large to be held in memory.
+TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& name, std::uint64_t size,
+                     std::time_t modified);
 
 /// The files of a .tar.gz, in its order. Throws std::runtime_error with the reason where it is none, or not
 /// all of one, holds anything but files, or more than `max_bytes` of them: it stops there.

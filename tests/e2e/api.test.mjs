@@ -515,6 +515,7 @@ describe('the interface as docs/openapi.json says', () => {
       assert.equal(read(`camera_${id}/picture.jpg`).readUInt16BE(0), 0xffd8);
       assert.deepEqual(read(`camera_${id}/colors.lut`), await ask('get', '/api/cameras/{camera}/colors/table', { parameters: { camera: id } }));
     }
+    await ask('get', '/api/support', { query: '?clip=none.clip', expect: 404 });
     // It names each of its files, and no other.
     const packed = execFileSync('tar', ['-tzf', bundle]).toString().trim().split('\n').map((name) => name.slice(name.indexOf('/') + 1));
     const named = [...read('README.txt').toString().matchAll(/^([\w/]+\.\w+): /gm)].map(([, name]) => name);

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { existsSync, mkdirSync, readdirSync, symlinkSync, truncateSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readdirSync, rmSync, symlinkSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import { readClip } from './clip_reader.mjs';
@@ -22,6 +22,7 @@ service.settings.cameras = [0, 1].map((id) => ({ ...structuredClone(first), id, 
 service.settings.panel.match_lock = false; // the settings change while a goal is shot
 service.settings.recording = { last_seconds: { memory_mb: 400 }, clips: { seconds: 3, seconds_after: 0.5 } };
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
+const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').slice(0, -1), ...words], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
 const folder = join(service.stateFolder, 'recordings');
 
 const ask = async (method, path, body) => {
@@ -209,7 +210,50 @@ describe('clips', () => {
     await ask('PATCH', `/clips/${kept.name}`, { pinned: false });
   });
 
+  it('come with a support bundle when somebody wants that', async () => {
+    await reaches(1);
+    const made = await clipWith({ seconds: 1 }, 'support');
+    const answer = await fetch(service.address(`api/support?clip=${made.name}`));
+    assert.equal(answer.status, 200);
+    assert.equal(answer.headers.get('content-type'), 'application/x-tar');
+    assert.match(answer.headers.get('content-disposition'), /^attachment; filename="ssl-visiond-.+\.tar"$/);
+    const bytes = Buffer.from(await answer.arrayBuffer());
+    assert.equal(bytes.length, Number(answer.headers.get('content-length')));
+    const sent = join(service.folder, 'sent.tar'), saved = join(service.folder, 'saved.tar');
+    writeFileSync(sent, bytes);
+    ctl('support-bundle', '--clip', made.name, saved);
+    const clip = await (await fetch(service.address(`api/recordings/clips/${made.name}`))).arrayBuffer();
+    for (const bundle of [sent, saved]) {
+      const files = execFileSync('tar', ['-tf', bundle], { encoding: 'utf8' }).trim().split('\n');
+      assert.ok(files.at(-1).endsWith(`/${made.name}`), files.join());
+      assert.ok(files.some((file) => file.endsWith('/status.json')));
+      const unpacked = (file) => execFileSync('tar', ['-xOf', bundle, file], { maxBuffer: 1e9 });
+      assert.deepEqual(unpacked(files.at(-1)), Buffer.from(clip));
+      const [, what] = new RegExp(`^${made.name}: (.+)$`, 'm').exec(unpacked(files[0]).toString());
+      assert.match(what, /^the cameras' images .* It shows the people on and around the field: hand it on only if they agree$/);
+    }
+
+    const refused = async (name) => {
+      const { status } = await fetch(service.address(`api/support?clip=${name}`));
+      const run = spawnSync(CTL, ['--daemon', service.address('').slice(0, -1), 'support-bundle', '--clip', decodeURIComponent(name), join(service.folder, 'refused.tar')], { encoding: 'utf8' });
+      assert.ok(run.status !== 0 && !existsSync(join(service.folder, 'refused.tar')), name);
+      return [status, run.stderr];
+    };
+    writeFileSync(join(service.stateFolder, 'secret.clip'), 'a secret');
+    writeFileSync(join(folder, '2000-01-01_no_clip.log'), 'a log');
+    for (const name of ['none.clip', '..%2Fsecret.clip', '%2E%2E%2F..%2Fadmin.json', '%2Fetc%2Fpasswd', '.clip', '2000-01-01_no_clip.log', `${made.name}.pinned`])
+      assert.deepEqual(await refused(name), [404, 'ssl-visionctl: clip: there is no such clip\n'], name);
+    assert.equal((await fetch(service.address('api/support?clip='))).status, 404);
+    assert.equal((await ask('POST', '/clips', { seconds: 0.5, seconds_after: 60, name: 'busy' })).status, 202);
+    const { clip: busy } = await becomes(clips, (now) => now.clip.name.endsWith('_busy.clip'));
+    assert.equal((await refused(busy.name))[0], 409);
+    await service.stop();
+    rmSync(join(folder, busy.name), { force: true });
+    await service.start();
+  });
+
   it('are refused by name when they make no sense', async () => {
+    await reaches(0.5);
     for (const [body, why] of [[{ seconds: 0 }, /^\/seconds: expected a number of seconds, 0\.5 to 600$/], [{ name: '../x' }, /^\/name: expected/], [{ second: 1 }, /^\/second: is not known here/], [[], /expected an object/]]) {
       const answer = await ask('POST', '/clips', body);
       assert.equal(answer.status, 400);
@@ -221,6 +265,12 @@ describe('clips', () => {
     const { clips: all } = await becomes(clips, (now) => now.clips.some(({ name, problem }) => name === 'foreign.clip' && problem));
     assert.ok(!all.some(({ name }) => name === 'link.clip'));
     assert.equal((await ask('GET', '/clips/foreign.clip/frames')).status, 422);
+    const foreign = join(folder, 'foreign.clip');
+    for (const words of [['clip', 'info', foreign], ['clip', 'info', join(folder, 'none.clip')], ['clip', 'export', foreign, '--out', join(service.folder, 'out')], ['replay', foreign, '--compare']]) {
+      const run = spawnSync(CTL, words, { encoding: 'utf8' });
+      assert.deepEqual([run.status, run.stdout], [2, ''], words.join(' '));
+      assert.match(run.stderr, /^ssl-visionctl: .*\.clip: /);
+    }
     await service.patch({ op: 'replace', path: '/recording/last_seconds/memory_mb', value: 0 });
     await becomes(clips, ({ last_seconds }) => last_seconds.memory_bytes === 0);
     assert.match((await ask('POST', '/clips', {})).json.error, /memory_mb is 0/);

@@ -16,6 +16,7 @@ import { detectionOf } from './protobuf.mjs';
 import { becomes, DAEMON, freeUdpPort, root } from './service.mjs';
 
 export const CLOCK = join(DAEMON, '../../lib/shifted_clock.so');
+export const HUNG_DISK = join(DAEMON, '../../lib/hung_disk.so');
 const FACTOR = Number(process.env.SSLV_FAULT_TRIES ?? 1);
 export const tries = (few, many) => Math.max(1, Math.min(many, Math.round(few * FACTOR)));
 

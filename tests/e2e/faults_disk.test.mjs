@@ -4,13 +4,15 @@
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { chmodSync, existsSync, readFileSync, readdirSync, statSync, writeFileSync } from 'node:fs';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
+import { chmodSync, existsSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { openViewer } from '../figures/viewer.mjs';
-import { cannotUnshare, FaultyService, report, smallCamera, tries } from './faults.mjs';
-import { becomes } from './service.mjs';
+import { cannotUnshare, FaultyService, HUNG_DISK, report, smallCamera, tries } from './faults.mjs';
+import { becomes, freeUdpPort } from './service.mjs';
 
 const services = [];
 async function create(...options) {
@@ -380,5 +382,55 @@ describe('many changes', () => {
     await service.stop();
     report(`settings changed under load (2 cameras at 60/s, 3 viewers; ${packets.frames.length} frames, ${drops} not taken in time; RSS ${(before_kB / 1024).toFixed(0)} then ${(after_kB / 1024).toFixed(0)} MiB)`, count, lost, times);
     assert.equal(lost, 0, 'no number of a frame is missing');
+  });
+});
+
+describe('a disk that hangs', { skip: existsSync(HUNG_DISK) ? false : `${HUNG_DISK} is not built` }, () => {
+  it('costs messages of the match log, which is told, and no image', async () => {
+    const service = await create();
+    const hung = join(service.folder, 'hung');
+    Object.assign(service.environment, {
+      LD_PRELOAD: HUNG_DISK, SSLV_HUNG_FOLDER: join(service.state, 'recordings'), SSLV_HUNG_WHILE: hung, ASAN_OPTIONS: 'verify_asan_link_order=0',
+    });
+    const [group, port] = ['239.255.78.99', await freeUdpPort()];
+    service.settings.network.tracker = { enabled: false, group, port };
+    service.writeSettings();
+    await service.start();
+    const packets = await service.listen();
+    const { json: { match_log: { name } } } = await service.ask('POST', 'api/recordings/match-log', { record: true, name: 'hung' });
+    await becomes(() => service.get('api/recordings'), ({ match_log }) => match_log.messages.vision > 3);
+    assert.ok(!(await service.alerts()).includes('recording_lost'));
+    writeFileSync(hung, '');
+    await becomes(() => existsSync(`${hung}.reached`), (reached) => reached);
+
+    // A tracker says more than finds room until the disk is back.
+    const sender = createSocket('udp4').bind(0, '127.0.0.1');
+    await once(sender, 'listening');
+    sender.setMulticastInterface('127.0.0.1');
+    const nonsense = Buffer.alloc(50_000, 0xff);
+    const lost = async () => {
+      for (let i = 0; i < 40; i++) await new Promise((sent) => { sender.send(nonsense, port, group, sent); });
+      return (await service.status()).alerts.find(({ id }) => id === 'recording_lost');
+    };
+    const alert = await becomes(lost, (found) => found !== undefined);
+    sender.close();
+    assert.match(alert.title, /^The match log lacks \d+ messages: the disk was too slow, or too much was sent$/);
+    assert.deepEqual([alert.severity, alert.page], ['warn', '#/recordings']);
+    await packets.more(0, 10); // all goes on meanwhile
+
+    rmSync(hung);
+    const { match_log: now } = await service.get('api/recordings');
+    assert.equal(now.state, 'recording', now.error);
+    assert.ok(now.lost > 0);
+    // What comes then is recorded.
+    await becomes(() => service.get('api/recordings'), ({ match_log }) => match_log.messages.vision > now.messages.vision + 5);
+    await service.good('POST', 'api/recordings/match-log', { record: false });
+    await service.alertGoes('recording_lost');
+    const log = await becomes(async () => (await service.get('api/recordings')).logs.find((one) => one.name === name), (one) => one.seconds !== null);
+    assert.equal(log.problem, '');
+    assert.ok(log.messages.vision > now.messages.vision);
+    assert.equal(packets.lost(0), 0);
+    packets.close();
+    await service.stop();
   });
 });

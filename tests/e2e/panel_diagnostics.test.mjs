@@ -347,6 +347,31 @@ describe('panel: Diagnostics', () => {
     await page.waitForSelector(`${byId('support')}:enabled`);
   }));
 
+  it('saves a support bundle with a clip, and says whom that shows', withPage(DESKTOP, PATH, {}, async (page, panel) => {
+    assert.equal(await page.locator(byId('support-clip')).count(), 0, 'there is none to choose');
+    await becomes(() => ask('recordings/clips'), ({ last_seconds }) => last_seconds.cameras.length > 0 && last_seconds.cameras.every(({ seconds }) => seconds >= 0.5));
+    const kept = await fetch(address('api/recordings/clips'), { method: 'POST', body: JSON.stringify({ seconds: 0.5, name: 'for a report' }) });
+    assert.equal(kept.status, 202);
+    const { clips: [{ name }] } = await becomes(() => ask('recordings/clips'), ({ clips }) => clips.some(({ begin_s }) => begin_s !== null));
+    await page.reload();
+    const choice = page.locator(`${byId('support-clip')} select`);
+    assert.match(await choice.locator('option').nth(1).textContent(), /^\d{4}-\d\d-\d\d \d\d:\d\d for a report \(\d.* MB\)$/);
+    assert.equal(await page.locator(byId('support-people')).count(), 0);
+    await choice.selectOption(name);
+    assert.match(await text(page, 'support-people'), /shows the people/);
+    await accessible(page, 'a support bundle with a clip');
+    if (process.env.SSLV_SHOTS) await page.locator(byId('support-clip')).screenshot({ path: `${process.env.SSLV_SHOTS}/support-clip.png` });
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click(byId('support'))]);
+    assert.match(download.suggestedFilename(), /^ssl-visiond-.*\.tar$/);
+    const files = execFileSync('tar', ['tf', await download.path()], { encoding: 'utf8' }).trim().split('\n');
+    assert.ok(files.at(-1).endsWith(`/${name}`), files.join());
+    assert.equal((await fetch(address(`api/recordings/clips/${name}`), { method: 'DELETE' })).status, 200);
+    panel.errorsExpected = true; // the browser's own line of what was refused
+    await page.click(byId('support'));
+    await page.waitForSelector('[role="alert"]:has-text("there is no such clip")');
+    await page.waitForSelector(byId('support-clip'), { state: 'detached' });
+  }));
+
   for (const { name, viewport, options } of views) {
     itLong(`is accessible on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await drawn(page);

@@ -9,7 +9,7 @@ import { becomes, createService } from './service.mjs';
 
 const service = await createService('239.255.77.106');
 const { address } = service;
-const { aroundTests, withPage } = createBrowser(service);
+const { aroundTests, screenshots, withPage } = createBrowser(service);
 service.settings.recording = { match_logs: 'by_hand', last_seconds: { memory_mb: 256 } };
 
 const ask = async (path, init) => (await fetch(address(`api/${path}`), init)).json();
@@ -304,4 +304,17 @@ describe('the player', () => {
       await ask(`recordings/logs/${encodeURIComponent(log.name)}`, { method: 'DELETE' });
     }
   }));
+
+  screenshots([{
+    file: 'player-dark.jpg', theme: 'dark', path: '#/recordings', viewport: DESKTOP, options: {},
+    ready: async (page) => {
+      const name = await makeClip('kick-off', 1.5);
+      const { cameras: [first] } = await openClip(page, name);
+      await becomes(() => page.locator(byId('timeline')).count(), (count) => count === 1);
+      const place = first.places[Math.floor(first.places.length / 3)];
+      await page.keyboard.press('Home');
+      for (let i = 0; i < Math.floor(first.places.length / 3); i++) await page.keyboard.press('ArrowRight');
+      await placeBecomes(page, place);
+    },
+  }]);
 });

@@ -25,11 +25,11 @@ service.settings.network.referee = { enabled: true, group: GROUP, port, interfac
 service.settings.recording.match_logs = 'by_hand';
 let referee, timer;
 /** Until something else is said. Without a command the game controller is silent. */
-function refereeSays(command, yellowGoals = 0) {
+function refereeSays(command, yellowGoals = 0, yellow = 'RoboTeam Twente') {
   clearInterval(timer);
   if (command === undefined) return;
   const score = [0x3a, 2, 0x10, yellowGoals]; // joins what is said of the yellow team
-  const said = Buffer.concat([gameController({ yellow: ['RoboTeam Twente'], blue: ['TIGERs Mannheim'], stage: FIRST_HALF, command }), Buffer.from(score)]);
+  const said = Buffer.concat([gameController({ yellow: [yellow], blue: ['TIGERs Mannheim'], stage: FIRST_HALF, command }), Buffer.from(score)]);
   timer = setInterval(() => referee.send(said, port, GROUP), 100);
 }
 
@@ -153,9 +153,14 @@ describe('recordings', () => {
       await stateBecomes(page, 'recording');
       await press(page, byId('stop'));
       await press(page, byId('stop-now'));
+      await stateBecomes(page, 'left_out');
+      await textBecomes(page, 'match-log-now', /^This match is not recorded: 127\.0\.0\.1 stopped its log$/);
+      assert.deepEqual(await layoutFaults(page, { isTouch: options.isMobile ?? false }), []);
       await becomes(recordings, ({ logs }) => logs.find((one) => one.name === name)?.goals === 1);
-      refereeSays(HALT, 1); // or the settings stay locked
+      // Another match: the next view's is recorded again, and the settings are not locked.
+      refereeSays(HALT, 0, 'RoboIME');
       await service.statusBecomes(({ referee: heard }) => !heard.game_is_running);
+      await stateBecomes(page, 'waiting');
       refereeSays();
 
       await press(page, `${row(name)} a >> nth=0`);

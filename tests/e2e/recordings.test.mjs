@@ -177,10 +177,22 @@ describe('match logs', () => {
     await becomes(() => fetch(service.address('api/status')).then((answer) => answer.json()), ({ referee }) => referee.silent_s < 0.3);
     said = { ...TEAMS, stage: 2, command: 0 };
     await service.statusBecomes(({ referee }) => referee.match.stage === 'half_time');
-    assert.equal((await state()).state, 'waiting');
+    const left = await state();
+    assert.deepEqual([left.state, left.error], ['left_out', '127.0.0.1 stopped its log']);
+    assert.match(ctl('match-log', 'list'), /^match log: left_out: 127\.0\.0\.1 stopped its log$/m);
     assert.equal((await logs()).length, count);
+    const isTold = (isThere) => service.statusBecomes(({ alerts }) => alerts.some(({ id }) => id === 'recording_stopped') === isThere);
+    const { alerts, checks } = await isTold(true);
+    assert.equal(alerts.find(({ id }) => id === 'recording_stopped').title, 'This match is not recorded: 127.0.0.1 stopped its log');
+    assert.deepEqual(checks.filter(({ id }) => id === 'recording').map(({ state: how, text }) => [how, text]), [['warn', 'This match is not recorded: 127.0.0.1 stopped its log']]);
+    // The rest of it, by hand.
+    await ask('POST', '/match-log', { record: true });
+    await isTold(false);
+    await ask('POST', '/match-log', { record: false });
+    await isTold(true);
     said = { ...TEAMS, yellow: ['Another team'], stage: 1, command: START };
     await isNow('recording');
+    await isTold(false);
   });
 
   it('are pinned and deleted', async () => {

@@ -5,7 +5,7 @@
 import { mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { chooseTheme, createBrowser, live, launch, phone } from '../e2e/browser.mjs';
-import { root } from '../e2e/service.mjs';
+import { becomes, root } from '../e2e/service.mjs';
 import { goTo, nameOfSize, pageNames, serviceWith, settled, sizes } from '../e2e/walk.mjs';
 
 const MOST_BYTES = 200_000;
@@ -19,12 +19,29 @@ const besides = [
   { path: 'colours', press: 'show-light' }, { path: 'colours', press: 'show-margins' },
   { path: 'settings/~profiles' }, { path: 'settings/~history' }, { path: 'settings/cameras' }, { path: 'settings/cameras/0' },
   { path: 'settings/cameras/0/stack' }, { path: 'settings/cameras/0/stages/detect_robots' }, { path: 'field/network' }, { path: 'field/packets' },
+  { path: 'recordings', cameras: 1 }, { path: 'recordings/clips' }, { path: 'recordings/clips', cameras: 1 },
 ];
 const wanted = process.argv.slice(2);
 const views = [...pageNames().map((path) => ({ path })), ...besides]
   .map((view) => ({ cameras: CAMERAS, ...view }))
   .map((view) => ({ ...view, name: [view.path.replace(/\W+/g, '-'), view.press, view.cameras === CAMERAS ? '' : `${view.cameras}-cameras`].filter(Boolean).join('-') }));
 const all = views.filter(({ name }) => !wanted.length || wanted.some((start) => name.startsWith(start)));
+
+/** A log and a clip that the pages of recordings show. The clip's name. */
+async function record(service) {
+  const ask = async (path, body) => (await fetch(service.address(`api/recordings${path}`), body && { method: 'POST', body: JSON.stringify(body) })).json();
+  await ask('/match-log', { record: true, name: 'warm-up' });
+  await becomes(() => ask('/clips'), ({ last_seconds: { cameras } }) => cameras.length > 0 && cameras.every(({ seconds }) => seconds > 5));
+  await ask('/clips', { seconds: 5, name: 'a robot is lost' });
+  const { clips: [{ name }] } = await becomes(() => ask('/clips'), ({ clip, clips: [first] }) => clip.state === 'idle' && first?.begin_s);
+  await ask('/match-log', { record: false });
+  await becomes(() => ask(''), ({ logs: [log] }) => log.seconds !== null);
+  return name;
+}
+async function showClip(page, name) {
+  await goTo(page, `recordings/clips/${encodeURIComponent(name)}`);
+  await page.waitForSelector('[data-testid="played-picture"][data-place]');
+}
 
 /** One image of several: each at the same scale, with its size below. JPEG, as small as it must be. */
 async function sheet(browser, shots) {
@@ -52,6 +69,7 @@ for (const count of [...new Set(all.map(({ cameras }) => cameras))]) {
   await open();
   try {
     await service.statusBecomes(({ cameras }) => cameras.every(({ state }) => state === 'running'));
+    const clip = all.some(({ cameras, path }) => cameras === count && path.startsWith('recordings')) ? await record(service) : '';
     for (const [n, size] of sizes.entries()) {
       const { width, height, isPhone } = size;
       const { page } = await openPage({ width, height }, isPhone ? phone : {});
@@ -60,7 +78,8 @@ for (const count of [...new Set(all.map(({ cameras }) => cameras))]) {
       await chooseTheme(page, n % 2 ? 'light' : 'dark');
       for (const view of all.filter(({ cameras }) => cameras === count)) {
         await goTo(page, '');
-        await goTo(page, view.path);
+        if (view.path === 'recordings/clips') await showClip(page, clip);
+        else await goTo(page, view.path);
         if (view.press) await page.click(`[data-testid="${view.press}"]`);
         await page.evaluate(() => scrollTo(0, 0));
         await settled(page);

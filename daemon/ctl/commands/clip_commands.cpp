@@ -74,15 +74,15 @@ constexpr int kTrouble = 2;
 /// What `act` returns. What is wrong with the clip is said with its name; `settings_file`: whose messages
 /// have theirs.
 template <class Act>
-int with_clip(const ClipChoice& choice, const std::string& settings_file, const Act& act) {
-  const std::string name = choice.clip.string();
+int with_clip(const std::filesystem::path& file, const std::string& settings_file, const Act& act) {
+  const std::string name = file.string();
   const auto named = [&](const std::string& what) {
     const bool has_name =
         what.starts_with(name) || (!settings_file.empty() && what.starts_with(settings_file));
     return has_name ? what : name + ": " + what;
   };
   try {
-    ClipReader clip(choice.clip);
+    ClipReader clip(file);
     return act(clip);
   } catch (const SettingsError& error) {
     throw SettingsError(named(error.what()));
@@ -128,7 +128,7 @@ void add_replay(CommandLine& line) {
   add_json_flag(command, o->as_json);
   line.on(command, [o] {
     add_stage_libraries(o->stage_folders, MissingStages::kRefused);
-    return with_clip(o->choice, o->settings_file, [&](ClipReader& clip) {
+    return with_clip(o->choice.clip, o->settings_file, [&](ClipReader& clip) {
       ReplayCommand replay{
           .camera_id = o->choice.camera_or_all(), .span = o->choice.span(), .limits = o->limits};
       replay.compares = o->compares;
@@ -214,8 +214,10 @@ void add_clip(CommandLine& line) {
   info->add_option("clip", o->clip, "the clip")->required();
   add_json_flag(info, o->as_json);
   line.on(info, [o] {
-    print_answer(clip_info_json(o->clip, ClipReader(o->clip)), o->as_json, clip_info_text);
-    return EXIT_SUCCESS;
+    return with_clip(o->clip, {}, [&](const ClipReader& clip) {
+      print_answer(clip_info_json(o->clip, clip), o->as_json, clip_info_text);
+      return EXIT_SUCCESS;
+    });
   });
 
   auto* write =
@@ -234,7 +236,7 @@ void add_clip(CommandLine& line) {
   add_stages_options(write, o->stage_folders);
   line.on(write, [o] {
     add_stage_libraries(o->stage_folders, MissingStages::kRefused);
-    return with_clip(o->choice, {}, [&](ClipReader& clip) {
+    return with_clip(o->choice.clip, {}, [&](ClipReader& clip) {
       o->to.camera_id = o->choice.camera_or_all();
       o->to.span = o->choice.span();
       std::cout << exported_text(export_clip(clip, o->to));

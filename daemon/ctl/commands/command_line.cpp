@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -70,11 +72,24 @@ Output::Output(const std::string& file) : name_(file == "-" ? "standard output" 
 }
 
 void write_bytes(const std::string& file, const std::string& bytes) {
+  write_pieces(file, [&](const TakePiece& take) { take(bytes); });
+}
+
+void write_pieces(const std::string& file, const std::function<void(const TakePiece& take)>& send) {
   if (file == "-" && isatty(STDOUT_FILENO) != 0)
     throw StorageError("a terminal cannot show this: name a file, or send standard output to one");
-  Output output(file);
-  output.stream() << bytes;
-  output.finish();
+  std::optional<Output> output;  // not before something comes: a refusal leaves what is there
+  try {
+    send([&](std::string_view piece) {
+      if (!output) output.emplace(file);
+      if (!output->stream().write(piece.data(), static_cast<std::streamsize>(piece.size()))) output->finish();
+    });
+    if (output) output->finish();
+  } catch (...) {
+    std::error_code ignored;
+    if (output && std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+    throw;
+  }
 }
 
 std::ostream& Output::stream() {

@@ -10,6 +10,7 @@
 #include <iosfwd>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -43,6 +44,11 @@ void print_answer(const Json& answer, bool as_json, std::string (*text)(const Js
 /// Writes what a daemon sent to a file, or to standard output for "-", but not to a terminal, which might
 /// obey it. Throws StorageError.
 void write_bytes(const std::string& file, const std::string& bytes);
+
+/// Likewise, of a file that is too large for memory: `send` gives its pieces. When it throws, nothing of the
+/// file stays.
+using TakePiece = std::function<void(std::string_view piece)>;
+void write_pieces(const std::string& file, const std::function<void(const TakePiece& take)>& send);
 
 /// A file to write, or standard output for "-". Throws StorageError.
 class Output {

@@ -211,14 +211,26 @@ void add_log(CommandLine& line) {
 }
 
 void add_support_bundle(CommandLine& line) {
-  const auto file = std::make_shared<std::string>("ssl-visiond-support.tar.gz");
+  struct Options {
+    std::string file, clip;
+  };
+  const auto o = std::make_shared<Options>();
   CLI::App* command =
       line.app.add_subcommand("support-bundle", "save everything that a bug report needs in one file");
-  command->add_option("file", *file, "file to write; -: standard output")->capture_default_str();
-  line.on(command, [&line, file] {
-    const std::string bundle = line.client().get("/api/support");
-    write_bytes(*file, bundle);
-    if (*file != "-") std::cerr << "written to " << *file << "\n";
+  command->add_option("file", o->file,
+                      "file to write; -: standard output; default: ssl-visiond-support.tar.gz, with a clip "
+                      "ssl-visiond-support.tar");
+  command->add_option("--clip", o->clip,
+                      "name of a clip to put into it: it shows the people on and around the field");
+  line.on(command, [&line, o] {
+    const bool has_clip = !o->clip.empty();
+    const std::string name = !o->file.empty() ? o->file
+                             : has_clip       ? "ssl-visiond-support.tar"
+                                              : "ssl-visiond-support.tar.gz";
+    const std::string path = has_clip ? "/api/support?clip=" + path_part(o->clip) : "/api/support";
+    const Client client = line.client();
+    write_pieces(name, [&](const TakePiece& take) { client.get_pieces(path, take); });
+    if (name != "-") std::cerr << "written to " << name << "\n";
     return EXIT_SUCCESS;
   });
 }

@@ -443,6 +443,15 @@ Response ClipService::get_clip(const Request& request) const {
   return file_response(files_.path_of(file.name), "application/octet-stream", file.name);
 }
 
+std::optional<SupportRecording> ClipService::support_clip(const std::string& name) const {
+  const auto file = files_.find(name);
+  if (!file || file->kind != RecordingFile::Kind::kClip) return std::nullopt;
+  if (file->is_open) throw HttpError(409, "clip: it is being written; wait until it is done");
+  return SupportRecording{files_.path_of(name),
+                          "the cameras' images and what was found in them. It shows the people on and around "
+                          "the field: hand it on only if they agree"};
+}
+
 void ClipService::report(HealthReport& report) const {
   const LastSeconds::Status status = last_seconds_.status();
   LastSecondsFacts facts{

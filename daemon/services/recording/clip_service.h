@@ -37,6 +37,7 @@ class ClipService final : public Service {
   std::vector<Route> routes() override;
   void report(HealthReport& report) const override;
   void write_metrics(MetricsText& out) const override;
+  std::optional<SupportRecording> support_clip(const std::string& name) const override;
   void see_alerts(const std::vector<Alert>& alerts) override;
   std::vector<Event> take_events() override { return events_.take(); }
 

@@ -52,7 +52,7 @@ MatchRule::Wish MatchRule::look(const RefereeStatus& referee) {
     match_ = named_ = now;
     ++number_;
   }
-  if (left_out_ == match_) return Wish::kNone;
+  if (leaves_match_out()) return Wish::kNone;
   return is_break(referee.match->stage) ? Wish::kPause : Wish::kRecord;
 }
 

@@ -21,6 +21,8 @@ class MatchRule {
 
   /// An admin ended the log: the match that runs is not recorded again.
   void leave_match_out() { left_out_ = match_; }
+  /// The match that runs is one that was left out.
+  bool leaves_match_out() const { return match_ && left_out_ == match_; }
 
   /// Another one for each match that is recorded.
   int number() const { return number_; }

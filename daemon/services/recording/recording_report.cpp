@@ -33,6 +33,10 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
   } else if (!facts.no_room_problem.empty()) {
     warn("recording_disk", fmt::format("No match can be recorded: {}", facts.no_room_problem), kMakeRoom);
   }
+  if (!facts.left_out.empty() && facts.problem.empty() && !facts.is_recording && !facts.is_by_hand) {
+    warn("recording_stopped", fmt::format("This match is not recorded: {}", facts.left_out),
+         "Press Record on the page Recordings to record the rest of it. The next match is recorded again.");
+  }
   if (facts.lost > 0) {
     warn("recording_lost",
          fmt::format("The match log lacks {} messages: the disk was too slow, or too much was sent",

@@ -16,6 +16,7 @@ struct RecordingFacts {
   std::uint64_t lost = 0;       // messages that it lacks
   std::string problem;          // why the last one ended early or could not begin
   std::string no_room_problem;  // why none could begin now
+  std::string left_out;         // why the match that runs is not recorded any more; empty: it may be
 };
 
 void report_recording(const RecordingFacts& facts, HealthReport& report);

@@ -26,6 +26,7 @@ constexpr std::chrono::seconds kCheckInterval{5};  // of the disk
 constexpr std::chrono::seconds kFilesInterval{1};
 /// How long it is told why a recording ended early.
 constexpr double kProblemIsTold_s = 600;
+constexpr const char* kEndedEarly = "its log ended early";
 
 MatchLogGroups match_log_groups(const Config& config) {
   const NetworkSettings& network = config.network;
@@ -95,6 +96,17 @@ RecordingService::Recording RecordingService::recording() const {
   return recording_;
 }
 
+std::string RecordingService::left_out() const {
+  const std::lock_guard lock(mutex_);
+  return left_out_;
+}
+
+void RecordingService::leave_match_out(const std::string& why) {
+  rule_.leave_match_out();
+  const std::lock_guard lock(mutex_);
+  left_out_ = rule_.leaves_match_out() ? why : std::string();
+}
+
 void RecordingService::set_recording(const Recording& recording) {
   const std::lock_guard lock(mutex_);
   recording_ = recording;
@@ -118,6 +130,10 @@ void RecordingService::follow_game_controller() {
   const std::lock_guard control(control_mutex_);
   const Recording now = recording();
   const MatchRule::Wish wish = rule_.look(referee_.status(steady_s()));
+  if (!rule_.leaves_match_out()) {
+    const std::lock_guard lock(mutex_);
+    left_out_.clear();
+  }
   if (now.started_by != StartedBy::kNobody) {
     if (const auto status = recorder_.status(); !status.is_recording) return end(status.problem);
   }
@@ -137,7 +153,7 @@ void RecordingService::follow_game_controller() {
       begin(StartedBy::kGameController, rule_.name());
     } catch (const StorageError& error) {
       log::error("{}; the match is not recorded", error.what());
-      rule_.leave_match_out();  // or it would be tried five times a second
+      leave_match_out(kEndedEarly);  // or it would be tried five times a second
       return set_recording({.problem = error.what(), .problem_s = unix_time_s()});
     }
   }
@@ -161,7 +177,7 @@ void RecordingService::check_disk() {
     problem = error.what();
     if (recording().started_by != StartedBy::kNobody) {
       log::error("the match log ends: {}", problem);
-      rule_.leave_match_out();
+      leave_match_out(kEndedEarly);
       end(problem);
     }
   }
@@ -198,7 +214,7 @@ void RecordingService::end(const std::string& problem) {
             status.vision + status.referee + status.tracked, status.bytes, status.lost);
   events_.add({.id = "recording_ended", .title = fmt::format("Match log {} ended", before.name())});
   const std::string& why = problem.empty() ? status.problem : problem;
-  if (!why.empty()) rule_.leave_match_out();
+  if (!why.empty()) leave_match_out(kEndedEarly);
   set_recording({.problem = why, .problem_s = unix_time_s()});
 }
 
@@ -224,7 +240,11 @@ Json RecordingService::to_json() const {
   const MatchLogRecorder::Status status = recorder_.status();
   const bool is_recording = now.started_by != StartedBy::kNobody;
   const bool by_hand = config->recording.match_logs == RecordingSettings::MatchLogs::kByHand;
-  const char* state = !now.problem.empty() ? "failed" : by_hand ? "off" : "waiting";
+  const std::string left_out = by_hand ? std::string() : this->left_out();
+  const char* state = !now.problem.empty() ? "failed"
+                      : by_hand            ? "off"
+                      : left_out.empty()   ? "waiting"
+                                           : "left_out";
   if (is_recording) state = now.is_paused ? "paused" : "recording";
   Json logs = Json::array();
   for (const RecordingFile& file : files_.list(RecordingFile::Kind::kMatchLog))
@@ -241,7 +261,7 @@ Json RecordingService::to_json() const {
         {"messages", is_recording ? messages_json(status.vision, status.referee, status.tracked)
                                   : messages_json(0, 0, 0)},
         {"lost", is_recording ? status.lost : 0},
-        {"error", now.problem}}},
+        {"error", is_recording || !now.problem.empty() ? now.problem : left_out}}},
       {"disk",
        {{"used_bytes", disk.used_bytes},
         {"quota_bytes", static_cast<std::uint64_t>(config->recording.quota_mb) * kMb},
@@ -263,7 +283,8 @@ Response RecordingService::put_match_log(const Request& request) {
   } else {
     if (!is_recording) throw HttpError(409, "no match log is being recorded");
     // A log by hand says nothing of the match that may have begun meanwhile.
-    if (recording().started_by == StartedBy::kGameController) rule_.leave_match_out();
+    if (recording().started_by == StartedBy::kGameController)
+      leave_match_out(fmt::format("{} stopped its log", request.address));
     end();
   }
   return json_response(to_json());
@@ -319,6 +340,7 @@ void RecordingService::report(HealthReport& report) const {
     facts.is_paused = recording_.is_paused;
     facts.problem = recording_.problem;
     facts.no_room_problem = no_room_problem_;
+    facts.left_out = left_out_;
   }
   facts.is_by_hand = config_.load()->recording.match_logs == RecordingSettings::MatchLogs::kByHand;
   if (facts.is_recording) {

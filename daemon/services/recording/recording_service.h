@@ -54,8 +54,11 @@ class RecordingService final : public Service {
   void end(const std::string& problem = {});
   /// Throws StorageError when there is none.
   void make_room();
+  /// The match that runs is not recorded again, for this reason.
+  void leave_match_out(const std::string& why);
 
   Recording recording() const;
+  std::string left_out() const;
   void set_recording(const Recording& recording);
   Json to_json() const;
   Response put_match_log(const Request& request);
@@ -75,6 +78,7 @@ class RecordingService final : public Service {
   mutable std::mutex mutex_;  // guards the next ones
   Recording recording_;
   std::string no_room_problem_;   // why no log could begin; empty when one could
+  std::string left_out_;          // why the match that runs is not recorded any more; empty: it may be
   std::jthread keeper_, thread_;  // last: they use the others
 };
 

@@ -113,12 +113,19 @@ std::string StatusService::metrics_text() const {
   return out.take();
 }
 
-Response StatusService::get_support() const {
+Response StatusService::get_support(const Request& request) const {
+  std::optional<SupportRecording> clip;
+  if (const auto named = request.query.find("clip"); named != request.query.end()) {
+    for (const Service* service : services_) {
+      if (!clip) clip = service->support_clip(named->second);
+    }
+    if (!clip) throw HttpError(404, "clip: there is no such clip");
+  }
   std::vector<SupportFile> files;
   for (const Service* service : services_) {
     for (SupportFile& file : service->support_files()) files.push_back(std::move(file));
   }
-  return support_bundle(files);
+  return support_bundle(files, clip);
 }
 
 std::vector<Route> StatusService::routes() {
@@ -130,14 +137,17 @@ std::vector<Route> StatusService::routes() {
       return json_response(out);
     };
   };
+  Route support{"GET", "/api/support", [this](const Request& request) { return get_support(request); },
+                Needs::kChange};
+  support.streams = true;
   return {
+      support,
       {"GET", "/api/status", [this](const Request&) { return json_response(status_json()); }},
       {"GET", "/api/alerts", part_of_status({"alerts"})},
       {"GET", "/api/checks", part_of_status({"go", "checks"})},
       {"GET", "/api/events", [this](const Request&) { return json_response(history_.to_json()); }},
       {"GET", "/api/diagnostics", [this](const Request&) { return json_response(diagnostics_json()); }},
       {"GET", "/api/log", get_log},
-      {"GET", "/api/support", [this](const Request&) { return get_support(); }, Needs::kChange},
       // Where monitoring looks for them.
       {"GET", "/metrics",
        [this](const Request&) {

@@ -51,7 +51,7 @@ class StatusService final : public Service, public Topic {
   Json status_json() const;
   Json diagnostics_json() const;
   std::string metrics_text() const;
-  Response get_support() const;
+  Response get_support(const Request& request) const;
 
   const double started_s_;  // on the steady clock
   const Cameras& cameras_;

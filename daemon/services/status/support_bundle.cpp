@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <ctime>
 #include <exception>
+#include <utility>
 
 #include <fmt/chrono.h>
 
@@ -24,7 +25,8 @@ std::string log_text() {
   return out;
 }
 
-Response support_bundle(const std::vector<SupportFile>& files) {
+Response support_bundle(const std::vector<SupportFile>& files,
+                        const std::optional<SupportRecording>& recording) {
   const std::time_t now = std::time(nullptr);
   const std::string folder = fmt::format("ssl-visiond-{}-{:%Y%m%d-%H%M%S}", host_name(), fmt::gmtime(now));
   std::string readme = fmt::format(
@@ -42,11 +44,21 @@ Response support_bundle(const std::vector<SupportFile>& files) {
     }
     readme += "\n";
   }
+  if (!recording) {
+    entries.front() = {folder + "/README.txt", readme};
+    Response response{200, "application/gzip", tar_gz(entries, now)};
+    response.headers.emplace_back("Content-Disposition",
+                                  fmt::format("attachment; filename=\"{}.tar.gz\"", folder));
+    return response;
+  }
+  const std::string name = recording->file.filename().string();
+  SentFile file = open_file(recording->file, name);
+  readme += fmt::format("{}: {}\n", name, recording->what);
   entries.front() = {folder + "/README.txt", readme};
-  Response response{200, "application/gzip", tar_gz(entries, now)};
-  response.headers.emplace_back("Content-Disposition",
-                                fmt::format("attachment; filename=\"{}.tar.gz\"", folder));
-  return response;
+  TarAround around = tar_around(entries, folder + "/" + name, file.bytes, now);
+  file.before = std::move(around.before);
+  file.after = std::move(around.after);
+  return file_response(std::move(file), "application/x-tar", folder + ".tar");
 }
 
 }  // namespace sslv

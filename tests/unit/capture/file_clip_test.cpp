@@ -4,6 +4,7 @@
 #include "capture/files/file_playback.h"
 #include "clips/clip_writer.h"
 #include "support/clip_images.h"
+#include "support/temporary_folder.h"
 
 #include <array>
 #include <chrono>
@@ -26,8 +27,6 @@ using ::testing::HasSubstr;
 class ClipSource : public testing::Test {
  protected:
   ClipSource() {
-    std::string name = (fs::temp_directory_path() / "sslv_clip_source_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     ClipWriter writer(path("kick.clip"), {});
     writer.add(ClipSetup{});
     for (unsigned i = 0; i < 5; ++i) {
@@ -48,9 +47,8 @@ class ClipSource : public testing::Test {
     }
     writer.finish();
   }
-  ~ClipSource() override { fs::remove_all(folder_); }
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_.file(name); }
   std::unique_ptr<Source> open(const std::string& what, Json options = Json::object()) const {
     options["path"] = path(what);
     return file_backend().open(file_backend().complete(options, ""), {});
@@ -73,7 +71,7 @@ class ClipSource : public testing::Test {
   }
 
   static constexpr std::array kTimes_s{0.0, 0.01, 0.02, 0.5, 0.51};
-  fs::path folder_;
+  test::TemporaryFolder folder_;
   std::array<std::array<OwnedImage, 5>, 2> images_;
   std::vector<std::uint64_t> places_;  // where blocks of frames end
 };

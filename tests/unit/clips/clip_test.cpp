@@ -6,6 +6,7 @@
 #include "image/pixel_format_names.h"
 #include "support/clip_images.h"
 #include "support/paths.h"
+#include "support/temporary_folder.h"
 
 #include <algorithm>
 #include <array>
@@ -90,13 +91,7 @@ void expect_same(const Kept& a, const Kept& b) {
 /// A folder of its own for each test.
 class Clip : public testing::Test {
  protected:
-  Clip() {
-    std::string name = (fs::temp_directory_path() / "sslv_clip_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~Clip() override { fs::remove_all(folder_); }
-
-  fs::path path(const std::string& name = "a.clip") const { return folder_ / name; }
+  fs::path path(const std::string& name = "a.clip") const { return folder_.path() / name; }
   std::string read_file(const std::string& name = "a.clip") const {
     std::ifstream file(path(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -187,7 +182,7 @@ class Clip : public testing::Test {
     return base;
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
   std::vector<std::uint64_t> block_ends_;
   std::map<std::uint32_t, std::vector<std::uint8_t>> last_whole_;
 };

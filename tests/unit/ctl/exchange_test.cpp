@@ -160,6 +160,52 @@ TEST(Exchange, AnAnswerWithoutEndIsNotReadToItsEnd) {
   EXPECT_THAT(refused_by(endless("HTTP/1.1 200 ", megabyte)), HasSubstr("too long"));
 }
 
+TEST(Exchange, ALargeFileComesInPieces) {
+  const std::string part(100'000, 'x');
+  std::string got;
+  std::size_t pieces = 0;
+  const auto take = [&](std::string_view piece) {
+    got += piece;
+    ++pieces;
+  };
+  const auto of = [&](const std::string& head) {
+    return Server([&part, head](const Server::Send& send) {
+      bool more = send(head);
+      for (int i = 0; i < 30 && more; ++i) more = send(part);
+    });
+  };
+  const Server server = of("HTTP/1.1 200 OK\r\nContent-Length: 3000000\r\n\r\n");
+  ExchangeLimits limits = small();
+  limits.header = std::chrono::seconds(60);
+  const HttpReply reply = http_exchange(server.address(), {"GET", "/"}, take, limits);
+  EXPECT_EQ(reply.body, "");
+  EXPECT_EQ(got, std::string(3'000'000, 'x')) << "more than a body may be that is held in memory";
+  EXPECT_GT(pieces, 1U);
+
+  const Server cut = of("HTTP/1.1 200 OK\r\nContent-Length: 4000000\r\n\r\n");
+  EXPECT_THAT(refusal([&] {
+                http_exchange(cut.address(), {"GET", "/"}, take, limits);
+              }),
+              HasSubstr("partial message"));
+  const Server full = of("HTTP/1.1 200 OK\r\nContent-Length: 3000000\r\n\r\n");
+  EXPECT_EQ(refusal([&] {
+              http_exchange(
+                  full.address(), {"GET", "/"}, [](std::string_view) { throw std::runtime_error("full"); },
+                  limits);
+            }),
+            "full");
+
+  got.clear();
+  const Server refuses = answering("HTTP/1.1 404 No\r\nContent-Length: 4\r\n\r\nnone");
+  EXPECT_EQ(http_exchange(refuses.address(), {"GET", "/"}, take, limits).body, "none");
+  EXPECT_EQ(got, "") << "a refusal is no piece of the file";
+  const Server long_refusal = of("HTTP/1.1 404 No\r\nContent-Length: 3000000\r\n\r\n");
+  EXPECT_THAT(refusal([&] {
+                http_exchange(long_refusal.address(), {"GET", "/"}, take, limits);
+              }),
+              HasSubstr("sends more than 1 MiB"));
+}
+
 TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
   for (const char* head : {"", "HTTP/1.1 200 OK\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n"}) {
     const Server server([head](const Server::Send& send) {

@@ -9,9 +9,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -144,6 +147,61 @@ TEST(PlayKeys, AreWhatTerminalsSend) {
   EXPECT_THAT(keys, ElementsAre(PlayKey::kNextGoal, PlayKey::kOn, PlayKey::kNone, PlayKey::kFaster,
                                 PlayKey::kPause, PlayKey::kEnd));
   EXPECT_EQ(take_key(typed), PlayKey::kNone);
+}
+
+/// A terminal.
+class TypedKeys : public testing::Test {
+ protected:
+  TypedKeys() { EXPECT_EQ(::pipe(pipe_), 0); }
+  ~TypedKeys() override {
+    ::close(pipe_[0]);
+    if (pipe_[1] >= 0) ::close(pipe_[1]);
+  }
+  void type(std::string_view bytes) {
+    ASSERT_EQ(::write(pipe_[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  void hang_up() { ::close(std::exchange(pipe_[1], -1)); }
+
+  static constexpr double kForEver_s = 1e6;
+  int pipe_[2];
+};
+
+TEST_F(TypedKeys, AnArrowMayComeInPieces) {
+  KeyReader keys(pipe_[0], kForEver_s);
+  EXPECT_EQ(keys.next(0), PlayKey::kNone) << "nothing was typed";
+  for (const char* piece : {"\x1b", "["}) {
+    type(piece);
+    EXPECT_EQ(keys.next(1), PlayKey::kNone);
+    EXPECT_EQ(keys.next(0), PlayKey::kNone) << "nothing came meanwhile";
+  }
+  type("C");
+  EXPECT_EQ(keys.next(1), PlayKey::kOn);
+  type("g\x1b");
+  EXPECT_EQ(keys.next(1), PlayKey::kNextGoal);
+  EXPECT_EQ(keys.next(0), PlayKey::kNone);
+  type("[D ");
+  EXPECT_EQ(keys.next(1), PlayKey::kBack);
+  EXPECT_EQ(keys.next(0), PlayKey::kPause);
+}
+
+TEST_F(TypedKeys, EscapeAloneDoesNothing) {
+  KeyReader keys(pipe_[0], 0);
+  type("\x1b");
+  EXPECT_EQ(keys.next(1), PlayKey::kNone);
+  type("g");
+  EXPECT_EQ(keys.next(1), PlayKey::kNextGoal);
+  KeyReader patient(pipe_[0], kForEver_s);
+  type("\x1b");
+  EXPECT_EQ(patient.next(1), PlayKey::kNone);
+  type("q");
+  EXPECT_EQ(patient.next(1), PlayKey::kNone) << "that was Escape";
+  EXPECT_EQ(patient.next(0), PlayKey::kEnd);
+}
+
+TEST_F(TypedKeys, EndWithTheTerminal) {
+  KeyReader keys(pipe_[0]);
+  hang_up();
+  EXPECT_EQ(keys.next(kForEver_s), PlayKey::kEnd);
 }
 
 }  // namespace

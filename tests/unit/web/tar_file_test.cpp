@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <gmock/gmock.h>
+#include <zlib.h>
 
 namespace sslv {
 namespace {
@@ -23,6 +24,22 @@ std::string refusal(const std::string& bytes, std::size_t max_bytes = kPlenty) {
   return "none";
 }
 
+/// The reader takes packed ones only.
+std::vector<TarEntry> read_tar(const std::string& tar) {
+  std::string packed(::compressBound(tar.size()) + 64, '\0');
+  z_stream stream{};
+  EXPECT_EQ(::deflateInit2(&stream, 1, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string from = tar;
+  stream.next_in = reinterpret_cast<Bytef*>(from.data());
+  stream.avail_in = static_cast<uInt>(from.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  EXPECT_EQ(::deflate(&stream, Z_FINISH), Z_STREAM_END);
+  packed.resize(stream.total_out);
+  ::deflateEnd(&stream);
+  return read_tar_gz(packed, kPlenty);
+}
+
 TEST(TarFile, IsReadAsItWasWritten) {
   const auto read = read_tar_gz(tar_gz(kFiles, 1'700'000'000), kPlenty);
   ASSERT_EQ(read.size(), kFiles.size());
@@ -30,6 +47,21 @@ TEST(TarFile, IsReadAsItWasWritten) {
     EXPECT_EQ(read[i].name, kFiles[i].name);
     EXPECT_EQ(read[i].content, kFiles[i].content);
   }
+}
+
+TEST(TarFile, GoesAroundAFileThatNobodyHolds) {
+  for (const std::string& content :
+       {std::string(), std::string("x"), std::string(512, 'y'), std::string(100'001, 'z')}) {
+    const std::string name = "folder/" + std::string(200, 'n');
+    const TarAround around = tar_around(kFiles, name, content.size(), 1'700'000'000);
+    const auto read = read_tar(around.before + content + around.after);
+    ASSERT_EQ(read.size(), kFiles.size() + 1);
+    EXPECT_EQ(read.front().content, kFiles.front().content);
+    EXPECT_EQ(read.back().name, name);
+    EXPECT_EQ(read.back().content, content);
+  }
+  // Above what the old format's twelve digits can say.
+  EXPECT_LT(tar_around(kFiles, "large", 1'000'000'000'000, 0).before.size(), 200'000U);
 }
 
 TEST(TarFile, EveryCutIsFound) {

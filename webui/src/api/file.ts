@@ -12,3 +12,18 @@ export async function saveFile(path: string, name: string): Promise<void> {
   anchor.click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
+
+/**
+ * Likewise of a file that is too large for the browser's memory. It asks whether the service gives it, then leaves it to the
+ * browser, which shows how far it is. Throws ApiError.
+ */
+export async function saveLargeFile(path: string): Promise<void> {
+  const enough = new AbortController();
+  const answer = await fetch(`api/${path}`, { cache: 'no-store', signal: enough.signal }).catch(() => { throw new ApiError(0, 'No answer from the service'); });
+  if (!answer.ok) throw new ApiError(answer.status, errorText(await answer.json().catch(() => null), answer.status));
+  enough.abort();
+  const anchor = document.createElement('a');
+  anchor.href = `api/${path}`;
+  anchor.download = '';
+  anchor.click();
+}

@@ -72,11 +72,15 @@ TEST(MatchRule, AnotherMatchIsAnotherOneWhateverItsFileIsCalled) {
 TEST(MatchRule, AMatchThatIsLeftOutStaysSoUntilItEnds) {
   MatchRule rule;
   ASSERT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kRecord);
+  EXPECT_FALSE(rule.leaves_match_out());
   rule.leave_match_out();
+  EXPECT_TRUE(rule.leaves_match_out());
   EXPECT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kNone);
   EXPECT_EQ(rule.look(referee(kHalfTime, true)), Wish::kNone);
   EXPECT_EQ(rule.look(referee(kSecondHalf, false)), Wish::kNone);
+  EXPECT_TRUE(rule.leaves_match_out());
   EXPECT_EQ(rule.look(referee(kFinished, true)), Wish::kNone);
+  EXPECT_FALSE(rule.leaves_match_out());
   EXPECT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kRecord);
   rule.leave_match_out();
   EXPECT_EQ(rule.look(referee(kFirstHalf, false, "Another")), Wish::kRecord);

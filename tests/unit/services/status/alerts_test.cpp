@@ -261,6 +261,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   report_recording(recording, left_out);
   recording.problem.clear();
   recording.no_room_problem = "the quota is used up";
+  recording.left_out = "192.0.2.1 stopped its log";
   report_recording(recording, left_out);
   LastSecondsFacts last_seconds;
   last_seconds.problem = "there is little memory";

@@ -39,6 +39,8 @@ export function nowText({ match_log: now, disk }: Pick<Recordings, 'match_log' |
       return { level: 'info', icon: 'pause', word: 'Paused', text: `Paused: break. ${titleOf(now)}, ${size(now)} so far`, more: 'The log continues when the match does.' };
     case 'waiting':
       return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waits for the game controller: it starts when both teams are named and HALT is over', more: 'Or start it now by hand.' };
+    case 'left_out':
+      return { level: 'warn', icon: 'warn', word: 'Not recorded', text: `This match is not recorded: ${now.error || 'its log was stopped'}`, more: 'Press Record to record the rest of it. The next match is recorded again.' };
     case 'off':
       return { level: '', icon: 'minus', word: 'Off', text: 'Off', more: 'Nothing is recorded until you press Record.' };
     case 'failed':

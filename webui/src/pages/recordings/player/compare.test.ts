@@ -6,9 +6,9 @@ import { robot } from '../../../testing/samples';
 import { differenceText, isOf, resultText, ringsOf } from './compare';
 
 const result = (changes: Partial<ComparisonResult> = {}): ComparisonResult => ({
-  exact: true, why_not_exact: '', frames: 742, frames_that_differ: 31, found: 3, lost: 40, moved: 12, largest_mm: 4.08, threshold_mm: 1, differences: [], ...changes,
+  exact: true, why_not_exact: '', frames: 742, frames_that_differ: 31, frames_with_other_bytes: 31, found: 3, lost: 40, moved: 12, id_changed: 0, largest_mm: 4.08, threshold_mm: 1, differences: [], ...changes,
 });
-const difference = (changes: Partial<Difference> = {}): Difference => ({ place: 4, time_s: 0.1, kind: 'lost', what: 'yellow 3', by_mm: 0, x_mm: 0, y_mm: 0, pixel_x: 99, pixel_y: 49, ...changes });
+const difference = (changes: Partial<Difference> = {}): Difference => ({ place: 4, time_s: 0.1, kind: 'lost', what: 'yellow 3', by_mm: 0, by_deg: 0, x_mm: 0, y_mm: 0, pixel_x: 99, pixel_y: 49, ...changes });
 
 describe('a comparison in words', () => {
   it('says what differs', () => {

@@ -19,7 +19,7 @@ export const kinds = [
 
 /** "In 31 of 742 frames something differs: 3 found, 40 lost, 12 moved by up to 4.1 mm." */
 export function resultText(result: ComparisonResult): string {
-  const { frames, frames_that_differ, found, lost, moved, id_changed = 0, largest_mm } = result;
+  const { frames, frames_that_differ, found, lost, moved, id_changed, largest_mm } = result;
   if (frames_that_differ === 0) return `Nothing differs in ${plural(frames, 'frame')}.`;
   const parts = [
     found && `${figure(found)} found`, lost && `${figure(lost)} lost`,
@@ -30,7 +30,7 @@ export function resultText(result: ComparisonResult): string {
 }
 
 /** "yellow 3 lost", "ball moved 2.1 mm" */
-export function differenceText({ what, kind, by_mm, by_deg = 0 }: Difference): string {
+export function differenceText({ what, kind, by_mm, by_deg }: Difference): string {
   if (kind !== 'moved') return `${what} ${KINDS[kind]}`;
   // What turned on the spot did not move by a length.
   return by_mm < 0.05 && by_deg >= 0.05 ? `${what} turned ${decimal(by_deg, 1)}°` : `${what} moved ${decimal(by_mm, 1)} mm`;

@@ -5,7 +5,7 @@ import { divisionB, robot } from '../../../testing/samples';
 import { camerasAt, camerasOfLog, fieldOfLog, tracksOfLog } from './moments';
 
 const moment = (changes: Partial<LogMoment> = {}): LogMoment => ({
-  time_s: 12.3, cameras: [{ id: 2, time_s: 12.2, robots: [{ team: 'blue', id: 1, x: 10, y: 20, orientation: null }], balls: [{ x: 1, y: 2 }] }],
+  time_s: 12.3, cameras: [{ id: 2, time_s: 12.2, robots: [{ ...robot(), team: 'blue', id: 1, orientation: null }], balls: [] }],
   tracked: null, referee: null, field: null, ...changes,
 });
 
@@ -21,9 +21,9 @@ it('takes a log’s moment as cameras and tracks', () => {
   // A robot whose heading nobody knows has none.
   expect(one!.detections.robots[0]!.orientation).toBeNaN();
   expect(tracksOfLog(moment())).toBeNull();
-  const tracks = tracksOfLog(moment({ tracked: { robots: [{ team: 'yellow', id: 4, x: 0, y: 0, orientation: 1, vx: null, vy: 3 }], ball: { x: 5, y: 6, z: null } } }))!;
-  expect(tracks.robots[0]).toMatchObject({ id: 4, vx: 0, vy: 3, visibility: 1 });
-  expect(tracks.balls).toEqual([{ x: 5, y: 6, z: 0, vx: 0, vy: 0, vz: 0, visibility: 1 }]);
+  const tracks = tracksOfLog(moment({ tracked: { robots: [{ team: 'yellow', id: 4, x: 0, y: 0, orientation: 1, vx: 2, vy: 3 }], ball: { x: 5, y: 6, z: 7, vx: 8, vy: 9 } } }))!;
+  expect(tracks.robots[0]).toMatchObject({ id: 4, vx: 2, vy: 3, visibility: 1 });
+  expect(tracks.balls).toEqual([{ x: 5, y: 6, z: 7, vx: 8, vy: 9, vz: 0, visibility: 1 }]);
 });
 
 it('draws the field of the log', () => {

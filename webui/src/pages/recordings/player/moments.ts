@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What was seen and tracked at one moment, as the drawings of the field need it.
-import type { ClipFrame, FieldSize, FieldTracks, LogMoment, LogRobot, RecordedRobot, Robot } from '../../../api/types';
+import type { ClipFrame, FieldSize, FieldTracks, LogMoment, RecordedRobot, Robot } from '../../../api/types';
 import { NO_ID } from '../../../picture/marks';
 import type { OfCamera } from '../../field/live/raw';
 
@@ -19,13 +19,10 @@ export function camerasAt(frames: readonly ClipFrame[], time_s: number): OfCamer
   return frames.map(({ camera, number, time_s: seen_s, robots, balls }) => ({ camera, at: (seen_s - time_s) * 1000, detections: { camera, frame: number, t_capture: seen_s, robots: robots.map(knownRobot), balls } }));
 }
 
-const NOT_TOLD = { height: 0, confidence: 1, pixel_x: 0, pixel_y: 0 };
-const robotOf = ({ team, id, x, y, orientation }: LogRobot): Robot => knownRobot({ team, id, x, y, orientation, ...NOT_TOLD });
-
 export function camerasOfLog({ time_s, cameras }: LogMoment): OfCamera[] {
   return cameras.map((one) => ({
     camera: one.id, at: (one.time_s - time_s) * 1000,
-    detections: { camera: one.id, frame: 0, t_capture: one.time_s, robots: one.robots.map(robotOf), balls: one.balls.map(({ x, y }) => ({ x, y, area: 0, confidence: 1, pixel_x: 0, pixel_y: 0 })) },
+    detections: { camera: one.id, frame: 0, t_capture: one.time_s, robots: one.robots.map(knownRobot), balls: one.balls },
   }));
 }
 
@@ -34,8 +31,8 @@ export function tracksOfLog({ time_s, tracked }: LogMoment): FieldTracks | null 
   const { robots, ball } = tracked;
   return {
     number: 1, time: time_s, kick: null,
-    robots: robots.map(({ team, id, x, y, orientation, vx, vy }) => ({ team, id: id ?? NO_ID, x, y, orientation: orientation ?? NaN, vx: vx ?? 0, vy: vy ?? 0, turn_rad_s: 0, sigma_mm: 0, visibility: 1 })),
-    balls: ball ? [{ x: ball.x, y: ball.y, z: ball.z ?? 0, vx: ball.vx ?? 0, vy: ball.vy ?? 0, vz: 0, visibility: 1 }] : [],
+    robots: robots.map((robot) => ({ ...robot, turn_rad_s: 0, sigma_mm: 0, visibility: 1 })),
+    balls: ball ? [{ ...ball, vz: 0, visibility: 1 }] : [],
   };
 }
 
