@@ -111,10 +111,10 @@ struct ColorParts {
 
 struct RecordingParts {
   RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras,
-                 ColorParts& colors)
+                 ColorParts& colors, std::vector<KeptFile> left)
       : files(kept.folder.path() / RecordingFiles::kFolderName),
         service(settings.config(), files, network.service.referee()),
-        clips(settings.config(), files, cameras.running, network.service.referee()),
+        clips(settings.config(), files, cameras.running, network.service.referee(), std::move(left)),
         replay(settings.config(), files, cameras.running,
                [&colors](int camera_id) { return colors.learning.learnt_table(camera_id); }) {}
 
@@ -134,7 +134,7 @@ struct Panel {
 
 /// In the order in which they are made; each may use those above it. They end in the other order.
 struct Daemon::Parts {
-  explicit Parts(const Options& options)
+  explicit Parts(Options options)
       : kept(options.state_folder),
         settings(options.settings_file, kept.folder, file_folders(options)),
         profiles(kept.profiles, settings),
@@ -146,7 +146,7 @@ struct Daemon::Parts {
         colors(kept, settings, network, cameras),
         sources(kept.folder, settings, cameras.running, file_folders(options)),
         verdict(settings.config(), cameras.running, network.service.referee()),
-        recording(kept, settings, network, cameras, colors),
+        recording(kept, settings, network, cameras, colors, std::move(options.left)),
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
@@ -218,7 +218,7 @@ struct Daemon::Parts {
   std::optional<Heartbeat> heartbeat;
 };
 
-Daemon::Daemon(const Options& options) : parts_(std::make_unique<Parts>(options)) {}
+Daemon::Daemon(Options options) : parts_(std::make_unique<Parts>(std::move(options))) {}
 
 Daemon::~Daemon() = default;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/kept_files.h"
 #include "web/route.h"
 
 #include <filesystem>
@@ -16,10 +17,11 @@ class Daemon {
   struct Options {
     std::filesystem::path settings_file, state_folder, panel_folder;
     std::vector<std::filesystem::path> file_folders{};  // besides its own, where the panel may name files
+    std::vector<KeptFile> left{};  // cameras' last seconds of the run before, if that crashed
   };
 
   /// Running when it returns: sockets bound, panel answering, cameras opening. Throws SettingsError.
-  explicit Daemon(const Options& options);
+  explicit Daemon(Options options);
   ~Daemon();
 
   int panel_port() const;

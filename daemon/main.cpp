@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arguments, signals, exit code; nothing else.
+#include "base/kept_files.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "config/backends.h"
@@ -8,6 +9,7 @@
 #include "config/version.h"
 #include "daemon.h"
 #include "kit/apart/stage_process.h"
+#include "services/recording/last_seconds.h"
 #include "settings/store.h"
 
 #include <atomic>
@@ -19,6 +21,8 @@
 #include <iostream>
 #include <memory>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
@@ -139,12 +143,13 @@ void keep_memory_small() {
   mallopt(M_ARENA_MAX, 2);
 }
 
-int run(const Daemon::Options& options) {
+int run(Daemon::Options options) {
   keep_memory_small();
   const sigset_t signals = own_signals();
   std::signal(SIGPIPE, SIG_IGN);
 
-  const auto daemon = naming(options.settings_file, [&] { return std::make_unique<Daemon>(options); });
+  const std::filesystem::path settings_file = options.settings_file;
+  const auto daemon = naming(settings_file, [&] { return std::make_unique<Daemon>(std::move(options)); });
   log::info("panel on port {}", daemon->panel_port());
   sd_notify(0, "READY=1");
   Reload reload(*daemon);
@@ -207,6 +212,8 @@ int main(int argc, char** argv) {
   }
   const bool is_service = !list && !print && check_file.empty() && !settings_file.empty();
   if (!is_service) unblock_own_signals();
+  std::vector<KeptFile> left;
+  if (is_service) left = take_kept_files(LastSeconds::kKeptName);
   try {
     add_stage_libraries(stage_folders, is_service ? MissingStages::kLeftOut : MissingStages::kRefused);
     if (list) {
@@ -231,7 +238,7 @@ int main(int argc, char** argv) {
       std::cerr << "ssl-visiond: --config FILE is needed; see --help\n";
       return EX_USAGE;
     }
-    return run({settings_file, state_folder(), panel, file_folders});
+    return run({settings_file, state_folder(), panel, file_folders, std::move(left)});
   } catch (const BusyError& error) {
     std::cerr << "ssl-visiond: " << error.what() << "\n";
     return EX_TEMPFAIL;

@@ -36,7 +36,7 @@ rules='
   services/recording    engines config web services replay services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/recorded_camera.h
   services/settings     engines config web services
   services/backup       engines config web services services/settings/settings_editor.h services/settings/settings_routes.h
-  services/cameras      engines config web services services/network/teams.h
+  services/cameras      engines config web services services/network/teams.h replay/clip_setup.h
   services/calibration  engines config web services services/access/match_lock.h services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/settings/settings_editor.h
   services/colors       engines config web services services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/cameras/pictures.h services/cameras/stills.h services/settings/settings_editor.h
   services/field        engines config web services services/settings/settings_editor.h

@@ -65,6 +65,12 @@ std::uint32_t clip_sum(std::span<const std::byte> bytes, std::uint32_t sum) {
   return static_cast<std::uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
+void leave_out_bad_times(CaptureTimes& times) {
+  for (std::optional<double>* time_s : {&times.t_capture_camera_s, &times.t_capture_sigma_s}) {
+    if (*time_s && !std::isfinite(**time_s)) time_s->reset();
+  }
+}
+
 std::array<std::byte, kClipHeadBytes> clip_head() {
   std::array<std::byte, kClipHeadBytes> out{};
   put_text(out, kClipMagic);

@@ -74,6 +74,9 @@ struct ClipIndexLine {
   bool has_memory = false, is_whole = false;
 };
 
+/// Times that may be missing are missing where they are no numbers: a frame must not be lost for them.
+void leave_out_bad_times(CaptureTimes& times);
+
 std::array<std::byte, kClipHeadBytes> clip_head();
 std::array<std::byte, kClipBlockBytes> encoded(const ClipBlockHead& head);
 std::array<std::byte, kClipFrameBytes> encoded(const ClipFrameHead& head);

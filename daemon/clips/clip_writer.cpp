@@ -235,12 +235,9 @@ void ClipWriter::add(const ClipFrame& frame) {
                               image.width, image.height));
   ClipFrameHead head;
   head.info = frame.info;
-  CaptureTimes& times = head.info.times;
-  if (!std::isfinite(times.t_capture_s))
+  if (!std::isfinite(head.info.times.t_capture_s))
     file_->refuse(fmt::format("a frame of camera {} has no time", camera_id));
-  for (std::optional<double>* time_s : {&times.t_capture_camera_s, &times.t_capture_sigma_s}) {
-    if (*time_s && !std::isfinite(**time_s)) time_s->reset();
-  }
+  leave_out_bad_times(head.info.times);
   head.setup = frame.setup;
   head.format = image.format;
   head.packet_bytes = frame.packet.size();

@@ -6,235 +6,236 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <span>
+#include <string>
 #include <system_error>
 
+#include <fcntl.h>
 #include <sys/mman.h>
 
 namespace sslv {
 namespace {
 
-constexpr std::size_t kAlignment = 64;
-
-constexpr std::size_t aligned(std::size_t bytes) {
-  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+[[noreturn]] void refuse_memory(int problem) {
+  throw std::system_error(problem, std::generic_category(), "memory for images");
 }
 
-/// What stands before each frame in the ring.
-struct RingHead {
-  FrameInfo info;
-  std::uint32_t setup = 0;
-  int width = 0, height = 0, tile_px = 0;
-  PixelFormat format = PixelFormat::kMono8;
-  bool has_low_bits = false;
-  std::size_t packet_bytes = 0, memory_bytes = 0, tiles_bytes = 0;
-};
-static_assert(std::is_trivially_copyable_v<RingHead>);
+/// A file without a name; closed: the system has none.
+OpenFile memory_file(std::uint64_t bytes) {
+  OpenFile file(::memfd_create("last_seconds", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  if (!file.is_open() || ::ftruncate(file.fd(), static_cast<off_t>(bytes)) != 0 ||
+      ::fcntl(file.fd(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
+    return {};
+  return file;
+}
 
-/// One plane after the other, each row by row: all of it, or the tiles that are marked.
-template <class Copy>
-void each_stretch(const ClipFrame& frame, const Copy& copy) {
-  const ImageView& image = frame.image;
-  const std::size_t pixel = static_cast<std::size_t>(bytes_per_pixel(image.format));
-  for (int plane = 0; plane < (image.to_low_bits != 0 ? 2 : 1); ++plane) {
-    const std::ptrdiff_t shift = plane == 0 ? 0 : image.to_low_bits;
-    if (frame.tile_px == 0) {
-      const std::size_t row_bytes = static_cast<std::size_t>(image.width) * pixel;
-      if (image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes)) {
-        copy(image.data + shift, row_bytes * static_cast<std::size_t>(image.height));
-      } else {
-        for (int y = 0; y < image.height; ++y) copy(image.row(y) + shift, row_bytes);
-      }
-      continue;
-    }
-    const ClipTiles tiles{image.width, image.height, frame.tile_px};
-    tiles.each_row(frame.tiles, [&](int x, int y, int pixels) {
-      copy(image.row(y) + shift + static_cast<std::size_t>(x) * pixel,
-           static_cast<std::size_t>(pixels) * pixel);
-    });
+/// Gives back what part of the file has; it reads as zeros from then on.
+void give_back(const OpenFile& file, std::uint64_t place, std::uint64_t bytes) {
+  if (file.is_open())
+    ::fallocate(file.fd(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(place),
+                static_cast<off_t>(bytes));
+}
+
+bool write_at(const OpenFile& file, std::span<const std::byte> bytes, std::uint64_t place) {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pwrite(file.fd(), bytes.data(), bytes.size(), static_cast<off_t>(place));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(got));
+    place += static_cast<std::uint64_t>(got);
   }
-}
-
-std::size_t image_bytes(const ClipFrame& frame) {
-  const ImageView& image = frame.image;
-  const std::size_t planes = image.to_low_bits != 0 ? 2 : 1;
-  if (frame.tile_px == 0) return planes * clip_plane_bytes(image.format, image.width, image.height);
-  const std::uint64_t pixels = ClipTiles{image.width, image.height, frame.tile_px}.pixels(frame.tiles);
-  return planes * static_cast<std::size_t>(pixels) * static_cast<std::size_t>(bytes_per_pixel(image.format));
+  return true;
 }
 
 }  // namespace
 
-ImageRing::ImageRing(std::size_t bytes) : bytes_(aligned(bytes)), slots_(new Slot[kSlots]) {
-  void* const memory =
-      mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "memory for images");
-  memory_ = static_cast<std::byte*>(memory);
-  madvise(memory, bytes_, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
-  madvise(memory, bytes_, MADV_DONTDUMP);
+ImageRing::ImageRing(std::size_t bytes)
+    : bytes_(ring_aligned(bytes)), file_(memory_file(ring_file_bytes(bytes_))) {
+  const std::size_t size = ring_mapped_bytes(bytes_);
+  const int how = file_.is_open() ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+  void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, how, file_.fd(), 0);
+  if (memory == MAP_FAILED) refuse_memory(errno);
+  mapped_ = static_cast<std::byte*>(memory);
+  madvise(memory, size, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
+  madvise(memory, size, MADV_DONTDUMP);
   // In pieces: the kernel lets no other thread of this process get memory meanwhile.
   constexpr std::size_t kPiece = std::size_t{4} << 20U;
-  for (std::size_t at = 0; at < bytes_; at += kPiece) {
-    const std::size_t piece = std::min(kPiece, bytes_ - at);
-    if (madvise(memory_ + at, piece, MADV_POPULATE_WRITE) == 0) continue;
+  for (std::size_t at = 0; at < size; at += kPiece) {
+    const std::size_t piece = std::min(kPiece, size - at);
+    if (madvise(mapped_ + at, piece, MADV_POPULATE_WRITE) == 0) continue;
     const int problem = errno;
     if (problem == ENOMEM || problem == EFAULT) {
-      munmap(memory, bytes_);
-      throw std::system_error(ENOMEM, std::generic_category(), "memory for images");
+      munmap(memory, size);
+      refuse_memory(ENOMEM);
     }
-    std::memset(memory_ + at, 0, piece);  // an older kernel
+    std::memset(mapped_ + at, 0, piece);  // an older kernel
   }
+  make_head();
+}
+
+void ImageRing::make_head() noexcept {
+  std::uninitialized_value_construct_n(reinterpret_cast<RingSlot*>(mapped_ + kRingPage), kRingSlots);
+  RingHead& made = *std::construct_at(reinterpret_cast<RingHead*>(mapped_));
+  made.image_bytes = bytes_;
+  kRingMagic.copy(made.magic.data(), made.magic.size());
 }
 
 ImageRing::~ImageRing() {
-  munmap(memory_, bytes_);
+  munmap(mapped_, ring_mapped_bytes(bytes_));
+  // Others may have it open still: they shall hold no memory, and find nothing.
+  give_back(file_, 0, ring_file_bytes(bytes_));
 }
 
 ImageRing::Extent ImageRing::extent() const noexcept {
   Extent out;
-  out.dropped = dropped_.load(std::memory_order_relaxed);
+  out.dropped = head().dropped.load(std::memory_order_relaxed);
   // The oldest may go while it is looked at: then the next one is the oldest.
   for (;;) {
-    const std::uint64_t begin = begin_.load(std::memory_order_acquire);
-    const std::uint64_t end = end_.load(std::memory_order_acquire);
+    const std::uint64_t begin = head().begin.load(std::memory_order_acquire);
+    const std::uint64_t end = head().end.load(std::memory_order_acquire);
     if (begin == end) return out;
     out.frames = end - begin;
     out.oldest_ns = slot(begin).arrived_ns.load(std::memory_order_relaxed);
     out.oldest_setup = slot(begin).setup.load(std::memory_order_relaxed);
     out.newest_ns = slot(end - 1).arrived_ns.load(std::memory_order_relaxed);
     std::atomic_thread_fence(std::memory_order_acquire);
-    if (begin_.load(std::memory_order_relaxed) == begin) return out;
+    if (head().begin.load(std::memory_order_relaxed) == begin) return out;
   }
 }
 
 /// Lets the oldest frames go that lie there, and, when the next one begins again `from_the_start`, those
 /// behind the last one. False when the keeper holds one of them.
 bool ImageRing::make_room(std::size_t begin, std::size_t bytes, bool from_the_start) noexcept {
-  for (std::uint64_t oldest = begin_.load(std::memory_order_relaxed);
-       oldest != end_.load(std::memory_order_relaxed); ++oldest) {
-    Slot& one = slot(oldest);
+  for (std::uint64_t oldest = head().begin.load(std::memory_order_relaxed);
+       oldest != head().end.load(std::memory_order_relaxed); ++oldest) {
+    RingSlot& one = slot(oldest);
     const bool is_in_the_way = one.begin < begin + bytes && begin < one.begin + one.bytes;
     const bool is_behind = from_the_start && one.begin >= at_;
-    const bool is_one_too_many = end_.load(std::memory_order_relaxed) - oldest >= kSlots;
+    const bool is_one_too_many = head().end.load(std::memory_order_relaxed) - oldest >= kRingSlots;
     if (!is_in_the_way && !is_behind && !is_one_too_many) return true;
-    std::uint64_t kept = oldest * 4 + kKept;
-    if (!one.state.compare_exchange_strong(kept, oldest * 4 + kEmpty, std::memory_order_acq_rel))
+    std::uint64_t kept = oldest * 4 + kRingKept;
+    if (!one.state.compare_exchange_strong(kept, oldest * 4 + kRingEmpty, std::memory_order_acq_rel))
       return false;
-    begin_.store(oldest + 1, std::memory_order_release);
+    head().begin.store(oldest + 1, std::memory_order_release);
   }
   return true;
 }
 
 bool ImageRing::put(const ClipFrame& frame) noexcept {
-  RingHead head{.info = frame.info,
-                .setup = frame.setup,
-                .width = frame.image.width,
-                .height = frame.image.height,
-                .tile_px = frame.tile_px,
-                .format = frame.image.format,
-                .has_low_bits = frame.image.to_low_bits != 0,
-                .packet_bytes = frame.packet.size(),
-                .memory_bytes = frame.memory.size(),
-                .tiles_bytes = frame.tiles.size()};
-  const std::size_t small = sizeof head + head.packet_bytes + head.memory_bytes + head.tiles_bytes;
-  const std::size_t bytes = aligned(small) + aligned(image_bytes(frame));
+  const std::size_t image_bytes = frame.image.empty() ? 0 : ring_image_bytes(frame);
+  ClipFrameHead about{.info = frame.info,
+                      .setup = frame.setup,
+                      .format = frame.image.format,
+                      .width = frame.image.width,
+                      .height = frame.image.height,
+                      .is_deep = frame.image.to_low_bits != 0,
+                      .tile_px = frame.tile_px,
+                      .packet_bytes = frame.packet.size(),
+                      .memory_bytes = frame.memory.size(),
+                      .tiles_bytes = frame.tiles.size(),
+                      .image_bytes = image_bytes};
+  leave_out_bad_times(about.info.times);
+  const auto head_bytes = encoded(about);
+  const std::size_t small =
+      head_bytes.size() + frame.packet.size() + frame.memory.size() + frame.tiles.size();
+  const std::size_t bytes = ring_aligned(small) + ring_aligned(image_bytes);
   const bool from_the_start = at_ + bytes > bytes_;
   const std::size_t begin = from_the_start ? 0 : at_;
-  if (bytes > bytes_ || !make_room(begin, bytes, from_the_start)) {
-    dropped_.fetch_add(1, std::memory_order_relaxed);
+  const bool is_good = bytes <= bytes_ && frame_head_of(head_bytes, small + image_bytes, 1).has_value();
+  if (!is_good || !make_room(begin, bytes, from_the_start)) {
+    head().dropped.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  std::byte* to = memory_ + begin;
+  std::byte* to = images() + begin;
   const auto copy = [&to](const void* from, std::size_t count) {
     if (count != 0) std::memcpy(to, from, count);
     to += count;
   };
-  copy(&head, sizeof head);
+  copy(head_bytes.data(), head_bytes.size());
   copy(frame.packet.data(), frame.packet.size());
   copy(frame.memory.data(), frame.memory.size());
   copy(frame.tiles.data(), frame.tiles.size());
-  to = memory_ + begin + aligned(small);
-  each_stretch(frame, copy);
+  to = images() + begin + ring_aligned(small);
+  if (image_bytes != 0) each_stretch(frame, copy);
 
-  const std::uint64_t number = end_.load(std::memory_order_relaxed);
-  Slot& one = slot(number);
+  const std::uint64_t number = head().end.load(std::memory_order_relaxed);
+  RingSlot& one = slot(number);
   one.begin = begin;
   one.bytes = bytes;
+  one.payload_bytes = small + image_bytes;
+  one.camera_id = frame.info.camera_id;
   one.arrived_ns.store(frame.info.times.arrived_ns, std::memory_order_relaxed);
   one.setup.store(frame.setup, std::memory_order_relaxed);
-  one.state.store(number * 4 + kKept, std::memory_order_release);
-  end_.store(number + 1, std::memory_order_release);
+  one.state.store(number * 4 + kRingKept, std::memory_order_release);
+  head().end.store(number + 1, std::memory_order_release);
   at_ = begin + bytes;
   return true;
 }
 
 void ImageRing::hold(std::int64_t from_ns, std::int64_t to_ns) {
-  const std::uint64_t end = end_.load(std::memory_order_acquire);
-  for (std::uint64_t frame = std::max(next_to_hold_, begin_.load(std::memory_order_acquire)); frame < end;
-       ++frame) {
-    Slot& one = slot(frame);
-    std::uint64_t kept = frame * 4 + kKept;
+  const std::uint64_t end = head().end.load(std::memory_order_acquire);
+  for (std::uint64_t frame = std::max(next_to_hold_, head().begin.load(std::memory_order_acquire));
+       frame < end; ++frame) {
+    RingSlot& one = slot(frame);
+    std::uint64_t kept = frame * 4 + kRingKept;
     if (one.state.load(std::memory_order_acquire) != kept) continue;  // it has gone meanwhile
     const std::int64_t arrived_ns = one.arrived_ns.load(std::memory_order_relaxed);
     if (arrived_ns > to_ns) break;
     // When the slot went on to another frame since, this does not succeed.
     if (arrived_ns >= from_ns &&
-        one.state.compare_exchange_strong(kept, frame * 4 + kHeld, std::memory_order_acq_rel))
+        one.state.compare_exchange_strong(kept, frame * 4 + kRingHeld, std::memory_order_acq_rel))
       held_.push_back(frame);
     next_to_hold_ = frame + 1;
   }
 }
 
 const ClipFrame* ImageRing::oldest_held() {
-  if (held_.empty()) return nullptr;
-  const Slot& one = slot(held_.front());
-  const std::byte* at = memory_ + one.begin;
-  RingHead head;
-  std::memcpy(&head, at, sizeof head);
-  at += sizeof head;
-  const auto next = [&at](std::size_t count) {
-    const std::span out(at, count);
-    at += count;
-    return out;
-  };
-  oldest_ = {};
-  oldest_.info = head.info;
-  oldest_.setup = head.setup;
-  oldest_.packet = next(head.packet_bytes);
-  oldest_.memory = next(head.memory_bytes);
-  oldest_.tiles = next(head.tiles_bytes);
-  oldest_.tile_px = head.tile_px;
-  const std::size_t small = sizeof head + head.packet_bytes + head.memory_bytes + head.tiles_bytes;
-  const std::byte* pixels = memory_ + one.begin + aligned(small);
-  const std::size_t row_bytes =
-      static_cast<std::size_t>(head.width) * static_cast<std::size_t>(bytes_per_pixel(head.format));
-  const std::size_t plane_bytes = row_bytes * static_cast<std::size_t>(head.height);
-  if (head.tile_px != 0) whole_.resize(plane_bytes * (head.has_low_bits ? 2 : 1));
-  const std::byte* const data = head.tile_px != 0 ? whole_.data() : pixels;
-  oldest_.image = {.data = reinterpret_cast<const std::uint8_t*>(data),
-                   .width = head.width,
-                   .height = head.height,
-                   .stride_bytes = static_cast<std::ptrdiff_t>(row_bytes),
-                   .format = head.format,
-                   .to_low_bits = head.has_low_bits ? static_cast<std::ptrdiff_t>(plane_bytes) : 0};
-  if (head.tile_px != 0) {
-    each_stretch(oldest_, [&](const std::uint8_t* stretch, std::size_t count) {
-      std::memcpy(whole_.data() + (stretch - oldest_.image.data), pixels, count);
-      pixels += count;
-    });
+  for (; !held_.empty(); let_go()) {
+    const auto frame = frame_in({images(), bytes_}, slot(held_.front()), whole_);
+    if (!frame) continue;
+    oldest_ = *frame;
+    return &oldest_;
   }
-  return &oldest_;
+  return nullptr;
 }
 
 void ImageRing::let_go() {
   const std::uint64_t frame = held_.front();
   held_.pop_front();
-  slot(frame).state.store(frame * 4 + kKept, std::memory_order_release);
+  slot(frame).state.store(frame * 4 + kRingKept, std::memory_order_release);
 }
 
 void ImageRing::let_all_go() {
   while (!held_.empty()) let_go();
   next_to_hold_ = 0;  // another clip may want the same frames again
+}
+
+void ImageRing::put_setup(std::uint32_t number, const ClipSetup& setup) {
+  if (!file_.is_open()) return;
+  const std::string about = setup.about.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (about.size() > kMaxClipJsonBytes || setup.table.size() > kMaxClipTableBytes) return;
+  if (number >= kRingSetups) forget_setups_before(number - kRingSetups + 1);
+  const auto text = std::as_bytes(std::span(about));
+  std::array<std::byte, kRingSetupHeadBytes> head{};
+  put_u32(head, 0, number);
+  put_u32(head, 4, static_cast<std::uint32_t>(setup.camera_id));
+  put_u64(head, 8, text.size());
+  put_u64(head, 16, setup.table.size());
+  put_u32(head, 24, clip_sum(setup.table, clip_sum(text, clip_sum(std::span(head).first(24)))));
+  const std::uint64_t place = ring_setup_place(bytes_, number) + head.size();
+  setups_.push_back(number);
+  if (!write_at(file_, text, place) || !write_at(file_, setup.table, place + text.size()) ||
+      !write_at(file_, head, place - head.size()))
+    free_setup(number);
+}
+
+void ImageRing::free_setup(std::uint32_t number) const {
+  give_back(file_, ring_setup_place(bytes_, number), kRingSetupBytes);
+}
+
+void ImageRing::forget_setups_before(std::uint32_t number) {
+  for (; !setups_.empty() && setups_.front() < number; setups_.pop_front()) free_setup(setups_.front());
 }
 
 }  // namespace sslv

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/open_file.h"
 #include "clips/clip.h"
+#include "clips/ring_layout.h"
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <vector>
 
 namespace sslv {
@@ -15,16 +15,21 @@ namespace sslv {
 /// The newest frames of one camera, in memory of a size that never changes. The camera's thread puts them in,
 /// which copies the image once, allocates nothing and waits for nobody; the oldest make room. One other
 /// thread, the keeper, may hold frames back until it has written them to a file.
+///
+/// The memory is a file without a name: another process that has it open too finds the frames there when this
+/// one has crashed (see LeftRing). It is empty from the destructor on.
 class ImageRing {
  public:
   /// Takes the memory and touches all of it, so that the camera's thread is given none by the system later:
-  /// that takes .2 s for each GB. Throws std::system_error when there is none.
+  /// that takes .5 s for each GB. Throws std::system_error when there is none.
   explicit ImageRing(std::size_t bytes);
   ~ImageRing();
   ImageRing(const ImageRing&) = delete;
   ImageRing& operator=(const ImageRing&) = delete;
 
   std::size_t bytes() const { return bytes_; }
+  /// The memory as a file; -1 where the system has no such files.
+  int fd() const { return file_.fd(); }
 
   /// What all frames of the ring tell together.
   struct Extent {
@@ -37,7 +42,7 @@ class ImageRing {
   Extent extent() const noexcept;
 
   /// For the camera's thread. Of an image in tiles only those are copied. False when there is no room for it
-  /// because the keeper holds so much, or because it is larger than the ring.
+  /// because the keeper holds so much, because it is larger than the ring, or because a clip cannot hold it.
   bool put(const ClipFrame& frame) noexcept;
 
   // For the keeper.
@@ -51,30 +56,33 @@ class ImageRing {
   void let_go();
   void let_all_go();
 
- private:
-  struct Slot {
-    std::atomic<std::uint64_t> state{0};  // number of the frame * 4 + State
-    std::atomic<std::int64_t> arrived_ns{0};
-    std::atomic<std::uint32_t> setup{0};
-    std::size_t begin = 0, bytes = 0;  // in the memory
-  };
-  enum State : std::uint64_t { kEmpty = 0, kKept = 1, kHeld = 2 };
-  static constexpr std::size_t kSlots = 1 << 14;  // frames at most
+  // For any thread but the camera's, one at a time.
 
-  Slot& slot(std::uint64_t frame) const { return slots_[frame % kSlots]; }
+  /// What frames with this setup number were processed with, for who finds the memory after a crash.
+  void put_setup(std::uint32_t number, const ClipSetup& setup);
+  void forget_setups_before(std::uint32_t number);
+
+ private:
+  RingHead& head() const { return *reinterpret_cast<RingHead*>(mapped_); }
+  RingSlot& slot(std::uint64_t frame) const {
+    return reinterpret_cast<RingSlot*>(mapped_ + kRingPage)[frame % kRingSlots];
+  }
+  std::byte* images() const { return mapped_ + kRingImagesAt; }
+  void make_head() noexcept;
+  void free_setup(std::uint32_t number) const;
   bool make_room(std::size_t begin, std::size_t bytes, bool from_the_start) noexcept;
 
   const std::size_t bytes_;
-  std::byte* memory_ = nullptr;
-  const std::unique_ptr<Slot[]> slots_;
-  std::atomic<std::uint64_t> begin_{0}, end_{0};  // numbers of the frames that are there: [begin, end)
-  std::atomic<std::uint64_t> dropped_{0};
+  OpenFile file_;
+  std::byte* mapped_ = nullptr;
   std::size_t at_ = 0;  // where the next frame would begin; the camera's thread's
 
   std::deque<std::uint64_t> held_;  // the keeper's, as is the rest
   std::uint64_t next_to_hold_ = 0;
   ClipFrame oldest_;
   std::vector<std::byte> whole_;  // an image that is put together of tiles
+
+  std::deque<std::uint32_t> setups_;  // that are there
 };
 
 }  // namespace sslv

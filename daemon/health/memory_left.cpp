@@ -29,15 +29,18 @@ std::uint64_t available_bytes(const fs::path& meminfo) {
   return std::numeric_limits<std::uint64_t>::max();
 }
 
-/// What a group uses and could not give back at once: what is read of files it could.
+/// What a group uses and could not give back at once: what is read of files it could, but not memory that is
+/// a file, which the kernel counts among them.
 std::uint64_t used_bytes(const fs::path& group) {
   const std::uint64_t current = number_in(group / "memory.current").value_or(0);
+  std::uint64_t files = 0, memory_files = 0;
   std::ifstream in(group / "memory.stat");
   std::string name;
   for (std::uint64_t value = 0; in >> name >> value;) {
-    if (name == "file") return current - std::min(current, value);
+    if (name == "file") files = value;
+    if (name == "shmem") memory_files = value;
   }
-  return current;
+  return current - std::min(current, files - std::min(files, memory_files));
 }
 
 }  // namespace

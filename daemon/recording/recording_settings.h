@@ -35,7 +35,7 @@ struct LastSecondsSettings {
 /// How long clips are, and what makes some besides people.
 struct ClipSettings {
   double seconds = 10, seconds_after = 2;
-  bool on_alert = false, on_goal = false, on_command = false;
+  bool on_alert = false, on_goal = false, on_command = false, on_crash = true;
 
   static constexpr auto fields() {
     using C = ClipSettings;
@@ -46,6 +46,8 @@ struct ClipSettings {
         flag("on_alert", &C::on_alert, "make one when an alert comes, at most one a minute for each kind"),
         flag("on_goal", &C::on_goal, "make one when the game controller counts a goal"),
         flag("on_command", &C::on_command, "make one at each command of the game controller"),
+        flag("on_crash", &C::on_crash,
+             "make one when the service starts again after a crash, of all that was in memory then"),
     };
   }
 };

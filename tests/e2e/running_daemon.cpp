@@ -36,9 +36,10 @@ Json demo_settings(int multicast_port) {
   return settings;
 }
 
-RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesystem::path& state)
+RunningDaemon::RunningDaemon(const std::string& settings_file, const std::filesystem::path& state,
+                             std::vector<std::string> environment, const std::vector<KeptFile>& kept)
     : process_({daemon_program(), "--config", settings_file, "--files", source_path("/tests")},
-               {"STATE_DIRECTORY=" + state.string()}) {
+               (environment.push_back("STATE_DIRECTORY=" + state.string()), environment), kept) {
   const std::string line = process_.wait_for_line("panel on port ");
   port_ = line.substr(line.rfind(' ') + 1);
 }

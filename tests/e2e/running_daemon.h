@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -22,8 +23,9 @@ Json demo_settings(int multicast_port);
 /// The real program as the service manager would start it.
 class RunningDaemon {
  public:
-  /// Waits until it is ready. `state`: its state folder.
-  RunningDaemon(const std::string& settings_file, const std::filesystem::path& state);
+  /// Waits until it is ready. `state`: its state folder; `environment` and `kept` as a ChildProcess has them.
+  RunningDaemon(const std::string& settings_file, const std::filesystem::path& state,
+                std::vector<std::string> environment = {}, const std::vector<KeptFile>& kept = {});
   /// Kills it; prints what it said when the test has failed.
   ~RunningDaemon();
   RunningDaemon(const RunningDaemon&) = delete;

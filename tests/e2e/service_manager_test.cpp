@@ -5,6 +5,7 @@
 #include "e2e/running_daemon.h"
 #include "support/paths.h"
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iterator>
@@ -178,6 +179,103 @@ TEST_F(Notifies, AStoppedProcessIsNotFed) {
   manager_.wait_for("WATCHDOG=1");
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(daemon.wait_for_exit(), 0);
+}
+
+class Crashes : public Notifies {
+ protected:
+  Crashes() { settings_["recording"]["last_seconds"] = {{"memory_mb", 200}}; }
+
+  RunningDaemon start() {
+    return RunningDaemon(settings_file(), state_, {manager_.variable()}, manager_.kept());
+  }
+  /// Until so much of both cameras is in memory, which the manager keeps.
+  void wait_until_kept(const RunningDaemon& daemon) {
+    daemon.wait_for("/api/recordings/clips", [this](const Json& answer) {
+      manager_.hear_the_rest();
+      const Json& cameras = answer["last_seconds"]["cameras"];
+      return manager_.kept().size() == 2 && cameras.size() == 2 &&
+             std::ranges::all_of(cameras, [](const Json& one) { return one["seconds"] > 1; });
+    });
+  }
+  void crash(RunningDaemon& daemon, int signal) {
+    daemon.process().send_signal(signal);
+    daemon.process().wait_for_exit();
+    manager_.hear_the_rest();
+  }
+  /// Once what a crash left was looked at.
+  static Json crash_clips(const RunningDaemon& daemon) {
+    const auto all = daemon.wait_for("/api/recordings/clips", [](const Json& answer) {
+      return answer["clip"]["state"] != "writing" &&
+             std::ranges::none_of(answer["clips"], [](const Json& one) { return one["begin_s"].is_null(); });
+    });
+    Json out = Json::array();
+    for (const Json& clip : all["clips"]) {
+      if (clip["name"].get<std::string>().ends_with("_crash.clip")) out.push_back(clip);
+    }
+    return out;
+  }
+};
+
+TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
+  {
+    RunningDaemon first = start();
+    wait_until_kept(first);
+    // Not all was seen with the same.
+    first.set("/cameras/1/colors/bits", 6);
+    const auto receives = [this] { return receive(listener_).detection().camera_id(); };
+    for (int i = 0; i < 60; ++i) receives();
+    EXPECT_EQ(crash_clips(first), Json::array());
+    crash(first, SIGSEGV);
+    ASSERT_EQ(manager_.kept().size(), 2U);
+  }
+  {
+    RunningDaemon second = start();
+    const Json clips = crash_clips(second);
+    ASSERT_EQ(clips.size(), 1U);
+    EXPECT_EQ(clips[0]["why"], "the service crashed");
+    EXPECT_GT(clips[0]["seconds"], 1);
+    ASSERT_EQ(clips[0]["cameras"].size(), 2U);
+    for (const Json& camera : clips[0]["cameras"]) {
+      EXPECT_GT(camera["frames"], 20) << camera;
+      EXPECT_EQ(camera["missing"], 0) << camera;
+    }
+    const std::string name = clips[0]["name"];
+    const Json status = second.wait_for_status([](const Json& answer) {
+      return std::ranges::any_of(answer["alerts"],
+                                 [](const Json& alert) { return alert["id"] == "service_crashed"; });
+    });
+    EXPECT_EQ(title_of_alert(status, "service_crashed"),
+              "The service crashed and runs again; clip " + name + " shows what the cameras saw before");
+    const Finished compared =
+        run_to_end({ctl_program(), "replay", (state_ / "recordings" / name).string(), "--compare"});
+    EXPECT_EQ(compared.exit_code, 0) << compared.output;
+
+    // One that crashes again and again does not fill the disk.
+    wait_until_kept(second);
+    crash(second, SIGKILL);
+  }
+  RunningDaemon third = start();
+  EXPECT_EQ(crash_clips(third).size(), 1U);
+  wait_until_kept(third);
+  EXPECT_THAT(title_of_alert(third.get("/api/status"), "service_crashed"),
+              HasSubstr("less than a minute ago"));
+  third.process().send_signal(SIGTERM);
+  EXPECT_EQ(third.process().wait_for_exit(), 0);
+  manager_.hear_the_rest();
+  EXPECT_EQ(manager_.kept().size(), 0U) << "a stop is no crash";
+}
+
+TEST_F(Crashes, LeaveNoClipWhereNoneIsWanted) {
+  settings_["recording"]["clips"] = {{"on_crash", false}};
+  {
+    RunningDaemon first = start();
+    wait_until_kept(first);
+    crash(first, SIGKILL);
+  }
+  RunningDaemon second = start();
+  EXPECT_EQ(crash_clips(second), Json::array());
+  wait_until_kept(second);  // what was kept of the first is forgotten
+  EXPECT_THAT(second.get("/api/status")["alerts"].dump(), ::testing::Not(HasSubstr("service_crashed")));
 }
 
 }  // namespace

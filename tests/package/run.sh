@@ -270,6 +270,15 @@ report() { # WHAT: the middle and the worst of `took`
     awk '{t[NR] = $1} END {printf "%d times: p50 %.1f s, max %.1f s", NR, t[int((NR + 1) / 2)], t[NR]}')"
   took=()
 }
+remembers() { get /api/recordings/clips | jq -e '.last_seconds.cameras | length == 2 and all(.seconds > 1)' >/dev/null; }
+check "the cameras' last seconds are in memory" eventually 20 remembers
+check "a crash: it answers again" recovers SEGV
+took=()
+has_crash_clip() {
+  get /api/recordings/clips | jq -e '.clips | map(select(.name | endswith("_crash.clip"))) | length == 1 and
+    (.[0].cameras | length == 2 and all(.frames > 20))' >/dev/null
+}
+check "a clip shows what the cameras saw before it" eventually 20 has_crash_clip
 for ((i = 0; i < tries; i++)); do recovers KILL || failed "killed, it does not come back"; done
 report "kill -9: it answers again"
 for ((i = 0; i < (tries + 1) / 2; i++)); do recovers STOP || failed "hanging, it is not started anew"; done

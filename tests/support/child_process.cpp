@@ -13,7 +13,28 @@
 
 namespace sslv::test {
 
-ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::vector<std::string>& environment)
+namespace {
+
+/// As the service manager does it, in the process that becomes the program (sd_listen_fds(3)).
+void hand_over(const std::vector<KeptFile>& kept) {
+  if (kept.empty()) return;
+  constexpr int kFirst = 3, kOutOfTheWay = 200;
+  std::vector<int> files;
+  std::string names;
+  for (const KeptFile& one : kept) {
+    files.push_back(::fcntl(one.file.fd(), F_DUPFD_CLOEXEC, kOutOfTheWay));
+    names += (names.empty() ? "" : ":") + one.name;
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) ::dup2(files[i], kFirst + static_cast<int>(i));
+  ::setenv("LISTEN_PID", std::to_string(::getpid()).c_str(), 1);
+  ::setenv("LISTEN_FDS", std::to_string(files.size()).c_str(), 1);
+  ::setenv("LISTEN_FDNAMES", names.c_str(), 1);
+}
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+                           const std::vector<KeptFile>& kept)
     : name_(words.at(0)) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe for " + name_);
@@ -23,6 +44,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::vec
     ::dup2(ends[1], STDOUT_FILENO);
     ::dup2(ends[1], STDERR_FILENO);
     for (const std::string& entry : environment) ::putenv(const_cast<char*>(entry.c_str()));
+    hand_over(kept);
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/kept_files.h"
+
 #include <chrono>
 #include <string>
 #include <vector>
@@ -12,9 +14,11 @@ namespace sslv::test {
 /// A program started by a test: its output is collected, and it is killed when the test ends.
 class ChildProcess {
  public:
-  /// The first word is the program. `environment` entries are "NAME=value", beside this process' own.
+  /// The first word is the program. `environment` entries are "NAME=value", beside this process' own. `kept`:
+  /// what the service manager kept for it.
   explicit ChildProcess(const std::vector<std::string>& words,
-                        const std::vector<std::string>& environment = {});
+                        const std::vector<std::string>& environment = {},
+                        const std::vector<KeptFile>& kept = {});
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/kept_files.h"
+
 #include <chrono>
 #include <cstring>
 #include <deque>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -16,7 +21,7 @@
 
 namespace sslv::test {
 
-/// The service manager's end of a service: hears what sd_notify(3) says.
+/// The service manager's end of a service: hears what sd_notify(3) says, and keeps the files that it is to.
 class ServiceManager {
  public:
   explicit ServiceManager(const std::filesystem::path& socket) : path_(socket) {
@@ -38,8 +43,32 @@ class ServiceManager {
     pollfd waiting{socket_, POLLIN, 0};
     if (::poll(&waiting, 1, static_cast<int>(timeout.count())) <= 0) return std::nullopt;
     char text[4096];
-    const ssize_t size = ::recv(socket_, text, sizeof text, 0);
-    return std::string(text, static_cast<std::size_t>(size > 0 ? size : 0));
+    iovec part{text, sizeof text};
+    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))];
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control;
+    message.msg_controllen = sizeof control;
+    const ssize_t size = ::recvmsg(socket_, &message, MSG_CMSG_CLOEXEC);
+    OpenFile file;
+    const cmsghdr* const sent = CMSG_FIRSTHDR(&message);
+    if (size > 0 && sent != nullptr && sent->cmsg_type == SCM_RIGHTS) {
+      int fd = -1;
+      std::memcpy(&fd, CMSG_DATA(sent), sizeof fd);
+      file = OpenFile(fd);
+    }
+    std::string out(text, static_cast<std::size_t>(size > 0 ? size : 0));
+    see(out, std::move(file));
+    return out;
+  }
+
+  /// What the service wants to have again after a crash.
+  const std::vector<KeptFile>& kept() const { return kept_; }
+  /// After the service's end: hears what it said last.
+  void hear_the_rest() {
+    while (next(std::chrono::milliseconds(0))) {
+    }
   }
 
   /// The next message that begins so; throws std::runtime_error with what came instead.
@@ -55,6 +84,20 @@ class ServiceManager {
   }
 
  private:
+  void see(const std::string& message, OpenFile file) {
+    std::string name;
+    bool keeps = false, forgets = false;
+    std::istringstream lines(message);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("FDNAME=")) name = line.substr(7);
+      keeps |= line == "FDSTORE=1";
+      forgets |= line == "FDSTOREREMOVE=1";
+    }
+    if (forgets) std::erase_if(kept_, [&](const KeptFile& one) { return one.name == name; });
+    if (keeps) kept_.push_back({name, std::move(file)});
+  }
+
+  std::vector<KeptFile> kept_;
   const std::filesystem::path path_;
   const int socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
 };

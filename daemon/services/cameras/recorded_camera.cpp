@@ -2,9 +2,12 @@
 #include "services/cameras/recorded_camera.h"
 
 #include "base/clock.h"
+#include "base/log.h"
 #include "clips/clip_format.h"
+#include "replay/clip_setup.h"
 
 #include <algorithm>
+#include <exception>
 #include <span>
 #include <utility>
 
@@ -32,8 +35,8 @@ bool is_like(const ImageView& a, const ImageView& b) {
 
 }  // namespace
 
-RecordedCamera::RecordedCamera(const DetectionSender& sender)
-    : sender_(sender), memory_(kMemoryBytes), tiles_(kMaxTiles / 8), key_(kMaxTiles / 8) {}
+RecordedCamera::RecordedCamera(int id, const DetectionSender& sender)
+    : id_(id), sender_(sender), memory_(kMemoryBytes), tiles_(kMaxTiles / 8), key_(kMaxTiles / 8) {}
 
 RecordedCamera::Seen RecordedCamera::seen() const {
   return {frames_seen_.load(std::memory_order_relaxed), bytes_seen_.load(std::memory_order_relaxed)};
@@ -115,11 +118,42 @@ std::size_t RecordedCamera::mark_tiles(const Frame& frame) noexcept {
   return bytes;
 }
 
+void RecordedCamera::keep(RecordedFrames frames) {
+  std::shared_ptr<ImageRing> before;  // goes after the lock
+  {
+    const std::lock_guard lock(mutex_);
+    if (frames.ring != ring_of_setups_) {
+      before = std::exchange(ring_of_setups_, frames.ring);
+      for (const Setup& setup : setups_) put_into_ring(setup);
+    }
+  }
+  frames_.store(std::move(frames));
+}
+
 void RecordedCamera::note(CameraSetup& setup, std::shared_ptr<const Config> config) {
   const std::lock_guard lock(mutex_);
   setup.number = next_number_++;
   if (!config && !setups_.empty()) config = setups_.back().config;
   setups_.push_back({std::make_shared<const CameraSetup>(setup), std::move(config)});
+  put_into_ring(setups_.back());
+}
+
+std::optional<ClipSetup> RecordedCamera::for_clip(const Setup& setup) const {
+  if (!setup.config) return std::nullopt;
+  const auto& cameras = setup.config->cameras;
+  const auto camera = std::ranges::find(cameras, id_, &CameraSettings::id);
+  if (camera == cameras.end()) return std::nullopt;
+  return clip_setup(*setup.config, static_cast<std::size_t>(camera - cameras.begin()), *setup.setup);
+}
+
+/// At once, not when a clip wants it: after a crash nobody could any more.
+void RecordedCamera::put_into_ring(const Setup& setup) {
+  if (!ring_of_setups_) return;
+  try {
+    if (const auto made = for_clip(setup)) ring_of_setups_->put_setup(setup.setup->number, *made);
+  } catch (const std::exception& error) {
+    log::warning("camera {}: a clip after a crash would lack its settings: {}", id_, error.what());
+  }
 }
 
 std::optional<RecordedCamera::Setup> RecordedCamera::setup(std::uint32_t number) const {
@@ -127,6 +161,11 @@ std::optional<RecordedCamera::Setup> RecordedCamera::setup(std::uint32_t number)
   const auto found = std::ranges::find(setups_, number, [](const Setup& one) { return one.setup->number; });
   if (found == setups_.end()) return std::nullopt;
   return *found;
+}
+
+std::optional<ClipSetup> RecordedCamera::setup_for_clip(std::uint32_t number) const {
+  const auto found = setup(number);
+  return found ? for_clip(*found) : std::nullopt;
 }
 
 void RecordedCamera::forget_before(std::uint32_t number) {
@@ -137,6 +176,8 @@ void RecordedCamera::forget_before(std::uint32_t number) {
   });
   gone.assign(std::make_move_iterator(setups_.begin()), std::make_move_iterator(first));
   setups_.erase(setups_.begin(), first);
+  if (ring_of_setups_ && !setups_.empty())
+    ring_of_setups_->forget_setups_before(setups_.front().setup->number);
 }
 
 }  // namespace sslv

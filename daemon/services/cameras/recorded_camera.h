@@ -35,7 +35,7 @@ struct RecordedFrames {
 class RecordedCamera final : public FrameObserver {
  public:
   /// `sender`: what sends the camera's packets; must outlive the camera's thread.
-  explicit RecordedCamera(const DetectionSender& sender);
+  RecordedCamera(int id, const DetectionSender& sender);
 
   // FrameObserver
   void frame_begins(const CameraSetup& setup) noexcept override;
@@ -43,8 +43,8 @@ class RecordedCamera final : public FrameObserver {
 
   // From any other thread.
 
-  /// From the next frame on.
-  void keep(RecordedFrames frames) { frames_.store(std::move(frames)); }
+  /// From the next frame on. Setups go into the ring as well.
+  void keep(RecordedFrames frames);
   /// Lets go of memory that was kept before and that the camera's thread has left since.
   void tidy() const { frames_.load(); }
   /// Bytes of all images and their count since the start, as the camera gave them, kept or not.
@@ -62,13 +62,18 @@ class RecordedCamera final : public FrameObserver {
   };
   /// Nothing: it was forgotten.
   std::optional<Setup> setup(std::uint32_t number) const;
+  /// The same for a clip.
+  std::optional<ClipSetup> setup_for_clip(std::uint32_t number) const;
   /// Setups before it are not asked for any more.
   void forget_before(std::uint32_t number);
 
  private:
   static constexpr int kTilePx = 32;
+  std::optional<ClipSetup> for_clip(const Setup& setup) const;
+  void put_into_ring(const Setup& setup);
   std::size_t mark_tiles(const Frame& frame) noexcept;
 
+  const int id_;
   const DetectionSender& sender_;
   Handover<RecordedFrames> frames_{RecordedFrames{}};
   std::atomic<std::uint64_t> frames_seen_{0}, bytes_seen_{0};
@@ -88,6 +93,7 @@ class RecordedCamera final : public FrameObserver {
   mutable std::mutex mutex_;  // guards the rest
   std::vector<Setup> setups_;
   std::uint32_t next_number_ = 0;
+  std::shared_ptr<ImageRing> ring_of_setups_;
 };
 
 }  // namespace sslv

@@ -141,7 +141,8 @@ class RunningCamera {
   std::atomic<double> reopened_s_{0};
   std::atomic<std::uint64_t> reopenings_{0};
   Sink sink_;
-  const std::shared_ptr<RecordedCamera> recorded_ = std::make_shared<RecordedCamera>(sink_.sender);
+  const std::shared_ptr<RecordedCamera> recorded_ =
+      std::make_shared<RecordedCamera>(settings_->load()->id, sink_.sender);
   CameraPipeline pipeline_;
   mutable std::mutex thread_mutex_;  // guards the pointer
   std::unique_ptr<CameraThread> thread_;

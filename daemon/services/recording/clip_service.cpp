@@ -34,6 +34,9 @@ constexpr double kLateFrames_s = 0.3;
 constexpr double kKeptEvents_s = 1300;
 constexpr std::size_t kMaxEvents = 1000;
 constexpr double kFailureIsTold_s = 600;
+/// Part of the names of clips of crashes, and how far they are apart.
+constexpr const char* kCrashName = "crash";
+constexpr std::chrono::seconds kCrashClipInterval{60};
 /// Between two clips for alerts of one kind.
 constexpr double kAlertAgain_s = 60;
 constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
@@ -46,6 +49,10 @@ RecordingSettings with_reserve(RecordingSettings settings) {
   settings.quota_mb -= reserve_mb;
   settings.keep_free_mb += reserve_mb;
   return settings;
+}
+
+int every_nth_of(const LastSecondsSettings& settings) {
+  return settings.images == LastSecondsSettings::Images::kEveryNth ? settings.every_nth : 1;
 }
 
 std::int64_t to_ns(double steady_s) {
@@ -68,17 +75,21 @@ Json clip_json(const RecordingFile& file) {
 }  // namespace
 
 ClipService::ClipService(const Snapshot<Config>& config, RecordingFiles& files, Cameras& cameras,
-                         const RefereeListener& referee)
+                         const RefereeListener& referee, std::vector<KeptFile> left)
     : config_(config),
       files_(files),
       referee_(referee),
       last_seconds_(cameras),
+      is_writing_(!left.empty()),
+      left_(std::move(left)),
       thread_([this](const std::stop_token& stop) {
         become_background_thread("clips");
         work(stop);
       }) {}
 
 void ClipService::work(const std::stop_token& stop) {
+  // First: together with the new last seconds it would be twice the memory.
+  if (!left_.empty()) write_left(std::move(left_), stop);
   double shared_s = 0;
   while (!stop.stop_requested()) {
     const auto order = next_order(stop);
@@ -138,7 +149,8 @@ void ClipService::see_alerts(const std::vector<Alert>& alerts) {
     for (const Alert& alert : alerts) {
       const std::string key = fmt::format("{} {} {}", alert.id, alert.camera.value_or(-1), alert.about);
       now.insert(key);
-      if (alerts_.contains(key) || alert.id.starts_with("clip_")) continue;
+      // Those of clips and of a crash tell of clips themselves.
+      if (alerts_.contains(key) || alert.id.starts_with("clip_") || alert.id == "service_crashed") continue;
       double& made_s = clipped_.emplace(alert.id, -1e9).first->second;
       const bool may = steady_s() - made_s >= kAlertAgain_s;
       if (may) made_s = steady_s();
@@ -165,12 +177,95 @@ void ClipService::look_at_game() {
     order_for_event(settings.on_command, "command", command_text(*now->command));
 }
 
+/// What the cameras saw before the service crashed.
+void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token& stop) {
+  LeftRings left(std::move(files));
+  const bool is_wanted = config_.load()->recording.clips.on_crash;
+  std::string told;
+  if (left.extent().frames > 0 && is_wanted) {
+    told = "The service crashed and runs again";
+    if (had_crash_clip()) {
+      told += "; a clip of a crash was made less than a minute ago";
+    } else {
+      told += write_crash_clip(left, stop);
+    }
+    log::warning("{}", told);
+  }
+  const std::lock_guard lock(mutex_);
+  is_writing_ = false;
+  crash_ = std::move(told);
+  crash_s_ = steady_s();
+}
+
+/// A service that crashes again and again is not to fill the disk.
+bool ClipService::had_crash_clip() const {
+  std::error_code error;
+  for (const RecordingFile& file : files_.list(RecordingFile::Kind::kClip)) {
+    if (file.name.find(fmt::format("_{}.", kCrashName)) == std::string::npos &&
+        file.name.find(fmt::format("_{}_", kCrashName)) == std::string::npos)
+      continue;
+    const auto written = std::filesystem::last_write_time(files_.path_of(file.name), error);
+    if (!error && std::filesystem::file_time_type::clock::now() - written < kCrashClipInterval) return true;
+  }
+  return false;
+}
+
+/// How that went, as the second half of a sentence.
+std::string ClipService::write_crash_clip(LeftRings& left, const std::stop_token& stop) {
+  const std::shared_ptr<const Config> config = config_.load();
+  const double ahead_s = unix_time_s() - steady_s();  // of the steady clock is the other
+  const Order order{.name = kCrashName,
+                    .why = "the service crashed",
+                    .begin_s = static_cast<double>(left.extent().oldest_ns) * 1e-9,
+                    .end_s = static_cast<double>(left.extent().newest_ns) * 1e-9};
+  std::filesystem::path file;
+  std::string problem;
+  bool is_finished = false;
+  try {
+    files_.make_room(with_reserve(config->recording), events_, left.extent().bytes);
+    file = files_.begin(order.name, RecordingFile::Kind::kClip);
+    {
+      const std::lock_guard lock(mutex_);
+      clip_ = {.file = file.filename().string(), .why = order.why};
+    }
+    ClipWriter writer(file, {.site = config->site,
+                             .version = kVersion,
+                             .why = order.why,
+                             .begin_s = order.begin_s + ahead_s,
+                             .end_s = order.end_s + ahead_s});
+    while (!stop.stop_requested() && left.write_next(writer, every_nth_of(config->recording.last_seconds))) {
+      const std::lock_guard lock(mutex_);
+      clip_.frames = left.frames();
+      clip_.missing = left.missing();
+      clip_.bytes = writer.bytes();
+    }
+    if (left.frames() == 0) throw StorageError("no camera has images that can be used");
+    writer.add(ClipEvent{left.newest_s(), "alert", "The service crashed"});
+    writer.finish();
+    is_finished = true;
+  } catch (const std::exception& error) {
+    problem = error.what();
+  }
+  try {
+    if (!file.empty()) files_.end(file, is_finished);
+    if (!file.empty() && left.frames() == 0) files_.remove(file.filename().string());
+  } catch (const StorageError& error) {
+    log::warning("{}", error.what());
+  }
+  if (!is_finished) return fmt::format("; there is no clip of it: {}", problem);
+  const std::string name = file.filename().string();
+  log::info("clip {} was written: {} frames, {} missing ({})", name, left.frames(), left.missing(),
+            order.why);
+  events_.add({.id = "clip_written", .title = fmt::format("Clip {} was written: {}", name, order.why)});
+  return fmt::format("; clip {} shows what the cameras saw before", name);
+}
+
 void ClipService::write(Order order, const std::stop_token& stop) {
   std::vector<Source> sources;
   double bytes = 0;
   const LastSecondsSettings kept = last_seconds_.status().settings;
   const bool is_in_parts = kept.images == LastSecondsSettings::Images::kFound;
-  order_every_nth_ = kept.images == LastSecondsSettings::Images::kEveryNth ? kept.every_nth : 1;
+  const int every_nth = every_nth_of(kept);
   order.begin_s -= is_in_parts ? kWholeInterval_s : kKeyInterval_s;
   for (LastSeconds::Ring& ring : last_seconds_.rings()) {
     // At once: what is held is not overwritten while the file is made.
@@ -180,7 +275,10 @@ void ClipService::write(Order order, const std::stop_token& stop) {
         std::min(static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9, steady_s() - order.begin_s);
     bytes += std::min(ring.bytes_per_s * std::max(0.0, held_s), static_cast<double>(ring.ring->bytes())) +
              ring.bytes_per_s * std::max(0.0, order.end_s - steady_s());
-    sources.push_back({.from = std::move(ring), .dropped_before = extent.dropped});
+    auto setup_of = [camera = ring.camera](std::uint32_t number) { return camera->setup_for_clip(number); };
+    ClipCamera camera(ring.camera_id, every_nth, std::move(setup_of));
+    sources.push_back(
+        {.from = std::move(ring), .camera = std::move(camera), .dropped_before = extent.dropped});
   }
   std::filesystem::path file;
   std::string problem;
@@ -208,7 +306,9 @@ void ClipService::write(Order order, const std::stop_token& stop) {
   for (Source& source : sources) source.from.ring->let_all_go();
   try {
     if (!file.empty()) files_.end(file, is_finished);
-    const bool is_empty = !problem.empty() && std::ranges::none_of(sources, &Source::has_begun);
+    const bool is_empty = !problem.empty() && std::ranges::none_of(sources, [](const Source& source) {
+      return source.camera.has_begun();
+    });
     if (!file.empty() && is_empty) files_.remove(file.filename().string());
   } catch (const StorageError& error) {
     log::warning("{}", error.what());
@@ -263,59 +363,28 @@ bool ClipService::write_next(ClipWriter& writer, std::vector<Source>& sources) {
   }
   if (first == nullptr) return false;
   const ClipFrame& frame = *first->from.ring->oldest_held();
-  const bool is_written = write_one(writer, *first, frame);
+  const std::uint64_t missing = first->camera.missing();
+  const bool is_written = first->camera.write(writer, frame);
   first->from.ring->let_go();
   const std::lock_guard lock(mutex_);
   if (is_written) ++clip_.frames;
+  clip_.missing += first->camera.missing() - missing;
   clip_.bytes = writer.bytes();
   return true;
 }
 
-bool ClipService::write_one(ClipWriter& writer, Source& source, const ClipFrame& frame) {
-  // Parts need the whole image that they are parts of.
-  if (!source.has_begun && (frame.memory.empty() || frame.tile_px != 0)) return false;
-  if (source.lacks_whole && frame.tile_px != 0) return false;
-  source.lacks_whole = true;  // until it is written
-  auto place = source.setups.find(frame.setup);
-  if (place == source.setups.end()) {
-    const auto setup = source.from.camera->setup(frame.setup);
-    if (!setup || !setup->config) return false;
-    const auto& cameras = setup->config->cameras;
-    const auto camera = std::ranges::find(cameras, source.from.camera_id, &CameraSettings::id);
-    if (camera == cameras.end()) return false;
-    const auto i = static_cast<std::size_t>(camera - cameras.begin());
-    place =
-        source.setups.emplace(frame.setup, writer.add(clip_setup(*setup->config, i, *setup->setup))).first;
-  }
-  source.has_begun = true;
-  source.lacks_whole = false;
-  ClipFrame out = frame;
-  out.setup = place->second;
-  writer.add(out);
-  // What is left out on purpose is not missing.
-  const std::uint32_t step = source.last_number ? out.info.number - *source.last_number : 1;
-  const auto wanted = static_cast<std::uint32_t>(order_every_nth_);
-  if (step > wanted) note_missing(writer, source, (step - 1) / wanted);
-  source.last_number = out.info.number;
-  return true;
-}
-
-void ClipService::note_missing(ClipWriter& writer, Source& source, std::uint64_t frames) {
-  if (frames == 0) return;
-  writer.note_missing(static_cast<std::uint32_t>(source.from.camera_id), frames);
-  source.missing += frames;
-  const std::lock_guard lock(mutex_);
-  clip_.missing += frames;
-}
-
 void ClipService::finish(const Order& order, ClipWriter& writer, std::vector<Source>& sources) {
-  const bool is_empty = std::ranges::none_of(sources, &Source::has_begun);
+  const bool is_empty =
+      std::ranges::none_of(sources, [](const Source& source) { return source.camera.has_begun(); });
   if (is_empty) throw StorageError("no camera has images of that time in memory");
   // Those that found no room while it was written, and after which none was kept.
   for (Source& source : sources) {
     const std::uint64_t dropped =
         source.dropped_at_end.value_or(source.from.ring->extent().dropped) - source.dropped_before;
-    note_missing(writer, source, dropped - std::min(dropped, source.missing));
+    const std::uint64_t missing = dropped - std::min(dropped, source.camera.missing());
+    source.camera.note_missing(writer, missing);
+    const std::lock_guard lock(mutex_);
+    clip_.missing += missing;
   }
   std::vector<ClipEvent> events;
   {
@@ -464,6 +533,7 @@ void ClipService::report(HealthReport& report) const {
   {
     const std::lock_guard lock(mutex_);
     if (steady_s() - clip_.problem_s < kFailureIsTold_s) facts.clip_problem = clip_.problem;
+    if (steady_s() - crash_s_ < kFailureIsTold_s) facts.crash = crash_;
   }
   report_last_seconds(facts, report);
 }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/kept_files.h"
 #include "base/snapshot.h"
 #include "clips/clip.h"
 #include "clips/clip_writer.h"
 #include "config/config.h"
 #include "net/referee_listener.h"
+#include "services/recording/clip_camera.h"
 #include "services/recording/last_seconds.h"
+#include "services/recording/left_rings.h"
 #include "services/recording/recording_files.h"
 #include "services/service.h"
 
@@ -25,13 +28,14 @@
 
 namespace sslv {
 
-/// Keeps the cameras' last seconds in memory, and writes clips of them: when somebody asks, and at alerts,
-/// goals and commands if the settings say so. A thread of low priority writes them; cameras wait for nothing.
+/// Keeps the cameras' last seconds in memory, and writes clips of them: when somebody asks, at alerts, goals
+/// and commands if the settings say so, and after a crash of what the run before left. A thread of low
+/// priority writes them; cameras wait for nothing.
 class ClipService final : public Service {
  public:
-  /// All must outlive this.
+  /// `left`: what the service manager kept of the run before, if that crashed. The others must outlive this.
   ClipService(const Snapshot<Config>& config, RecordingFiles& files, Cameras& cameras,
-              const RefereeListener& referee);
+              const RefereeListener& referee, std::vector<KeptFile> left);
 
   // Service
   std::vector<Route> routes() override;
@@ -60,15 +64,15 @@ class ClipService final : public Service {
   /// One camera of the clip that is written.
   struct Source {
     LastSeconds::Ring from;
-    std::map<std::uint32_t, std::uint32_t> setups{};  // its number -> place in the clip
-    std::optional<std::uint32_t> last_number{};       // of the frame before
-    bool has_begun = false;
-    bool lacks_whole = true;  // the image that parts are of
-    std::uint64_t dropped_before = 0, missing = 0;
+    ClipCamera camera;
+    std::uint64_t dropped_before = 0;
     std::optional<std::uint64_t> dropped_at_end{};  // when the clip's time was over
   };
 
   void work(const std::stop_token& stop);
+  void write_left(std::vector<KeptFile> files, const std::stop_token& stop);
+  std::string write_crash_clip(LeftRings& left, const std::stop_token& stop);
+  bool had_crash_clip() const;
   std::optional<Order> next_order(const std::stop_token& stop);
   void look_at_game();
   /// False: one is being written or waits already.
@@ -80,8 +84,6 @@ class ClipService final : public Service {
                     const std::stop_token& stop);
   static void note_end(const Order& order, std::vector<Source>& sources);
   bool write_next(ClipWriter& writer, std::vector<Source>& sources);
-  bool write_one(ClipWriter& writer, Source& source, const ClipFrame& frame);
-  void note_missing(ClipWriter& writer, Source& source, std::uint64_t frames);
   void finish(const Order& order, ClipWriter& writer, std::vector<Source>& sources);
 
   Json to_json() const;
@@ -100,6 +102,8 @@ class ClipService final : public Service {
   std::optional<Order> order_;
   bool is_writing_ = false;
   Clip clip_;
+  std::string crash_;             // that the service crashed, and which clip shows it; empty: it did not
+  double crash_s_ = 0;            // when that was known, on the steady clock
   std::deque<ClipEvent> recent_;  // what happened lately, for clips
   std::set<std::string> alerts_;  // that are there
   std::map<std::string, double>
@@ -107,8 +111,8 @@ class ClipService final : public Service {
   std::condition_variable_any ordered_;
   // The thread's own.
   std::optional<MatchState> match_;
-  int order_every_nth_ = 1;  // of the clip that is written: which frames are kept on purpose
-  std::jthread thread_;      // last: it uses the others
+  std::vector<KeptFile> left_;
+  std::jthread thread_;  // last: it uses the others
 };
 
 }  // namespace sslv

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/recording/last_seconds.h"
 
+#include "base/kept_files.h"
 #include "base/log.h"
 #include "base/params_json.h"
 #include "health/memory_left.h"
 #include "services/recording/recording_files.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <system_error>
@@ -25,6 +27,18 @@ constexpr int kUnevenAtMost = 5;
 constexpr double kMayDiffer = 0.3;
 /// Of the memory that is left: the rest is for the rest of the service and of the computer.
 constexpr double kOfWhatIsLeft = 0.5;
+
+/// The service manager keeps its memory until the ring ends, so also after a crash.
+std::shared_ptr<ImageRing> kept_ring(int camera_id, std::size_t bytes) {
+  static std::atomic<unsigned> count{0};
+  const std::string name = fmt::format("{}{}-{}", LastSeconds::kKeptName, camera_id, ++count);
+  std::shared_ptr<ImageRing> ring(new ImageRing(bytes), [name](ImageRing* ending) {
+    if (ending->fd() >= 0) forget_file(name);
+    delete ending;
+  });
+  if (ring->fd() >= 0) keep_file(name, ring->fd());
+  return ring;
+}
 
 bool same(const LastSecondsSettings& a, const LastSecondsSettings& b) {
   return params_to_json(a) == params_to_json(b);
@@ -137,7 +151,7 @@ void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes) {
   for (auto& [id, one] : known) {
     one.camera->tidy();
     if (one.ring || part_of(one) == 0) continue;
-    one.ring = std::make_shared<ImageRing>(part_of(one));
+    one.ring = kept_ring(id, part_of(one));
     hand_over(one);
   }
 }

@@ -19,6 +19,9 @@ namespace sslv {
 /// reach back as far. look() and rings() are for one thread, that of clips; the rest for any.
 class LastSeconds {
  public:
+  /// So begin the names under which the service manager keeps the memory: see LeftRing.
+  static constexpr const char* kKeptName = "last_seconds-";
+
   /// `cameras` must outlive this.
   explicit LastSeconds(Cameras& cameras) : cameras_(cameras) {}
 

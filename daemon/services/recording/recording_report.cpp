@@ -56,6 +56,10 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
 
 void report_last_seconds(const LastSecondsFacts& facts, HealthReport& report) {
   constexpr const char* kCheck = "last_seconds";
+  if (!facts.crash.empty()) {
+    warn_of(kCheck, "service_crashed", facts.crash,
+            "Report it, with the support bundle (page Diagnostics) and the clip, if there is one.", report);
+  }
   if (!facts.clip_problem.empty()) {
     warn_of(kCheck, "clip_failed", fmt::format("A clip was not written: {}", facts.clip_problem),
             "Put that right, then keep the last seconds again on the page Recordings.", report);

@@ -28,6 +28,7 @@ struct LastSecondsFacts {
   double seconds = 0;          // that all cameras reach back
   std::string problem{};       // why they are shorter than wanted
   std::string clip_problem{};  // why the newest clip was not written
+  std::string crash{};         // that the service crashed, and what there is of it
 };
 
 void report_last_seconds(const LastSecondsFacts& facts, HealthReport& report);

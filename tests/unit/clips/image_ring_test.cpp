@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -68,6 +69,20 @@ TEST(ImageRing, GivesBackAllOfAFrame) {
     ring.let_go();
     EXPECT_EQ(ring.oldest_held(), nullptr);
   }
+}
+
+TEST(ImageRing, ATimeThatIsNoNumberCostsNoFrameThatCanDoWithout) {
+  ImageRing ring(kRingBytes);
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 64, 32, 1);
+  ClipFrame frame = numbered(1, image.view);
+  frame.info.times.t_capture_sigma_s = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(ring.put(frame));
+  ring.hold(0, 10'000'000'000);
+  ASSERT_NE(ring.oldest_held(), nullptr);
+  EXPECT_FALSE(ring.oldest_held()->info.times.t_capture_sigma_s);
+  frame.info.times.t_capture_s = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(ring.put(frame)) << "no clip could hold it";
+  EXPECT_EQ(ring.extent().dropped, 1U);
 }
 
 TEST(ImageRing, KeepsTheMarkedTiles) {

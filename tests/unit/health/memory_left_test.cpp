@@ -39,6 +39,9 @@ TEST_F(MemoryLeftTest, IsLimitedByTheGroupAndThoseAboveIt) {
   write(group_ + "memory.current", "700000000\n");
   write(group_ + "memory.stat", "anon 400000000\nfile 300000000\n");
   EXPECT_EQ(left(), 1'600'000'000U) << "what was read of files can be given back";
+  write(group_ + "memory.stat", "anon 400000000\nfile 300000000\nkernel 5\nshmem 250000000\n");
+  EXPECT_EQ(left(), 1'350'000'000U) << "memory that is a file cannot";
+  write(group_ + "memory.stat", "anon 400000000\nfile 300000000\n");
   write("sys/fs/cgroup/system.slice/memory.max", "1000000000\n");
   write("sys/fs/cgroup/system.slice/memory.current", "900000000\n");
   EXPECT_EQ(left(), 100'000'000U);

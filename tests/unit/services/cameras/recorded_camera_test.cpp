@@ -66,7 +66,7 @@ class RecordedCameraTest : public testing::Test {
 
   MulticastSender multicast_{MulticastSettings{}};
   DetectionSender sender_{multicast_};
-  RecordedCamera recorded_{sender_};
+  RecordedCamera recorded_{0, sender_};
   CameraSetup setup_;
   OwnedImage image_ = noise_image(PixelFormat::kMono8, 640, 480, 1);
   std::shared_ptr<ImageRing> ring_;

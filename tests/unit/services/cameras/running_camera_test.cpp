@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/running_camera.h"
 
+#include "base/open_file.h"
+#include "clips/image_ring.h"
+#include "clips/left_ring.h"
+
 #include <memory>
 #include <utility>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,6 +87,27 @@ TEST_F(RunningCameraTest, ARecordingKnowsWhatEachSetupIs) {
   EXPECT_FALSE(recorded->setup(second->setup->number));
   recorded->forget_before(1000);
   EXPECT_TRUE(recorded->setup(third->setup->number)) << "it is in use";
+}
+
+TEST_F(RunningCameraTest, ARingHasTheSetupsForWhoFindsItAfterACrash) {
+  const auto recorded = camera_.recorded();
+  const std::uint32_t first = context_number();
+  auto ring = std::make_shared<ImageRing>(std::size_t{1} << 20U);
+  OpenFile file(::fcntl(ring->fd(), F_DUPFD_CLOEXEC, 0));
+  recorded->keep({.ring = ring});
+  auto change = prepare(config_with({{"field", {{"field_length", 4321}}}}));
+  camera_.commit(change, {140, 150});
+  const auto expected = recorded->setup_for_clip(context_number());
+  ASSERT_TRUE(expected);
+  const LeftRing left(std::move(file));
+  const auto before = left.setup(first), now = left.setup(context_number());
+  ASSERT_TRUE(before) << "it was there before the ring";
+  ASSERT_TRUE(now);
+  EXPECT_EQ(now->camera_id, 3);
+  EXPECT_EQ(now->about["settings"]["field"]["field_length"], 4321);
+  EXPECT_NE(before->about["settings"]["field"]["field_length"], 4321);
+  EXPECT_EQ(now->about, expected->about);
+  EXPECT_EQ(now->table, expected->table);
 }
 
 TEST_F(RunningCameraTest, RobotHeightsAreThoseOfTheCommit) {

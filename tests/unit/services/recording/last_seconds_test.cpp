@@ -38,7 +38,7 @@ class LastSecondsTest : public testing::Test {
     setup_.pipeline =
         std::make_shared<Pipeline>(stage_table(), std::vector<std::string>{"segment"}, "/stack");
     for (const int id : {0, 1}) {
-      cameras_.cameras[id] = std::make_shared<RecordedCamera>(sender_);
+      cameras_.cameras[id] = std::make_shared<RecordedCamera>(id, sender_);
       cameras_.cameras[id]->note(setup_, nullptr);
     }
     settings_.memory_mb = 16;

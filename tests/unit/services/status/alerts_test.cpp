@@ -266,6 +266,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   LastSecondsFacts last_seconds;
   last_seconds.problem = "there is little memory";
   last_seconds.clip_problem = "the disk is full";
+  last_seconds.crash = "The service crashed and runs again";
   report_last_seconds(last_seconds, left_out);
   for (Alert& alert : left_out.alerts) all.push_back(std::move(alert));
   std::set<std::string> found;
