@@ -2,10 +2,14 @@
 // The last seconds, clips and their player against the real service: kept by a button, played, stepped through, compared.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
+import { setTimeout as pause } from 'node:timers/promises';
 import { accessibleInThemes, byId, createBrowser, DESKTOP, phone, PHONE, text, textBecomes, views } from './browser.mjs';
 import { layoutFaults } from './layout.mjs';
-import { becomes, createService } from './service.mjs';
+import { gameController } from './league_messages.mjs';
+import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const service = await createService('239.255.77.106');
 const { address } = service;
@@ -32,6 +36,29 @@ async function makeClip(name, seconds = 3) {
 async function clear() {
   await becomes(clips, ({ clip }) => clip.state !== 'writing');
   for (const { name } of (await clips()).clips) await ask(clipPath(name), { method: 'DELETE' });
+}
+
+/** A clip in which a team scores, as the game controller says. */
+async function clipOfAGoal() {
+  const group = '239.255.77.107', port = await freeUdpPort(), stage = { matchType: 1, stage: 1 };
+  await service.patch(
+    { op: 'replace', path: '/network/referee', value: { enabled: true, group, port, interface: 'lo' } },
+    { op: 'replace', path: '/recording/last_seconds/memory_mb', value: 800 }, // for seconds at the cameras' full rate
+  );
+  await inMemory(1);
+  const gc = createSocket('udp4').bind(0, '127.0.0.1');
+  await once(gc, 'listening');
+  gc.setMulticastInterface('127.0.0.1');
+  const HALT = 0, STOP = 1, FORCE_START = 3;
+  for (const [command, goals] of [[STOP, 0], [FORCE_START, 0], [FORCE_START, 1], [HALT, 1], [STOP, 1]]) {
+    const said = gameController({ ...stage, yellow: ['TIGERs Mannheim', undefined, goals], blue: ['ER-Force', undefined, 0], command });
+    for (let i = 0; i < 4; i++) {
+      gc.send(said, port, group);
+      await pause(250); // as a game controller repeats itself
+    }
+  }
+  gc.close();
+  return makeClip('goal', 4.5);
 }
 
 const picture = byId('played-picture');
@@ -308,12 +335,12 @@ describe('the player', () => {
   screenshots([{
     file: 'player-dark.jpg', theme: 'dark', path: '#/recordings', viewport: DESKTOP, options: {},
     ready: async (page) => {
-      const name = await makeClip('kick-off', 1.5);
+      const name = await clipOfAGoal();
       const { cameras: [first] } = await openClip(page, name);
       await becomes(() => page.locator(byId('timeline')).count(), (count) => count === 1);
-      const place = first.places[Math.floor(first.places.length / 3)];
+      const place = first.places[Math.floor(first.places.length / 2)];
       await page.keyboard.press('Home');
-      for (let i = 0; i < Math.floor(first.places.length / 3); i++) await page.keyboard.press('ArrowRight');
+      for (let i = 0; i < Math.floor(first.places.length / 2); i++) await page.keyboard.press('ArrowRight');
       await placeBecomes(page, place);
     },
   }]);
