@@ -37,6 +37,33 @@ void give_back(const OpenFile& file, std::uint64_t place, std::uint64_t bytes) {
                 static_cast<off_t>(bytes));
 }
 
+constexpr std::size_t kHugePage = std::size_t{2} << 20U;
+#ifndef MADV_COLLAPSE
+#define MADV_COLLAPSE 25
+#endif
+
+/// The file, or memory without one, at a place where huge pages may be. Throws std::system_error.
+std::byte* map_memory(const OpenFile& file, std::size_t bytes) {
+  const std::size_t room = bytes + kHugePage;
+  void* const reserved = ::mmap(nullptr, room, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (reserved == MAP_FAILED) refuse_memory(errno);
+  auto* const from = static_cast<std::byte*>(reserved);
+  void* place = from;
+  std::size_t left = room;
+  std::align(kHugePage, bytes, place, left);
+  const int how = file.is_open() ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+  void* const mapped = ::mmap(place, bytes, PROT_READ | PROT_WRITE, how | MAP_FIXED, file.fd(), 0);
+  if (mapped == MAP_FAILED) {
+    const int problem = errno;
+    ::munmap(reserved, room);
+    refuse_memory(problem);
+  }
+  auto* const begin = static_cast<std::byte*>(mapped);
+  if (begin != from) ::munmap(from, static_cast<std::size_t>(begin - from));
+  ::munmap(begin + bytes, static_cast<std::size_t>(from + room - (begin + bytes)));
+  return begin;
+}
+
 bool write_at(const OpenFile& file, std::span<const std::byte> bytes, std::uint64_t place) {
   while (!bytes.empty()) {
     const ssize_t got = ::pwrite(file.fd(), bytes.data(), bytes.size(), static_cast<off_t>(place));
@@ -53,23 +80,23 @@ bool write_at(const OpenFile& file, std::span<const std::byte> bytes, std::uint6
 ImageRing::ImageRing(std::size_t bytes)
     : bytes_(ring_aligned(bytes)), file_(memory_file(ring_file_bytes(bytes_))) {
   const std::size_t size = ring_mapped_bytes(bytes_);
-  const int how = file_.is_open() ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
-  void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, how, file_.fd(), 0);
-  if (memory == MAP_FAILED) refuse_memory(errno);
-  mapped_ = static_cast<std::byte*>(memory);
-  madvise(memory, size, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
-  madvise(memory, size, MADV_DONTDUMP);
+  mapped_ = map_memory(file_, size);
+  madvise(mapped_, size, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
+  madvise(mapped_, size, MADV_DONTDUMP);
   // In pieces: the kernel lets no other thread of this process get memory meanwhile.
-  constexpr std::size_t kPiece = std::size_t{4} << 20U;
-  for (std::size_t at = 0; at < size; at += kPiece) {
-    const std::size_t piece = std::min(kPiece, size - at);
-    if (madvise(mapped_ + at, piece, MADV_POPULATE_WRITE) == 0) continue;
-    const int problem = errno;
-    if (problem == ENOMEM || problem == EFAULT) {
-      munmap(memory, size);
-      refuse_memory(ENOMEM);
+  for (std::size_t at = 0; at < size; at += kHugePage) {
+    const std::size_t piece = std::min(kHugePage, size - at);
+    if (madvise(mapped_ + at, piece, MADV_POPULATE_WRITE) != 0) {
+      const int problem = errno;
+      if (problem == ENOMEM || problem == EFAULT) {
+        munmap(mapped_, size);
+        refuse_memory(ENOMEM);
+      }
+      std::memset(mapped_ + at, 0, piece);  // an older kernel
     }
-    std::memset(mapped_ + at, 0, piece);  // an older kernel
+    // Files in memory have small pages unless the whole computer is told otherwise; or one asks, since Linux
+    // 6.1. If there is no huge page, small ones do.
+    if (file_.is_open() && piece == kHugePage) madvise(mapped_ + at, piece, MADV_COLLAPSE);
   }
   make_head();
 }
