@@ -9,6 +9,7 @@
 #include <array>
 #include <exception>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -30,6 +31,17 @@ bool read_at(const OpenFile& file, std::span<std::byte> bytes, std::uint64_t pla
   return true;
 }
 
+/// The head and the slots; null: they cannot be mapped.
+RingHead* map_head(const OpenFile& file) {
+  void* const first = ::mmap(nullptr, kRingImagesAt, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd(), 0);
+  return first == MAP_FAILED ? nullptr : static_cast<RingHead*>(first);
+}
+
+void set_magic(RingHead& head, std::string_view magic) {
+  head.magic = {};
+  magic.copy(head.magic.data(), head.magic.size());
+}
+
 }  // namespace
 
 LeftRing::LeftRing(OpenFile file) : file_(std::move(file)) {
@@ -41,16 +53,15 @@ LeftRing::LeftRing(OpenFile file) : file_(std::move(file)) {
     throw ClipError("it is too small");
   const auto size = static_cast<std::uint64_t>(about.st_size);
   // Only now is it sure that the head and the slots are there.
-  constexpr std::size_t kSmall = kRingImagesAt;
-  void* const first = ::mmap(nullptr, kSmall, PROT_READ | PROT_WRITE, MAP_SHARED, file_.fd(), 0);
-  if (first == MAP_FAILED) throw ClipError("it cannot be read");
-  auto& head = *static_cast<RingHead*>(first);
-  const std::string_view magic(head.magic.data(), head.magic.size());
+  RingHead* const head = map_head(file_);
+  if (head == nullptr) throw ClipError("it cannot be read");
+  const std::string magic(head->magic.data(), head->magic.size());
   const bool is_known = magic.starts_with(kRingMagic);
-  head.magic = {};
-  const std::uint64_t image_bytes = head.image_bytes;
-  ::munmap(first, kSmall);
-  if (!is_known) throw ClipError("it was left by another version, ended well, or was looked at before");
+  if (is_known) set_magic(*head, kRingIsRead);
+  const std::uint64_t image_bytes = head->image_bytes;
+  ::munmap(head, kRingImagesAt);
+  if (magic.starts_with(kRingIsRead)) throw RingWasRead();
+  if (!is_known) throw ClipError("it was left by another version, or ended well");
   // What it says must be its size, so that the sums below stay small.
   if (image_bytes > size || image_bytes != ring_aligned(image_bytes) || ring_file_bytes(image_bytes) != size)
     throw ClipError("its size is not the one that it says");
@@ -63,8 +74,17 @@ LeftRing::LeftRing(OpenFile file) : file_(std::move(file)) {
 
 LeftRing::~LeftRing() {
   ::munmap(mapped_, ring_mapped_bytes(image_bytes_));
+  if (is_put_back_) return;
   ::fallocate(file_.fd(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
               static_cast<off_t>(ring_file_bytes(image_bytes_)));
+}
+
+void LeftRing::put_back() noexcept {
+  RingHead* const head = map_head(file_);
+  if (head == nullptr) return;
+  set_magic(*head, kRingMagic);
+  ::munmap(head, kRingImagesAt);
+  is_put_back_ = true;
 }
 
 bool LeftRing::may_be_there(std::uint64_t frame) const {
@@ -90,9 +110,13 @@ void LeftRing::look() noexcept {
 
 const ClipFrame* LeftRing::oldest() {
   for (; !has_oldest_ && next_ != end_; ++next_) {
-    if (!may_be_there(next_)) continue;
-    const auto frame = frame_in({mapped_ + kRingImagesAt, image_bytes_}, slot(next_), whole_);
-    if (!frame) continue;
+    const auto frame = may_be_there(next_)
+                           ? frame_in({mapped_ + kRingImagesAt, image_bytes_}, slot(next_), whole_)
+                           : std::nullopt;
+    if (!frame) {
+      lacks_one_ = true;
+      continue;
+    }
     oldest_ = *frame;
     has_oldest_ = true;
   }
@@ -101,6 +125,7 @@ const ClipFrame* LeftRing::oldest() {
 
 void LeftRing::drop_oldest() {
   has_oldest_ = false;
+  lacks_one_ = false;
 }
 
 std::optional<ClipSetup> LeftRing::setup(std::uint32_t number) const {

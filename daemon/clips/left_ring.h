@@ -3,6 +3,7 @@
 
 #include "base/open_file.h"
 #include "clips/clip.h"
+#include "clips/clip_reader.h"
 #include "clips/ring_layout.h"
 
 #include <cstddef>
@@ -12,17 +13,23 @@
 
 namespace sslv {
 
+/// The memory was read before, by a process that did not come to its end.
+struct RingWasRead : ClipError {
+  RingWasRead() : ClipError("a service that read it crashed") {}
+};
+
 /// What an ImageRing left in its memory when its process crashed: frames and setups. Any of it may be
 /// damaged: what is not as it must be is left out. Used by one thread.
 ///
 /// Each memory can be looked at once, so that one whose reading crashes the service does not do so again.
 class LeftRing {
  public:
-  /// Throws ClipError for what is no such memory, was left by another version, ended well or was looked at
-  /// before.
+  /// Throws RingWasRead, and ClipError for what is no such memory, was left by another version or ended well.
   explicit LeftRing(OpenFile file);
-  /// Gives the memory back, also where others have it open.
+  /// Gives the memory back, also where others have it open, unless it was put back.
   ~LeftRing();
+  /// Another process may read all of it, from its beginning.
+  void put_back() noexcept;
   LeftRing(const LeftRing&) = delete;
   LeftRing& operator=(const LeftRing&) = delete;
 
@@ -30,6 +37,8 @@ class LeftRing {
   /// have no meaning.
   const ClipFrame* oldest();
   void drop_oldest();
+  /// Whether a frame that came before the oldest, and after the last that was dropped, was damaged.
+  bool lacks_one() const { return lacks_one_; }
   /// What all frames told together at the beginning, though some may turn out to be damaged.
   struct Extent {
     std::uint64_t frames = 0, bytes = 0;
@@ -53,7 +62,7 @@ class LeftRing {
   std::byte* mapped_ = nullptr;
   std::uint64_t next_ = 0, end_ = 0;  // numbers of frames
   Extent extent_;
-  bool has_oldest_ = false;
+  bool has_oldest_ = false, lacks_one_ = false, is_put_back_ = false;
   ClipFrame oldest_;
   std::vector<std::byte> whole_;  // an image that is put together of tiles
 };

@@ -20,6 +20,8 @@ namespace sslv {
 
 /// To be another one whenever something here, or in what a frame's head says, lies otherwise.
 inline constexpr std::string_view kRingMagic = "SSLVRING0001";
+/// Instead of it while somebody reads what a crash left. Zeros: it ended well.
+inline constexpr std::string_view kRingIsRead = "SSLVRINGREAD";
 
 inline constexpr std::size_t kRingPage = 4096;
 inline constexpr std::size_t kRingSlots = 1 << 14;  // frames at most

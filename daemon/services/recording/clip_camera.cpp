@@ -6,7 +6,9 @@ namespace sslv {
 bool ClipCamera::write(ClipWriter& writer, const ClipFrame& frame) {
   // Parts need the whole image that they are parts of.
   if (!has_begun_ && (frame.memory.empty() || frame.tile_px != 0)) return false;
-  if (lacks_whole_ && frame.tile_px != 0) return false;
+  const bool fits = frame.image.width == whole_.width && frame.image.height == whole_.height &&
+                    frame.image.format == whole_.format;
+  if (frame.tile_px != 0 && (lacks_whole_ || !fits)) return false;
   lacks_whole_ = true;  // until it is written
   auto place = setups_.find(frame.setup);
   if (place == setups_.end()) {
@@ -16,6 +18,8 @@ bool ClipCamera::write(ClipWriter& writer, const ClipFrame& frame) {
   }
   has_begun_ = true;
   lacks_whole_ = false;
+  whole_ = frame.image;
+  whole_.data = nullptr;
   ClipFrame out = frame;
   out.setup = place->second;
   writer.add(out);

@@ -23,6 +23,8 @@ class ClipCamera {
 
   /// The next frame. False: it is not for the clip, because nothing it needs is there. Throws StorageError.
   bool write(ClipWriter& writer, const ClipFrame& frame);
+  /// The frame before the next one was lost: parts need a whole image again.
+  void lack_one() { lacks_whole_ = true; }
   /// Throws StorageError.
   void note_missing(ClipWriter& writer, std::uint64_t frames);
 
@@ -37,6 +39,7 @@ class ClipCamera {
   std::optional<std::uint32_t> last_number_;       // of the frame before
   bool has_begun_ = false;
   bool lacks_whole_ = true;  // the image that parts are of
+  ImageView whole_;          // its size and format
   std::uint64_t missing_ = 0;
 };
 

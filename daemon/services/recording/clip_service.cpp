@@ -37,6 +37,7 @@ constexpr double kFailureIsTold_s = 600;
 /// Part of the names of clips of crashes, and how far they are apart.
 constexpr const char* kCrashName = "crash";
 constexpr std::chrono::seconds kCrashClipInterval{60};
+constexpr std::size_t kMostCrashClips = 3;  // besides those that are pinned
 /// Between two clips for alerts of one kind.
 constexpr double kAlertAgain_s = 60;
 constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
@@ -180,34 +181,52 @@ void ClipService::look_at_game() {
 /// What the cameras saw before the service crashed.
 void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token& stop) {
   LeftRings left(std::move(files));
-  const bool is_wanted = config_.load()->recording.clips.on_crash;
   std::string told;
-  if (left.extent().frames > 0 && is_wanted) {
+  if (left.extent().frames > 0) {
     told = "The service crashed and runs again";
-    if (had_crash_clip()) {
-      told += "; a clip of a crash was made less than a minute ago";
-    } else {
-      told += write_crash_clip(left, stop);
+    if (config_.load()->recording.clips.on_crash) {
+      told += had_crash_clip() ? "; a clip of a crash was made less than a minute ago"
+                               : write_crash_clip(left, stop);
     }
-    log::warning("{}", told);
+  } else if (left.was_read()) {
+    told =
+        "The service crashed again while it wrote a clip of a crash, and runs again; there is no clip of it";
   }
+  if (!told.empty()) log::warning("{}", told);
   const std::lock_guard lock(mutex_);
   is_writing_ = false;
   crash_ = std::move(told);
   crash_s_ = steady_s();
 }
 
-/// A service that crashes again and again is not to fill the disk.
+/// Those that were written last come first.
+std::vector<RecordingFile> ClipService::crash_clips() const {
+  std::vector<RecordingFile> out = files_.list(RecordingFile::Kind::kClip);
+  std::erase_if(out, [](const RecordingFile& file) {
+    return file.name.find(fmt::format("_{}.", kCrashName)) == std::string::npos &&
+           file.name.find(fmt::format("_{}_", kCrashName)) == std::string::npos;
+  });
+  return out;
+}
+
+/// A service that crashes again and again is not to do nothing but write clips.
 bool ClipService::had_crash_clip() const {
   std::error_code error;
-  for (const RecordingFile& file : files_.list(RecordingFile::Kind::kClip)) {
-    if (file.name.find(fmt::format("_{}.", kCrashName)) == std::string::npos &&
-        file.name.find(fmt::format("_{}_", kCrashName)) == std::string::npos)
-      continue;
+  for (const RecordingFile& file : crash_clips()) {
     const auto written = std::filesystem::last_write_time(files_.path_of(file.name), error);
-    if (!error && std::filesystem::file_time_type::clock::now() - written < kCrashClipInterval) return true;
+    const auto age = std::filesystem::file_time_type::clock::now() - written;
+    if (!error && age >= age.zero() && age < kCrashClipInterval) return true;
   }
   return false;
+}
+
+/// Nor to fill the disk, from which match logs would go.
+void ClipService::keep_few_crash_clips() {
+  std::size_t kept = 0;
+  for (const RecordingFile& file : crash_clips()) {
+    if (file.is_pinned || ++kept < kMostCrashClips) continue;
+    if (files_.remove(file.name)) log::info("recording {} was removed: it is of an earlier crash", file.name);
+  }
 }
 
 /// How that went, as the second half of a sentence.
@@ -222,6 +241,7 @@ std::string ClipService::write_crash_clip(LeftRings& left, const std::stop_token
   std::string problem;
   bool is_finished = false;
   try {
+    keep_few_crash_clips();
     files_.make_room(with_reserve(config->recording), events_, left.extent().bytes);
     file = files_.begin(order.name, RecordingFile::Kind::kClip);
     {
@@ -239,6 +259,7 @@ std::string ClipService::write_crash_clip(LeftRings& left, const std::stop_token
       clip_.missing = left.missing();
       clip_.bytes = writer.bytes();
     }
+    if (stop.stop_requested()) throw StorageError("the service was stopped");
     if (left.frames() == 0) throw StorageError("no camera has images that can be used");
     writer.add(ClipEvent{left.newest_s(), "alert", "The service crashed"});
     writer.finish();
@@ -248,12 +269,16 @@ std::string ClipService::write_crash_clip(LeftRings& left, const std::stop_token
   }
   try {
     if (!file.empty()) files_.end(file, is_finished);
-    if (!file.empty() && left.frames() == 0) files_.remove(file.filename().string());
+    // Who starts next makes a whole one.
+    const bool is_for_later = !is_finished && stop.stop_requested();
+    if (is_for_later) left.put_back();
+    if (!file.empty() && (left.frames() == 0 || is_for_later)) files_.remove(file.filename().string());
   } catch (const StorageError& error) {
     log::warning("{}", error.what());
   }
-  if (!is_finished) return fmt::format("; there is no clip of it: {}", problem);
   const std::string name = file.filename().string();
+  if (!is_finished && left.frames() > 0) return fmt::format("; clip {} is not whole: {}", name, problem);
+  if (!is_finished) return fmt::format("; there is no clip of it: {}", problem);
   log::info("clip {} was written: {} frames, {} missing ({})", name, left.frames(), left.missing(),
             order.why);
   events_.add({.id = "clip_written", .title = fmt::format("Clip {} was written: {}", name, order.why)});

@@ -72,7 +72,9 @@ class ClipService final : public Service {
   void work(const std::stop_token& stop);
   void write_left(std::vector<KeptFile> files, const std::stop_token& stop);
   std::string write_crash_clip(LeftRings& left, const std::stop_token& stop);
+  std::vector<RecordingFile> crash_clips() const;
   bool had_crash_clip() const;
+  void keep_few_crash_clips();
   std::optional<Order> next_order(const std::stop_token& stop);
   void look_at_game();
   /// False: one is being written or waits already.

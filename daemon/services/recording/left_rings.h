@@ -14,7 +14,7 @@
 namespace sslv {
 
 /// What the cameras saw last before the service crashed: all memory that the service manager kept of an
-/// earlier run. In the end it is given back. Used by one thread.
+/// earlier run. In the end it is given back, unless it was put back. Used by one thread.
 class LeftRings {
  public:
   explicit LeftRings(std::vector<KeptFile> files);
@@ -22,6 +22,11 @@ class LeftRings {
   LeftRings(const LeftRings&) = delete;
   LeftRings& operator=(const LeftRings&) = delete;
 
+  /// The next start of the service finds all of it again.
+  void put_back() noexcept;
+
+  /// A service crashed while it read what the one before had left.
+  bool was_read() const { return was_read_; }
   /// Of all cameras, as far as it is known before their frames are looked at; frames is 0: there is nothing.
   const LeftRing::Extent& extent() const { return extent_; }
 
@@ -36,6 +41,7 @@ class LeftRings {
 
  private:
   struct Camera {
+    int id = 0;
     std::unique_ptr<LeftRing> ring;
     std::unique_ptr<ClipCamera> camera{};  // from its first frame on
   };
@@ -45,6 +51,7 @@ class LeftRings {
   LeftRing::Extent extent_;
   std::uint64_t frames_ = 0;
   double newest_s_ = 0;
+  bool was_read_ = false;
 };
 
 }  // namespace sslv

@@ -171,12 +171,24 @@ TEST(LeftRing, IsReadOnce) {
   {
     LeftRing left(another(ring));
     EXPECT_GT(left.extent().frames, 0U);
-    EXPECT_THAT(why_not_read(std::move(again)), HasSubstr("looked at before"))
+    EXPECT_THAT(why_not_read(std::move(again)), HasSubstr("that read it crashed"))
         << "as after a crash in between";
   }
   struct stat about {};
   ASSERT_EQ(::fstat(stays.fd(), &about), 0);
   EXPECT_EQ(about.st_blocks, 0);
+}
+
+TEST(LeftRing, IsThereAgainWhenItWasPutBack) {
+  ImageRing ring(kLeftBytes);
+  fill(ring);
+  {
+    LeftRing left(another(ring));
+    left.drop_oldest();
+    left.put_back();
+  }
+  LeftRing again(another(ring));
+  EXPECT_EQ(read_all(again), again.extent().frames);
 }
 
 TEST(LeftRing, RefusesWhatIsNoSuchMemory) {
