@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A disk that remembers what came to it, and in what order: logged_disk FOLDER BYTES LOG mounts a file system at
-// FOLDER with one file, `disk`, of BYTES zeros, for a loop device. What is written to it, and when it must all be kept
-// (a flush), stands in LOG, so that the disk can be made as it would be after a power cut at any time. Record after
-// record, little-endian: u8 'W' or 'F', f64 Unix time in s, u64 place, u32 bytes, and these.
+// A disk that remembers what came to it, and in what order: logged_disk FOLDER BYTES LOG mounts a file system
+// at FOLDER with one file, `disk`, of BYTES zeros, for a loop device. What is written to it, and when it must
+// all be kept (a flush), stands in LOG, so that the disk can be made as it would be after a power cut at any
+// time. Record after record, little-endian: u8 'W' or 'F', f64 Unix time in s, u64 place, u32 bytes, and
+// these.
 #define FUSE_USE_VERSION 35
 
 #include <algorithm>
