@@ -28,9 +28,11 @@ class TarWriter {
   }
   void open() {
     check(archive_write_open(
-        out_.get(), &bytes_, nullptr,
-        [](archive*, void* to, const void* from, std::size_t size) {
-          static_cast<std::string*>(to)->append(static_cast<const char*>(from), size);
+        out_.get(), this, nullptr,
+        [](archive*, void* to, const void* from, std::size_t size) -> la_ssize_t {
+          auto& writer = *static_cast<TarWriter*>(to);
+          if (writer.is_over_) return -1;
+          writer.bytes_.append(static_cast<const char*>(from), size);
           return static_cast<la_ssize_t>(size);
         },
         nullptr));
@@ -51,12 +53,16 @@ class TarWriter {
     }
   }
   void close() { check(archive_write_close(out_.get())); }
-  /// What was begun is not written to its end.
-  void leave() { archive_write_fail(out_.get()); }
+  /// What was begun is not written to its end. (archive_write_fail() would lose memory.)
+  void leave() {
+    is_over_ = true;
+    archive_write_close(out_.get());
+  }
 
  private:
   std::string& bytes_;
   const std::time_t modified_;
+  bool is_over_ = false;
   const std::unique_ptr<archive, decltype(&archive_write_free)> out_{archive_write_new(), archive_write_free};
   const std::unique_ptr<archive_entry, decltype(&archive_entry_free)> header_{archive_entry_new(),
                                                                               archive_entry_free};

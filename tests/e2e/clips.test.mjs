@@ -39,8 +39,10 @@ async function clipWith(body, name) {
   assert.equal(answer.status, 202, answer.text);
   return isThere(name);
 }
-const isThere = async (name) => (await becomes(clips, ({ clip, clips: all }) => clip.state === 'idle' && all.some((one) => one.name.endsWith(`_${name}.clip`) && one.begin_s !== null)))
-  .clips.find((one) => one.name.endsWith(`_${name}.clip`));
+const isThere = async (name) => {
+  const isRead = (clip) => clip.name.endsWith(`_${name}.clip`) && clip.begin_s !== null;
+  return (await becomes(clips, ({ clip, clips: all }) => clip.state === 'idle' && all.some(isRead))).clips.find(isRead);
+};
 const pathOf = ({ name }) => join(folder, name);
 
 /** Hears the service's detections until it is closed. */
@@ -166,14 +168,17 @@ describe('clips', () => {
       const second = Math.floor(said++ / 10);
       gc.send(gameController({ yellow: ['A', undefined, second], blue: ['B', undefined, 0], stage: 1, command: second % 2 ? 3 : 1 }), gcPort, GC_GROUP);
     }, 100);
-    const goal = await isThere('goal');
-    await service.patch({ op: 'replace', path: '/recording/clips/on_goal', value: false }, { op: 'replace', path: '/recording/clips/on_command', value: true });
-    assert.match(goal.why, /^Goal for yellow: \d+ : 0$/);
-    assert.ok(readClip(pathOf(goal)).events.some(({ kind, text }) => kind === 'goal' && text === goal.why));
-    assert.match((await isThere('command')).why, /^(Stop|Force start)$/);
-    await service.patch({ op: 'replace', path: '/recording/clips/on_command', value: false });
-    clearInterval(talking);
-    gc.close();
+    try {
+      const goal = await isThere('goal');
+      await service.patch({ op: 'replace', path: '/recording/clips/on_goal', value: false }, { op: 'replace', path: '/recording/clips/on_command', value: true });
+      assert.match(goal.why, /^Goal for yellow: \d+ : 0$/);
+      assert.ok(readClip(pathOf(goal)).events.some(({ kind, text }) => kind === 'goal' && text === goal.why));
+      assert.match((await isThere('command')).why, /^(Stop|Force start)$/);
+      await service.patch({ op: 'replace', path: '/recording/clips/on_command', value: false });
+    } finally {
+      clearInterval(talking);
+      gc.close();
+    }
   });
 
   it('are made of parts of images where memory is to reach far', async () => {
