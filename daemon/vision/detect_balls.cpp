@@ -72,8 +72,8 @@ constexpr double kHidden = 0.95, kMinVisible = 0.4, kAside = 0.35;
 constexpr double kSure = 0.8;
 /// Of a ball's fit that has only begun, at most so much stays of what the ball does not explain, and of how
 /// far the colour is off; and its contrast grows at most so much. The result was the same with and without in
-/// 960 images of 24 drawn halls; not where cells are coarse, and balls are looked for from other starts as
-/// well.
+/// 816 YUV and RGB images of 34 drawn halls. Not where cells are coarse, and balls are looked for from other
+/// starts as well.
 constexpr double kStillUnexplained = 0.3, kStillOff = 0.4, kMoreContrast = 1.5;
 /// What is remembered looks at least so much like a ball.
 constexpr double kPerhaps = 0.02;
