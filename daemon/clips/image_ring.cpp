@@ -14,8 +14,34 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace sslv {
 namespace {
+
+/// Copies past the processor's caches where it is much: nobody reads the image here soon, and what cameras'
+/// threads work with shall stay in them. It also saves reading the place before it is written.
+void copy_past_caches(std::byte* to, const std::byte* from, std::size_t bytes) noexcept {
+#ifdef __SSE2__  // as every x86-64 has; elsewhere a plain copy does
+  constexpr std::size_t kLine = 64, kMuch = std::size_t{64} << 10U;
+  if (bytes >= kMuch && reinterpret_cast<std::uintptr_t>(to) % kLine == 0) {
+    for (; bytes >= kLine; bytes -= kLine, from += kLine, to += kLine) {
+      const auto* const in = reinterpret_cast<const __m128i*>(from);
+      auto* const out = reinterpret_cast<__m128i*>(to);
+      const __m128i a = _mm_loadu_si128(in), b = _mm_loadu_si128(in + 1);
+      const __m128i c = _mm_loadu_si128(in + 2), d = _mm_loadu_si128(in + 3);
+      _mm_stream_si128(out, a);
+      _mm_stream_si128(out + 1, b);
+      _mm_stream_si128(out + 2, c);
+      _mm_stream_si128(out + 3, d);
+    }
+    _mm_sfence();  // before others are told that the image is there
+  }
+#endif
+  std::memcpy(to, from, bytes);
+}
 
 [[noreturn]] void refuse_memory(int problem) {
   throw std::system_error(problem, std::generic_category(), "memory for images");
@@ -176,7 +202,7 @@ bool ImageRing::put(const ClipFrame& frame) noexcept {
   }
   std::byte* to = images() + begin;
   const auto copy = [&to](const void* from, std::size_t count) {
-    if (count != 0) std::memcpy(to, from, count);
+    if (count != 0) copy_past_caches(to, static_cast<const std::byte*>(from), count);
     to += count;
   };
   copy(head_bytes.data(), head_bytes.size());
