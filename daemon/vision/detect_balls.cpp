@@ -78,6 +78,15 @@ constexpr double kStillUnexplained = 0.3, kStillOff = 0.4, kMoreContrast = 1.5;
 /// What is remembered looks at least so much like a ball.
 constexpr double kPerhaps = 0.02;
 
+/// Whether the first of two places of one ball is the better one. Where both are the same, the second one
+/// stays unless it is much worse: what they differ by then is how the CPU rounds.
+template <class Place, class Other>
+bool is_better(const Place& place, double confidence, const Other& other, double others_confidence) {
+  constexpr double kSamePlaceMm = 0.1, kSameConfidence = 0.01;
+  const bool same_place = std::hypot(place.x_mm - other.x_mm, place.y_mm - other.y_mm) < kSamePlaceMm;
+  return confidence > others_confidence + (same_place ? kSameConfidence : 0);
+}
+
 }  // namespace
 
 void DetectBalls::process(const Params& params, const Scene& scene, const Lut& lut, const Mask& mask,
@@ -152,7 +161,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
         says = evidence_of(other, scene, lut, ratio, coarse_mm);
         likely = confidence_of(says);
       }
-      if (fit.ok && likely <= confidence) return;
+      if (fit.ok && !is_better(other, likely, fit, confidence)) return;
       fit = other;
       evidence = says;
       confidence = likely;
@@ -193,7 +202,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     });
     if (same == out.balls.end()) {
       out.balls.push_back(ball);
-    } else if (same->confidence < confidence) {
+    } else if (is_better(ball, confidence, *same, same->confidence)) {
       *same = ball;
     }
   };
