@@ -28,8 +28,12 @@ using Vector = hn::Vec<Floats>;
 /// 1 / sqrt(x) to about 22 bits.
 HWY_INLINE Vector InverseSqrt(Vector x) {
   const Floats d;
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128  // the guess is a poor one there
+  return hn::Div(hn::Set(d, 1), hn::Sqrt(x));
+#else
   const Vector guess = hn::ApproximateReciprocalSqrt(x);
   return hn::Mul(guess, hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 1.5F)));
+#endif
 }
 
 /// Values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from `bytes`, the
