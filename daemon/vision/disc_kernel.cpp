@@ -25,16 +25,61 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, PlaneSamples::kPad>;
 using Vector = hn::Vec<Floats>;
 
-/// 1 / sqrt(x) to about 22 bits.
-HWY_INLINE Vector InverseSqrt(Vector x) {
-  const Floats d;
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128  // the guess is a poor one there
-  return hn::Div(hn::Set(d, 1), hn::Sqrt(x));
-#else
-  const Vector guess = hn::ApproximateReciprocalSqrt(x);
-  return hn::Mul(guess, hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 1.5F)));
-#endif
+// Every CPU rounds the same numbers in the same way, so that a clip gives the same robots and balls on each:
+// a fit that ends, or a sample that is left out, a hair sooner would be seen in the place. So nothing is
+// fused (the file is compiled without contraction, too), nothing is estimated, and sums do not depend on how
+// many lanes a vector has.
+HWY_INLINE Vector PlusProduct(Vector a, Vector b, Vector c) {
+  return hn::Add(hn::Mul(a, b), c);
 }
+HWY_INLINE Vector MinusProduct(Vector a, Vector b, Vector c) {
+  return hn::Sub(c, hn::Mul(a, b));
+}
+HWY_INLINE Vector InverseSqrt(Vector x) {
+  return hn::Div(hn::Set(Floats(), 1), hn::Sqrt(x));
+}
+
+/// Of all lanes: each with the one half as many further on, until one is left.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE float TotalOf(Floats /*d*/, Vector v) {
+  return hn::GetLane(v);
+}
+#else
+template <class D>
+HWY_INLINE float TotalOf(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) > 4) {
+    const hn::Half<D> half;
+    return TotalOf(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  } else {
+    const auto two = hn::Add(v, hn::Shuffle1032(v));
+    return hn::GetLane(hn::Add(two, hn::Shuffle2301(two)));
+  }
+}
+#endif
+
+/// A sum over samples: of each kPad-th one by itself, then of these.
+class Sum {
+ public:
+  HWY_INLINE Sum() {
+    for (Vector& part : part_) part = hn::Zero(Floats());
+  }
+  HWY_INLINE void Add(std::size_t sample, Vector values) {
+    Vector& part = part_[sample / kLanes % kParts];
+    part = hn::Add(part, values);
+  }
+  HWY_INLINE float Total() const {
+    Vector sum[kParts];
+    for (std::size_t i = 0; i < kParts; ++i) sum[i] = part_[i];
+    for (std::size_t half = kParts / 2; half > 0; half /= 2) {
+      for (std::size_t i = 0; i < half; ++i) sum[i] = hn::Add(sum[i], sum[i + half]);
+    }
+    return TotalOf(Floats(), sum[0]);
+  }
+
+ private:
+  static constexpr std::size_t kLanes = hn::MaxLanes(Floats()), kParts = PlaneSamples::kPad / kLanes;
+  Vector part_[kParts];
+};
 
 /// Values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from `bytes`, the
 /// first sample's group of bytes. (Gather instructions would do the same, but are slow on CPUs whose
@@ -108,6 +153,7 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   // which the next row overwrites.
   const int widest = std::min(kPixels, up((2 * std::sqrt(chord2) + 1) * per_x) + 1);
   const int vectors = (widest + lanes - 1) / lanes;
+  const int most_of_a_row = (widest + PlaneSamples::kPad - 1) / PlaneSamples::kPad * PlaneSamples::kPad;
   constexpr std::ptrdiff_t kCopyBytes = 4 * (kPixels + PlaneSamples::kPad);
   std::uint8_t copy[(kDeep ? 2 : 1) * kCopyBytes];
   const Vector step_u = hn::Set(d, static_cast<float>(grid.step_x * lanes));
@@ -119,11 +165,11 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   alignas(64) std::int32_t begins[PlaneSamples::kPad], ends[PlaneSamples::kPad];
   const Vector rows_apart = hn::Set(d, static_cast<float>(row_step * grid.step_y));
   const auto find_spans = [&](int row) {
-    const float dv0 = static_cast<float>(grid.first_y + row * grid.step_y) - middle_v;
-    const Vector dv = hn::MulAdd(hn::Iota(d, 0), rows_apart, hn::Set(d, dv0));
-    const Vector half2 = hn::NegMulAdd(hn::Mul(dv, dv), hn::Set(d, narrowing), hn::Set(d, chord2));
+    const Vector first = hn::Set(d, static_cast<float>(grid.first_y + row * grid.step_y));
+    const Vector dv = hn::Sub(PlusProduct(hn::Iota(d, 0), rows_apart, first), hn::Set(d, middle_v));
+    const Vector half2 = MinusProduct(hn::Mul(dv, dv), hn::Set(d, narrowing), hn::Set(d, chord2));
     const Vector half = hn::Add(hn::Sqrt(hn::Max(half2, hn::Zero(d))), hn::Set(d, 0.5F));
-    const Vector middle = hn::NegMulAdd(hn::Set(d, slant), dv, hn::Set(d, middle_u - first_x));
+    const Vector middle = MinusProduct(hn::Set(d, slant), dv, hn::Set(d, middle_u - first_x));
     const auto column = [&](Vector at) {
       return hn::ConvertTo(di, hn::Ceil(hn::Mul(at, hn::Set(d, per_x))));
     };
@@ -140,7 +186,7 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
       lane = 0;
     }
     const int begin = begins[lane], end = ends[lane];
-    if (begin >= end || count + vectors * lanes > PlaneSamples::kMax) continue;
+    if (begin >= end || count + most_of_a_row > PlaneSamples::kMax) continue;
     const int row_y = grid.first_y + row * grid.step_y;
     const std::uint8_t* bytes = image.row(row_y) + std::ptrdiff_t{begin} * grid.bytes_per_step;
     std::ptrdiff_t to_low_bits = image.to_low_bits;
@@ -155,12 +201,13 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
       bytes = copy;
     }
     const Vector v = hn::Set(d, static_cast<float>(row_y) - patch.v0);
-    Vector u = hn::Add(hn::Set(d, first_x + static_cast<float>(begin * grid.step_x) - patch.u0), ramp_u);
+    const Vector begin_u = hn::Set(d, first_x + static_cast<float>(begin * grid.step_x) - patch.u0);
+    Vector from_begin = ramp_u;  // whole numbers
     for (int i = 0; i < vectors * lanes; i += lanes) {
       const auto at = static_cast<std::size_t>(count + i);
-      hn::StoreU(u, d, samples.u.data() + at);
+      hn::StoreU(hn::Add(begin_u, from_begin), d, samples.u.data() + at);
       hn::StoreU(v, d, samples.v.data() + at);
-      u = hn::Add(u, step_u);
+      from_begin = hn::Add(from_begin, step_u);
       LoadValues<kPlanes, kDeep>(grid, bytes + i * grid.bytes_per_step, to_low_bits, at, samples);
     }
     count += end - begin;
@@ -195,10 +242,10 @@ struct PatchVectors {
     yu = all(p.yu), yv = all(p.yv), yuu = all(p.yuu), yuv = all(p.yuv), yvv = all(p.yvv);
   }
   HWY_INLINE Vector X(Vector u, Vector v) const {
-    return hn::MulAdd(u, hn::MulAdd(xuu, u, hn::MulAdd(xuv, v, xu)), hn::Mul(v, hn::MulAdd(xvv, v, xv)));
+    return PlusProduct(u, PlusProduct(xuu, u, PlusProduct(xuv, v, xu)), hn::Mul(v, PlusProduct(xvv, v, xv)));
   }
   HWY_INLINE Vector Y(Vector u, Vector v) const {
-    return hn::MulAdd(u, hn::MulAdd(yuu, u, hn::MulAdd(yuv, v, yu)), hn::Mul(v, hn::MulAdd(yvv, v, yv)));
+    return PlusProduct(u, PlusProduct(yuu, u, PlusProduct(yuv, v, yu)), hn::Mul(v, PlusProduct(yvv, v, yv)));
   }
 };
 
@@ -208,8 +255,8 @@ HWY_INLINE Vector Covered(Vector z, Vector z2) {
   const Floats d;
   const auto all = [&](float value) { return hn::Set(d, value); };
   const Vector cubic =
-      hn::MulAdd(z2, hn::MulAdd(z2, hn::MulAdd(z2, all(-1.0F / 7), all(0.6F)), all(-1)), all(1));
-  return hn::MulAdd(hn::Mul(z, all(35.0F / 32)), cubic, all(0.5F));
+      PlusProduct(z2, PlusProduct(z2, PlusProduct(z2, all(-1.0F / 7), all(0.6F)), all(-1)), all(1));
+  return PlusProduct(hn::Mul(z, all(35.0F / 32)), cubic, all(0.5F));
 }
 HWY_INLINE Vector Slope(Vector z2) {
   const Floats d;
@@ -236,31 +283,29 @@ DiscSums SumDiscPlanes(const DiscTemplate& disc, const PlaneSamples& samples) {
   const Vector radius = all(disc.radius), half_curve = all(0.5F / disc.radius);
   const Vector even_radius = all(disc.radius - round2 * 0.5F / disc.radius);
   const Vector even_inverse_w = all(1 / (3 * std::sqrt(round2)));
-  const Vector zero = hn::Zero(d), one = all(1), third = all(1.0F / 3);
+  const Vector one = all(1), third = all(1.0F / 3);
 
-  Vector xx = zero, xy = zero, yy = zero, xt = zero, yt = zero, sx = zero, sy = zero, tt = zero, st = zero,
-         n = zero;
-  Vector px[kPlanes], py[kPlanes], pt[kPlanes], p1[kPlanes], p2[kPlanes];
-  for (int p = 0; p < kPlanes; ++p) px[p] = py[p] = pt[p] = p1[p] = p2[p] = zero;
+  Sum xx, xy, yy, xt, yt, sx, sy, tt, st, n;
+  Sum px[kPlanes], py[kPlanes], pt[kPlanes], p1[kPlanes], p2[kPlanes];
 
   for (int i = 0; i < samples.count; i += lanes) {
     const auto at = static_cast<std::size_t>(i);
     const Vector u = hn::Load(d, samples.u.data() + at), v = hn::Load(d, samples.v.data() + at);
     const Vector x = patch.X(u, v), y = patch.Y(u, v);
     const Vector rx = hn::Sub(x, cx), ry = hn::Sub(y, cy);
-    const Vector r2 = hn::MulAdd(rx, rx, hn::MulAdd(ry, ry, all(1e-6F)));
+    const Vector r2 = PlusProduct(rx, rx, PlusProduct(ry, ry, all(1e-6F)));
     const Vector from_x = hn::Sub(x, ox), from_y = hn::Sub(y, oy);
-    const Vector ahead = hn::MulAdd(from_x, oc, hn::Mul(from_y, os));
+    const Vector ahead = PlusProduct(from_x, oc, hn::Mul(from_y, os));
     const auto inside = hn::And(hn::And(hn::Lt(r2, outer2), hn::Lt(ahead, front)),
-                                hn::Lt(hn::MulAdd(from_x, from_x, hn::Mul(from_y, from_y)), outline2));
+                                hn::Lt(PlusProduct(from_x, from_x, hn::Mul(from_y, from_y)), outline2));
     const Vector inverse_r = InverseSqrt(r2), r = hn::Mul(r2, inverse_r);
     const Vector nx = hn::Mul(rx, inverse_r), ny = hn::Mul(ry, inverse_r);
     Vector edge = even_radius, inverse_w = even_inverse_w;
     if constexpr (kWide) {
       // Millimetres a pixel measures sideways across the edge.
-      const Vector across = hn::MulAdd(patch.xu, nx, hn::Mul(patch.yu, ny));
-      const Vector s2 = hn::MulAdd(wide, hn::Mul(across, across), round);
-      edge = hn::NegMulAdd(s2, half_curve, radius);
+      const Vector across = PlusProduct(patch.xu, nx, hn::Mul(patch.yu, ny));
+      const Vector s2 = PlusProduct(wide, hn::Mul(across, across), round);
+      edge = MinusProduct(s2, half_curve, radius);
       inverse_w = hn::Mul(third, InverseSqrt(s2));
     }
     const Vector z = hn::Min(one, hn::Max(hn::Neg(one), hn::Mul(hn::Sub(edge, r), inverse_w)));
@@ -269,32 +314,31 @@ DiscSums SumDiscPlanes(const DiscTemplate& disc, const PlaneSamples& samples) {
     const Vector slope = hn::IfThenElseZero(inside, hn::Mul(Slope(z2), inverse_w));
     const Vector dx = hn::Mul(slope, nx), dy = hn::Mul(slope, ny);
 
-    xx = hn::MulAdd(dx, dx, xx);
-    xy = hn::MulAdd(dx, dy, xy);
-    yy = hn::MulAdd(dy, dy, yy);
-    xt = hn::MulAdd(dx, cover, xt);
-    yt = hn::MulAdd(dy, cover, yt);
-    sx = hn::Add(sx, dx);
-    sy = hn::Add(sy, dy);
-    tt = hn::MulAdd(cover, cover, tt);
-    st = hn::Add(st, cover);
-    n = hn::Add(n, hn::IfThenElseZero(inside, one));
+    xx.Add(at, hn::Mul(dx, dx));
+    xy.Add(at, hn::Mul(dx, dy));
+    yy.Add(at, hn::Mul(dy, dy));
+    xt.Add(at, hn::Mul(dx, cover));
+    yt.Add(at, hn::Mul(dy, cover));
+    sx.Add(at, dx);
+    sy.Add(at, dy);
+    tt.Add(at, hn::Mul(cover, cover));
+    st.Add(at, cover);
+    n.Add(at, hn::IfThenElseZero(inside, one));
     for (int p = 0; p < kPlanes; ++p) {
       const Vector value =
           hn::IfThenElseZero(inside, hn::Load(d, samples.value[static_cast<std::size_t>(p)].data() + at));
-      px[p] = hn::MulAdd(dx, value, px[p]);
-      py[p] = hn::MulAdd(dy, value, py[p]);
-      pt[p] = hn::MulAdd(cover, value, pt[p]);
-      p1[p] = hn::Add(p1[p], value);
-      p2[p] = hn::MulAdd(value, value, p2[p]);
+      px[p].Add(at, hn::Mul(dx, value));
+      py[p].Add(at, hn::Mul(dy, value));
+      pt[p].Add(at, hn::Mul(cover, value));
+      p1[p].Add(at, value);
+      p2[p].Add(at, hn::Mul(value, value));
     }
   }
-  const auto total = [&](Vector sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); };
-  DiscSums out{total(xx), total(xy), total(yy), total(xt), total(yt), total(sx),
-               total(sy), total(tt), total(st), total(n),  {}};
+  DiscSums out{xx.Total(), xy.Total(), yy.Total(), xt.Total(), yt.Total(), sx.Total(),
+               sy.Total(), tt.Total(), st.Total(), n.Total(),  {}};
   for (int p = 0; p < kPlanes; ++p) {
-    out.planes[static_cast<std::size_t>(p)] = {total(px[p]), total(py[p]), total(pt[p]), total(p1[p]),
-                                               total(p2[p])};
+    out.planes[static_cast<std::size_t>(p)] = {px[p].Total(), py[p].Total(), pt[p].Total(), p1[p].Total(),
+                                               p2[p].Total()};
   }
   return out;
 }
@@ -321,36 +365,28 @@ BallSums SumBallPlanes(const BallTemplate& ball, const PlaneSamples& samples) {
   const Vector half_curve = all(0.5F / ball.radius), inverse_radius = all(1 / ball.radius);
   const Vector zero = hn::Zero(d), one = all(1), third = all(1.0F / 3);
 
-  Vector products[kBallColumns][kBallColumns], with[kPlanes][kBallColumns], square[kPlanes];
-  for (auto& row : products) {
-    for (Vector& sum : row) sum = zero;
-  }
-  for (int p = 0; p < kPlanes; ++p) {
-    for (Vector& sum : with[p]) sum = zero;
-    square[p] = zero;
-  }
+  Sum products[kBallColumns][kBallColumns], with[kPlanes][kBallColumns], square[kPlanes];
   for (int i = 0; i < samples.count; i += lanes) {
     const auto at = static_cast<std::size_t>(i);
     const Vector u = hn::Load(d, samples.u.data() + at), v = hn::Load(d, samples.v.data() + at);
     const Vector rx = hn::Sub(patch.X(u, v), cx), ry = hn::Sub(patch.Y(u, v), cy);
-    const Vector gx = hn::MulAdd(mxx, rx, hn::Mul(mxy, ry)), gy = hn::MulAdd(mxy, rx, hn::Mul(myy, ry));
-    const Vector r2 = hn::Max(hn::MulAdd(gx, rx, hn::Mul(gy, ry)), all(1e-6F));
+    const Vector gx = PlusProduct(mxx, rx, hn::Mul(mxy, ry)), gy = PlusProduct(mxy, rx, hn::Mul(myy, ry));
+    const Vector r2 = hn::Max(PlusProduct(gx, rx, hn::Mul(gy, ry)), all(1e-6F));
     const auto inside = hn::And(hn::Lt(r2, outer2), hn::Gt(hn::Load(d, samples.keep.data() + at), zero));
     const Vector inverse_r = InverseSqrt(r2), r = hn::Mul(r2, inverse_r);
     const Vector nx = hn::Mul(gx, inverse_r), ny = hn::Mul(gy, inverse_r);
     // Change of the distance over a pixel to the right and downwards.
-    const Vector right = hn::MulAdd(patch.xu, nx, hn::Mul(patch.yu, ny));
-    const Vector down = hn::MulAdd(patch.xv, nx, hn::Mul(patch.yv, ny));
+    const Vector right = PlusProduct(patch.xu, nx, hn::Mul(patch.yu, ny));
+    const Vector down = PlusProduct(patch.xv, nx, hn::Mul(patch.yv, ny));
     const Vector s2 =
-        hn::MulAdd(wide2, hn::Mul(right, right), hn::MulAdd(blur2, hn::Mul(down, down), all(1e-6F)));
+        PlusProduct(wide2, hn::Mul(right, right), PlusProduct(blur2, hn::Mul(down, down), all(1e-6F)));
     const Vector inverse_w = hn::Mul(third, InverseSqrt(s2));
-    const Vector edge = hn::NegMulAdd(s2, half_curve, radius);
+    const Vector edge = MinusProduct(s2, half_curve, radius);
     const Vector z = hn::Min(one, hn::Max(hn::Neg(one), hn::Mul(hn::Sub(edge, r), inverse_w)));
     const Vector z2 = hn::Mul(z, z);
     const Vector cover = hn::IfThenElseZero(inside, Covered(z, z2));
     const Vector slope = hn::IfThenElseZero(inside, hn::Mul(Slope(z2), inverse_w));
-    const Vector up =
-        hn::Sqrt(hn::Max(zero, hn::NegMulAdd(hn::Mul(r2, inverse_radius), inverse_radius, one)));
+    const Vector up = hn::Sqrt(hn::Max(zero, MinusProduct(hn::Mul(r2, inverse_radius), inverse_radius, one)));
     const Vector columns[kBallColumns] = {hn::Mul(slope, nx),
                                           hn::Mul(slope, ny),
                                           slope,
@@ -360,23 +396,22 @@ BallSums SumBallPlanes(const BallTemplate& ball, const PlaneSamples& samples) {
                                           hn::Mul(cover, up),
                                           hn::IfThenElseZero(inside, one)};
     for (int a = 0; a < kBallColumns; ++a) {
-      for (int b = 0; b <= a; ++b) products[a][b] = hn::MulAdd(columns[a], columns[b], products[a][b]);
+      for (int b = 0; b <= a; ++b) products[a][b].Add(at, hn::Mul(columns[a], columns[b]));
     }
     for (int p = 0; p < kPlanes; ++p) {
       const Vector value =
           hn::IfThenElseZero(inside, hn::Load(d, samples.value[static_cast<std::size_t>(p)].data() + at));
-      for (int a = 0; a < kBallColumns; ++a) with[p][a] = hn::MulAdd(columns[a], value, with[p][a]);
-      square[p] = hn::MulAdd(value, value, square[p]);
+      for (int a = 0; a < kBallColumns; ++a) with[p][a].Add(at, hn::Mul(columns[a], value));
+      square[p].Add(at, hn::Mul(value, value));
     }
   }
-  const auto total = [&](Vector sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); };
   BallSums out;
   for (std::size_t a = 0; a < kBallColumns; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) out.products[a][b] = total(products[a][b]);
+    for (std::size_t b = 0; b <= a; ++b) out.products[a][b] = products[a][b].Total();
   }
   for (std::size_t p = 0; p < kPlanes; ++p) {
-    for (std::size_t a = 0; a < kBallColumns; ++a) out.planes[p].with[a] = total(with[p][a]);
-    out.planes[p].square = total(square[p]);
+    for (std::size_t a = 0; a < kBallColumns; ++a) out.planes[p].with[a] = with[p][a].Total();
+    out.planes[p].square = square[p].Total();
   }
   return out;
 }
