@@ -79,7 +79,7 @@ constexpr double kStillUnexplained = 0.3, kStillOff = 0.4, kMoreContrast = 1.5;
 constexpr double kPerhaps = 0.02;
 
 /// Whether the first of two places of one ball is the better one. Where both are the same, the second one
-/// stays unless it is much worse: what they differ by then is how the CPU rounds.
+/// stays unless it is much worse: what they differ by then is chance.
 template <class Place, class Other>
 bool is_better(const Place& place, double confidence, const Other& other, double others_confidence) {
   constexpr double kSamePlaceMm = 0.1, kSameConfidence = 0.01;

@@ -24,6 +24,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, PlaneSamples::kPad>;
 using Vector = hn::Vec<Floats>;
+constexpr float kBeyond = 5e4F;  // px; images have at most 16384
 
 // Every CPU rounds the same numbers in the same way, so that a clip gives the same robots and balls on each:
 // a fit that ends, or a sample that is left out, a hair sooner would be seen in the place. So nothing is
@@ -214,8 +215,8 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   }
   samples.planes = kPlanes;
   samples.count = count;
-  // What fills the last vector lies far away and so counts for nothing.
-  hn::StoreU(hn::Set(d, 1e5F), d, samples.u.data() + count);
+  // What fills the last vector is told by its place, beyond all images.
+  hn::StoreU(hn::Set(d, 2 * kBeyond), d, samples.u.data() + count);
   hn::StoreU(hn::Zero(d), d, samples.v.data() + count);
   for (std::size_t p = 0; p < kPlanes; ++p) hn::StoreU(hn::Zero(d), d, samples.value[p].data() + count);
   hn::StoreU(hn::Zero(d), d, samples.keep.data() + count);
@@ -283,7 +284,7 @@ DiscSums SumDiscPlanes(const DiscTemplate& disc, const PlaneSamples& samples) {
   const Vector radius = all(disc.radius), half_curve = all(0.5F / disc.radius);
   const Vector even_radius = all(disc.radius - round2 * 0.5F / disc.radius);
   const Vector even_inverse_w = all(1 / (3 * std::sqrt(round2)));
-  const Vector one = all(1), third = all(1.0F / 3);
+  const Vector one = all(1), third = all(1.0F / 3), beyond = all(kBeyond);
 
   Sum xx, xy, yy, xt, yt, sx, sy, tt, st, n;
   Sum px[kPlanes], py[kPlanes], pt[kPlanes], p1[kPlanes], p2[kPlanes];
@@ -296,8 +297,9 @@ DiscSums SumDiscPlanes(const DiscTemplate& disc, const PlaneSamples& samples) {
     const Vector r2 = PlusProduct(rx, rx, PlusProduct(ry, ry, all(1e-6F)));
     const Vector from_x = hn::Sub(x, ox), from_y = hn::Sub(y, oy);
     const Vector ahead = PlusProduct(from_x, oc, hn::Mul(from_y, os));
-    const auto inside = hn::And(hn::And(hn::Lt(r2, outer2), hn::Lt(ahead, front)),
-                                hn::Lt(PlusProduct(from_x, from_x, hn::Mul(from_y, from_y)), outline2));
+    const auto in_outline =
+        hn::And(hn::Lt(ahead, front), hn::Lt(PlusProduct(from_x, from_x, hn::Mul(from_y, from_y)), outline2));
+    const auto inside = hn::And(hn::And(hn::Lt(r2, outer2), hn::Lt(u, beyond)), in_outline);
     const Vector inverse_r = InverseSqrt(r2), r = hn::Mul(r2, inverse_r);
     const Vector nx = hn::Mul(rx, inverse_r), ny = hn::Mul(ry, inverse_r);
     Vector edge = even_radius, inverse_w = even_inverse_w;

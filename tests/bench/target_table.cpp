@@ -14,6 +14,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <tuple>
 #include <vector>
 
@@ -30,7 +31,7 @@ struct Found {
 
 struct Difference {
   std::size_t regions = 0, ids = 0, balls = 0;  // frames with other ones
-  double robot_mm = 0, robot_rad = 0, ball_mm = 0;
+  double robot_mm = 0, robot_rad = 0, ball_mm = 0, confidence = 0;
 };
 
 std::vector<Found> replay(ClipReader& clip, std::uint32_t camera_id) {
@@ -80,12 +81,16 @@ Difference difference_of(const std::vector<Found>& here, const std::vector<Found
           out.robot_mm = std::max(out.robot_mm, apart_mm(a, b));
           const double rad = std::remainder(a.orientation_rad - b.orientation_rad, 2 * std::numbers::pi);
           out.robot_rad = std::max(out.robot_rad, std::abs(rad));
+          out.confidence = std::max(out.confidence, std::abs(a.confidence - b.confidence));
         });
     if (!ids) ++out.ids;
     const bool balls = compare_each(
         here[i].balls.balls, best[i].balls.balls,
         [&](const Ball& a, const Ball& b) { return apart_mm(a, b) < 20; },
-        [&](const Ball& a, const Ball& b) { out.ball_mm = std::max(out.ball_mm, apart_mm(a, b)); });
+        [&](const Ball& a, const Ball& b) {
+          out.ball_mm = std::max(out.ball_mm, apart_mm(a, b));
+          out.confidence = std::max(out.confidence, std::abs(a.confidence - b.confidence));
+        });
     if (!balls) ++out.balls;
   }
   return out;
@@ -102,13 +107,16 @@ bool print_clip(const std::filesystem::path& file) {
       std::size_t robots = 0, balls = 0;
       for (const Found& frame : found)
         robots += frame.robots.robots.size(), balls += frame.balls.balls.size();
+      if (found.empty() || (best && found.size() != best->size()))
+        throw std::runtime_error(file.string() + ": there is nothing to compare");
       const Difference apart = difference_of(found, best ? *best : found);
       const bool is_same = apart.regions + apart.ids + apart.balls == 0 &&
-                           apart.robot_mm + apart.robot_rad + apart.ball_mm == 0;
+                           apart.robot_mm + apart.robot_rad + apart.ball_mm + apart.confidence == 0;
       is_good = is_good && is_same;
-      fmt::print("| {}, {} | {} | {} | {} | {} | {} | {} | {} | {:.1e} | {:.1e} | {:.1e} |\n",
+      fmt::print("| {}, {} | {} | {} | {} | {} | {} | {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} |\n",
                  file.filename().string(), camera.id, name_of_target(target), found.size(), robots, balls,
-                 apart.regions, apart.ids, apart.balls, apart.robot_mm, apart.robot_rad, apart.ball_mm);
+                 apart.regions, apart.ids, apart.balls, apart.robot_mm, apart.robot_rad, apart.ball_mm,
+                 apart.confidence);
       std::fflush(stdout);
       if (!best) best = std::move(found);
     }
@@ -123,7 +131,8 @@ int main(int argc, char** argv) {
   fmt::print(
       "| clip, camera | instructions | frames | robots | balls | frames with other regions | other ids | "
       "other balls "
-      "| robots apart (mm) | (rad) | balls apart (mm) |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| robots apart (mm) | (rad) | balls apart (mm) | confidences "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   bool is_good = true;
   try {
     for (const char* file : std::span(argv, static_cast<std::size_t>(argc)).subspan(1))

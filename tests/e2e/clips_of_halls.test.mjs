@@ -55,9 +55,8 @@ async function replay(name) {
   // It ends with 1 when anything differs.
   const targets = spawnSync(TARGETS, [file], { encoding: 'utf8' });
   assert.equal(targets.status, 0, `${targets.stdout}${targets.stderr}`);
-  assert.match(targets.stdout, /(SCALAR|EMU128) \|/);
   const again = (env) => JSON.parse(execFileSync(CTL, ['replay', file, '--compare', '--json'], { encoding: 'utf8', env: { ...process.env, ...env } }));
-  // The C library's mathematics as on a CPU without fused multiply-add.
+  // The C library's mathematics as on a CPU without fused multiply-add (glibc 2.33 and newer know these names).
   again({ GLIBC_TUNABLES: 'glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX512F' }).forEach(isTheSame);
   return { clip: readClip(file), told: again({}) };
 }

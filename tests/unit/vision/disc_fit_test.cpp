@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace sslv {
 namespace {
@@ -237,6 +237,56 @@ TEST_P(DiscFitIn, AllInstructionSetsGiveTheSameSums) {
       EXPECT_EQ(all(a), all(b)) << name_of_target(target) << " plane " << p;
     }
   }
+}
+
+TEST_P(DiscFitIn, AllInstructionSetsGiveTheSameSumsOfABall) {
+  const DiscPicture shown(GetParam(), 48, 48, {{22.4, 25.1, kRadiusMm / kMmPerPx}}, 4);
+  PlanePatch patch = flat_patch(22, 25);
+  patch.xv = 0.7, patch.yu = -0.9, patch.xuu = 0.004, patch.xvv = -0.003, patch.yuv = 0.005;
+  const auto summed = [&] {
+    std::vector<BallSums> out;
+    const auto samples = std::make_unique<PlaneSamples>();
+    for (const auto& grids : sample_planes(GetParam()).groups) {
+      if (grids.empty()) continue;
+      const KernelPatch flat = kernel_patch(patch);
+      samples->count = 0;
+      for (const SampleGrid& grid : grids) read_samples(flat, 0, 0, 40, shown.view(), grid, *samples);
+      std::fill_n(samples->keep.begin(), samples->count, 1.0F);
+      out.push_back(
+          sum_ball({flat, 1.5F, -0.8F, 20, 35, 1, 0.1F, 0.9F, 0.55F, grids.front().wide_px}, *samples));
+    }
+    return out;
+  };
+  const auto best = summed();
+  ASSERT_FALSE(best.empty());
+  ASSERT_GT(best.front().products[BallColumn::kGround][BallColumn::kGround], 5);
+  for (const std::int64_t target : cpu_targets()) {
+    const OnlyTarget only(target);
+    const auto other = summed();
+    for (std::size_t g = 0; g < best.size(); ++g) {
+      EXPECT_EQ(other[g].products, best[g].products) << name_of_target(target) << " group " << g;
+      for (std::size_t p = 0; p < 3; ++p) {
+        EXPECT_EQ(other[g].planes[p].with, best[g].planes[p].with) << name_of_target(target);
+        EXPECT_EQ(other[g].planes[p].square, best[g].planes[p].square) << name_of_target(target);
+      }
+    }
+  }
+}
+
+// Beyond the last sample there is something to fill a vector with, which must not lie on the disc however the
+// plane is curved.
+TEST_P(DiscFitIn, WhatFillsAVectorIsNoSample) {
+  const DiscPicture shown(GetParam(), 48, 48, {}, 4);
+  PlanePatch patch = flat_patch(24, 24);
+  patch.xuu = -patch.xu / 1e5, patch.yu = patch.yuu = 0;
+  std::vector<double> counts;
+  for (const std::int64_t target : cpu_targets()) {
+    const OnlyTarget only(target);
+    DiscMeter meter;
+    counts.push_back(
+        meter.measure(shown.view(), patch, {0.3, 0.2, kRadiusMm, kMarginMm}, {}, kBlurPx).planes[0].n);
+  }
+  EXPECT_THAT(counts, testing::Each(counts.front()));
 }
 
 TEST_P(DiscFitIn, ReadsNothingOutsideThePicture) {
