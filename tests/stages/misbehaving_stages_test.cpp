@@ -291,8 +291,11 @@ TEST_F(MisbehavingStages, OneThatIsSlowIsNamedAndNotTheComputer) {
   EXPECT_THAT(title, StartsWith("Camera 4: the stage 'be_slow' takes "));
   EXPECT_THAT(title, HasSubstr(" ms an image; images come every "));
   EXPECT_FALSE(alert_of(now, "camera_slow")) << title;
-  const Json dropped = *alert_of(wait_for_alert("frames_dropped"), "frames_dropped");
-  EXPECT_THAT(dropped.at("fix").get<std::string>(), StartsWith("The stage 'be_slow' takes "));
+  // As long as rates are not known well, it may say how long one image took.
+  const auto fix = [this] {
+    return alert_of(wait_for_alert("frames_dropped"), "frames_dropped")->at("fix").get<std::string>();
+  };
+  while (!fix().starts_with("The stage 'be_slow' takes ")) std::this_thread::yield();
 }
 
 TEST_F(MisbehavingStages, OneOfTheFieldThatIsSlowIsNamed) {
