@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { existsSync, mkdirSync, readdirSync, rmSync, symlinkSync, truncateSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, symlinkSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import { readClip } from './clip_reader.mjs';
@@ -144,6 +144,20 @@ describe('clips', () => {
     for (const name of ['..%2Fadmin.json', 'none.clip', '.clip']) assert.equal((await ask('GET', `/clips/${name}/frames`)).status, 404, name);
   });
 
+  it('give their frames to other tools, which find the same in them', async () => {
+    await reaches(1);
+    const made = await clipWith({ seconds: 1 }, 'export');
+    const out = join(service.folder, 'frames'), one = join(out, 'camera_1'), settings = join(service.folder, 'now.json');
+    ctl('clip', 'export', pathOf(made), '--output', out, '--format', 'raw');
+    writeFileSync(settings, ctl('settings', 'export'));
+    // What the frames look like, frames.json beside them tells.
+    ctl('process', '--settings', settings, '--camera', '1', '--input', one, '--output', join(out, 'found.jsonl'));
+    assert.equal(readFileSync(join(out, 'found.jsonl'), 'utf8').trim().split('\n').length, made.cameras[1].frames);
+    ctl('score', '--detections', join(out, 'found.jsonl'), '--truth', join(one, 'truth.jsonl'), '--min-robot-share', '0.95');
+    ctl('learn-colours', '--settings', settings, '--camera', '1', '--input', one, '--output', join(out, 'learnt.lut'));
+    assert.ok(existsSync(join(out, 'learnt.lut')));
+  });
+
   it('may be a camera', async () => {
     await reaches(1);
     const made = await clipWith({ seconds: 1 }, 'camera');
@@ -271,7 +285,7 @@ describe('clips', () => {
     assert.ok(!all.some(({ name }) => name === 'link.clip'));
     assert.equal((await ask('GET', '/clips/foreign.clip/frames')).status, 422);
     const foreign = join(folder, 'foreign.clip');
-    for (const words of [['clip', 'info', foreign], ['clip', 'info', join(folder, 'none.clip')], ['clip', 'export', foreign, '--out', join(service.folder, 'out')], ['replay', foreign, '--compare']]) {
+    for (const words of [['clip', 'info', foreign], ['clip', 'info', join(folder, 'none.clip')], ['clip', 'export', foreign, '--output', join(service.folder, 'out')], ['replay', foreign, '--compare']]) {
       const run = spawnSync(CTL, words, { encoding: 'utf8' });
       assert.deepEqual([run.status, run.stdout], [2, ''], words.join(' '));
       assert.match(run.stderr, /^ssl-visionctl: .*\.clip: /);

@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -44,9 +45,12 @@ struct Options {
              "their "
              "names; or one such file; or a video; or a clip (.clip)"),
         choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
-               "how the bytes of raw frames lie; images, videos and clips know it themselves (auto)"),
-        number("width", &O::width, 0, 16384, "px", "of raw frames; 0: there are none"),
-        number("height", &O::height, 0, 16384, "px", "of raw frames; 0: there are none"),
+               "how the bytes of raw frames lie; images, videos and clips know it themselves (auto), and a "
+               "frames.json beside raw frames may tell it"),
+        number("width", &O::width, 0, 16384, "px",
+               "of raw frames; 0: there are none, or frames.json tells it"),
+        number("height", &O::height, 0, 16384, "px",
+               "of raw frames; 0: there are none, or frames.json tells it"),
         number("camera_id", &O::camera_id, 0, 255, "", "id of the camera of a clip; null: the first in it"),
         number(
             "frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
@@ -113,6 +117,37 @@ std::vector<Item> find_items(const std::string& path) {
   return items;
 }
 
+/// With what the frames.json beside raw frames tells of them, as `clip export` and `simulate --raw` write it:
+/// once for all, or for each. Only where nothing else is said. Throws CaptureError.
+Options with_told_layout(Options options, const std::vector<Item>& items) {
+  const auto raw = std::ranges::find(items, Kind::kRaw, &Item::kind);
+  if (raw == items.end() || options.pixel_format || options.width != 0 || options.height != 0) return options;
+  const fs::path file = fs::path(raw->path).parent_path() / "frames.json";
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return options;
+  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{64} << 20U;
+  const bool is_small = fs::file_size(file, error) <= kMaxBytes && !error;
+  std::ifstream in(file);
+  const Json told = is_small ? Json::parse(in, nullptr, false) : Json();
+  try {
+    const Json& frame = told.contains("pixel_format") ? told : told.at("frames").at(0);
+    options.pixel_format = pixel_format_named(frame.at("pixel_format").get<std::string>());
+    const auto pixels = [&](const char* key) {
+      const Json& value = frame.at(key);
+      return value.is_number_unsigned() && value <= 16384 ? value.get<int>() : 0;
+    };
+    options.width = pixels("width");
+    options.height = pixels("height");
+  } catch (const Json::exception&) {
+    options.pixel_format.reset();
+  }
+  if (options.pixel_format && is_valid_size(*options.pixel_format, options.width, options.height))
+    return options;
+  throw CaptureError(fmt::format(
+      "{}: tells no pixel_format, width and height of raw frames that can be; set them, or remove the file",
+      file.string()));
+}
+
 /// An open file for reading.
 class Descriptor {
  public:
@@ -132,7 +167,7 @@ class Descriptor {
 class StillRecording final : public Recording {
  public:
   StillRecording(const Options& options, std::vector<Item> items)
-      : options_(options), items_(std::move(items)) {
+      : options_(with_told_layout(options, items)), items_(std::move(items)) {
     const bool raw =
         std::any_of(items_.begin(), items_.end(), [](const Item& i) { return i.kind == Kind::kRaw; });
     if (raw &&
@@ -140,7 +175,7 @@ class StillRecording final : public Recording {
       throw CaptureError(
           fmt::format("path \"{}\": raw frames need pixel_format (not auto), width and height (2 .. 16384; "
                       "even for YUV and "
-                      "Bayer formats); they are {}, {} and {}",
+                      "Bayer formats); they are {}, {} and {}, and no frames.json tells them",
                       options_.path, options_.pixel_format ? name_of(*options_.pixel_format) : "auto",
                       options_.width, options_.height));
     }

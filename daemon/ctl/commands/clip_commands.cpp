@@ -223,7 +223,7 @@ void add_clip(CommandLine& line) {
   auto* write =
       group->add_subcommand("export", "write a clip's frames as files, with what was found in them");
   o->choice.add_to(write);
-  write->add_option("--out", o->to.folder, "new folder to write to")->required();
+  write->add_option("--output", o->to.folder, "new folder to write to")->required();
   const std::map<std::string, ExportFormat> formats{{"png", ExportFormat::kPng}, {"raw", ExportFormat::kRaw}};
   write->add_option("--format", o->to.format, "png: RGB; raw: the camera's bytes")
       ->transform(CLI::CheckedTransformer(formats))

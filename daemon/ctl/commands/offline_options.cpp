@@ -53,8 +53,10 @@ std::size_t CameraChoice::index_in(const Config& config) const {
 }
 
 void RawFormat::add_to(CLI::App* command) {
-  command->add_option("--pixel-format", pixel_format, "of raw frames, such as uyvy or bayer_rg8");
-  command->add_option("--size", size, "of raw frames, such as 780x580");
+  command->add_option(
+      "--pixel-format", pixel_format,
+      "of raw frames, such as uyvy or bayer_rg8; default: as a frames.json beside them tells");
+  command->add_option("--size", size, "of raw frames, such as 780x580; likewise");
 }
 
 void RawFormat::parse() {

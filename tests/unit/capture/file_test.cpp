@@ -232,6 +232,50 @@ TEST_F(Files, RawFramesNeedTheirSize) {
               HasSubstr("they are bayer_rg8, 9 and 4"));
 }
 
+// As `clip export` writes it, and as `simulate --raw` does.
+TEST_F(Files, AFileBesideRawFramesTellsHowTheyLie) {
+  write("frame.raw", std::string(64, 'x'));
+  for (
+      const std::string told :
+      {R"({"camera": 0, "frames": [{"file": "frame.raw", "width": 8, "height": 4, "pixel_format": "uyvy"}]})",
+       R"({"pixel_format": "uyvy", "width": 8, "height": 4, "frames": [{"file": "frame.raw", "t": 1}]})"}) {
+    write("frames.json", told);
+    for (const std::string& input : {folder_.string(), path("frame.raw")}) {
+      const auto source = open(input);
+      const Taken taken = next(*source);
+      ASSERT_EQ(taken.status, CaptureStatus::kImage) << taken.problem;
+      EXPECT_EQ(taken.image.image.view().format, PixelFormat::kUyvy);
+      EXPECT_EQ(taken.image.image.view().width, 8);
+    }
+  }
+  // What the settings say counts.
+  const auto source = open(folder_.string(), {{"pixel_format", "mono8"}, {"width", 16}, {"height", 4}});
+  EXPECT_EQ(next(*source).image.image.view().width, 16);
+}
+
+TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
+  write("frame.raw", std::string(64, 'x'));
+  for (const std::string told :
+       {"", "no JSON", "[]", "7", "null", R"({"frames": []})", R"({"frames": {"0": 1}})",
+        R"({"frames": [7]})", R"({"pixel_format": "uyvy", "width": 8})",
+        R"({"pixel_format": 8, "width": 8, "height": 4})",
+        R"({"pixel_format": "of course", "width": 8, "height": 4})",
+        R"({"pixel_format": "uyvy", "width": 1e300, "height": 4})",
+        R"({"pixel_format": "uyvy", "width": 99999999999999999999, "height": 4})",
+        R"({"pixel_format": "uyvy", "width": -8, "height": 4})",
+        R"({"pixel_format": "uyvy", "width": 8.5, "height": 4})",
+        R"({"pixel_format": "uyvy", "width": "8", "height": 4})"}) {
+    write("frames.json", told);
+    EXPECT_THAT(refusal(folder_.string()),
+                HasSubstr(path("frames.json") + ": tells no pixel_format, width and height"))
+        << told;
+  }
+  // Nor does anything else that has its name.
+  std::filesystem::remove(path("frames.json"));
+  std::filesystem::create_directory(path("frames.json"));
+  EXPECT_THAT(refusal(folder_.string()), HasSubstr("no frames.json tells them"));
+}
+
 TEST_F(Files, RawFramesAllocateNothingOnceWarm) {
   write("a.raw", std::string(64, 'x'));
   write("b.raw", std::string(64, 'y'));
