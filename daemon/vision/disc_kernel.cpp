@@ -58,7 +58,8 @@ HWY_INLINE float TotalOf(D d, hn::Vec<D> v) {
 }
 #endif
 
-/// A sum over samples: of each kPad-th one by itself, then of these.
+/// A sum over samples in kPad parts, however many lanes a vector has: part i is of samples i, i + kPad and so
+/// on. In the end the parts are added.
 class Sum {
  public:
   HWY_INLINE Sum() {

@@ -117,8 +117,8 @@ std::vector<Item> find_items(const std::string& path) {
   return items;
 }
 
-/// With what the frames.json beside raw frames tells of them, as `clip export` and `simulate --raw` write it:
-/// once for all, or for each. Only where nothing else is said. Throws CaptureError.
+/// Adds the pixel format and size that the frames.json beside raw frames tells, once for all or for each, as
+/// `clip export` and `simulate --raw` write it; only where the settings say nothing. Throws CaptureError.
 Options with_told_layout(Options options, const std::vector<Item>& items) {
   const auto raw = std::ranges::find(items, Kind::kRaw, &Item::kind);
   if (raw == items.end() || options.pixel_format || options.width != 0 || options.height != 0) return options;
@@ -129,22 +129,34 @@ Options with_told_layout(Options options, const std::vector<Item>& items) {
   const bool is_small = fs::file_size(file, error) <= kMaxBytes && !error;
   std::ifstream in(file);
   const Json told = is_small ? Json::parse(in, nullptr, false) : Json();
+  const auto pixels = [](const Json& value) {
+    return value.is_number_unsigned() && value <= 16384 ? value.get<int>() : 0;
+  };
+  bool are_alike = true;
   try {
-    const Json& frame = told.contains("pixel_format") ? told : told.at("frames").at(0);
-    options.pixel_format = pixel_format_named(frame.at("pixel_format").get<std::string>());
-    const auto pixels = [&](const char* key) {
-      const Json& value = frame.at(key);
-      return value.is_number_unsigned() && value <= 16384 ? value.get<int>() : 0;
-    };
-    options.width = pixels("width");
-    options.height = pixels("height");
+    const Json& first = told.contains("pixel_format") ? told : told.at("frames").at(0);
+    options.pixel_format = pixel_format_named(first.at("pixel_format").get<std::string>());
+    options.width = pixels(first.at("width"));
+    options.height = pixels(first.at("height"));
+    if (&first != &told) {
+      for (const Json& frame : told.at("frames")) {
+        for (const char* key : {"pixel_format", "width", "height"})
+          are_alike = are_alike && frame.at(key) == first.at(key);
+      }
+    }
   } catch (const Json::exception&) {
     options.pixel_format.reset();
+  }
+  if (!are_alike) {
+    throw CaptureError(fmt::format(
+        "{}: its frames have several formats or sizes; put those of each into a folder of their own",
+        file.string()));
   }
   if (options.pixel_format && is_valid_size(*options.pixel_format, options.width, options.height))
     return options;
   throw CaptureError(fmt::format(
-      "{}: tells no pixel_format, width and height of raw frames that can be; set them, or remove the file",
+      "{}: pixel_format, width or height is missing or not allowed for raw frames (2 .. 16384 px; "
+      "even for YUV and Bayer formats); set all three for the camera, or correct the file",
       file.string()));
 }
 

@@ -264,12 +264,17 @@ TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
         R"({"pixel_format": "uyvy", "width": 99999999999999999999, "height": 4})",
         R"({"pixel_format": "uyvy", "width": -8, "height": 4})",
         R"({"pixel_format": "uyvy", "width": 8.5, "height": 4})",
-        R"({"pixel_format": "uyvy", "width": "8", "height": 4})"}) {
+        R"({"pixel_format": "uyvy", "width": "8", "height": 4})",
+        R"({"frames": [{"pixel_format": "uyvy", "width": 8, "height": 4}, {}]})"}) {
     write("frames.json", told);
     EXPECT_THAT(refusal(folder_.string()),
-                HasSubstr(path("frames.json") + ": tells no pixel_format, width and height"))
+                HasSubstr(path("frames.json") + ": pixel_format, width or height is missing or not allowed"))
         << told;
   }
+  write("frames.json", R"({"frames": [{"pixel_format": "uyvy", "width": 8, "height": 4},
+                                      {"pixel_format": "yuyv", "width": 8, "height": 4}]})");
+  EXPECT_THAT(refusal(folder_.string()),
+              HasSubstr(path("frames.json") + ": its frames have several formats or sizes"));
   // Nor does anything else that has its name.
   std::filesystem::remove(path("frames.json"));
   std::filesystem::create_directory(path("frames.json"));

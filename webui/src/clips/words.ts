@@ -15,7 +15,7 @@ export function reach({ cameras }: LastSeconds): number {
 /** As far back as the camera that reaches farthest. */
 export const farthest = ({ cameras }: LastSeconds): number => Math.max(0, ...cameras.map(({ seconds }) => seconds));
 
-/** How far "Go back" goes: as far as is wished, or as there is; whole seconds. */
+/** How far "Go back" and "Keep" go: as far as is wished, or as there is; whole seconds. */
 export function goBackSeconds(last: LastSeconds, wished: number, camera?: number): number {
   const there = camera === undefined ? farthest(last) : last.cameras.find(({ id }) => id === camera)?.seconds ?? 0;
   return Math.min(wished, there < 1 ? 0 : Math.floor(there + 0.05));
