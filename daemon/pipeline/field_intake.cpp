@@ -86,7 +86,7 @@ void SightingsQueue::hand_over(const FrameInfo& info, const Scene& scene, const 
   ArrivedSightings* const slot = begin();
   if (!slot) return;
   write_sightings(info, scene, robots, balls, slot->image);
-  slot->is_of_other_computer = false;
+  slot->image.is_of_other_computer = false;
   end(*slot);
 }
 
@@ -98,9 +98,9 @@ void SightingsQueue::hand_over(const CameraSightings& heard) noexcept {
   image.frame_number = heard.frame_number;
   image.t_capture_s = heard.t_capture_s;
   image.camera_mm = heard.camera_mm;
+  image.is_of_other_computer = true;
   copy_first(heard.robots, kMaxRobots, image.robots);
   copy_first(heard.balls, kMaxBalls, image.balls);
-  slot->is_of_other_computer = true;
   end(*slot);
 }
 

@@ -26,7 +26,8 @@ void Agreement::process(const Params&, const CameraSightings& seen, const ImageT
     const Vector2d place = robot.place_mm - learnt.error_of(seen.camera, robot.place_mm) -
                            learnt.height_error_of(seen.camera, name, robot.place_mm, robot.height_mm);
     out.robots.push_back({name, seen.camera, true_s, time.sigma_s, place, robot.orientation_rad,
-                          robot.place_cov_mm2, robot.orientation_sigma_rad, robot.height_mm});
+                          robot.place_cov_mm2, robot.orientation_sigma_rad, robot.height_mm,
+                          seen.is_of_other_computer});
     learnt.see(seen.camera, {name, robot.place_mm, robot.height_mm, t_s});
   }
   /// What a calibration differs by from place to place.

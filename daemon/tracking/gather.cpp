@@ -43,7 +43,7 @@ bool Gather::is_taken(const Params& params, const ArrivedSightings& arrived, dou
   std::erase_if(heard_s_, [&](const auto& one) { return now_s - one.second > kForgotten_s; });
   const auto known = heard_s_.find(image.camera);
   // A stranger's cameras take no place from our own.
-  if (arrived.is_of_other_computer && known == heard_s_.end() && heard_s_.size() >= kMaxCameras)
+  if (image.is_of_other_computer && known == heard_s_.end() && heard_s_.size() >= kMaxCameras)
     return leave_out(LeftOut::Why::kTooMany, left_out.images_of_too_many);
   const bool hangs = image.camera_mm.allFinite() && image.camera_mm.z() > kLowestCameraMm &&
                      image.camera_mm.norm() < kHighestCameraMm;
@@ -61,6 +61,7 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
   out.frame_number = image.frame_number;
   out.t_capture_s = image.t_capture_s;
   out.camera_mm = image.camera_mm;
+  out.is_of_other_computer = image.is_of_other_computer;
   out.robots.clear();
   out.balls.clear();
   out.is_taken = is_taken(params, arrived, now_s, left_out);
@@ -82,7 +83,7 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
         continue;
       }
       RobotSighting robot = seen;
-      if (arrived.is_of_other_computer || !is_sensible(robot.place_cov_mm2) ||
+      if (image.is_of_other_computer || !is_sensible(robot.place_cov_mm2) ||
           !(robot.orientation_sigma_rad > 0)) {
         robot.place_cov_mm2 = params.robot_sigma_mm * params.robot_sigma_mm * Matrix2d::Identity();
         robot.orientation_sigma_rad = params.orientation_sigma_deg * std::numbers::pi / 180;
@@ -95,7 +96,7 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
         continue;
       }
       BallSighting ball = seen;
-      if (arrived.is_of_other_computer || !is_sensible(ball.place_cov_mm2))
+      if (image.is_of_other_computer || !is_sensible(ball.place_cov_mm2))
         ball.place_cov_mm2 = params.ball_sigma_mm * params.ball_sigma_mm * Matrix2d::Identity();
       if (!std::isfinite(ball.height_mm)) ball.height_sigma_mm = std::numeric_limits<double>::infinity();
       out.balls.push_back(ball);

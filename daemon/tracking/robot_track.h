@@ -63,7 +63,8 @@ class RobotTrack {
 
   RobotName name_;
   double t_s_ = 0, seen_s_ = 0;
-  double interval_s_ = 0.02;  // between two sightings, lately
+  double seen_by_own_s_ = -1e9;  // by a camera of this computer
+  double interval_s_ = 0.02;     // between two sightings, lately
   int sightings_ = 0;
   double second_after_s_ = 0;  // the second sighting, after the first
   double height_mm_ = 0;       // of its pattern

@@ -38,6 +38,7 @@ struct CameraSightings {
   int camera = 0;
   std::uint32_t frame_number = 0;
   bool is_taken = true;                // false: the image is left out
+  bool is_of_other_computer = false;   // it says nothing of how sure its places are
   double t_capture_s = 0;              // Unix time, as the camera's computer says
   Eigen::Vector3d camera_mm{0, 0, 0};  // where the camera hangs
   std::vector<RobotSighting> robots;
@@ -47,8 +48,7 @@ struct CameraSightings {
 /// What came in from a camera, before anything is checked.
 struct ArrivedSightings {
   CameraSightings image;
-  bool is_of_other_computer = false;  // it says nothing of how sure its places are
-  std::int64_t handed_over_ns = 0;    // steady_ns(); 0: of no live camera
+  std::int64_t handed_over_ns = 0;  // steady_ns(); 0: of no live camera
 };
 
 /// When an image was taken, as its camera's even rate has it. Nothing for an image that is left out.
@@ -67,6 +67,7 @@ struct RobotObservation {
   Eigen::Matrix2d place_cov_mm2;
   double orientation_sigma_rad;
   double height_mm = 0;  // of its pattern
+  bool is_of_other_computer = false;
 };
 
 /// Likewise of a ball.

@@ -61,7 +61,7 @@ TEST_F(Intake, BringsWhatACameraSawWithHowSureThatIs) {
   EXPECT_EQ(got.image.frame_number, 5U);
   EXPECT_EQ(got.image.t_capture_s, 100);
   EXPECT_NEAR(got.image.camera_mm.z(), 4000, 1);
-  EXPECT_FALSE(got.is_of_other_computer);
+  EXPECT_FALSE(got.image.is_of_other_computer);
   ASSERT_EQ(got.image.robots.size(), 1U);
   const RobotSighting& robot = got.image.robots[0];
   EXPECT_EQ(robot.id, 7);

@@ -49,7 +49,7 @@ TEST_F(Gathered, TakesWhatMakesSenseAsItIs) {
 }
 
 TEST_F(Gathered, SaysHowSureOtherComputersAreAsTheSettingsDo) {
-  arrived_.is_of_other_computer = true;
+  arrived_.image.is_of_other_computer = true;
   arrived_.image.robots[0].place_cov_mm2.setZero();
   Gather::Params params;
   params.robot_sigma_mm = 3;
@@ -99,16 +99,16 @@ TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
 }
 
 TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
-  arrived_.is_of_other_computer = true;
+  arrived_.image.is_of_other_computer = true;
   for (int camera = 0; camera < 100; ++camera) {
     arrived_.image.camera = camera;
     gather();
   }
-  arrived_.is_of_other_computer = false;
+  arrived_.image.is_of_other_computer = false;
   arrived_.image.camera = 200;
   gather();
   EXPECT_TRUE(out_.is_taken) << "our own camera, which comes late";
-  arrived_.is_of_other_computer = true;
+  arrived_.image.is_of_other_computer = true;
   EXPECT_EQ(left_out_.images_of_too_many, 100 - Gather::kMaxCameras);
   arrived_.image.camera = 0;
   gather();

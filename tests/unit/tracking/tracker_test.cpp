@@ -206,6 +206,44 @@ TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
   EXPECT_NEAR(now()->place_mm.x(), -2000, 1);
 }
 
+TEST_F(OneRobot, OfASlowCameraIsNotTakenByAnotherComputer) {
+  Observations theirs;
+  const auto they_see = [&](double x_mm) {
+    theirs.robots = {
+        {kName, 1, t_s_, 2e-5, {x_mm, 0}, 0, Eigen::Matrix2d::Identity() * 1.0, 0.017, 140, true}};
+    tracker_.add(theirs);
+    t_s_ += 0.0125;
+  };
+  for (int image = 0; image < 40; ++image) {
+    see(1000);
+    for (int i = 0; i < 8; ++i) {  // nine images a second
+      they_see(-2000);
+      if (image < 2) continue;  // not yet shown
+      ASSERT_NEAR(now().value().place_mm.x(), 1000, 1) << image;
+    }
+  }
+  // It drives through the place where they say that it stands: that shakes it, but takes it not along.
+  for (int i = 0; i < 20; ++i) see(1000 + 12.5 * i);
+  for (int image = 0; image < 36; ++image) {
+    const double x_mm = 1250 + 9 * 12.5 * image;
+    see(x_mm);
+    for (int i = 0; i < 8; ++i) {
+      they_see(3000);
+      if (image < 30) continue;  // 1.6 m after it
+      ASSERT_NEAR(now().value().place_mm.x(), x_mm + 12.5 * (i + 2), 5) << image << " " << i;
+    }
+  }
+  // It drives on to where only they see it.
+  for (int i = 0; i < 80; ++i) see(1000 + 20 * i);
+  for (int i = 0; i < 80; ++i) {
+    they_see(2600 + 20 * i);
+    ASSERT_NEAR(now().value().place_mm.x(), 2620 + 20 * i, 20) << i;
+  }
+  // None of this one's cameras has seen it for half a second: they may be right.
+  for (int i = 0; i < 20; ++i) they_see(-2000);
+  EXPECT_NEAR(now().value().place_mm.x(), -2000, 1);
+}
+
 TEST_F(OneRobot, MayBePutDownAtTheFieldsCentreAsAnywhere) {
   for (int i = 0; i < 80; ++i) see(3000);
   int missing = 0;
