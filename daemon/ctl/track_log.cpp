@@ -104,7 +104,6 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
   while (reader.next(message)) {
     if (message.type != LoggedMessage::kVision2014 || !parse(packet, message.bytes)) continue;
     ++out.packets;
-    frame.arrived.image.is_of_other_computer = true;
     const double now_s = static_cast<double>(message.time_ns) * 1e-9;
     if (!cameras.read(packet, "log", now_s, now_s, frame.arrived.image)) continue;
     const CameraSightings& image = frame.arrived.image;

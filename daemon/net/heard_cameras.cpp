@@ -86,6 +86,7 @@ bool HeardCameras::read(const SSL_WrapperPacket& packet, const std::string& addr
   out.frame_number = frame.frame_number();
   out.t_capture_s = frame.t_capture() + from.clock.correction_s();
   out.camera_mm = place->second;
+  out.is_of_other_computer = true;
   out.robots.clear();
   add_robots(frame.robots_yellow(), Team::kYellow, out);
   add_robots(frame.robots_blue(), Team::kBlue, out);

@@ -98,7 +98,7 @@ void SightingsQueue::hand_over(const CameraSightings& heard) noexcept {
   image.frame_number = heard.frame_number;
   image.t_capture_s = heard.t_capture_s;
   image.camera_mm = heard.camera_mm;
-  image.is_of_other_computer = true;
+  image.is_of_other_computer = heard.is_of_other_computer;
   copy_first(heard.robots, kMaxRobots, image.robots);
   copy_first(heard.balls, kMaxBalls, image.balls);
   end(*slot);

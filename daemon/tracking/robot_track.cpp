@@ -71,16 +71,6 @@ double reach_mm(double passed_s) {
   return kFastest_mm_s * std::min(std::abs(passed_s), kLongest_s) + kJumpMm;
 }
 
-/// So lately seen by a camera of this computer, a robot is still seen by it, however slow the camera.
-constexpr double kOwnLately_s = 0.25;
-
-/// How far from where it is expected another computer may see a robot that this one's cameras saw so long
-/// ago.
-double agrees_mm(double own_ago_s) {
-  constexpr double kDifferMm = 20;  // what calibrations may
-  return kDifferMm + kMaxAcceleration_mm_s2 / 2 * own_ago_s * own_ago_s;
-}
-
 /// However surprising, as sure as if it were off by this many sigma: every robot may move as no model says.
 constexpr double kMostSigmas = 5;
 
@@ -104,7 +94,6 @@ void RobotTrack::begin(const RobotObservation& first) {
   angle_cov_.setZero();
   angle_cov_.diagonal() << 1e-6, 50, 2000;
   t_s_ = seen_s_ = first.t_s;
-  seen_by_own_s_ = first.is_of_other_computer ? -1e9 : first.t_s;
   sightings_ = 1;
   height_mm_ = first.height_mm;
   stands_mm_ = first.place_mm;
@@ -142,7 +131,6 @@ void RobotTrack::predict(double t_s) {
 
 bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   constexpr int kSure = 3;
-  if (sighting.is_of_other_computer && sighting.t_s - seen_by_own_s_ < kGone_s) return false;
   const bool is_again =
       elsewhere_ > 0 && (sighting.place_mm - elsewhere_mm_).norm() < reach_mm(sighting.t_s - elsewhere_s_);
   elsewhere_ = is_again ? elsewhere_ + 1 : 1;
@@ -181,7 +169,7 @@ RobotTrack::Step RobotTrack::last_step() const {
   return out;
 }
 
-bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step) {
+bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now, Step* step) {
   // A second one that cannot go on from the first takes its place, unless it is of the same moment.
   constexpr double kSecond_s = 0.25, kSameTime_s = 0.03;
   const double unseen_s = sighting.t_s - seen_s_;
@@ -201,15 +189,9 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step)
   constexpr double kLately_s = 0.05;
   const bool is_other =
       sighting.t_s - other_s_ < kLately_s && (sighting.place_mm - other_mm_).norm() < off.norm();
-  // Another computer, which may be wrong in all that it says, drags no robot away from this one's cameras.
-  const double own_ago_s = sighting.t_s - seen_by_own_s_;
-  const bool is_own_lately = own_ago_s < kOwnLately_s;
-  const double most_mm = !is_own_lately                  ? reach_mm(sighting.t_s - before.seen_s_)
-                         : sighting.is_of_other_computer ? agrees_mm(own_ago_s)
-                                                         : reach_mm(own_ago_s);
-  if (is_other || off.norm() > most_mm) {
+  if (is_other || off.norm() > reach_mm(sighting.t_s - before.seen_s_)) {
     *this = before;
-    if (!is_now_at(sighting)) return false;
+    if (!is_now_at(sighting) || now.stays_here) return false;
     begin(sighting);
     if (step) *step = last_step();
     return true;
@@ -227,7 +209,7 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step)
       std::clamp(noise_factor_ * (1 + kLearns * (std::min(surprise, kMost) / kUsual - 1)), 1.0, kMostNoise);
   if (surprise > kSurprise) {
     Matrix3d more = (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
-    if (touches && surprise > kPushSurprise)
+    if (now.touches && surprise > kPushSurprise)
       more += kPush * push_noise(std::abs(sighting.t_s - before.seen_s_));
     cov_ += of_both_axes(more);
     spread = cov_.topLeftCorner<2, 2>() + noise;
@@ -258,7 +240,6 @@ bool RobotTrack::add(const RobotObservation& sighting, bool touches, Step* step)
   constexpr double kLearnsInterval = 0.1;
   if (sighting.t_s > seen_s_) interval_s_ += kLearnsInterval * (sighting.t_s - seen_s_ - interval_s_);
   seen_s_ = std::max(seen_s_, sighting.t_s);
-  if (!sighting.is_of_other_computer) seen_by_own_s_ = std::max(seen_by_own_s_, sighting.t_s);
   ++sightings_;
   return true;
 }

@@ -31,14 +31,19 @@ class RobotTrack {
     TrackedRobot robot_at(const RobotName& name, double t_s) const;
   };
 
-  /// False: this cannot be the same robot. `touches`: another one, which may push it. `step`: gets what
-  /// became of it; null: nobody wants that.
-  bool add(const RobotObservation& sighting, bool touches = false, Step* step = nullptr);
+  struct Circumstances {
+    bool touches = false;     // another one, which may push it
+    bool stays_here = false;  // however often it is seen elsewhere
+  };
+  /// False: this cannot be the same robot. `step`: gets what became of it; null: nobody wants that.
+  bool add(const RobotObservation& sighting, const Circumstances& now, Step* step = nullptr);
   TrackedRobot at(double t_s) const;
   /// What is known of it by now, as if it had just begun.
   Step last_step() const;
 
   double seen_s() const { return seen_s_; }
+  /// Between two sightings, lately.
+  double interval_s() const { return interval_s_; }
   /// Not seen for so long, a robot is no longer on the field.
   static constexpr double kGone_s = 0.5;
   int sightings() const { return sightings_; }
@@ -63,8 +68,7 @@ class RobotTrack {
 
   RobotName name_;
   double t_s_ = 0, seen_s_ = 0;
-  double seen_by_own_s_ = -1e9;  // by a camera of this computer
-  double interval_s_ = 0.02;     // between two sightings, lately
+  double interval_s_ = 0.02;
   int sightings_ = 0;
   double second_after_s_ = 0;  // the second sighting, after the first
   double height_mm_ = 0;       // of its pattern

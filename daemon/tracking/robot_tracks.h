@@ -12,7 +12,8 @@
 
 namespace sslv {
 
-/// The robots on the field.
+/// The robots on the field. Another computer may be wrong in all that it says: where this one's cameras see a
+/// robot steadily, what the other says takes it nowhere else.
 class RobotTracks {
  public:
   /// False: it cannot be the robot that it says. `step`: as RobotTrack::add.
@@ -32,8 +33,14 @@ class RobotTracks {
   std::map<RobotName, RobotTrack> tracks;
 
  private:
+  /// The same robot as this computer's cameras alone see it; null: not steadily.
+  const RobotTrack* seen_by_own(const RobotName& name, double t_s) const;
+  void add_own(const RobotObservation& seen, const RobotTrack::Circumstances& now, bool is_taken);
   bool touches_another(const RobotObservation& seen) const;
   bool is_misread(const RobotName& name, const RobotTrack& track, double t_s) const;
+
+  bool hears_others_ = false;  // until then, `tracks` are what own cameras see
+  std::map<RobotName, RobotTrack> own_;
 };
 
 }  // namespace sslv

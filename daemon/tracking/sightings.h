@@ -38,7 +38,7 @@ struct CameraSightings {
   int camera = 0;
   std::uint32_t frame_number = 0;
   bool is_taken = true;                // false: the image is left out
-  bool is_of_other_computer = false;   // it says nothing of how sure its places are
+  bool is_of_other_computer = false;   // which says nothing of how sure its places are
   double t_capture_s = 0;              // Unix time, as the camera's computer says
   Eigen::Vector3d camera_mm{0, 0, 0};  // where the camera hangs
   std::vector<RobotSighting> robots;
@@ -66,8 +66,8 @@ struct RobotObservation {
   double orientation_rad;
   Eigen::Matrix2d place_cov_mm2;
   double orientation_sigma_rad;
-  double height_mm = 0;  // of its pattern
-  bool is_of_other_computer = false;
+  double height_mm = 0;               // of its pattern
+  bool is_of_other_computer = false;  // RobotTracks believes this one's cameras rather
 };
 
 /// Likewise of a ball.

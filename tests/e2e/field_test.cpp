@@ -160,8 +160,6 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
 }
 
 TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
-  // So slow that a stranger has time to be believed.
-  for (Json& camera : settings_["cameras"]) camera["source"]["frame_rate_hz"] = 12;
   RunningDaemon daemon(settings_file(), state_);
   wait_for_tracks([](const TrackedFrame& frame) { return frame.robots_size() == 12; });
   MulticastSender stranger({.group = GroupListener::kGroup, .port = listener_.port(), .interface = "lo"});

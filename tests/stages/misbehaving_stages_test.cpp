@@ -179,8 +179,7 @@ class MisbehavingStages : public testing::Test {
   }
   Json status() { return Json::parse(ask("/api/status")); }
 
-  /// The status in which there is an alert of this kind, once there is.
-  /// Until its title begins so.
+  /// The first status in which there is an alert of this kind whose title begins so.
   Json wait_for_alert(const std::string& id, const std::string& title = "") {
     for (;;) {
       Json now = status();

@@ -43,6 +43,7 @@ TEST_F(Heard, ACameraOfAnotherComputerIsOneOfOurs) {
   EXPECT_FALSE(read(geometry(4), "a", 0));
   ASSERT_TRUE(read(detection(4), "a", 0.1));
   EXPECT_EQ(out_.camera, 4);
+  EXPECT_TRUE(out_.is_of_other_computer);
   EXPECT_EQ(out_.t_capture_s, 1000);
   EXPECT_NEAR(out_.camera_mm.z(), 4000, 1);
   ASSERT_EQ(out_.robots.size(), 1U);

@@ -85,6 +85,20 @@ TEST_F(Intake, GivesTheOldestImageOfAllCamerasFirst) {
   EXPECT_EQ(take().image.t_capture_s, 102);
 }
 
+TEST_F(Intake, KnowsWhatAnotherComputersCameraSaw) {
+  const auto queue = intake_.add();
+  CameraSightings heard;
+  heard.camera = 6;
+  heard.is_of_other_computer = true;
+  queue->hand_over(heard);
+  EXPECT_TRUE(take().image.is_of_other_computer);
+  // In the same slots.
+  for (int i = 0; i < 100; ++i) {
+    queue->hand_over(info(100 + i), scene_, robots_, balls_);
+    EXPECT_FALSE(take().image.is_of_other_computer);
+  }
+}
+
 TEST_F(Intake, TakesNothingOfACameraWithoutACalibration) {
   const auto queue = intake_.add();
   scene_.camera.reset();

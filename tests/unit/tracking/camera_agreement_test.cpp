@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/camera_agreement.h"
+#include "tracking/agreement.h"
 
 #include <cmath>
 
@@ -133,6 +133,21 @@ TEST_F(TwoCameras, NumbersOfRobotsHaveAnEnd) {
   EXPECT_LE(robots, 64);
   play(25, {2, -1});
   EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.3) << "and those that are there are still of use";
+}
+
+TEST(Agreement, KeepsWhatAnotherComputersCameraSawApart) {
+  CameraSightings image;
+  image.camera_mm = {0, 0, 4000};
+  image.robots.push_back({Team::kBlue, 3, {0, 0}, 0, 140, Eigen::Matrix2d::Identity(), 0.01});
+  Observations seen;
+  CameraAgreement learnt;
+  Agreement agreement;
+  for (const bool is_of_other : {true, false}) {
+    image.is_of_other_computer = is_of_other;
+    agreement.process({}, image, {.t_s = 1000}, seen, learnt);
+    ASSERT_EQ(seen.robots.size(), 1U);
+    EXPECT_EQ(seen.robots[0].is_of_other_computer, is_of_other);
+  }
 }
 
 }  // namespace

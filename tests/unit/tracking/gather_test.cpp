@@ -54,6 +54,7 @@ TEST_F(Gathered, SaysHowSureOtherComputersAreAsTheSettingsDo) {
   Gather::Params params;
   params.robot_sigma_mm = 3;
   gather_.process(params, field_, clock_, arrived_, out_, left_out_);
+  EXPECT_TRUE(out_.is_of_other_computer);
   EXPECT_EQ(out_.robots.at(0).place_cov_mm2(0, 0), 9);
   EXPECT_GT(out_.robots.at(0).orientation_sigma_rad, 0);
   EXPECT_GT(out_.balls.at(0).place_cov_mm2(1, 1), 0);
