@@ -6,7 +6,7 @@ import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
-import { accessibleInThemes, byId, createBrowser, DESKTOP, phone, PHONE, text, textBecomes, views } from './browser.mjs';
+import { accessibleInThemes, byId, createBrowser, DESKTOP, phone, PHONE, textBecomes, views } from './browser.mjs';
 import { layoutFaults } from './layout.mjs';
 import { gameController } from './league_messages.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
@@ -90,10 +90,10 @@ describe('the player', () => {
     onView(`keeps the last seconds by a button, and the clip in a list (${view})`, withPage(viewport, '#/recordings', options, async (page) => {
       await inMemory(3);
       await page.waitForSelector(byId('no-clips'));
-      await textBecomes(page, 'last-seconds-now', /^The last [\d.]+ (to [\d.]+ )?s of 2 cameras are in memory$/);
-      // As much as there is, and no more than the settings say.
-      const most = Number(/([\d.]+) s of/.exec(await text(page, 'last-seconds-now'))[1]);
-      const [, said] = /Keep the last (\d+) s/.exec(await text(page, 'keep'));
+      await textBecomes(page, 'last-seconds-now', /^The last ([2-9]|\d{2,})(\.\d+)? (to [\d.]+ )?s of 2 cameras are in memory$/);
+      // As much as there is, and no more than the settings say; both texts as they are at one moment.
+      const [now, keep] = await page.evaluate((names) => names.map((name) => document.querySelector(name).textContent), [byId('last-seconds-now'), byId('keep')]);
+      const most = Number(/([\d.]+) s of/.exec(now)[1]), said = Number(/Keep the last (\d+) s/.exec(keep)[1]);
       assert.ok(said >= 2 && said <= Math.min(10, most + 0.5), `${said} of ${most} s`);
       await accessibleInThemes(page, `no clips, ${view}`);
       await press(page, byId('keep'));
