@@ -62,7 +62,7 @@ function measure(camera) {
 }
 
 // Yellow beside other dots is paler in a small JPEG; carpet, lines, covers and pink dots stay below these bounds.
-const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 20 };
+const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 30 && g > b + 20 };
 
 function assertTeamColours({ robots, frame, width }) {
   for (const { team, id, x, y, colour } of robots) {
