@@ -507,9 +507,8 @@ TEST_F(Gige, ItsBuffersCanBeLookedAtByOtherProcesses) {
     const auto source = open({{"buffers", 3}});
     share_new_images(false);
     CapturedImage image;
-    std::string problem;
     for (int i = 0; i < 20; ++i) {
-      ASSERT_EQ(next(*source, image, problem), CaptureStatus::kImage) << problem;
+      image = next_picture(*source);
       const ImageView& view = image.image.view();
       const auto bytes = static_cast<std::size_t>(view.stride_bytes * view.height);
       EXPECT_TRUE(shared_place(view.data, bytes));

@@ -691,7 +691,9 @@ TEST(StageApart, ALateAnswerIsNeverOfALaterFrame) {
     const timespec pause{0, 200'000};
     ::nanosleep(&pause, nullptr);
   }
-  EXPECT_THAT(troubled.note().text, HasSubstr("took longer than 1 ms for 512 of the last 512 images"));
+  // Where this thread is held up as well, an answer may be in time.
+  EXPECT_THAT(troubled.note().text,
+              testing::ContainsRegex("took longer than 1 ms for 5[01][0-9] of the last 512 images"));
   // As soon as it is quick enough, its results are there again.
   CameraSetup quick_one = troubled.setup;
   quick_one.parameters =
