@@ -307,6 +307,12 @@ TrackedRobot RobotTrack::Step::robot_at(const RobotName& name, double then_s) co
   return out;
 }
 
+double RobotTrack::unforeseen_mm(double t_s) const {
+  // The last sightings say how fast it was between them, not at the last one.
+  const double passed_s = std::abs(t_s - seen_s_) + interval_s_;
+  return 0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
+}
+
 TrackedRobot RobotTrack::at(double t_s) const {
   TrackedRobot out = last_step().robot_at(name_, t_s);
   // Two images that it was not seen in, and the way from the exposure to here.

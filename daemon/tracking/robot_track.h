@@ -40,6 +40,8 @@ class RobotTrack {
   TrackedRobot at(double t_s) const;
   /// What is known of it by now, as if it had just begun.
   Step last_step() const;
+  /// How far it can be from where it is expected then, however hard it has accelerated lately.
+  double unforeseen_mm(double t_s) const;
 
   double seen_s() const { return seen_s_; }
   /// Between two sightings, lately.

@@ -9,6 +9,13 @@ namespace sslv {
 
 using Eigen::Vector2d;
 
+namespace {
+
+/// Farther than calibrations and clocks differ, even before they have been brought together.
+constexpr double kDraggedMm = 100;
+
+}  // namespace
+
 bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   if (seen.is_of_other_computer && !hears_others_) {
     hears_others_ = true;
@@ -23,15 +30,17 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   RobotTrack& track = known->second;
   RobotTrack::Circumstances now{.touches = touches_another(seen)};
   if (seen.is_of_other_computer) {
-    now.stays_here = seen_by_own(seen.name, seen.t_s) != nullptr;
+    if (const RobotTrack* const own = seen_by_own(seen.name, seen.t_s)) {
+      const double off_mm = (seen.place_mm - own->at(seen.t_s).place_mm).norm();
+      if (off_mm > kDraggedMm + own->unforeseen_mm(seen.t_s)) return false;
+      now.stays_here = true;
+    }
     return track.add(seen, now, step);
   }
   const bool is_taken = track.add(seen, now, step);
   if (!hears_others_) return is_taken;
   add_own(seen, now, is_taken);
   const RobotTrack* const own = seen_by_own(seen.name, seen.t_s);
-  // Farther than calibrations and clocks differ, even before they have been brought together.
-  constexpr double kDraggedMm = 100;
   if (!own || (track.at(seen.t_s).place_mm - own->at(seen.t_s).place_mm).norm() < kDraggedMm) return is_taken;
   track = *own;
   if (step) *step = track.last_step();

@@ -259,6 +259,18 @@ TEST_F(RobotOfTwoComputers, IsThereAtOnceWhenThisOnesCamerasSeeAgain) {
   }
 }
 
+TEST_F(RobotOfTwoComputers, IsNotPulledWhileThisOnesCamerasAreHeldUp) {
+  for (const double blind_s : {0.05, 0.1, 0.2}) {
+    for (const double off_mm : {300.0, 400.0, 550.0}) {
+      tracker_ = {};
+      for (int i = 0; i < 40; ++i) see(1000);
+      t_s_ += blind_s;
+      they_see(1000 + off_mm);
+      ASSERT_NEAR(x_mm(), 1000, 1) << blind_s << " " << off_mm;
+    }
+  }
+}
+
 TEST_F(RobotOfTwoComputers, DrivesOnToWhereOnlyTheOtherOneSeesIt) {
   for (int i = 0; i < 80; ++i) {
     see(1000 + 40 * i);
@@ -273,6 +285,25 @@ TEST_F(RobotOfTwoComputers, DrivesOnToWhereOnlyTheOtherOneSeesIt) {
   // None of this one's cameras has seen it for a while: the other one may be right.
   for (int i = 0; i < 20; ++i) they_see(-2000);
   EXPECT_NEAR(x_mm(), -2000, 1);
+}
+
+/// As fast and as sudden as any robot, with calibrations that differ.
+TEST_F(RobotOfTwoComputers, IsNotLostWhenItTurnsRoundWhereOnlyTheOtherOneSeesIt) {
+  for (const double acceleration_mm_s2 : {-6500.0, 6500.0}) {
+    tracker_ = {};
+    for (int i = 0; i < 80; ++i) {
+      see(1000 + 37.5 * i);
+      t_s_ += 0.0025;  // 2500 mm/s
+    }
+    const double from_mm = 1000 + 37.5 * 80;
+    for (int i = 0; i < 40; ++i) {
+      const double passed_s = 0.0125 * i, there_mm = from_mm + 2500 * passed_s;
+      const double true_mm = there_mm + acceleration_mm_s2 / 2 * passed_s * passed_s;
+      they_see(true_mm + 40);
+      ASSERT_NEAR(x_mm(), true_mm + (2500 + acceleration_mm_s2 * passed_s) * 0.0125, 120)
+          << acceleration_mm_s2 << " " << i;
+    }
+  }
 }
 
 TEST_F(RobotOfTwoComputers, IsNotKeptWherePatternsAreMisreadNowAndThen) {
