@@ -70,7 +70,7 @@ const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r >
 function assertTeamColours({ robots, frame, width }) {
   for (const { team, id, x, y, colours } of robots) {
     assert.ok(colours === null || colours.some(hasColourOf[team]),
-      `frame ${frame}: under ${team} ${id} at ${x.toFixed(1)}, ${y.toFixed(1)} the picture of ${width} px is rgb(${colours.join("), rgb(")})`);
+      `frame ${frame}: under ${team} ${id} at ${x.toFixed(1)}, ${y.toFixed(1)} the picture of ${width} px is rgb(${colours?.join("), rgb(")})`);
   }
 }
 
