@@ -178,8 +178,11 @@ TEST_F(Gige, ACameraInUseIsNotOpenedForAnImageByAnyOfItsNames) {
   const Json mine = daemon.get("/api/settings")["settings"]["cameras"][0];
   daemon.patch({{{"op", "remove"}, {"path", "/cameras/0"}}});
   // Free now; what it shows does not change it.
-  daemon.post("/api/sources/image",
-              {{"source", {{"backend", "aravis"}, {"camera", "127.0.0.1"}, {"controls", {{"GainRaw", 7}}}}}});
+  const Json source{{"backend", "aravis"},
+                    {"camera", "127.0.0.1"},
+                    {"silence_s", 15},  // a busy computer is late now and then
+                    {"controls", {{"GainRaw", 7}}}};
+  daemon.post("/api/sources/image", {{"source", source}});
   daemon.patch({{{"op", "add"}, {"path", "/cameras/0"}, {"value", mine}}});
   daemon.wait_for_status(
       [](const Json& s) { return s["cameras"].size() == 2 && s["cameras"][0]["state"] == "running"; });

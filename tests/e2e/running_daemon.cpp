@@ -25,6 +25,13 @@ Json checked(const httplib::Result& answer, const std::string& asked, int expect
                                                                   : Json::parse(answer->body);
 }
 
+/// With the patience that a busy computer needs.
+httplib::Client client(const std::string& address) {
+  httplib::Client out(address);
+  out.set_read_timeout(std::chrono::seconds(60));
+  return out;
+}
+
 }  // namespace
 
 Json demo_settings(int multicast_port) {
@@ -57,7 +64,7 @@ RunningDaemon::~RunningDaemon() {
 }
 
 Json RunningDaemon::get(const std::string& path, int expected) const {
-  Json answer = checked(httplib::Client(address()).Get(path), "GET " + path, expected);
+  Json answer = checked(client(address()).Get(path), "GET " + path, expected);
   // That a busy machine drops images, and that it has a network card which these tests do not send on, is its
   // own affair. That robots go with their camera has tests of its own (verdict.test.mjs). Cameras of several
   // kinds run side by side here to try all of them.
@@ -74,9 +81,8 @@ Json RunningDaemon::get(const std::string& path, int expected) const {
 }
 
 Json RunningDaemon::patch(const Json& json_patch, int expected) const {
-  return checked(
-      httplib::Client(address()).Patch("/api/settings", json_patch.dump(), "application/json-patch+json"),
-      "PATCH", expected);
+  return checked(client(address()).Patch("/api/settings", json_patch.dump(), "application/json-patch+json"),
+                 "PATCH", expected);
 }
 
 Json RunningDaemon::set(const std::string& settings_path, const Json& value, int expected) const {
@@ -84,12 +90,11 @@ Json RunningDaemon::set(const std::string& settings_path, const Json& value, int
 }
 
 Json RunningDaemon::post(const std::string& path, const Json& body, int expected) const {
-  return checked(httplib::Client(address()).Post(path, body.dump(), "application/json"), "POST " + path,
-                 expected);
+  return checked(client(address()).Post(path, body.dump(), "application/json"), "POST " + path, expected);
 }
 
 Json RunningDaemon::remove(const std::string& path, int expected) const {
-  return checked(httplib::Client(address()).Delete(path), "DELETE " + path, expected);
+  return checked(client(address()).Delete(path), "DELETE " + path, expected);
 }
 
 void RunningDaemon::give_up(const Json& answer) {
