@@ -217,7 +217,7 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   const Json diagnostics = daemon.get("/api/diagnostics").at("field");
   EXPECT_GT(diagnostics.at("sightings_left_out").get<int>() + diagnostics.at("images_off_time").get<int>(),
             0);
-  // Of 600 images; a busy computer may hold the field up for a while.
+  // Of some 600 images; a busy computer may hold the field up for a while.
   EXPECT_LT(diagnostics.at("lost"), 60) << "it does not keep up with nonsense";
 }
 
