@@ -2,6 +2,7 @@
 #include "capture/camera_thread.h"
 #include "dc1394/iidc_camera.h"
 #include "support/allocation_count.h"
+#include "support/patience.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -305,7 +306,7 @@ TEST_F(IidcCamera, UnpluggingWakesWhoWaits) {
   std::thread puller([] { fake_iidc::unplug(kGuid); });
   CapturedImage image;
   std::string problem;
-  EXPECT_EQ(source->next(image, problem, milliseconds(60'000)), CaptureStatus::kLost);
+  EXPECT_EQ(source->next(image, problem, test::kPatience), CaptureStatus::kLost);
   puller.join();
 }
 

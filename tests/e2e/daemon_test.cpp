@@ -168,7 +168,7 @@ TEST_F(Daemon, EndsCleanlyWhenAsked) {
   for (const int signal : {SIGTERM, SIGINT}) {
     RunningDaemon daemon(settings_file(), state_);
     daemon.process().send_signal(signal);
-    EXPECT_EQ(daemon.process().wait_for_exit(std::chrono::seconds(10)), 0) << daemon.process().output();
+    EXPECT_EQ(daemon.process().wait_for_exit(), 0) << daemon.process().output();
   }
 }
 

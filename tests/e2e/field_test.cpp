@@ -39,10 +39,10 @@ class Field : public DaemonTest {
     if (!datagram || !packet.ParseFromString(*datagram)) throw std::runtime_error("no tracks came");
     return packet;
   }
-  /// Until `good` says so of the tracks; throws when that does not happen within half a minute.
+  /// Until `good` says so of the tracks; throws when that does not happen.
   template <class Good>
   TrackerWrapperPacket wait_for_tracks(Good good) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
     for (;;) {
       TrackerWrapperPacket packet = receive_tracks();
       if (good(packet.tracked_frame())) return packet;

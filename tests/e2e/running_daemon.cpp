@@ -2,6 +2,7 @@
 #include "e2e/running_daemon.h"
 
 #include "support/paths.h"
+#include "support/patience.h"
 
 #include <csignal>
 #include <cstdio>
@@ -25,10 +26,10 @@ Json checked(const httplib::Result& answer, const std::string& asked, int expect
                                                                   : Json::parse(answer->body);
 }
 
-/// With the patience that a busy computer needs.
 httplib::Client client(const std::string& address) {
   httplib::Client out(address);
-  out.set_read_timeout(std::chrono::seconds(60));
+  out.set_read_timeout(kPatience);
+  out.set_write_timeout(kPatience);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include "ssl_vision_wrapper.pb.h"
 #include "support/child_process.h"
 #include "support/group_listener.h"
+#include "support/patience.h"
 #include "support/temporary_folder.h"
 
 #include <filesystem>
@@ -38,7 +39,7 @@ class RunningDaemon {
   Json set(const std::string& settings_path, const Json& value, int expected = 200) const;
   Json post(const std::string& path, const Json& body = Json::object(), int expected = 200) const;
   Json remove(const std::string& path, int expected = 200) const;
-  /// Asks until `good` says so of the answer; throws std::runtime_error with the last one after 30 s.
+  /// Asks until `good` says so of the answer; throws std::runtime_error with the last one after kPatience.
   template <class Good>
   Json wait_for(const std::string& path, Good good) const;
   template <class Good>
@@ -57,7 +58,7 @@ class RunningDaemon {
 
 template <class Good>
 Json RunningDaemon::wait_for(const std::string& path, Good good) const {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
   for (;;) {
     const Json answer = get(path);
     if (good(answer)) return answer;

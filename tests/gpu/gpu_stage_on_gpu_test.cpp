@@ -5,6 +5,7 @@
 #include "gpu/gpu_threshold_stage.h"
 #include "gpu_or_skip.h"
 #include "random_images.h"
+#include "support/patience.h"
 #include "support/segment_check.h"
 #include "vision/threshold.h"
 
@@ -40,7 +41,7 @@ class GpuStageOnGpu : public WithGpu {
   }
   template <class Condition>
   static bool becomes(const Condition& condition) {
-    const auto until = std::chrono::steady_clock::now() + 60s;
+    const auto until = std::chrono::steady_clock::now() + test::kPatience;
     while (!condition()) {
       if (HasFailure() || std::chrono::steady_clock::now() > until) return false;
       std::this_thread::yield();

@@ -3,6 +3,7 @@
 
 #include "fake_gpu.h"
 #include "support/allocation_count.h"
+#include "support/patience.h"
 
 #include <algorithm>
 #include <chrono>
@@ -72,7 +73,7 @@ class GpuThresholdStageTest : public ::testing::Test {
 
   template <class Condition>
   static bool becomes(const Condition& condition) {
-    const auto until = std::chrono::steady_clock::now() + 60s;
+    const auto until = std::chrono::steady_clock::now() + test::kPatience;
     while (!condition()) {
       if (std::chrono::steady_clock::now() > until) return false;
       std::this_thread::yield();

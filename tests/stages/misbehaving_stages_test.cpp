@@ -8,6 +8,7 @@
 #include "net/multicast_receiver.h"
 #include "ssl_vision_wrapper.pb.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
+#include "support/patience.h"
 #include "support/temporary_folder.h"
 
 #include <atomic>
@@ -172,7 +173,7 @@ class MisbehavingStages : public testing::Test {
 
   std::string ask(const std::string& path) {
     httplib::Client client("127.0.0.1", daemon_->panel_port());
-    client.set_read_timeout(std::chrono::seconds(60));
+    client.set_read_timeout(test::kPatience);
     const auto result = client.Get(path);
     if (!result) throw std::runtime_error(path + ": no answer");
     return result->body;

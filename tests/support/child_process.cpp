@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/child_process.h"
 
+#include "support/patience.h"
+
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
@@ -78,8 +80,8 @@ bool ChildProcess::read_some(std::chrono::steady_clock::time_point deadline) {
   return true;
 }
 
-std::string ChildProcess::wait_for_line(const std::string& text, std::chrono::seconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
+std::string ChildProcess::wait_for_line(const std::string& text) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
   for (;;) {
     std::size_t end;
     while ((end = output_.find('\n', searched_)) != std::string::npos) {
@@ -96,8 +98,8 @@ void ChildProcess::send_signal(int signal) const {
   if (pid_ > 0) ::kill(pid_, signal);
 }
 
-int ChildProcess::wait_for_exit(std::chrono::seconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
+int ChildProcess::wait_for_exit() {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (read_some(deadline)) {
   }
   int status = 0;
@@ -108,7 +110,7 @@ int ChildProcess::wait_for_exit(std::chrono::seconds timeout) {
 
 Finished run_to_end(const std::vector<std::string>& words, const std::vector<std::string>& environment) {
   ChildProcess child(words, environment);
-  const int exit_code = child.wait_for_exit(std::chrono::seconds(300));
+  const int exit_code = child.wait_for_exit();
   return {exit_code, child.output()};
 }
 

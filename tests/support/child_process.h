@@ -24,13 +24,13 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   /// Reads on (standard output and error together) until a line holds `text`, and returns that line. Throws
-  /// std::runtime_error with all of the output when the program ends or the time runs out first.
-  std::string wait_for_line(const std::string& text, std::chrono::seconds timeout = std::chrono::seconds(30));
+  /// std::runtime_error with all of the output when the program ends or kPatience does first.
+  std::string wait_for_line(const std::string& text);
 
   void send_signal(int signal) const;
 
-  /// Waits for the end; the exit code, or 128 + signal. Throws like wait_for_line when the time runs out.
-  int wait_for_exit(std::chrono::seconds timeout = std::chrono::seconds(30));
+  /// Waits for the end; the exit code, or 128 + signal. Throws like wait_for_line.
+  int wait_for_exit();
 
   /// While it runs.
   pid_t pid() const { return pid_; }

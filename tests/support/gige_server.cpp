@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/gige_server.h"
 
+#include "support/patience.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -55,8 +57,7 @@ int port_error(const std::string& address) {
 }
 
 void wait_for_port(const std::string& address) {
-  constexpr std::chrono::seconds kPatience(30);
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto deadline = std::chrono::steady_clock::now() + test::kPatience;
   for (;;) {
     const int error = port_error(address);
     if (error == 0) return;

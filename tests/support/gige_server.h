@@ -19,7 +19,7 @@ class GigeServer {
   /// thread of the library.
   using Fill = std::function<void(std::uint8_t* pixels, int width, int height, PixelFormat format)>;
 
-  /// Waits a little for the port to become free; throws std::runtime_error naming it when it does not.
+  /// Waits for the port to become free; throws std::runtime_error naming it when it does not.
   GigeServer(const std::string& interface_address, const std::string& serial, Fill fill);
   /// Vanishes without a word to its client, as a camera that loses power does.
   ~GigeServer();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "net/multicast.h"
+#include "support/patience.h"
 
 #include <array>
 #include <cstdint>
@@ -46,7 +47,8 @@ class GroupListener {
   int fd() const { return fd_; }
 
   /// The next datagram; nothing when none comes in that time.
-  std::optional<std::string> receive(int timeout_ms = 10'000) {
+  std::optional<std::string> receive(int timeout_ms = int{
+                                         std::chrono::milliseconds(test::kPatience).count()}) {
     const timeval timeout{timeout_ms / 1000, timeout_ms % 1000 * 1000};
     set(SOL_SOCKET, SO_RCVTIMEO, timeout);
     std::array<char, 65536> data;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/patience.h"
+
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <functional>
 #include <memory>
@@ -101,7 +102,7 @@ inline void expect_never_waits(const std::function<void()>& act, const std::func
       for (std::atomic<int> spin{0}; spin < i * 7919 % 5000;) ++spin;
       reader.hold();
       begin.release();
-      is_done = done.try_acquire_for(std::chrono::seconds(30));
+      is_done = done.try_acquire_for(test::kPatience);
       reader.go_on();
       EXPECT_TRUE(is_done) << "it waits for a thread that is held, at the latest the " << i + 1 << "th time";
       if (!is_done) done.acquire();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/kept_files.h"
+#include "support/patience.h"
 
 #include <chrono>
 #include <cstring>
@@ -73,7 +74,7 @@ class ServiceManager {
 
   /// The next message that begins so; throws std::runtime_error with what came instead.
   std::string wait_for(const std::string& beginning) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
     std::string others;
     while (std::chrono::steady_clock::now() < deadline) {
       const auto message = next(std::chrono::seconds(1));
