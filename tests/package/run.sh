@@ -8,6 +8,7 @@ set -euo pipefail
 packages=$(realpath "$1") programs=$(realpath "$2") here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 mkdir -p "$3" && cd "$3"
 tries=${TRIES:-5}
+export CMAKE_GENERATOR=Ninja  # no make is needed here
 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 
 cannot() { printf 'package test: %s\n' "$*" >&2; exit 77; }
