@@ -83,12 +83,12 @@ class GpuThresholdStageTest : public ::testing::Test {
   bool becomes_on_gpu(int width = 40) {
     return becomes([&] { return image(width); });
   }
-  /// Until the GPU is asked for an image and does not label it: while it is measured, the CPU has its turns.
+  /// Until the GPU is asked for an image and does not label it. From now on it must label none: while it is
+  /// measured, the CPU has its turns.
   bool becomes_missed() {
-    return becomes([&] {
-      const int before = gpus_->asked;
-      return !image() && gpus_->asked != before;
-    });
+    // It may be asked later than the stage waits for it.
+    const int before = gpus_->asked;
+    return becomes([&] { return !image() && gpus_->asked != before; });
   }
   bool note_becomes(Kind kind, const std::string& text) {
     return becomes([&] {
@@ -346,7 +346,9 @@ TEST_F(GpuThresholdStageTest, AllocatesNothingForAnImage) {
   };
   ASSERT_TRUE(becomes([&] { return label(1) == 1; }));
   const std::uint64_t before = allocation_count();
-  EXPECT_GT(label(500), 400) << "measured, and then used";
+  // Where it is slower on a busy machine, it is measured again at most after every 108th image, and 22 are
+  // the CPU's.
+  EXPECT_GT(label(500), 380) << "measured, and then used";
   EXPECT_EQ(allocation_count() - before, 0U);
 }
 

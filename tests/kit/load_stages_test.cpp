@@ -2,6 +2,7 @@
 #include "kit/load_stages.h"
 
 #include "kit/read_stamp.h"
+#include "support/patience.h"
 #include "support/temporary_folder.h"
 
 #include <algorithm>
@@ -28,6 +29,10 @@ std::filesystem::path library(const std::string& name) {
   return std::filesystem::path(SSLV_KIT_LIBRARIES) / name / (name + ".so");
 }
 
+LoadedStages load(const std::vector<std::filesystem::path>& folders) {
+  return load_stages(folders, test::kPatience);
+}
+
 std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -41,14 +46,14 @@ class LibraryFolder : public testing::Test {
   }
   /// Why the only library of the folder is left out; the loading itself must go on.
   std::string why() {
-    const LoadedStages loaded = load_stages({folder_.path()});
+    const LoadedStages loaded = load({folder_.path()});
     EXPECT_THAT(loaded.libraries, IsEmpty());
     return loaded.left_out.size() == 1 ? loaded.left_out.front().why
                                        : std::to_string(loaded.left_out.size()) + " left out";
   }
   /// Likewise, of one that was built for these tests.
   static std::string why_not(const std::string& name) {
-    const LoadedStages loaded = load_stages({library(name).parent_path()});
+    const LoadedStages loaded = load({library(name).parent_path()});
     EXPECT_THAT(loaded.libraries, IsEmpty());
     EXPECT_THAT(loaded.left_out, SizeIs(1));
     return loaded.left_out.empty() ? "" : loaded.left_out.front().why;
@@ -67,7 +72,7 @@ class LibraryFolder : public testing::Test {
 TEST_F(LibraryFolder, LoadsWhatIsGood) {
   put("counting.so", bytes_of(library("counting")));
   put("README.txt", "no library");
-  const LoadedStages loaded = load_stages({folder_.path()});
+  const LoadedStages loaded = load({folder_.path()});
   EXPECT_THAT(loaded.left_out, IsEmpty());
   ASSERT_THAT(loaded.libraries, SizeIs(1));
   const StageRows& rows = loaded.libraries[0].rows;
@@ -81,7 +86,7 @@ TEST_F(LibraryFolder, LoadsWhatIsGood) {
 }
 
 TEST_F(LibraryFolder, HasNoneWhereThereIsNoFolder) {
-  const LoadedStages loaded = load_stages({folder_.path() / "nowhere", "/dev/null"});
+  const LoadedStages loaded = load({folder_.path() / "nowhere", "/dev/null"});
   EXPECT_THAT(loaded.libraries, IsEmpty());
   EXPECT_THAT(loaded.left_out, IsEmpty());
 }
@@ -107,7 +112,7 @@ TEST_F(LibraryFolder, TakesEachLibraryOnce) {
   put("counting.so", bytes_of(library("counting")));
   std::filesystem::create_symlink("counting.so", folder_.path() / "link.so");
   std::filesystem::create_directory_symlink(folder_.path(), folder_.path() / "again");
-  const LoadedStages loaded = load_stages({folder_.path(), folder_.path() / ".", folder_.path() / "again"});
+  const LoadedStages loaded = load({folder_.path(), folder_.path() / ".", folder_.path() / "again"});
   EXPECT_THAT(loaded.left_out, IsEmpty());
   EXPECT_THAT(loaded.libraries, SizeIs(1));
 }
@@ -117,14 +122,14 @@ TEST_F(LibraryFolder, SaysWhichFolderCannotBeRead) {
   const auto locked = folder_.path() / "locked";
   std::filesystem::create_directory(locked);
   std::filesystem::permissions(locked, std::filesystem::perms::none);
-  const LoadedStages loaded = load_stages({locked});
+  const LoadedStages loaded = load({locked});
   std::filesystem::permissions(locked, std::filesystem::perms::owner_all);
   ASSERT_THAT(loaded.left_out, SizeIs(1));
   EXPECT_EQ(loaded.left_out[0].why, "cannot be read: Permission denied");
 }
 
 TEST_F(LibraryFolder, KeepsTheDeadlineOfAStageThatUsedToRunApart) {
-  const LoadedStages loaded = load_stages({library("counting").parent_path()});
+  const LoadedStages loaded = load({library("counting").parent_path()});
   ASSERT_THAT(loaded.libraries, SizeIs(1));
   const StageType& counts = loaded.libraries[0].rows.camera[0];
   const Json both{{"at_least", 3}, {"deadline_ms", 20.5}};
@@ -158,7 +163,7 @@ TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
 }
 
 TEST_F(LibraryFolder, DoesNotWaitForWhatALibraryHasStarted) {
-  const LoadedStages loaded = load_stages({library("leaves_child").parent_path()});
+  const LoadedStages loaded = load({library("leaves_child").parent_path()});
   EXPECT_THAT(loaded.left_out, IsEmpty());
   EXPECT_THAT(loaded.libraries, SizeIs(1));
 }
@@ -228,9 +233,9 @@ TEST_F(LibraryFolder, EndsALibraryThatNeverComesToAnEnd) {
   // They have the time together, and take none from one that is good.
   for (const char* name : {"a.so", "b.so", "c.so"}) put(name, bytes_of(library("hangs_loading")));
   put("good.so", bytes_of(library("counting")));
-  const LoadedStages loaded = load_stages({folder_.path()});
+  const LoadedStages loaded = load_stages({folder_.path()}, std::chrono::seconds(30));
   ASSERT_THAT(loaded.left_out, SizeIs(3));
-  for (const LeftOutLibrary& one : loaded.left_out) EXPECT_EQ(one.why, "is not loaded within 8 seconds");
+  for (const LeftOutLibrary& one : loaded.left_out) EXPECT_EQ(one.why, "is not loaded within 30 seconds");
   EXPECT_THAT(loaded.libraries, SizeIs(1));
 }
 
