@@ -115,6 +115,23 @@ TEST_F(Intake, CountsWhatAFieldThatIsTooSlowDoesNotTake) {
   EXPECT_EQ(take().image.t_capture_s, 0) << "and what was taken is still there";
 }
 
+TEST_F(Intake, StrangersTakeNoPlaceFromOurCameras) {
+  const auto ours = intake_.add(), others = intake_.add();
+  CameraSightings nonsense;
+  nonsense.camera = 6;
+  nonsense.t_capture_s = -1e6;
+  nonsense.is_of_other_computer = true;
+  for (int i = 0; i < 10; ++i) {
+    for (int packet = 0; packet < 1000; ++packet) others->hand_over(nonsense);
+    ours->hand_over(info(i), scene_, robots_, balls_);
+  }
+  EXPECT_EQ(ours->lost(), 0U);
+  int taken = 0;
+  for (ArrivedSightings got = take(); got.image.camera != -1; got = take())
+    taken += !got.image.is_of_other_computer;
+  EXPECT_EQ(taken, 10);
+}
+
 TEST_F(Intake, ListsHaveAnEnd) {
   const auto queue = intake_.add();
   robots_.robots.resize(1000, robots_.robots[0]);
