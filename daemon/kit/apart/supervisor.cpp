@@ -282,8 +282,9 @@ struct Supervisor::Impl {
     const bool was_ready_long =
         one.state == State::kReady && steady_ns() - one.due_ns > ns(options.forgets_losses);
     process.generation.store(0);
-    // Who waits for its answer waits no longer.
-    process.channel.from().answer.store(0);
+    // Who waits for its answer waits no longer, nor who is just about to wait: it is another word than
+    // before.
+    process.channel.from().answer.fetch_xor(1U << 31U);
     futex_wake_all(process.channel.from().answer, FutexScope::kShared);
     // What it started is not its own child any more, but still of its group.
     kill_stage_process(one.started);
