@@ -24,7 +24,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPollTimeout{100};  // the longest wait for an image, and so for stop() to be seen
 constexpr milliseconds kShortTurn{10};  // the same while buffers are out that the camera may be waiting for
-constexpr milliseconds kStopPatience{1500};
 /// After more damaged images than this in a row, a pause before the next: a source that fails at once must
 /// not take a whole processor.
 constexpr int kStorm = 10;
@@ -197,7 +196,7 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
     Open open;
     OnImage on_image;
     OnIdle on_idle;
-    RetryDelays delays;
+    CameraDelays delays;
     std::shared_ptr<CaptureTotals> totals;
   };
   /// How far the thread is between start() and its end.
@@ -499,7 +498,7 @@ void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
 }
 
 CameraThread::CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
-                           RetryDelays delays, std::shared_ptr<CaptureTotals> totals, OnIdle on_idle)
+                           CameraDelays delays, std::shared_ptr<CaptureTotals> totals, OnIdle on_idle)
     : shared_(std::make_shared<Shared>(Shared::Parts{std::move(name), settings, std::move(open),
                                                      std::move(on_image), std::move(on_idle), delays,
                                                      std::move(totals)})),
@@ -531,7 +530,8 @@ void CameraThread::stop() {
   shared_->calls.silence();
   std::unique_lock lock(shared_->mutex);
   const auto idle = [&] { return shared_->lifecycle.finished && shared_->lifecycle.closing == 0; };
-  if (!shared_->changed.wait_until(lock, shared_->lifecycle.stop_asked_at + kStopPatience, idle)) {
+  if (!shared_->changed.wait_until(lock, shared_->lifecycle.stop_asked_at + shared_->parts.delays.stop,
+                                   idle)) {
     log::warning("{}: does not answer; it closes in the background", shared_->parts.name);
   }
   const bool finished = shared_->lifecycle.finished;

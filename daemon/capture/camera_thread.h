@@ -60,10 +60,13 @@ struct CaptureTotals {
   std::atomic<std::uint64_t> incomplete{0}, dropped{0}, reconnects{0};  // as in CameraHealth
 };
 
-/// Times between attempts to open a camera, doubling from the first to the longest; the pause between two is
-/// shorter by what the first of them took, and never below the first.
-struct RetryDelays {
+/// How long a camera's thread waits.
+struct CameraDelays {
+  /// Between attempts to open the camera, doubling from the first to the longest; the pause between two is
+  /// shorter by what the first of them took, and never below the first.
   std::chrono::milliseconds first{250}, longest{1000};
+  /// For a camera that is to stop and does not answer.
+  std::chrono::milliseconds stop{1500};
 };
 
 /// Keeps one camera open on a thread of its own and hands over its images. A camera that fails, dies or
@@ -83,7 +86,7 @@ class CameraThread {
   /// out; then it is called again soon. Neither is called after stop(). Throws std::system_error when there
   /// is no thread to be had.
   CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
-               RetryDelays delays = {},
+               CameraDelays delays = {},
                std::shared_ptr<CaptureTotals> totals = std::make_shared<CaptureTotals>(),
                OnIdle on_idle = {});
   /// Stops.
@@ -98,8 +101,9 @@ class CameraThread {
   /// Begins what stop() does and does not wait for it: several cameras that hang are waited for at once.
   void ask_to_stop();
   /// Closes the camera and ends the thread: within a frame's time for a camera that answers. One that does
-  /// not (opening or closing dead hardware takes seconds) is waited for 1.5 s and then left to finish by
-  /// itself. Waits for a running on_image however long it takes, also for that of a predecessor.
+  /// not (opening or closing dead hardware takes seconds) is waited for as long as its delays say and then
+  /// left to finish by itself. Waits for a running on_image however long it takes, also for that of a
+  /// predecessor.
   void stop();
 
   /// A camera that is lost is tried again now, and after that with short pauses as at first; any other goes

@@ -98,7 +98,7 @@ std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& s
     totals_->frames.fetch_add(1, std::memory_order_relaxed);
   };
   return std::make_unique<CameraThread>("camera " + std::to_string(settings.id), settings.thread,
-                                        std::move(open), std::move(on_image), RetryDelays{},
+                                        std::move(open), std::move(on_image), CameraDelays{},
                                         std::shared_ptr<CaptureTotals>(totals_, &totals_->capture),
                                         [this] { return pipeline_.give_back(); });
 }
