@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/recorded_camera.h"
 
-#include "base/clock.h"
 #include "base/log.h"
 #include "clips/clip_format.h"
 #include "replay/clip_setup.h"
@@ -35,8 +34,13 @@ bool is_like(const ImageView& a, const ImageView& b) {
 
 }  // namespace
 
-RecordedCamera::RecordedCamera(int id, const DetectionSender& sender)
-    : id_(id), sender_(sender), memory_(kMemoryBytes), tiles_(kMaxTiles / 8), key_(kMaxTiles / 8) {}
+RecordedCamera::RecordedCamera(int id, const DetectionSender& sender, Clock now_ns)
+    : id_(id),
+      sender_(sender),
+      now_ns_(std::move(now_ns)),
+      memory_(kMemoryBytes),
+      tiles_(kMaxTiles / 8),
+      key_(kMaxTiles / 8) {}
 
 RecordedCamera::Seen RecordedCamera::seen() const {
   return {frames_seen_.load(std::memory_order_relaxed), bytes_seen_.load(std::memory_order_relaxed)};
@@ -52,7 +56,7 @@ void RecordedCamera::frame_begins(const CameraSetup& setup) noexcept {
   is_kept_ = kept->images != RecordedFrames::Images::kEveryNth ||
              count_++ % static_cast<std::uint64_t>(kept->every_nth) == 0;
   if (!is_kept_) return;
-  const std::int64_t now_ns = steady_ns();
+  const std::int64_t now_ns = now_ns_();
   is_key_ = ring_ != kept->ring.get() || images_ != kept->images || pipeline_ != setup.pipeline.get() ||
             now_ns >= next_key_ns_;
   if (!is_key_) return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/clock.h"
 #include "base/handover.h"
 #include "clips/image_ring.h"
 #include "config/config.h"
@@ -10,6 +11,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,8 +36,10 @@ struct RecordedFrames {
 /// and allocates nothing here.
 class RecordedCamera final : public FrameObserver {
  public:
+  using Clock = std::function<std::int64_t()>;  // steady, ns
+
   /// `sender`: what sends the camera's packets; must outlive the camera's thread.
-  RecordedCamera(int id, const DetectionSender& sender);
+  RecordedCamera(int id, const DetectionSender& sender, Clock now_ns = steady_ns);
 
   // FrameObserver
   void frame_begins(const CameraSetup& setup) noexcept override;
@@ -75,6 +79,7 @@ class RecordedCamera final : public FrameObserver {
 
   const int id_;
   const DetectionSender& sender_;
+  const Clock now_ns_;
   Handover<RecordedFrames> frames_{RecordedFrames{}};
   std::atomic<std::uint64_t> frames_seen_{0}, bytes_seen_{0};
 

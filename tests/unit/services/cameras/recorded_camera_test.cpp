@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/recorded_camera.h"
 
-#include "base/clock.h"
 #include "clips/clip_format.h"
 #include "config/stages.h"
 #include "support/allocation_count.h"
@@ -32,11 +31,11 @@ class RecordedCameraTest : public testing::Test {
     frames.ring = ring_;
     recorded_.keep(std::move(frames));
   }
-  /// A frame in which something orange lies at (x, y).
+  /// A frame in which something orange lies at (x, y), 10 ms after the one before.
   void frame(int x = 100, int y = 100) {
     Frame& frame = frame_;
     frame.info.number = number_++;
-    frame.info.times.arrived_ns = steady_ns();
+    frame.info.times.arrived_ns = now_ns_ += 10'000'000;
     frame.image = Image(image_.view, nullptr, nullptr, nullptr);
     frame.regions.regions = {
         Region{label::kOrange, 40, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
@@ -66,7 +65,8 @@ class RecordedCameraTest : public testing::Test {
 
   MulticastSender multicast_{MulticastSettings{}};
   DetectionSender sender_{multicast_};
-  RecordedCamera recorded_{0, sender_};
+  std::int64_t now_ns_ = 1'000'000'000;
+  RecordedCamera recorded_{0, sender_, [this] { return now_ns_; }};
   CameraSetup setup_;
   OwnedImage image_ = noise_image(PixelFormat::kMono8, 640, 480, 1);
   std::shared_ptr<ImageRing> ring_;
@@ -77,15 +77,14 @@ class RecordedCameraTest : public testing::Test {
 TEST_F(RecordedCameraTest, KeepsEveryFrameAndNowAndThenWhatStagesRemember) {
   frame();
   keep({});
-  for (int i = 0; i < 20; ++i) frame();
+  for (int i = 0; i < 30; ++i) frame();
   const auto frames = kept();
-  ASSERT_EQ(frames.size(), 20U) << "from when it was told to";
+  ASSERT_EQ(frames.size(), 30U) << "from when it was told to";
   EXPECT_EQ(frames[0].number, 1U);
-  EXPECT_TRUE(frames[0].has_memory);
-  EXPECT_FALSE(frames[1].has_memory);
+  for (std::size_t i = 0; i < 30; ++i) EXPECT_EQ(frames[i].has_memory, i % 25 == 0) << "every 250 ms, " << i;
   for (const Kept& one : frames) EXPECT_TRUE(one.is_whole);
-  EXPECT_EQ(recorded_.seen().frames, 21U);
-  EXPECT_EQ(recorded_.seen().bytes, 21U * 640 * 480);
+  EXPECT_EQ(recorded_.seen().frames, 31U);
+  EXPECT_EQ(recorded_.seen().bytes, 31U * 640 * 480);
 }
 
 TEST_F(RecordedCameraTest, KeepsEveryNth) {
