@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -55,6 +56,7 @@ class KnownParams {
 /// What all rows of one library share; it lives as long as any of them.
 struct Library {
   std::string file;
+  std::chrono::milliseconds checks_within;  // parameters
   KnownParams params;
   std::vector<std::unique_ptr<std::size_t>> places;  // of its own parts: one for each name
   std::vector<std::string> place_names;
@@ -98,7 +100,8 @@ typename BasicStageType<Floor>::Parsed parse_apart(Library& library, const std::
     try {
       Json answer = ask_library(
           library.file,
-          {{"ask", "parse"}, {"floor", kFloorName<Floor>}, {"stage", stage}, {"json", json}, {"path", path}});
+          {{"ask", "parse"}, {"floor", kFloorName<Floor>}, {"stage", stage}, {"json", json}, {"path", path}},
+          library.checks_within);
       complete = std::move(answer.at("complete"));
       if (!complete->is_object()) throw std::runtime_error("it gave parameters that are none");
     } catch (const std::exception& error) {
@@ -166,7 +169,8 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
   row.create = [needs, own_parts, library, name, contract = contract_of(row),
                 &supervisor]() -> std::unique_ptr<Step<Floor>> {
     return std::make_unique<ApartStep<Floor>>(
-        needs, own_parts, supervisor.start(name, library->file, std::string(kFloorName<Floor>), contract));
+        needs, own_parts, supervisor.start(name, library->file, std::string(kFloorName<Floor>), contract),
+        supervisor.options().min_deadline);
   };
   row.parse = [library, name](const Json& json, const std::string& path) {
     return parse_apart<Floor>(*library, name, json, path);
@@ -181,6 +185,7 @@ StageRows rows_apart(const std::string& library_file, Supervisor& supervisor,
   try {
     auto library = std::make_shared<Library>();
     library->file = std::filesystem::absolute(library_file).string();
+    library->checks_within = supervisor.options().starts_within;
     const Json described = ask_library(library->file, {{"ask", "describe"}}, within);
     StageRows rows;
     for (const Json& one : described.at("camera"))

@@ -121,10 +121,11 @@ void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNot
 
 template <class Floor>
 ApartStep<Floor>::ApartStep(const StageNeeds& needs, std::vector<ApartOwnPart> own_parts,
-                            std::shared_ptr<StageProcess> process)
+                            std::shared_ptr<StageProcess> process, std::chrono::milliseconds min_deadline)
     : needs_(needs),
       own_parts_(std::move(own_parts)),
       process_(std::move(process)),
+      min_deadline_(min_deadline),
       compared_(std::make_unique_for_overwrite<std::byte[]>(kMiB)) {}
 
 template <class Floor>
@@ -169,9 +170,9 @@ ApartReport::Outcome ApartStep<Floor>::ask(const typename Floor::Inputs& in, con
   is_busy_ = false;
   if (!write_request(in, params)) return Outcome::kBad;
 
-  const auto until = std::chrono::steady_clock::now() +
-                     std::chrono::duration_cast<std::chrono::nanoseconds>(
-                         std::chrono::duration<double, std::milli>(params.own.deadline_ms));
+  const auto deadline = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double, std::milli>(params.own.deadline_ms));
+  const auto until = std::chrono::steady_clock::now() + std::max(deadline, min_deadline_);
   process_->asked_ns.store(steady_ns());
   to.request.store(++request_);
   is_busy_ = true;

@@ -78,13 +78,13 @@ template <class Floor>
 class ApartStep final : public Step<Floor> {
  public:
   ApartStep(const StageNeeds& needs, std::vector<ApartOwnPart> own_parts,
-            std::shared_ptr<StageProcess> process);
+            std::shared_ptr<StageProcess> process, std::chrono::milliseconds min_deadline = {});
   ~ApartStep() override;
   ApartStep(const ApartStep&) = delete;
   ApartStep& operator=(const ApartStep&) = delete;
 
-  /// Waits at most the parameters' deadline, and a few microseconds more. Allocates nothing once its lists
-  /// have grown.
+  /// Waits at most the parameters' deadline, or the shortest there is, and a few microseconds more. Allocates
+  /// nothing once its lists have grown.
   void run(const typename Floor::Inputs& in, const void* params) noexcept override;
 
  private:
@@ -110,6 +110,7 @@ class ApartStep final : public Step<Floor> {
   const StageNeeds needs_;
   const std::vector<ApartOwnPart> own_parts_;
   const std::shared_ptr<StageProcess> process_;
+  const std::chrono::nanoseconds min_deadline_;
   std::uint32_t generation_ = 0;  // of the process that was asked last
   std::uint32_t request_ = 0;     // the newest
   bool is_busy_ = false;          // with that

@@ -11,7 +11,6 @@ namespace sslv::apart {
 /// Asks a library something, in a process that lives for this question alone: {"ask": "describe"}, or
 /// {"ask": "parse", "floor", "stage", "json", "path"}. For threads that may wait. Throws std::runtime_error:
 /// what the library refuses, or how its process ended.
-Json ask_library(const std::string& library, const Json& question,
-                 std::chrono::milliseconds within = std::chrono::milliseconds(5000));
+Json ask_library(const std::string& library, const Json& question, std::chrono::milliseconds within);
 
 }  // namespace sslv::apart

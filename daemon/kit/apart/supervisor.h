@@ -52,13 +52,15 @@ class Supervisor {
     std::chrono::milliseconds first_pause{100}, longest_pause{5000};
     /// After so long without a loss, the next one counts as the first.
     std::chrono::milliseconds forgets_losses{10'000};
-    /// For the library to load and the stage to be made.
+    /// For the library to load and the stage to be made, or to check its parameters.
     std::chrono::milliseconds starts_within{5000};
     /// What all calls of start() may wait together; time that goes by without waiting comes back.
     std::chrono::milliseconds longest_wait{5000};
     /// A process that leaves a request so long, or fails so often one after the other, is ended.
     std::chrono::milliseconds longest_silence{1000};
     std::uint32_t most_failures_in_a_row = 100;
+    /// An image waits at least this long for its stage, whatever deadline the stage has.
+    std::chrono::milliseconds min_deadline{0};
   };
 
   Supervisor() : Supervisor(Options{}) {}
