@@ -10,6 +10,8 @@
 #include <cmath>
 #include <utility>
 
+#include <time.h>
+
 namespace sslv {
 namespace {
 
@@ -17,6 +19,13 @@ namespace {
 constexpr double kRobotReachMm = 130, kBallReach = 1.6;
 /// A share of one processor, whatever the number of cameras and the size of their frames.
 constexpr int kRestPerWork = 50;
+
+/// How long the processor has worked for this thread, however long others kept it waiting.
+std::chrono::nanoseconds work_so_far() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
 
 /// 0 where the camera does not see that plane.
 double px_per_mm(const CameraModel& camera, const Eigen::Vector2d& pixel, double height_mm) {
@@ -139,9 +148,9 @@ void ColorMargins::look_at(const Camera& camera, Look& look) {
     if (look.known != known) look = {.known = known};  // forgotten meanwhile: starts over
   }
   const auto begun = Clock::now();
+  const auto work_before = work_so_far();
   const auto rest = [&](Clock::duration least) {
-    const auto now = Clock::now();
-    return now + std::max(least, kRestPerWork * (now - begun));
+    return Clock::now() + std::max<Clock::duration>(least, kRestPerWork * (work_so_far() - work_before));
   };
   if (look.scene != camera.scene || look.mask != camera.mask || begun >= look.next) {
     try {
