@@ -4,7 +4,7 @@
 #include "calibration/way_round.h"
 #include "support/painted_floor.h"
 
-#include <chrono>
+#include <ctime>
 #include <random>
 #include <vector>
 
@@ -120,9 +120,9 @@ TEST(RefineJointly, AStopEndsTheSolver) {
   for (const OverlapTie& tie : robots_in_both(pair)) ties.insert(ties.end(), 30, tie);
   std::stop_source stop;
   stop.request_stop();
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();  // of the processor: others on it do not count
   refine_jointly(pair.seen, pair.curves, ties, stop.get_token());
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+  EXPECT_LT(std::clock() - begin, 3 * CLOCKS_PER_SEC);
 }
 
 }  // namespace
