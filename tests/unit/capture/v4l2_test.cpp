@@ -6,7 +6,9 @@
 #include "capture/camera_thread.h"
 #include "image/jpeg.h"
 #include "support/allocation_count.h"
+#include "support/becomes.h"
 #include "support/fake_v4l2.h"
+#include "support/temporary_folder.h"
 
 #include <atomic>
 #include <cerrno>
@@ -15,7 +17,6 @@
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -25,7 +26,6 @@ using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr milliseconds kSoon{10'000};
 constexpr milliseconds kNow{0};
 
 /// A computer with the files that the kernel and udev make for its cameras.
@@ -43,8 +43,6 @@ class V4l2 : public testing::Test {
       return found == cameras_.end() ? nullptr : found->second;
     };
   }
-  void TearDown() override { fs::remove_all(root_); }
-
   /// Plugs a camera into a socket; an empty `serial` is that of a camera without one.
   std::shared_ptr<FakeV4l2> plug_in(int number, const std::string& socket, const std::string& serial) {
     const auto camera = std::make_shared<FakeV4l2>();
@@ -88,8 +86,8 @@ class V4l2 : public testing::Test {
     return "no error";
   }
 
-  const fs::path root_ =
-      fs::canonical(fs::temp_directory_path()) / ("sslv_v4l2_" + std::to_string(::getpid()));
+  const test::TemporaryFolder folder_;
+  const fs::path root_ = fs::canonical(folder_.path());
   V4l2System system_;
   std::mutex mutex_;  // guards the next: a camera's thread opens too
   std::map<std::string, std::shared_ptr<FakeV4l2>> cameras_;
@@ -98,14 +96,14 @@ class V4l2 : public testing::Test {
 CapturedImage next_picture(Source& source) {
   CapturedImage image;
   std::string problem;
-  EXPECT_EQ(source.next(image, problem, kSoon), CaptureStatus::kImage) << problem;
+  EXPECT_EQ(source.next(image, problem, test::kPatience), CaptureStatus::kImage) << problem;
   return image;
 }
 
 std::string problem_of(Source& source, CaptureStatus expected) {
   CapturedImage image;
   std::string problem;
-  EXPECT_EQ(source.next(image, problem, kSoon), expected);
+  EXPECT_EQ(source.next(image, problem, test::kPatience), expected);
   return problem;
 }
 
@@ -194,7 +192,7 @@ TEST_F(V4l2, AllocatesNothingForAPicture) {
   const auto turn = [&] {
     camera->deliver(bytes);
     const std::uint64_t before = allocation_count();
-    EXPECT_EQ(source->next(image, problem, kSoon), CaptureStatus::kImage) << problem;
+    EXPECT_EQ(source->next(image, problem, test::kPatience), CaptureStatus::kImage) << problem;
     return allocation_count() - before;
   };
   for (int i = 0; i < 10; ++i) EXPECT_EQ(turn(), 0U);
@@ -412,22 +410,17 @@ TEST_F(V4l2, TheCameraThreadFindsACameraThatWasPluggedInAgain) {
       },
       [&](CapturedImage&& image) { last = image.image.view().data[0]; }, {milliseconds(5), milliseconds(20)});
   thread.start();
-  const auto wait_for = [](const auto& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + kSoon;
-    while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
-    return condition();
-  };
-  ASSERT_TRUE(wait_for([&] { return camera->streams(); }));
+  ASSERT_TRUE(test::becomes([&] { return camera->streams(); }));
   camera->deliver(1);
-  ASSERT_TRUE(wait_for([&] { return last == 1; }));
+  ASSERT_TRUE(test::becomes([&] { return last == 1; }));
   pull_out(0);
-  ASSERT_TRUE(wait_for([&] { return thread.health().state == CameraState::kLost; }));
+  ASSERT_TRUE(test::becomes([&] { return thread.health().state == CameraState::kLost; }));
   EXPECT_THAT(thread.health().error, HasSubstr("camera \"A1\": "));
 
   camera = plug_in(7, "3", "A1");
-  ASSERT_TRUE(wait_for([&] { return camera->streams(); })) << thread.health().error;
+  ASSERT_TRUE(test::becomes([&] { return camera->streams(); })) << thread.health().error;
   camera->deliver(2);
-  EXPECT_TRUE(wait_for([&] { return last == 2; }));
+  EXPECT_TRUE(test::becomes([&] { return last == 2; }));
 }
 
 // ---- which camera
@@ -584,7 +577,7 @@ TEST_F(V4l2, PicturesHaveTheMiddleOfTheirExposure) {
   camera->change_item(V4L2_CID_EXPOSURE_ABSOLUTE, 10000, 0);
   CapturedImage image;
   std::string problem;
-  EXPECT_EQ(source->next(image, problem, kSoon), CaptureStatus::kTimeout);  // only the news
+  EXPECT_EQ(source->next(image, problem, test::kPatience), CaptureStatus::kTimeout);  // only the news
   expect_middle_after(0.5);
 
   camera->stamp_flags = 0;

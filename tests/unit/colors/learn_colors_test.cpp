@@ -8,6 +8,7 @@
 #include "settings/store.h"
 #include "support/drawn_scene.h"
 #include "support/paths.h"
+#include "support/patience.h"
 #include "support/test_data.h"
 
 #include <cmath>
@@ -314,7 +315,7 @@ class RealPhoto {
                    {0, *context_.scene});
     CapturedImage captured;
     std::string problem;
-    if (source->next(captured, problem, std::chrono::seconds(10)) != CaptureStatus::kImage) return;
+    if (source->next(captured, problem, test::kPatience) != CaptureStatus::kImage) return;
     view_ = captured.image.view();
     const auto stride = static_cast<std::size_t>(view_.width * bytes_per_pixel(view_.format));
     for (int y = 0; y < view_.height; ++y) bytes_.insert(bytes_.end(), view_.row(y), view_.row(y) + stride);

@@ -3,6 +3,7 @@
 #include "ctl/exchange.h"
 
 #include "ctl/client.h"
+#include "support/patience.h"
 
 #include <cstdint>
 #include <functional>
@@ -94,7 +95,7 @@ std::string refusal(const std::function<void()>& act) {
 ExchangeLimits small() {
   ExchangeLimits limits;
   limits.body_bytes = 1 << 20;
-  limits.header = limits.whole = std::chrono::milliseconds(300);
+  limits.connect = limits.header = limits.whole = test::kPatience;
   return limits;
 }
 
@@ -146,9 +147,7 @@ TEST(Exchange, AnAnswerWithoutEndIsNotReadToItsEnd) {
     });
   };
   const auto refused_by = [](const Server& server) {
-    ExchangeLimits limits = small();
-    limits.header = limits.whole = std::chrono::seconds(60);
-    return refusal([&] { http_exchange(server.address(), {"GET", "/"}, limits); });
+    return refusal([&] { http_exchange(server.address(), {"GET", "/"}, small()); });
   };
   EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\n\r\n", megabyte)), HasSubstr("sends more than 1 MiB"));
   EXPECT_THAT(refused_by(endless("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n",
@@ -175,8 +174,7 @@ TEST(Exchange, ALargeFileComesInPieces) {
     });
   };
   const Server server = of("HTTP/1.1 200 OK\r\nContent-Length: 3000000\r\n\r\n");
-  ExchangeLimits limits = small();
-  limits.header = std::chrono::seconds(60);
+  const ExchangeLimits limits = small();
   const HttpReply reply = http_exchange(server.address(), {"GET", "/"}, take, limits);
   EXPECT_EQ(reply.body, "");
   EXPECT_EQ(got, std::string(3'000'000, 'x')) << "more than a body may be that is held in memory";
@@ -207,6 +205,8 @@ TEST(Exchange, ALargeFileComesInPieces) {
 }
 
 TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
+  ExchangeLimits limits = small();
+  limits.header = limits.whole = std::chrono::milliseconds(300);
   for (const char* head : {"", "HTTP/1.1 200 OK\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n"}) {
     const Server server([head](const Server::Send& send) {
       // A byte now and then is no silence, and no end.
@@ -216,7 +216,7 @@ TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
       }
     });
     EXPECT_THAT(refusal([&] {
-                  http_exchange(server.address(), {"GET", "/"}, small());
+                  http_exchange(server.address(), {"GET", "/"}, limits);
                 }),
                 HasSubstr("no daemon answers at"))
         << head;

@@ -2,6 +2,7 @@
 #include "pipeline/frame_ring.h"
 
 #include "pipeline/latest_frame.h"
+#include "support/patience.h"
 
 #include <array>
 #include <atomic>
@@ -12,8 +13,6 @@
 
 namespace sslv {
 namespace {
-
-using namespace std::chrono_literals;
 
 /// A driver that counts the buffers that are out.
 struct Driver {
@@ -117,7 +116,7 @@ TEST(FrameRing, ViewersNeverSeeAFrameBeingReused) {
   for (auto& viewer : viewers) {
     viewer = std::thread([&] {
       std::uint64_t version = 0;
-      while (const auto seen = latest.wait_newer(version, 10s)) {
+      while (const auto seen = latest.wait_newer(version, test::kPatience)) {
         version = seen->version;
         const Frame& frame = *seen->value;
         for (const Robot& robot : frame.robots.robots)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/latest_frame.h"
 
+#include "support/patience.h"
+
 #include <thread>
 #include <vector>
 
@@ -10,7 +12,7 @@ namespace sslv {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kLong = 10s;  // no test that passes waits for it
+using test::kPatience;
 
 class LatestFrameTest : public testing::Test {
  protected:
@@ -67,19 +69,19 @@ TEST_F(LatestFrameTest, CloseLetsGoOfTheFrameAndOfLaterOnes) {
   put(2);
   EXPECT_EQ(held(), 0U);
   EXPECT_FALSE(latest_.peek().has_value());
-  EXPECT_FALSE(latest_.wait_newer(0, kLong).has_value()) << "returns at once";
+  EXPECT_FALSE(latest_.wait_newer(0, kPatience).has_value()) << "returns at once";
   latest_.close();
 }
 
 TEST_F(LatestFrameTest, CloseWakesAWaitingReader) {
   put(1);
-  std::thread reader([&] { EXPECT_FALSE(latest_.wait_newer(1, kLong).has_value()); });
+  std::thread reader([&] { EXPECT_FALSE(latest_.wait_newer(1, kPatience).has_value()); });
   latest_.close();
   reader.join();
 }
 
 TEST_F(LatestFrameTest, AWaitingReaderGetsTheNextFrame) {
-  std::thread reader([&] { EXPECT_EQ(latest_.wait_newer(0, kLong)->value->info.number, 5U); });
+  std::thread reader([&] { EXPECT_EQ(latest_.wait_newer(0, kPatience)->value->info.number, 5U); });
   put(5);
   reader.join();
 }
@@ -92,7 +94,7 @@ TEST_F(LatestFrameTest, ReadersSeeRisingVersionsAndTheLastFrame) {
       std::uint64_t version = 0;
       std::uint32_t number = 0;
       while (number < kLast) {
-        const auto seen = latest_.wait_newer(version, kLong);
+        const auto seen = latest_.wait_newer(version, kPatience);
         ASSERT_TRUE(seen.has_value());
         ASSERT_GT(seen->version, version);
         ASSERT_GT(seen->value->info.number, number);

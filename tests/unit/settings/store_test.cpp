@@ -4,6 +4,7 @@
 #include "settings/history.h"
 #include "settings/state_folder.h"
 #include "support/failing_disk.h"
+#include "support/patience.h"
 #include "support/temporary_folder.h"
 
 #include <chrono>
@@ -328,7 +329,7 @@ TEST_F(Store, ReadsDoNotWaitForAnEdit) {
       Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const CheckedSettings&) {
         read = std::async(std::launch::async,
                           [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
-        was_read = read.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+        was_read = read.wait_for(test::kPatience) == std::future_status::ready;
         return Commit();
       });
   EXPECT_TRUE(was_read);

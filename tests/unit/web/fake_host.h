@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "services/access/access.h"
 #include "support/latest.h"
+#include "support/patience.h"
 #include "support/temporary_folder.h"
 #include "web/gate.h"
 #include "web/http.h"
@@ -148,7 +149,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
         {"GET", "/api/file/([^/]+)", [this](const Request&) { return bytes_response(file_); }},
         {"GET", "/api/hangs",
          [this](const Request&) {
-           let_go_.wait_for(std::chrono::seconds(30));
+           let_go_.wait_for(test::kPatience);
            return text_response("");
          }},
         {"PUT", "/api/names/(.+)",

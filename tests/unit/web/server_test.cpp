@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/server.h"
 
+#include "support/becomes.h"
 #include "unit/web/fake_host.h"
 #include "web/http.h"
 
 #include <atomic>
 #include <future>
 #include <stdexcept>
-#include <thread>
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -25,12 +25,11 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A plain TCP client. Reading throws when nothing comes for ten seconds, so that a fault fails and does not
-/// hang.
+/// A plain TCP client. Reading throws when nothing comes, so that a fault fails and does not hang.
 class Client {
  public:
   explicit Client(std::uint16_t port, int receive_buffer_bytes = 0) : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const timeval patience{10, 0};
+    const timeval patience{test::kPatience.count(), 0};
     setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
     if (receive_buffer_bytes > 0) {
       setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof(receive_buffer_bytes));
@@ -83,8 +82,7 @@ class Client {
   bool receive() {
     char bytes[65536];
     const ssize_t size = ::recv(fd_, bytes, sizeof(bytes), 0);
-    if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
-      throw std::runtime_error("nothing came for 10 s");
+    if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) throw std::runtime_error("nothing came");
     if (size <= 0) return false;
     received_.append(bytes, static_cast<std::size_t>(size));
     return true;
@@ -806,7 +804,7 @@ TEST_F(ServerTest, AStreamEndsWithItsClient) {
     StreamClient client(server_.port());
     client.read_jpeg();
   }
-  while (counters_.connections > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_TRUE(test::becomes([&] { return counters_.connections == 0; }));
   Viewer viewer(server_.port());
   viewer.send(R"({"subscribe": ["detections"]})");
   viewer.read_json();
@@ -923,7 +921,7 @@ TEST_F(ServerTest, AFrameIsLetGoWhileItsPictureIsOnTheWay) {
   daemon_.publish(1, Json::array(), std::shared_ptr<void>(nullptr, [&](void*) { let_go.set_value(); }));
   viewer.read_picture();
   daemon_.publish(2);
-  EXPECT_EQ(let_go.get_future().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(let_go.get_future().wait_for(test::kPatience), std::future_status::ready);
 }
 
 TEST_F(ServerTest, ASlowViewerSkipsMessagesAndDelaysNobody) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/calibration/calibration_jobs.h"
 
+#include "support/becomes.h"
 #include "support/fake_cameras.h"
 
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ std::string request(int frames) {
 
 class CalibrationJobsTest : public testing::Test {
  protected:
-  /// Delivers frames until the job is in this state; throws after 30 s.
+  /// Delivers frames until the job is in this state; throws when it never is.
   CalibrationJobs::Job deliver_until(int camera_id, JobState state) {
     return wait(camera_id, state, [&] { cameras_.deliver(camera_id); });
   }
@@ -39,20 +39,20 @@ class CalibrationJobsTest : public testing::Test {
   }
 
   FakeCameras cameras_;
-  CalibrationJobs jobs_ = make_calibration_jobs(cameras_.wait_frame(), std::chrono::minutes(5));
+  CalibrationJobs jobs_ = make_calibration_jobs(cameras_.wait_frame(), test::kPatience);
 
  private:
   template <class Meanwhile>
   CalibrationJobs::Job wait(int camera_id, JobState state, Meanwhile meanwhile) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-    for (;;) {
-      auto job = jobs_.job(camera_id);
-      if (job.state == state) return job;
-      if (std::chrono::steady_clock::now() > deadline)
-        throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
-      meanwhile();
-      std::this_thread::yield();
-    }
+    CalibrationJobs::Job job;
+    const bool is_so = test::becomes([&] {
+      job = jobs_.job(camera_id);
+      if (job.state != state) meanwhile();
+      return job.state == state;
+    });
+    if (!is_so)
+      throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
+    return job;
   }
 };
 
@@ -136,13 +136,17 @@ TEST_F(CalibrationJobsTest, PointsOutsideThePictureAreNamed) {
 
 TEST_F(CalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
   ASSERT_TRUE(jobs_.start(0, order(request(2))));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-  while (jobs_.job(0).state == JobState::kCollecting && std::chrono::steady_clock::now() < deadline)
+  EXPECT_TRUE(test::becomes([&] {
     cameras_.deliver(0, FakeCameras::kWidth, PixelFormat::kMono8);
+    return jobs_.job(0).state != JobState::kCollecting;
+  }));
   EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("no colours (mono8)"));
 
   ASSERT_TRUE(jobs_.start(0, order(request(100))));
-  while (jobs_.job(0).frames == 0 && std::chrono::steady_clock::now() < deadline) cameras_.deliver(0);
+  EXPECT_TRUE(test::becomes([&] {
+    cameras_.deliver(0);
+    return jobs_.job(0).frames > 0;
+  }));
   cameras_.deliver(0, FakeCameras::kWidth / 2);
   EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("have changed meanwhile"));
 }
@@ -152,7 +156,7 @@ TEST(CalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
   CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
   ASSERT_TRUE(jobs.start(0, order(request(1))));
   cameras.remove(0);
-  while (is_running(jobs.job(0).state)) std::this_thread::yield();
+  EXPECT_TRUE(test::becomes([&] { return !is_running(jobs.job(0).state); }));
   EXPECT_EQ(jobs.job(0).problem, "no such camera");
 }
 
@@ -161,10 +165,7 @@ TEST(CalibrationJobs, ASilentCameraFailsEvenThoughItHasAnOldFrame) {
   cameras.deliver(0);
   CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
   ASSERT_TRUE(jobs.start(0, order(request(1))));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-  while (jobs.job(0).state == JobState::kCollecting && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::yield();
-  EXPECT_EQ(jobs.job(0).state, JobState::kFailed);
+  EXPECT_TRUE(test::becomes([&] { return jobs.job(0).state == JobState::kFailed; }));
   EXPECT_THAT(jobs.job(0).problem, HasSubstr("no image came for 0.001 s"));
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/calibration/joint_calibration_jobs.h"
 
+#include "support/becomes.h"
 #include "support/fake_cameras.h"
 
 #include <stdexcept>
-#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -25,26 +25,27 @@ JointCalibrationOrder order(const JointCalibrationRequest& request) {
 
 class JointCalibrationJobsTest : public testing::Test {
  protected:
-  /// Delivers frames until the job is as it should be; throws after 30 s.
+  /// Delivers frames until the job is as it should be; throws when it never is.
   template <class Good>
   JointCalibrationJobs::Job deliver_until(Good good, PixelFormat of_camera_1 = PixelFormat::kRgb24) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-    for (;;) {
-      auto job = jobs_.job(kJointKey);
-      if (good(job)) return job;
-      if (std::chrono::steady_clock::now() > deadline)
-        throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
+    JointCalibrationJobs::Job job;
+    const bool is_so = test::becomes([&] {
+      job = jobs_.job(kJointKey);
+      if (good(job)) return true;
       cameras_.deliver(0);
       cameras_.deliver(1, FakeCameras::kWidth, of_camera_1);
-      std::this_thread::yield();
-    }
+      return false;
+    });
+    if (!is_so)
+      throw std::runtime_error(std::string("the job stays ") + name_of(job.state) + ": " + job.problem);
+    return job;
   }
   static auto is(JobState state) {
     return [state](const JointCalibrationJobs::Job& job) { return job.state == state; };
   }
 
   FakeCameras cameras_;
-  JointCalibrationJobs jobs_ = make_joint_calibration_jobs(cameras_.wait_frame(), std::chrono::minutes(5));
+  JointCalibrationJobs jobs_ = make_joint_calibration_jobs(cameras_.wait_frame(), test::kPatience);
 };
 
 TEST_F(JointCalibrationJobsTest, TakesFramesOfEachCameraAndReports) {
@@ -103,7 +104,7 @@ TEST(JointCalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
   JointCalibrationJobs jobs = make_joint_calibration_jobs(cameras.wait_frame(), std::chrono::hours(1));
   ASSERT_TRUE(jobs.start(kJointKey, order({{}, 1, 0})));
   cameras.remove(1);
-  while (is_running(jobs.job(kJointKey).state)) std::this_thread::yield();
+  EXPECT_TRUE(test::becomes([&] { return !is_running(jobs.job(kJointKey).state); }));
   EXPECT_EQ(jobs.job(kJointKey).problem, "camera 1: no such camera");
 }
 
@@ -112,9 +113,7 @@ TEST(JointCalibrationJobs, ASilentCameraFails) {
   cameras.deliver(0);
   JointCalibrationJobs jobs = make_joint_calibration_jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
   ASSERT_TRUE(jobs.start(kJointKey, order({{}, 1, 0})));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-  while (is_running(jobs.job(kJointKey).state) && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::yield();
+  EXPECT_TRUE(test::becomes([&] { return !is_running(jobs.job(kJointKey).state); }));
   EXPECT_EQ(jobs.job(kJointKey).state, JobState::kFailed);
   EXPECT_THAT(jobs.job(kJointKey).problem, HasSubstr("camera 0: no image came for 0.001 s"));
 }

@@ -5,6 +5,7 @@
 #include "capture/control_memory.h"
 #include "capture/source.h"
 #include "services/cameras/control_change.h"
+#include "support/becomes.h"
 
 #include <atomic>
 #include <future>
@@ -19,11 +20,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
+/// Of a camera that answers, however late.
+const DriverCalls kPatient(test::kPatience, test::kPatience);
+
 TEST(DriverCalls, ReturnOrThrowWhatTheDriverDoes) {
-  const DriverCalls calls;
-  EXPECT_EQ(calls.run([] { return Json(7); }), 7);
-  EXPECT_THROW(calls.run([]() -> Json { throw std::runtime_error("no"); }), std::runtime_error);
-  EXPECT_EQ(calls.run([] { return Json(8); }), 8);
+  EXPECT_EQ(kPatient.run([] { return Json(7); }), 7);
+  EXPECT_THROW(kPatient.run([]() -> Json { throw std::runtime_error("no"); }), std::runtime_error);
+  EXPECT_EQ(kPatient.run([] { return Json(8); }), 8);
 }
 
 TEST(DriverCalls, OneThatHangsIsLeftBehindAndRefusesTheNext) {
@@ -37,14 +40,13 @@ TEST(DriverCalls, OneThatHangsIsLeftBehindAndRefusesTheNext) {
                CaptureError);
   EXPECT_THROW(calls.run([] { return Json(7); }), CaptureError) << "it still hangs";
   answer.set_value();
-  const DriverCalls& patient = calls;
-  for (;;) {  // soon it has returned
+  EXPECT_TRUE(test::becomes([&] {
     try {
-      EXPECT_EQ(patient.run([] { return Json(7); }), 7);
-      break;
-    } catch (const CaptureError&) {
+      return calls.run([] { return Json(7); }) == 7;
+    } catch (const CaptureError&) {  // it has not returned yet
+      return false;
     }
-  }
+  }));
 }
 
 /// Numbers by name. A set of "slow" waits until it is let go.
@@ -82,12 +84,12 @@ class SlowControls : public Controls {
 TEST(ControlChange, IsSetBackUnlessItIsKept) {
   const auto controls = std::make_shared<SlowControls>();
   {
-    const ControlChange change(controls, DriverCalls(), Json::object(), {{"gain", 5}}, "/controls");
+    const ControlChange change(controls, kPatient, Json::object(), {{"gain", 5}}, "/controls");
     EXPECT_EQ(controls->value("gain"), 5);
   }
   EXPECT_EQ(controls->value("gain"), 1);
   {
-    ControlChange change(controls, DriverCalls(), Json::object(), {{"gain", 5}}, "/controls");
+    ControlChange change(controls, kPatient, Json::object(), {{"gain", 5}}, "/controls");
     change.keep();
   }
   EXPECT_EQ(controls->value("gain"), 5);
@@ -95,13 +97,13 @@ TEST(ControlChange, IsSetBackUnlessItIsKept) {
 
 TEST(ControlChange, WhatIsNoLongerWantedGetsTheValueOfTheOpening) {
   const auto controls = std::make_shared<SlowControls>();
-  ControlChange(controls, DriverCalls(), Json::object(), {{"gain", 5}}, "/controls").keep();
+  ControlChange(controls, kPatient, Json::object(), {{"gain", 5}}, "/controls").keep();
   {
-    const ControlChange dropped(controls, DriverCalls(), {{"gain", 5}}, Json::object(), "/controls");
+    const ControlChange dropped(controls, kPatient, {{"gain", 5}}, Json::object(), "/controls");
     EXPECT_EQ(controls->value("gain"), 1);
   }
   EXPECT_EQ(controls->value("gain"), 5);
-  ControlChange(controls, DriverCalls(), {{"gain", 5}}, Json::object(), "/controls").keep();
+  ControlChange(controls, kPatient, {{"gain", 5}}, Json::object(), "/controls").keep();
   EXPECT_EQ(controls->value("gain"), 1);
 }
 
@@ -109,7 +111,7 @@ TEST(ControlChange, IsNoLongerUnsaved) {
   const auto controls = std::make_shared<SlowControls>();
   controls->memory().set_unsaved("gain", 3);
   EXPECT_EQ(controls->memory().unsaved(Json::object()).size(), 1U);
-  ControlChange(controls, DriverCalls(), Json::object(), {{"gain", 3}}, "/controls").keep();
+  ControlChange(controls, kPatient, Json::object(), {{"gain", 3}}, "/controls").keep();
   controls->memory().set_unsaved("gain", 7);
   controls->memory().revert({});
   EXPECT_EQ(controls->value("gain"), 3);
@@ -125,13 +127,14 @@ TEST(ControlChange, OfACameraThatDoesNotAnswerIsRefusedAndSetBackWhenItDoes) {
     EXPECT_THAT(error.what(), testing::StartsWith("/controls: not set: the camera has not answered"));
   }
   controls->let_go.set_value();
-  for (;;) {  // the driver is free again once all is set back
+  EXPECT_TRUE(test::becomes([&] {
     try {
       calls.run([] { return Json(); });
-      break;
-    } catch (const CaptureError&) {
+      return true;
+    } catch (const CaptureError&) {  // the driver is free again once all is set back
+      return false;
     }
-  }
+  }));
   EXPECT_EQ(controls->value("gain"), 1);
   EXPECT_EQ(controls->value("slow"), 1);
 }

@@ -2,13 +2,13 @@
 #include "services/colors/follow_light.h"
 
 #include "capture/source.h"
+#include "support/becomes.h"
 #include "support/drawn_scene.h"
 
 #include <atomic>
 #include <chrono>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -63,11 +63,7 @@ class FollowLightTest : public ::testing::Test {
   }
   template <class Condition>
   void wait_until(const char* what, Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-    while (!condition()) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << what;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    ASSERT_TRUE(test::becomes(condition)) << what;
   }
   /// Until so many more rounds have begun.
   void wait_looks(int more) {

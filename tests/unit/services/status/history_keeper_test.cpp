@@ -3,12 +3,11 @@
 
 #include "base/log.h"
 #include "settings/state_folder.h"
+#include "support/becomes.h"
 #include "support/temporary_folder.h"
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
-#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -72,7 +71,7 @@ TEST_F(HistoryKeeperFiles, SaysThatTheRunBeforeDied) {
     HistoryKeeper keeper(folder_.path());
     keeper.look({kLost}, {});
     // It saves at once what comes after a quiet time; wait for its thread.
-    while (!std::filesystem::exists(file())) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(becomes([&] { return std::filesystem::exists(file()); }));
     as_it_died = read_json_file(file()).dump();
   }
   write(as_it_died);
@@ -102,7 +101,7 @@ TEST_F(HistoryKeeperFiles, AFolderInItsPlaceIsNoReasonNotToStart) {
   HistoryKeeper keeper(folder_.path());
   EXPECT_EQ(warnings_since(seen), 1U);
   keeper.look({kLost}, {});
-  while (keeper.to_json().at("save_problem") == "") std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_TRUE(becomes([&] { return keeper.to_json().at("save_problem") != ""; }));
   EXPECT_EQ(warnings_since(seen), 2U) << "that it is not saved";
   EXPECT_THAT(ids(keeper), ElementsAre("camera_lost", "service_started"));
 }
@@ -110,7 +109,7 @@ TEST_F(HistoryKeeperFiles, AFolderInItsPlaceIsNoReasonNotToStart) {
 TEST_F(HistoryKeeperFiles, WithoutAFolderItIsKeptInMemory) {
   HistoryKeeper keeper(folder_.path() / "missing");
   keeper.look({kLost}, {});
-  while (keeper.to_json().at("save_problem") == "") std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_TRUE(becomes([&] { return keeper.to_json().at("save_problem") != ""; }));
   EXPECT_THAT(ids(keeper), ElementsAre("camera_lost", "service_started"));
 }
 
