@@ -4,6 +4,7 @@
 // The real web server over a made-up daemon, for programs that send it bytes.
 
 #include "fuzz/expect.h"
+#include "support/patience.h"
 #include "unit/web/fake_host.h"
 #include "web/server.h"
 
@@ -29,7 +30,7 @@ class Served {
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     expect(socket >= 0 && ::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0,
            "no connection");
-    const timeval patience{30, 0};
+    const timeval patience{test::kPatience.count(), 0};
     ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     for (std::string_view rest = bytes; !rest.empty();) {
       const ssize_t sent = ::send(socket, rest.data(), rest.size(), MSG_NOSIGNAL);

@@ -47,7 +47,10 @@ TEST(SlotQueue, AThreadReadsWhatAnotherWrites) {
   std::thread writer([&] {
     for (int i = 0; i < kCount;) {
       std::vector<int>* const slot = queue.to_write();
-      if (!slot) continue;
+      if (!slot) {
+        std::this_thread::yield();
+        continue;
+      }
       slot->assign({i, -i});
       queue.write();
       ++i;
@@ -55,7 +58,10 @@ TEST(SlotQueue, AThreadReadsWhatAnotherWrites) {
   });
   for (int i = 0; i < kCount;) {
     const std::vector<int>* const value = queue.to_read();
-    if (!value) continue;
+    if (!value) {
+      std::this_thread::yield();
+      continue;
+    }
     ASSERT_EQ(*value, (std::vector<int>{i, -i}));
     queue.read();
     ++i;

@@ -127,7 +127,10 @@ TEST(FrameRing, ViewersNeverSeeAFrameBeingReused) {
   int processed = 0;
   while (processed < 5000) {
     FrameRef frame = ring.acquire();
-    if (!frame) continue;
+    if (!frame) {
+      std::this_thread::yield();
+      continue;
+    }
     frame->image = driver.lend();
     frame->info.number = static_cast<std::uint32_t>(++processed);
     frame->robots.robots.assign(8, Robot{});
