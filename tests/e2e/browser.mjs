@@ -35,6 +35,20 @@ export async function freezePicture(page) {
   await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
 }
 
+/**
+ * What is shown for some seconds only: `act` makes it come, and it is seen however busy the computer is. `pattern` is
+ * of its text.
+ */
+export async function comesUp(page, selector, pattern, act) {
+  await page.evaluate(([where, source]) => {
+    window.cameUp = false;
+    const look = () => { window.cameUp ||= [...document.querySelectorAll(where)].some(({ textContent }) => new RegExp(source).test(textContent)); };
+    new MutationObserver(look).observe(document.body, { childList: true, subtree: true, characterData: true });
+  }, [selector, pattern.source]);
+  await act();
+  await page.waitForFunction(() => window.cameUp);
+}
+
 export async function frameNumber(page, camera) {
   const picture = await page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-frame]`);
   return Number(await picture.getAttribute('data-frame'));
@@ -104,22 +118,51 @@ export const itLong = process.env.SSLV_VIEWS === 'all' ? it : () => {};
 /** `webgl`: with a drawing machine made of software. */
 export const launch = ({ webgl = false } = {}) => chromium.launch({
   executablePath: CHROMIUM,
+  timeout: PATIENCE_MS,
   chromiumSandbox: process.getuid() !== 0,
   args: [...(webgl ? ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing'] : ['--disable-gpu']), '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 });
+
+/**
+ * Runs in the page: of the service's status it takes out that this computer is too slow. On a busy one that would be
+ * NO-GO, and alerts that take room from what is looked at.
+ */
+function leaveOutThisComputer() {
+  const SLOW = ['camera_slow', 'frames_dropped', 'stage_slow'];
+  function leaveOut(text) {
+    const message = JSON.parse(text);
+    if (message.topic !== 'status') return text;
+    const { data } = message;
+    const slow = data.alerts.filter(({ id }) => SLOW.includes(id));
+    data.alerts = data.alerts.filter((alert) => !slow.includes(alert));
+    // A check's text is the title of its worst alert.
+    for (const check of data.checks)
+      if (check.id === 'latency' || slow.some(({ title }) => check.text.startsWith(title))) check.state = 'pass';
+    data.go = data.checks.every(({ state }) => state !== 'fail');
+    return JSON.stringify(message);
+  }
+  const { set } = Object.getOwnPropertyDescriptor(WebSocket.prototype, 'onmessage');
+  Object.defineProperty(WebSocket.prototype, 'onmessage', {
+    set(listener) { set.call(this, ({ data }) => listener({ data: typeof data === 'string' ? leaveOut(data) : data })); },
+  });
+}
 
 /** A browser on the panel of a service. */
 export function createBrowser(service, { webgl = false } = {}) {
   const { address } = service;
   let browser;
 
-  /** A page, with its errors and its words to other hosts as they come. */
+  /**
+   * A page, with its errors and its words to other hosts as they come, the newest detections that it was told, and what
+   * came with the newest pictures.
+   */
   async function openPage(viewport, options = {}) {
     // Half-way through a fade no colour is what it is meant to be.
     const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
+    context.setDefaultTimeout(PATIENCE_MS);
+    await context.addInitScript(leaveOutThisComputer);
     const page = await context.newPage();
-    page.setDefaultTimeout(PATIENCE_MS);
-    const panel = { page, errors: [], strangers: [], detections: [], errorsExpected: false };
+    const panel = { page, errors: [], strangers: [], detections: [], previews: [], errorsExpected: false };
     page.on('console', (message) => {
       if (message.type() === 'error' && !panel.errorsExpected) panel.errors.push(message.text());
     });
@@ -133,10 +176,12 @@ export function createBrowser(service, { webgl = false } = {}) {
     page.on('websocket', (socket) => {
       listen(socket.url());
       socket.on('framereceived', ({ payload }) => {
-        const message = typeof payload === 'string' ? JSON.parse(payload) : {};
-        if (message.topic !== 'detections') return;
-        panel.detections.push(message.data);
-        if (panel.detections.length > 1000) panel.detections.shift();
+        const isPreview = typeof payload !== 'string';
+        const { topic, data } = isPreview ? { data: JSON.parse(payload.subarray(4, 4 + payload.readUInt32LE(0))) } : JSON.parse(payload);
+        if (!isPreview && topic !== 'detections') return;
+        const kept = isPreview ? panel.previews : panel.detections;
+        kept.push(data);
+        if (kept.length > 1000) kept.shift();
       });
     });
     return panel;
