@@ -54,7 +54,7 @@ class Calibrator {
       auto other = solve_without_one();
       if (other && !(best && best->refined.score() >= other->refined.score())) best = std::move(other);
     }
-    if (best) return finish(std::move(*best));
+    if (best && !stop_.stop_requested()) return finish(std::move(*best));
     CalibrationReport none;
     none.problems = std::move(problems_);
     if (none.problems.empty() && !stop_.stop_requested()) {
@@ -77,7 +77,7 @@ class Calibrator {
   std::optional<Solution> solve(std::span<const Eigen::Vector2d> pixels, const CameraPrior& prior) {
     std::vector<Eigen::Vector2d> places;
     for (const NamedPoint& place : clicks_.places) places.push_back(place.place_mm);
-    auto guesses = guess_poses(pixels, places, true, task_.click_sigma_px, picture_, curves_, prior);
+    auto guesses = guess_poses(pixels, places, true, task_.click_sigma_px, picture_, curves_, prior, stop_);
     // The best of each way round: turned by half a turn, most of a field's lines fit as well.
     constexpr double kMaxBehind = 0.45;
     constexpr std::size_t kMax = 3;
@@ -122,7 +122,7 @@ class Calibrator {
 
   /// With nobody pointing at anything: the best of what the straight lines suggest.
   std::optional<Solution> propose() {
-    const Proposal proposal = propose_cameras(picture_, curves_, prior_);
+    const Proposal proposal = propose_cameras(picture_, curves_, prior_, stop_);
     if (!proposal.problem.empty())
       problems_.push_back(proposal.problem + " Click at four corners or crossings instead.");
     struct Found {
@@ -183,6 +183,7 @@ class Calibrator {
     prior.focal_share = std::min(prior.focal_share, 0.12);
     std::optional<Solution> best;
     for (std::size_t left_out = 0; left_out < clicks_.pixels.size(); ++left_out) {
+      if (stop_.stop_requested()) return std::nullopt;
       std::vector<Eigen::Vector2d> others;
       for (std::size_t i = 0; i < clicks_.pixels.size(); ++i) {
         if (i != left_out) others.push_back(clicks_.pixels[i]);

@@ -98,7 +98,8 @@ void add_permutations(Points pixels, Points places, std::vector<Assignment>& out
 }
 
 /// Assignments that two pixels for two places suggest to the others, when there are many.
-void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std::vector<Assignment>& out) {
+void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std::vector<Assignment>& out,
+                  const std::stop_token& stop) {
   struct Candidate {
     Assignment place_of;
     double off_px;
@@ -108,6 +109,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   const double max_off_px = 0.12 * width;  // tilt and distortion bend the similarity
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
+      if (stop.stop_requested()) return;
       if ((pixels[i] - pixels[j]).norm() < 0.15 * width) continue;
       const std::array pair{pixels[i], pixels[j]};
       for (std::size_t a = 0; a < places.size(); ++a) {
@@ -192,7 +194,7 @@ double line_evidence(const LensCamera& camera, std::span<const CurvePoint> point
 
 std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_order, double click_sigma_px,
                                    const LinePicture& picture, std::span<const PaintedCurve> curves,
-                                   const CameraPrior& prior) {
+                                   const CameraPrior& prior, const std::stop_token& stop) {
   std::vector<PoseGuess> out;
   if (pixels.size() < 3 || places_mm.size() < pixels.size()) return out;
   std::vector<Assignment> assignments;
@@ -203,12 +205,13 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
   } else if (places_mm.size() <= 6) {
     add_permutations(pixels, places_mm, assignments);
   } else {
-    add_by_pairs(pixels, places_mm, picture, assignments);
+    add_by_pairs(pixels, places_mm, picture, assignments, stop);
   }
 
   const auto points = evidence_points(curves);
   constexpr double kMaxRmsSigmas = 12;
   for (const Assignment& place_of : assignments) {
+    if (stop.stop_requested()) return {};
     std::vector<Eigen::Vector2d> places;
     for (const std::size_t place : place_of) places.push_back(places_mm[place]);
     // Four corners do not show the distortion: the lines will.

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,11 +25,12 @@ struct PoseGuess {
 /// Cameras for which the pixels show some of the places, one each, best evidence first: at least three
 /// pixels. Which pixel shows which place is found out when `any_order`; otherwise pixel i shows place i. A
 /// camera looks at the field from above, so that mirrored assignments are none. `click_sigma_px` is how exact
-/// the pixels are.
+/// the pixels are. None once it is told to stop.
 std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,
                                    std::span<const Eigen::Vector2d> places_mm, bool any_order,
                                    double click_sigma_px, const LinePicture& picture,
-                                   std::span<const PaintedCurve> curves, const CameraPrior& prior);
+                                   std::span<const PaintedCurve> curves, const CameraPrior& prior,
+                                   const std::stop_token& stop = {});
 
 /// A camera that shows each place where it was seen, as far as the prior lets it: found from nothing but that
 /// it looks down.

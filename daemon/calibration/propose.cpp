@@ -357,7 +357,7 @@ double score_of(const Eigen::Matrix3d& map, const Straightener& straightener, co
 }  // namespace
 
 Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurve> curves,
-                         const CameraPrior& prior) {
+                         const CameraPrior& prior, const std::stop_token& stop) {
   Proposal out;
   const int width = picture.width(), height = picture.height();
   const auto bent_points = stripe_points(picture);
@@ -375,6 +375,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   };
   double k1 = 0, sharpest = -1;
   for (const double one : {0., .03, .06, .09, .13, .17, .23, .29, .38, .46, .58, .72, .87}) {
+    if (stop.stop_requested()) return out;
     vote(one);
     if (votes.sharpness() <= sharpest) continue;
     sharpest = votes.sharpness();
@@ -417,6 +418,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     for (std::size_t j = i + 1; j < a.size(); ++j) {
       for (std::size_t k = 0; k < b.size(); ++k) {
         for (std::size_t l = k + 1; l < b.size(); ++l) {
+          if (stop.stop_requested()) return out;
           const double apart_a = a[j].distance_px - a[i].distance_px,
                        apart_b = b[l].distance_px - b[k].distance_px;
           if (apart_a < kMinApart * width || apart_b < kMinApart * width) continue;
@@ -452,6 +454,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   constexpr std::size_t kMaxCameras = 6;
   constexpr double kMinShare = 0.6, kSameShare = 0.02, kSigmaPx = 2;
   for (const Guess& guess : guesses) {
+    if (stop.stop_requested()) return out;
     if (out.cameras.size() >= kMaxCameras || guess.score < kMinShare * guesses.front().score) break;
     std::vector<Eigen::Vector2d> pixels, places;
     for (const double x : template_lines[0]) {

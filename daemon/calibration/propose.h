@@ -6,6 +6,7 @@
 #include "calibration/painted_curves.h"
 
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,6 @@ struct Proposal {
 /// Finds straight lines in two directions and tries which lines of the field they may be. Distortion is found
 /// first, as that with which lines are straightest.
 Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurve> curves,
-                         const CameraPrior& prior);
+                         const CameraPrior& prior, const std::stop_token& stop = {});
 
 }  // namespace sslv

@@ -199,6 +199,7 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
     out.sightings = std::move(patches.sightings);
     out.expected = patches.expected;
   }
+  if (stop.stop_requested()) return std::nullopt;
   // By their true spread, without those that are something else.
   const double spread_px = std::max(kMinScalePx / 2, robust_sigma(residuals_px(out.camera, out.sightings)));
   for (Sighting& sighting : out.sightings) sighting.sigma_px = spread_px;

@@ -81,13 +81,13 @@ void put_tiles(const ClipFrameHead& head, std::span<const std::byte> map, std::s
 struct ClipReader::File {
   using Room = std::function<std::uint8_t*(std::size_t bytes)>;
 
-  explicit File(const std::filesystem::path& path)
+  File(const std::filesystem::path& path, const std::stop_token& stop)
       : name(path.string()),
         // A pipe would wait for somebody who writes into it.
         fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (fd < 0) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
     try {
-      open();
+      open(stop);
     } catch (...) {
       ::close(fd);
       throw;
@@ -126,7 +126,7 @@ struct ClipReader::File {
            payload_bytes <= end - place - kClipBlockBytes;
   }
 
-  void open() {
+  void open(const std::stop_token& stop) {
     struct stat status {};
     if (::fstat(fd, &status) != 0) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
     if (!S_ISREG(status.st_mode)) refuse("is no clip: it is no file");
@@ -134,7 +134,7 @@ struct ClipReader::File {
     check_head();
     if (!read_index()) {
       is_unfinished = true;
-      scan();
+      scan(stop);
     }
     put_in_order();
     if (!has_about) note("what it says about itself is missing or damaged");
@@ -216,10 +216,11 @@ struct ClipReader::File {
   }
 
   /// From block to block, as far as they can be read.
-  void scan() {
+  void scan(const std::stop_token& stop) {
     note("has no end: it was not finished, or is damaged");
     std::uint64_t place = kClipHeadBytes;
     while (place < size && size - place >= kClipBlockBytes) {
+      if (stop.stop_requested()) refuse("was not read to its end");
       std::array<std::byte, kHeadsBytes> bytes{};
       read_at(place, std::span(bytes).first(std::min<std::uint64_t>(bytes.size(), size - place)));
       const auto head = block_head_of(std::span(bytes).first<kClipBlockBytes>());
@@ -505,7 +506,8 @@ struct ClipReader::File {
   std::map<std::uint32_t, BaseImage> bases;  // by camera
 };
 
-ClipReader::ClipReader(const std::filesystem::path& file) : file_(std::make_unique<File>(file)) {}
+ClipReader::ClipReader(const std::filesystem::path& file, const std::stop_token& stop)
+    : file_(std::make_unique<File>(file, stop)) {}
 
 ClipReader::~ClipReader() = default;
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,8 @@ class ClipReader {
   };
 
   /// Reads the index, or makes it when there is none, from what stands before each block. The file stays
-  /// open: it may be removed. Throws ClipError.
-  explicit ClipReader(const std::filesystem::path& file);
+  /// open: it may be removed. Throws ClipError, also when it is told to stop before that is done.
+  explicit ClipReader(const std::filesystem::path& file, const std::stop_token& stop = {});
   ~ClipReader();
   ClipReader(ClipReader&&) noexcept;
   ClipReader& operator=(ClipReader&&) noexcept;

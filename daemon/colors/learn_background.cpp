@@ -96,7 +96,7 @@ std::optional<Color3> carpet_chromaticity(const RobotSearch& search, std::span<c
 CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenRobot> robots,
                                 const Color3& chromaticity, const Color3& gains) {
   std::vector<Color3> carpet, lines;
-  for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
+  for (std::size_t frame = 0; frame < search.frames.size() && !search.stop.stop_requested(); ++frame) {
     const SmallPicture& picture = search.pictures[frame].finest();
     const int step = std::max(2, std::min(picture.width(), picture.height()) / 120);
     for (int y = step; y + step < picture.height(); y += step) {

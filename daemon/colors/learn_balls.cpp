@@ -112,6 +112,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   std::vector<SeenBall> out;
   BallFitter fitter;
   for (std::size_t frame = 0; frame < b.search.frames.size(); ++frame) {
+    if (b.search.stop.stop_requested()) return out;
     const ImageView& image = b.search.frames[frame];
     const double area = b.camera.mm2_per_px({image.width / 2.0, image.height / 2.0}, radius_mm);
     if (!(area > 0)) continue;

@@ -126,6 +126,7 @@ class Learner {
     small_frames_.pictures.reserve(task_.frames.size());
     double bright = 0, clipped = 0, colorfulness = 0;
     for (const ImageView& image : task_.frames) {
+      if (task_.stop.stop_requested()) return;
       if (image.empty() || image.format != first.format || image.width != first.width ||
           image.height != first.height) {
         out_.problem = "the images are not all of one size and format";
@@ -348,7 +349,7 @@ class Learner {
           "there is too little light, or too much noise",
           best, dot_count());
     } else if (out_.lut) {
-      out_.margins = table_margins(*out_.lut, surfaces);
+      out_.margins = table_margins(*out_.lut, surfaces, task_.stop);
     }
   }
 
@@ -401,7 +402,8 @@ class Learner {
                           left_out,
                           largest_mm * largest_px_per_mm(),
                           carpet_shares_,
-                          {}});
+                          {},
+                          task_.stop});
   }
   /// Whether a colour is one of the label's samples in more or less light.
   bool is_like_seen(Label label, Yuv color) const {

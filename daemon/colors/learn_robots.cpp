@@ -106,6 +106,7 @@ class PatternSearch {
       : search_(search), frame_(frame), image_(search.frames[frame]) {}
 
   void look(const CameraModel& camera, double height_mm, double px_per_mm) {
+    if (search_.stop.stop_requested()) return;
     const double radius_px = search_.patterns.center_diameter_mm / 2 * px_per_mm;
     const SmallPicture& picture = search_.pictures[frame_].of(cell_px_for(image_.format, radius_px));
     const auto spots =

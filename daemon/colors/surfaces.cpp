@@ -114,7 +114,7 @@ std::vector<Place> find_places(const SurfaceSearch& search) {
       if (x < reach || y < reach || x + reach >= picture.width() || y + reach >= picture.height()) return {};
       return picture.mean(x, y, reach);
     };
-    for (int y = reach; y + reach < picture.height(); y += step) {
+    for (int y = reach; y + reach < picture.height() && !search.stop.stop_requested(); y += step) {
       for (int x = reach; x + reach < picture.width(); x += step) {
         if (!picture.shows(x, y)) continue;
         const Color3 here = picture.mean(x, y, reach);
@@ -411,7 +411,8 @@ SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const Cle
   return [taken = taken_by(surfaces, kind, range)](Yuv color) { return taken.has(color); };
 }
 
-std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces) {
+std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces,
+                                       const std::stop_token& stop) {
   std::array<bool, label::kMaxCount> in_table{};
   for (const Label label : lut.yuv().labels) in_table[label] = true;
   static const auto kNoise = noise_samples();
@@ -422,6 +423,7 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
     const auto flood = kFloodShare * static_cast<double>(surfaces.total(kind));
     std::array<std::optional<double>, label::kMaxCount> brighter, darker;
     const auto look = [&](double factor, auto& first) {
+      if (stop.stop_requested()) return;
       std::array<double, label::kMaxCount> count{};
       for (const auto& [color, pixels] : colors) {
         const Yuv lit = in_light(color, factor);

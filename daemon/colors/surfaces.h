@@ -14,6 +14,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,8 +46,9 @@ struct SurfaceSearch {
   double largest_dot_px = 0;                       // diameter of the largest dot or ball
   std::optional<Color3> carpet_chromaticity = {};  // of red, green and blue; absent: the commonest surface
   std::function<bool(std::size_t frame, const Eigen::Vector2d& pixel)> on_carpet =
-      {};  // may be known; where the
-           // commonest counts
+      {};                     // may be known; where the
+                              // commonest counts
+  std::stop_token stop = {};  // then what is found is of no use
 };
 
 /// The colours of large surfaces, texture included, and how far their pixels scatter about them.
@@ -122,7 +124,9 @@ struct LabelMargin {
 /// Of every label that a table has, to carpet and floor. A surface has a label when kFloodShare of its pixels
 /// do. Values of pixels are taken to grow with the light; cameras with a gamma have more margin than that.
 inline constexpr double kFloodShare = 0.004;
-std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces);
+/// Of no use once it was told to stop.
+std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces,
+                                       const std::stop_token& stop = {});
 
 /// Whether margins differ by no more than noise and flicker make of them from frame to frame.
 bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);

@@ -106,7 +106,7 @@ void MatchLogReader::go_to_begin() {
   file_.read(head);
 }
 
-void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index) {
+void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index, const std::stop_token& stop) {
   go_to_begin();
   // All messages before such a point came before.
   const auto behind = std::ranges::partition_point(
@@ -117,7 +117,7 @@ void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index) {
     messages_ = point.messages;
   }
   LoggedMessage skipped;
-  while (read_header() && header_->time_ns < time_ns) {
+  while (!stop.stop_requested() && read_header() && header_->time_ns < time_ns) {
     if (!next(skipped)) return;
   }
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 
 namespace sslv {
@@ -24,8 +25,9 @@ class MatchLogReader {
   /// before.
   bool next(LoggedMessage& out);
 
-  /// The next message is the first that came at `time_ns` or later, once none before it did.
-  void go_to(std::int64_t time_ns, const MatchLogIndex& index);
+  /// The next message is the first that came at `time_ns` or later, once none before it did; told to
+  /// stop, any.
+  void go_to(std::int64_t time_ns, const MatchLogIndex& index, const std::stop_token& stop = {});
   /// The next message is the file's first.
   void go_to_begin();
 

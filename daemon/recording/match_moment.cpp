@@ -29,6 +29,10 @@ double seconds_of(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
 }
 
+void refuse_when_stopped(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw StorageError("the service ends");
+}
+
 Json robot_json(const SSL_DetectionRobot& robot, const char* team) {
   return {{"team", team},
           {"id", robot.has_robot_id() ? Json(robot.robot_id()) : Json(nullptr)},
@@ -105,23 +109,24 @@ std::optional<Json> detections_json_of(std::span<const std::byte> packet) {
 MatchMoments::MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index)
     : index_(std::move(index)), reader_(log) {}
 
-Json MatchMoments::field() {
+Json MatchMoments::field(const std::stop_token& stop) {
   if (field_) return *field_;
-  field_ = nullptr;
+  Json field = nullptr;
   reader_.go_to_begin();
   LoggedMessage message;
   for (int i = 0; i < kMostMessages && reader_.next(message); ++i) {
+    refuse_when_stopped(stop);
     if (message.time_ns > index_->first_ns + kFieldWithin_ns) break;
     SSL_WrapperPacket wrapper;
     if (!is_vision(message) || !parse(wrapper, message.bytes) || !wrapper.has_geometry()) continue;
     const auto& size = wrapper.geometry().field();
-    field_ = Json{{"length", size.field_length()}, {"width", size.field_width()}};
+    field = {{"length", size.field_length()}, {"width", size.field_width()}};
     break;
   }
-  return *field_;
+  return field_.emplace(std::move(field));
 }
 
-Json MatchMoments::at(double at_s) {
+Json MatchMoments::at(double at_s, const std::stop_token& stop) {
   const double length_s = seconds_of(index_->last_ns - index_->first_ns);
   at_s = std::isfinite(at_s) ? std::clamp(at_s, 0.0, length_s) : 0;
   const std::int64_t now_ns = index_->first_ns + std::llround(at_s * 1e9);
@@ -129,8 +134,8 @@ Json MatchMoments::at(double at_s) {
            {"cameras", Json::array()},
            {"tracked", nullptr},
            {"referee", nullptr},
-           {"field", field()}};
-  reader_.go_to(std::max(index_->first_ns, now_ns - kNewReferee_ns), *index_);
+           {"field", field(stop)}};
+  reader_.go_to(std::max(index_->first_ns, now_ns - kNewReferee_ns), *index_, stop);
   std::map<std::uint32_t, Json> cameras;
   LoggedMessage message;
   SSL_WrapperPacket vision;
@@ -138,6 +143,7 @@ Json MatchMoments::at(double at_s) {
   Referee referee;
   std::string tracker_source;
   for (int i = 0; i < kMostMessages && reader_.next(message) && message.time_ns <= now_ns; ++i) {
+    refuse_when_stopped(stop);
     const double time_s = seconds_of(message.time_ns - index_->first_ns);
     if (message.type == LoggedMessage::kReferee) {
       if (parse(referee, message.bytes)) out["referee"] = referee_json(referee);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace sslv {
@@ -24,11 +25,12 @@ class MatchMoments {
   MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index);
 
   /// docs/openapi.json's MatchMoment: the newest of each source that is no older than .2 s, of the game
-  /// controller 2 s. `at_s`: since the log's first message, kept within the log.
-  Json at(double at_s);
+  /// controller 2 s. `at_s`: since the log's first message, kept within the log. Throws StorageError once it
+  /// is told to stop.
+  Json at(double at_s, const std::stop_token& stop = {});
 
  private:
-  Json field();
+  Json field(const std::stop_token& stop);
 
   const std::shared_ptr<const MatchLogIndex> index_;
   MatchLogReader reader_;
