@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon.h"
 
+#include "base/background.h"
 #include "config/config.h"
+#include "config/stages.h"
 #include "config/version.h"
 #include "net/multicast.h"
 #include "services/access/access_service.h"
@@ -188,13 +190,24 @@ struct Daemon::Parts {
     settings.use({&*panel.place, &network.service, &field.service, &colors.service, &cameras.service});
 
     services.push_back(&*panel.place);
+    all = services;
     heartbeat.emplace(std::move(services),
                       [this] { return cameras.service.summary() + " -> " + network.service.summary(); });
   }
 
+  /// Everybody first, then one waits for each: what they take to end does not add up.
+  void ask_to_stop() {
+    stop_yielding();
+    ask_stages_to_stop();
+    heartbeat->ask_to_stop();
+    for (Service* service : all) service->ask_to_stop();
+    panel.web->ask_to_stop();
+  }
+
   ~Parts() {
+    ask_to_stop();
     heartbeat.reset();
-    if (panel.web) panel.web->stop();  // from here on nobody asks for a change
+    panel.web->stop();                 // from here on nobody asks for a change
     network.service.stop_listening();  // nor gives cameras other heights
   }
 
@@ -215,6 +228,7 @@ struct Daemon::Parts {
   WebCounters web_counters;
   StatusService status;
   Panel panel;
+  std::vector<Service*> all;
   std::optional<Heartbeat> heartbeat;
 };
 
@@ -232,6 +246,10 @@ std::string Daemon::summary() const {
 
 void Daemon::reload() {
   parts_->settings.reload();
+}
+
+void Daemon::ask_to_stop() {
+  parts_->ask_to_stop();
 }
 
 std::string Daemon::hanging() const {

@@ -30,6 +30,8 @@ class Daemon {
   std::string summary() const;
   /// Reads the settings file again and applies it; logs what came of it.
   void reload();
+  /// Tells all that runs to end, and does not wait for it; the destructor does. Nothing is asked of it then.
+  void ask_to_stop();
   /// Why the watchdog must not be fed; empty while all is well. Does not wait for anything.
   std::string hanging() const;
 

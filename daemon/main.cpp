@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arguments, signals, exit code; nothing else.
 #include "base/kept_files.h"
+#include "base/left_behind.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "config/backends.h"
@@ -172,13 +173,11 @@ int run(Daemon::Options options) {
   }
   sd_notify(0, "STOPPING=1");
   log::info("stopping: {}", daemon->summary());
+  daemon->ask_to_stop();
   return EXIT_SUCCESS;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (const auto code = stage_process_main(argc, argv)) return *code;
+int run_program(int argc, char** argv) {
   const EndOfStageProcesses end;
   CLI::App app{
       "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
@@ -249,4 +248,14 @@ int main(int argc, char** argv) {
     std::cerr << "ssl-visiond: " << error.what() << "\n";
     return EXIT_FAILURE;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (const auto code = stage_process_main(argc, argv)) return *code;
+  const int code = run_program(argc, argv);
+  // A driver that hangs would find its library gone when it goes on while exit() runs.
+  if (LeftBehind::any()) std::_Exit(code);
+  return code;
 }

@@ -13,4 +13,8 @@ void become_background_thread(const char* name, int nice);
 /// takes it at once. For what may slow down without harm (SCHED_IDLE, sched(7)).
 void become_idle_thread(const char* name);
 
+/// When the program is to end: from now on no thread of it yields to other programs, or the end would wait
+/// for a thread that gets no processor beside busy ones. As far as permitted (RLIMIT_NICE, CAP_SYS_NICE).
+void stop_yielding() noexcept;
+
 }  // namespace sslv

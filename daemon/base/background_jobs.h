@@ -61,13 +61,13 @@ class BackgroundJobs {
         }) {}
 
   /// Ends what is running.
-  ~BackgroundJobs() {
-    {
-      const std::lock_guard lock(mutex_);
-      for (const auto& [key, running] : newest_) running->stop.request_stop();
-    }
+  ~BackgroundJobs() { ask_to_stop(); }
+
+  /// Begins what the destructor does, and does not wait for it.
+  void ask_to_stop() {
     thread_.request_stop();
-    thread_.join();
+    const std::lock_guard lock(mutex_);
+    for (const auto& [key, running] : newest_) running->stop.request_stop();
   }
 
   Job job(int key) const {

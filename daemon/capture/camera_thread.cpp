@@ -2,12 +2,14 @@
 #include "capture/camera_thread.h"
 
 #include "base/clock.h"
+#include "base/left_behind.h"
 #include "base/log.h"
 #include "base/seqlock.h"
 #include "capture/picture_check.h"
 
 #include <algorithm>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -488,7 +490,8 @@ void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
     shared.changed.notify_all();
   };
   try {
-    std::thread([shared = shared_from_this(), dead = std::move(source), closed]() mutable {
+    std::thread([shared = shared_from_this(), dead = std::move(source), closed,
+                 left = std::make_unique<LeftBehind>()]() mutable {
       dead.reset();
       closed(*shared);
     }).detach();
@@ -502,7 +505,7 @@ CameraThread::CameraThread(std::string name, const ThreadSettings& settings, Ope
     : shared_(std::make_shared<Shared>(Shared::Parts{std::move(name), settings, std::move(open),
                                                      std::move(on_image), std::move(on_idle), delays,
                                                      std::move(totals)})),
-      thread_([shared = shared_] { shared->run(); }) {}
+      thread_([shared = shared_, may_stay = std::make_unique<LeftBehind>()] { shared->run(); }) {}
 
 CameraThread::~CameraThread() {
   stop();

@@ -66,7 +66,7 @@ struct CameraDelays {
   /// shorter by what the first of them took, and never below the first.
   std::chrono::milliseconds first{250}, longest{1000};
   /// For a camera that is to stop and does not answer.
-  std::chrono::milliseconds stop{1500};
+  std::chrono::milliseconds stop{1000};
 };
 
 /// Keeps one camera open on a thread of its own and hands over its images. A camera that fails, dies or

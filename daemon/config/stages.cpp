@@ -206,6 +206,10 @@ void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
     log::error("{} {}; it is left out", escaped_text(one.file.string()), one.why);
 }
 
+void ask_stages_to_stop() {
+  if (outside().supervisor) outside().supervisor->ask_to_stop();
+}
+
 EndOfStageProcesses::~EndOfStageProcesses() {
   outside().supervisor.reset();
 }

@@ -32,6 +32,10 @@ struct StageFolders {
 void add_stage_libraries(const StageFolders& folders, MissingStages missing);
 std::span<const LeftOutLibrary> left_out_libraries();
 
+/// Nobody waits any more for a process of a stage to start or to answer a question: that fails, now and
+/// later. Those that run go on.
+void ask_stages_to_stop();
+
 /// Ends the processes of stages when main() does, while all that they are told to is still there. To be
 /// declared before anything that has stages.
 struct EndOfStageProcesses {

@@ -51,6 +51,10 @@ class Service {
  public:
   virtual ~Service() = default;
 
+  /// Begins what the destructor does, and does not wait for it: all services are told before one is waited
+  /// for.
+  virtual void ask_to_stop() {}
+
   /// Rows of the route table, whose handlers live as long as this.
   virtual std::vector<Route> routes() { return {}; }
 

@@ -13,9 +13,8 @@ namespace sslv {
 CameraFeeds::CameraFeeds(ViewSource& views, std::atomic<std::uint64_t>& jpegs_encoded)
     : views_(views), jpegs_encoded_(jpegs_encoded) {}
 
-CameraFeeds::~CameraFeeds() {
-  for (const auto& [camera_id, feed] : feeds_)
-    feed->request_stop();  // all at once, so that they end together
+void CameraFeeds::ask_to_stop() {
+  for (const auto& [camera_id, feed] : feeds_) feed->request_stop();
 }
 
 CameraFeed& CameraFeeds::of(std::uint32_t camera_id) {

@@ -15,7 +15,9 @@ class CameraFeeds {
  public:
   /// Both must outlive this.
   CameraFeeds(ViewSource& views, std::atomic<std::uint64_t>& jpegs_encoded);
-  ~CameraFeeds();
+  ~CameraFeeds() { ask_to_stop(); }
+  /// Begins what the destructor does, and does not wait for it: all feeds end together.
+  void ask_to_stop();
 
   CameraFeed::ViewerId new_viewer() { return ++last_viewer_; }
 

@@ -17,6 +17,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,9 +30,10 @@ struct Request {
   std::vector<std::string> matches;          // [0]: the path; then the groups of the route's pattern
   std::map<std::string, std::string> query;  // decoded
   std::string body;
-  std::string address;   // of the client
-  std::string cookies;   // the Cookie header
-  std::string if_match;  // the If-Match header; empty: none
+  std::string address;     // of the client
+  std::string cookies;     // the Cookie header
+  std::string if_match;    // the If-Match header; empty: none
+  std::stop_token stop{};  // the service ends: what only takes long need not come to its end
 };
 
 /// A file that follows a response's head, as it was when it was opened.

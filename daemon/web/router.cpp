@@ -83,7 +83,7 @@ std::string packed_file(const std::filesystem::path& panel, const std::string& p
   return std::filesystem::is_regular_file(panel.string() + packed, ignored) ? packed : std::string();
 }
 
-Request request_of(const httplib::Request& request) {
+Request request_of(const httplib::Request& request, const std::stop_token& stop) {
   Request out{.method = request.method,
               .path = request.path,
               .matches = {},
@@ -91,7 +91,8 @@ Request request_of(const httplib::Request& request) {
               .body = request.body,
               .address = request.remote_addr,
               .cookies = request.get_header_value("Cookie"),
-              .if_match = request.get_header_value("If-Match")};
+              .if_match = request.get_header_value("If-Match"),
+              .stop = stop};
   for (const auto& match : request.matches) out.matches.push_back(match.str());
   for (const auto& [name, value] : request.params) out.query.emplace(name, value);
   return out;
@@ -145,7 +146,7 @@ void set_error(httplib::Response& response, int status, std::string_view text,
   response.set_content(to_text(body), "application/json");
 }
 
-void add_route(Server& server, Gate& gate, const Route& route) {
+void add_route(Server& server, Gate& gate, const Route& route, const std::stop_token& stop) {
   using Add = Server& (Server::*)(const std::string&, Server::Handler);
   static const std::map<std::string_view, Add> kMethods{{"GET", &Server::Get},
                                                         {"POST", &Server::Post},
@@ -153,8 +154,8 @@ void add_route(Server& server, Gate& gate, const Route& route) {
                                                         {"PATCH", &Server::Patch},
                                                         {"DELETE", &Server::Delete}};
   const Add add = kMethods.at(route.method);
-  (server.*add)(route.pattern, [&gate, &route](const auto& request, auto& response) {
-    const Request ours = request_of(request);
+  (server.*add)(route.pattern, [&gate, &route, &stop](const auto& request, auto& response) {
+    const Request ours = request_of(request, stop);
     admit(gate, route, ours);
     set_response(response, route.handle(ours));
   });
@@ -270,13 +271,15 @@ class Router::HttpServer : public Server {
   using Server::process_request;  // what its sockets would call
 };
 
-Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory)
+Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory,
+               std::stop_token stop)
     : gate_(gate),
       routes_(std::move(routes)),
       panel_directory_(panel_directory),
+      stop_(std::move(stop)),
       server_(std::make_unique<HttpServer>()) {
   for (const Route& route : routes_) {
-    add_route(*server_, gate_, route);
+    add_route(*server_, gate_, route, stop_);
     if (route.streams) stream_paths_.emplace_back(route.pattern);
   }
   server_->set_mount_point("/", panel_directory);

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <regex>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,7 +35,9 @@ struct HttpAnswer {
 class Router {
  public:
   /// `gate` must outlive the router. Without the panel's directory its address says how to build the panel.
-  Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory);
+  /// `stop`: of all requests.
+  Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory,
+         std::stop_token stop = {});
   ~Router();
 
   /// `request`: one complete request, header and body, without chunks, that passed check_header(). HEAD is
@@ -59,6 +62,7 @@ class Router {
   Gate& gate_;
   const std::vector<Route> routes_;
   const std::filesystem::path panel_directory_;
+  const std::stop_token stop_;
   std::vector<std::regex> stream_paths_;
   const std::unique_ptr<AuditLog> audit_ = std::make_unique<AuditLog>();
   const std::unique_ptr<HttpServer> server_;

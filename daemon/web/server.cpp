@@ -18,6 +18,7 @@
 #include <functional>
 #include <future>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>  // Boost 1.74's asio uses std::exchange without it
@@ -188,7 +189,7 @@ class RunningServer {
  public:
   RunningServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
       : gate_(parts.gate),
-        router_(parts.gate, parts.routes, options.panel_directory),
+        router_(parts.gate, parts.routes, options.panel_directory, stop_.get_token()),
         counters_(counters),
         connections_(options.max_connections, steady_s),
         feeds_(parts.views, counters.jpegs_encoded),
@@ -205,12 +206,18 @@ class RunningServer {
   }
 
   ~RunningServer() {
-    executors_.workers.stop();
-    executors_.quick.stop();
+    ask_to_stop();
     for (std::thread& thread : threads_.workers) thread.join();
     threads_.quick.join();
     executors_.io.stop();
     threads_.io.join();
+  }
+
+  void ask_to_stop() {
+    stop_.request_stop();
+    executors_.workers.stop();
+    executors_.quick.stop();
+    asio::post(executors_.io, [this] { feeds_.ask_to_stop(); });
   }
 
   std::uint16_t port() const { return listener_.port(); }
@@ -246,6 +253,7 @@ class RunningServer {
   }
 
   Gate& gate_;
+  std::stop_source stop_;  // of the requests that are being handled
   const Router router_;
   WebCounters& counters_;
 
@@ -280,6 +288,10 @@ WebServer::~WebServer() = default;
 
 void WebServer::stop() {
   impl_->running.reset();
+}
+
+void WebServer::ask_to_stop() {
+  if (impl_->running) impl_->running->ask_to_stop();
 }
 
 std::uint16_t WebServer::port() const {

@@ -40,6 +40,9 @@ class WebServer {
 
   /// Finishes the requests that are being handled, then closes all connections. Not for a handler.
   void stop();
+  /// Begins that and does not wait for it: no request is handled any more, and those that are may end early
+  /// (Request::stop).
+  void ask_to_stop();
 
   /// Makes ready to listen elsewhere; what it returns, which cannot fail, ends listening where it did until
   /// then. Connections stay. One at a time, and not once it is stopped. Throws SettingsError as the

@@ -14,6 +14,12 @@ namespace sslv {
 
 namespace {
 
+constexpr std::size_t kPieceBytes = 256 * 1024;  // that are packed before it is looked whether to go on
+
+void refuse_when_stopped(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw std::runtime_error("the service ends");
+}
+
 /// Appends to `bytes`.
 class TarWriter {
  public:
@@ -46,10 +52,15 @@ class TarWriter {
     archive_entry_set_mtime(header_.get(), modified_, 0);
     check(archive_write_header(out_.get(), header_.get()));
   }
-  void add(const std::vector<TarEntry>& entries) {
+  void add(const std::vector<TarEntry>& entries, const std::stop_token& stop = {}) {
     for (const TarEntry& entry : entries) {
       begin(entry.name, entry.content.size());
-      check(archive_write_data(out_.get(), entry.content.data(), entry.content.size()));
+      for (std::string_view left = entry.content; !left.empty();) {
+        refuse_when_stopped(stop);
+        const std::string_view piece = left.substr(0, kPieceBytes);
+        check(archive_write_data(out_.get(), piece.data(), piece.size()));
+        left.remove_prefix(piece.size());
+      }
     }
   }
   void close() { check(archive_write_close(out_.get())); }
@@ -70,14 +81,14 @@ class TarWriter {
 
 }  // namespace
 
-std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified) {
+std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified, const std::stop_token& stop) {
   std::string bytes;
   TarWriter out(bytes, modified);
   out.check(archive_write_add_filter_gzip(out.get()));
   out.check(archive_write_set_format_ustar(out.get()));
   out.check(archive_write_set_bytes_in_last_block(out.get(), 1));  // no zeros behind the gzip's end
   out.open();
-  out.add(entries);
+  out.add(entries, stop);
   out.close();
   return bytes;
 }
@@ -123,9 +134,10 @@ bool has_next(const Reader& in, archive_entry*& header) {
   return result == ARCHIVE_OK;
 }
 
-std::string content_of(const Reader& in, std::size_t max_bytes) {
+std::string content_of(const Reader& in, std::size_t max_bytes, const std::stop_token& stop) {
   std::string content;
   for (std::array<char, 65536> block;;) {
+    refuse_when_stopped(stop);
     const la_ssize_t got = archive_read_data(in.get(), block.data(), block.size());
     if (got < 0) refuse_archive(in);
     if (got == 0) return content;
@@ -136,20 +148,21 @@ std::string content_of(const Reader& in, std::size_t max_bytes) {
 }
 
 /// To the end of the compressed bytes, which a reader of the archive does not go to.
-std::string unpacked_gz(std::string_view bytes, std::size_t max_bytes) {
+std::string unpacked_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_token& stop) {
   const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_raw);
   archive_entry* header = nullptr;
   if (!has_next(in, header)) throw std::runtime_error("it is empty");
   if (archive_filter_code(in.get(), 0) != ARCHIVE_FILTER_GZIP)
     throw std::runtime_error("it is not a .tar.gz file");
-  return content_of(in, max_bytes);
+  return content_of(in, max_bytes, stop);
 }
 
 }  // namespace
 
-std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes) {
+std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
+                                  const std::stop_token& stop) {
   constexpr std::size_t kMaxEntries = 10'000;  // each takes room besides its bytes
-  const std::string tar = unpacked_gz(bytes, max_bytes);
+  const std::string tar = unpacked_gz(bytes, max_bytes, stop);
   const Reader in = reader_of(tar, archive_read_support_filter_none, archive_read_support_format_tar);
   std::vector<TarEntry> entries;
   for (archive_entry* header = nullptr; has_next(in, header);) {
@@ -157,7 +170,7 @@ std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes)
     if (name == nullptr || archive_entry_filetype(header) != AE_IFREG || entries.size() == kMaxEntries)
       throw std::runtime_error("it contains something that is not a file");
     std::string copy = name;
-    entries.push_back({std::move(copy), content_of(in, max_bytes)});
+    entries.push_back({std::move(copy), content_of(in, max_bytes, stop)});
   }
   return entries;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +16,9 @@ struct TarEntry {
   std::string content;
 };
 
-/// The bytes of a .tar.gz with these files.
-std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified);
+/// The bytes of a .tar.gz with these files. Throws std::runtime_error once it is told to stop.
+std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified,
+                   const std::stop_token& stop = {});
 
 /// What stands in a .tar around the bytes of its last file.
 struct TarAround {
@@ -28,7 +30,9 @@ TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& na
                      std::time_t modified);
 
 /// The files of a .tar.gz, in its order. Throws std::runtime_error with the reason where it is none, or not
-/// all of one, holds anything but files, or more than `max_bytes` of them: it stops there.
-std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes);
+/// all of one, holds anything but files, or more than `max_bytes` of them: it stops there. Also once it is
+/// told to stop.
+std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
+                                  const std::stop_token& stop = {});
 
 }  // namespace sslv

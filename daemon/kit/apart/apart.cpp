@@ -85,7 +85,7 @@ Json schema_with_deadline(Json schema) {
 
 template <class Floor>
 typename BasicStageType<Floor>::Parsed parse_apart(Library& library, const std::string& stage, Json json,
-                                                   const std::string& path) {
+                                                   const std::string& path, const std::stop_token& stop) {
   static std::atomic<std::uint64_t> made{0};
   if (!json.is_object()) refuse(path, json, "an object of parameters");
   Json deadline = Json::object();
@@ -101,7 +101,7 @@ typename BasicStageType<Floor>::Parsed parse_apart(Library& library, const std::
       Json answer = ask_library(
           library.file,
           {{"ask", "parse"}, {"floor", kFloorName<Floor>}, {"stage", stage}, {"json", json}, {"path", path}},
-          library.checks_within);
+          stop, library.checks_within);
       complete = std::move(answer.at("complete"));
       if (!complete->is_object()) throw std::runtime_error("it gave parameters that are none");
     } catch (const std::exception& error) {
@@ -172,8 +172,8 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
         needs, own_parts, supervisor.start(name, library->file, std::string(kFloorName<Floor>), contract),
         supervisor.options().min_deadline);
   };
-  row.parse = [library, name](const Json& json, const std::string& path) {
-    return parse_apart<Floor>(*library, name, json, path);
+  row.parse = [library, name, stop = supervisor.stop()](const Json& json, const std::string& path) {
+    return parse_apart<Floor>(*library, name, json, path, stop);
   };
   return row;
 }
@@ -186,7 +186,7 @@ StageRows rows_apart(const std::string& library_file, Supervisor& supervisor,
     auto library = std::make_shared<Library>();
     library->file = std::filesystem::absolute(library_file).string();
     library->checks_within = supervisor.options().starts_within;
-    const Json described = ask_library(library->file, {{"ask", "describe"}}, within);
+    const Json described = ask_library(library->file, {{"ask", "describe"}}, supervisor.stop(), within);
     StageRows rows;
     for (const Json& one : described.at("camera"))
       rows.camera.push_back(row_of<CameraFloor>(one, library, supervisor));

@@ -23,15 +23,17 @@ namespace {
 /// An answer that is longer is none.
 constexpr std::size_t kLongestAnswer = std::size_t{4} << 20;
 
-/// Reads to the end of the line, or until the process has ended. Empty: it took too long, or wrote too much.
-std::string read_answer(int socket, int pipe, int ended, OutputLines& output, std::int64_t until_ns) {
-  constexpr std::int64_t kNsPerMs = 1'000'000;
+/// Reads to the end of the line, or until the process has ended. Empty: it took too long, wrote too much, or
+/// nobody wants to know any more.
+std::string read_answer(int socket, int pipe, int ended, OutputLines& output, std::int64_t until_ns,
+                        const std::stop_token& stop) {
+  constexpr std::int64_t kNsPerMs = 1'000'000, kLookMs = 50;
   std::string answer;
   for (;;) {
     const std::int64_t left_ms = (until_ns - steady_ns()) / kNsPerMs;
-    if (left_ms <= 0) return {};
+    if (left_ms <= 0 || stop.stop_requested()) return {};
     std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {ended, POLLIN, 0}}};
-    ::poll(polled.data(), polled.size(), static_cast<int>(left_ms));
+    ::poll(polled.data(), polled.size(), static_cast<int>(std::min(left_ms, kLookMs)));
     if (pipe >= 0 && polled[1].revents != 0 && !output.read(pipe, steady_ns())) pipe = -1;
     std::array<char, 16384> buffer;
     const ssize_t count = ::recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT);
@@ -60,7 +62,8 @@ void send_all(int socket, std::string_view text, std::int64_t until_ns) {
 
 }  // namespace
 
-Json ask_library(const std::string& library, const Json& question, std::chrono::milliseconds within) {
+Json ask_library(const std::string& library, const Json& question, const std::stop_token& stop,
+                 std::chrono::milliseconds within) {
   const std::string name = std::filesystem::path(library).filename().string();
   const std::int64_t until_ns =
       steady_ns() + std::chrono::duration_cast<std::chrono::nanoseconds>(within).count();
@@ -74,8 +77,8 @@ Json ask_library(const std::string& library, const Json& question, std::chrono::
   ::shutdown(sockets.ours.get(), SHUT_WR);
   OutputLines output("stage library " + name);
   const std::string text =
-      read_answer(sockets.ours.get(), pipe.ours.get(), process.pidfd.get(), output, until_ns);
-  const bool is_late = steady_ns() >= until_ns;
+      read_answer(sockets.ours.get(), pipe.ours.get(), process.pidfd.get(), output, until_ns, stop);
+  const bool is_late = steady_ns() >= until_ns || stop.stop_requested();
   if (text.empty() && !is_late) {
     // It ended without a word: it is told how, once that is known.
     constexpr int kEndsWithinMs = 1000;

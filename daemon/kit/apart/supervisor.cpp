@@ -52,6 +52,8 @@ void drain(int socket) {
   }
 }
 
+constexpr const char* kEnds = "the service ends";
+
 std::string time_of_day() {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
@@ -114,15 +116,24 @@ struct Supervisor::Impl {
     const auto has_come = waiting.emplace(process.get(), std::nullopt).first;
     ring();
     const Duration longest = slow.contains(process->library) ? Duration(0) : patience;
-    if (!settled.wait_until(lock, begin + longest, [&] { return has_come->second.has_value(); }))
+    if (!settled.wait_until(lock, begin + longest, [&] { return has_come->second || stops; }))
       slow.insert(process->library);
+    if (stops) process->is_wanted.store(false);
     patience_at = std::chrono::steady_clock::now();
     patience = std::max(patience - (patience_at - begin), Duration(0));
-    const std::string problem = has_come->second.value_or("");
+    const std::string problem = stops ? kEnds : has_come->second.value_or("");
     waiting.erase(has_come);
     lock.unlock();
     if (!problem.empty()) throw std::runtime_error(problem);
     return process;
+  }
+
+  void ask_to_stop() {
+    {
+      const std::lock_guard lock(mutex);
+      stops = true;
+    }
+    settled.notify_all();
   }
 
   void wait_at_most(std::chrono::milliseconds together) {
@@ -174,7 +185,7 @@ struct Supervisor::Impl {
     }
     const std::lock_guard lock(mutex);
     for (auto& [process, outcome] : waiting) {
-      if (!outcome) outcome = "the service ends";
+      if (!outcome) outcome = kEnds;
     }
     settled.notify_all();
   }
@@ -333,6 +344,7 @@ struct Supervisor::Impl {
   Duration patience{options.longest_wait};  // what is left of it at that time
   std::chrono::steady_clock::time_point patience_at = std::chrono::steady_clock::now();
   std::set<std::string> slow;  // libraries of which a stage did not start in time
+  bool stops = false;          // nobody waits any more
 
   std::thread thread;
 };
@@ -343,6 +355,11 @@ Supervisor::~Supervisor() = default;
 std::shared_ptr<StageProcess> Supervisor::start(const std::string& stage, const std::string& library,
                                                 const std::string& floor, const std::string& contract) {
   return impl_->add(std::make_shared<StageProcess>(stage, library, floor, contract));
+}
+
+void Supervisor::ask_to_stop() {
+  stop_.request_stop();
+  impl_->ask_to_stop();
 }
 
 void Supervisor::wait_at_most(std::chrono::milliseconds together) {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <string>
 
 namespace sslv::apart {
@@ -81,11 +82,17 @@ class Supervisor {
   /// From now on calls of start() wait no longer than this together, if that is less than the option says.
   void wait_at_most(std::chrono::milliseconds together);
 
+  /// Nobody waits for a start any more: start() throws, now and later. Processes that run go on.
+  void ask_to_stop();
+  /// Told by that.
+  std::stop_token stop() const { return stop_.get_token(); }
+
   const Options& options() const { return options_; }
 
  private:
   struct Impl;
   const Options options_;
+  std::stop_source stop_;
   std::unique_ptr<Impl> impl_;
 };
 

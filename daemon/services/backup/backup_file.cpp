@@ -82,11 +82,11 @@ std::string sums_of(const BackupFiles& files) {
   return out;
 }
 
-BackupFiles unpacked(std::string_view bytes) {
+BackupFiles unpacked(std::string_view bytes, const std::stop_token& stop) {
   std::vector<TarEntry> entries;
   if (bytes.empty()) refuse_backup("the file is empty; expected a backup");
   try {
-    entries = read_tar_gz(bytes, kMaxUnpackedBackupBytes);
+    entries = read_tar_gz(bytes, kMaxUnpackedBackupBytes, stop);
   } catch (const std::runtime_error& error) {
     refuse_backup(fmt::format("this is not a complete backup: {}", error.what()));
   }
@@ -127,7 +127,7 @@ void check_sums(const BackupFiles& files, const std::string& sums) {
 
 }  // namespace
 
-std::string write_backup(const Backup& backup) {
+std::string write_backup(const Backup& backup, const std::stop_token& stop) {
   const BackupManifest& from = backup.manifest;
   const ManifestFile manifest{kFormat, kFormatVersion, from.time_s, from.version, from.computer, from.site};
   BackupFiles files = backup.files;
@@ -139,7 +139,7 @@ std::string write_backup(const Backup& backup) {
     if (name != kManifestName) entries.push_back({name, content});
   }
   entries.push_back({kSumsName, sums_of(files)});
-  std::string bytes = tar_gz(entries, static_cast<std::time_t>(from.time_s));
+  std::string bytes = tar_gz(entries, static_cast<std::time_t>(from.time_s), stop);
   if (size + entries.back().content.size() > kMaxUnpackedBackupBytes || bytes.size() > kMaxBackupBytes) {
     throw StorageError(
         fmt::format("the backup would be larger than {} MiB, or {} MiB unpacked; delete profiles",
@@ -148,8 +148,8 @@ std::string write_backup(const Backup& backup) {
   return bytes;
 }
 
-Backup read_backup(std::string_view bytes) {
-  BackupFiles files = unpacked(bytes);
+Backup read_backup(std::string_view bytes, const std::stop_token& stop) {
+  BackupFiles files = unpacked(bytes, stop);
   const auto take = [&](const char* name) {
     const auto found = files.find(name);
     if (found == files.end())

@@ -9,6 +9,7 @@
 #include "services/backup_part.h"
 
 #include <cstdint>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -26,10 +27,11 @@ struct Backup {
   BackupFiles files;
 };
 
-/// Its bytes. Throws StorageError when they would be too many.
-std::string write_backup(const Backup& backup);
+/// Its bytes. Throws StorageError when they would be too many, or it is told to stop.
+std::string write_backup(const Backup& backup, const std::stop_token& stop = {});
 
-/// Throws SettingsError where they are none, or damaged, or one that a newer program made.
-Backup read_backup(std::string_view bytes);
+/// Throws SettingsError where they are none, or damaged, or one that a newer program made, or it is told to
+/// stop.
+Backup read_backup(std::string_view bytes, const std::stop_token& stop = {});
 
 }  // namespace sslv

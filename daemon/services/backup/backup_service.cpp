@@ -128,7 +128,7 @@ Backup BackupService::make(bool with_passwords, bool is_whole) const {
 Response BackupService::get_backup(const Request& request) {
   const bool with_passwords = query_flag(request, "passwords");
   const Backup backup = make(with_passwords, true);
-  Response response{200, kBackupType, write_backup(backup)};
+  Response response{200, kBackupType, write_backup(backup, request.stop)};
   const std::string site = file_name_part(backup.manifest.site);
   response.headers.emplace_back("Content-Disposition",
                                 fmt::format("attachment; filename=\"{}-{:%Y%m%d-%H%M%S}.sslvision\"",
@@ -139,9 +139,9 @@ Response BackupService::get_backup(const Request& request) {
   return response;
 }
 
-BackupService::Read BackupService::read(const std::string& bytes) {
+BackupService::Read BackupService::read(const Request& request) {
   memory_was_used();
-  Backup backup = read_backup(bytes);
+  Backup backup = read_backup(request.body, request.stop);
   Read out;
   out.manifest = std::move(backup.manifest);
   const auto settings = backup.files.find(kSettingsName);
@@ -193,14 +193,14 @@ Json BackupService::contents_json(const Read& read) {
 
 Response BackupService::check(const Request& request) {
   const std::lock_guard lock(mutex_);
-  return json_response(contents_json(read(request.body)));
+  return json_response(contents_json(read(request)));
 }
 
 Response BackupService::restore(const Request& request) {
   const std::lock_guard lock(mutex_);
   const auto if_revision = if_match_of(request);
-  const std::string before = write_backup(make(false, false));
-  Read from = read(request.body);
+  const std::string before = write_backup(make(false, false), request.stop);
+  Read from = read(request);
   const bool keeps_passwords = from.has_passwords && passwords_.has(Role::kAdmin);
   const std::string source = from.manifest.site.empty() ? from.manifest.computer : from.manifest.site;
   Restored parts(folder_, before, std::move(from.parts));

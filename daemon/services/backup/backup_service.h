@@ -35,7 +35,7 @@ class BackupService final : public Service {
   /// `is_whole`: throws StorageError where a table that the settings name is lost.
   Backup make(bool with_passwords, bool is_whole) const;
   /// All that can be checked without the settings' transaction. Throws SettingsError.
-  Read read(const std::string& bytes);
+  Read read(const Request& request);
   Json contents_json(const Read& read);
 
   StateFolder& folder_;

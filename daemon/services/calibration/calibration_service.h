@@ -21,6 +21,7 @@ class CalibrationService final : public Service, public CameraObserver {
   CalibrationService(const Snapshot<Config>& config, SettingsEditor& settings, Cameras& cameras,
                      CalibrationRecords& records, MatchLock& match_lock, const RefereeListener& referee);
 
+  void ask_to_stop() override { jobs_.ask_to_stop(); }
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
 
   std::vector<Route> routes() override;

@@ -22,6 +22,7 @@ class CameraService final : public Service {
   explicit CameraService(RunningCameras& cameras) : cameras_(cameras) {}
 
   // Service
+  void ask_to_stop() override { cameras_.ask_to_stop(); }
   std::vector<Route> routes() override;
   Commit prepare(const SettingsChange& change) override { return cameras_.prepare(change); }
   void report(HealthReport& report) const override;

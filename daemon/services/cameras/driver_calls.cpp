@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/driver_calls.h"
 
+#include "base/left_behind.h"
 #include "capture/source.h"
 
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -15,12 +17,14 @@ namespace sslv {
 
 struct DriverCalls::Shared {
   std::chrono::milliseconds patience, patience_with_others;
-  std::mutex mutex;  // guards `busy`, and the results of calls
+  std::mutex mutex;  // guards what follows, and the results of calls
   std::condition_variable changed;
-  bool busy = false;
+  bool busy = false, ends = false;
 };
 
 namespace {
+
+constexpr const char* kEnds = "it is being closed";
 
 struct Call {
   std::function<Json()> run;
@@ -41,9 +45,11 @@ Json DriverCalls::run(std::function<Json()> function) const {
   const auto call = std::make_shared<Call>();
   call->run = std::move(function);
   std::unique_lock lock(shared_->mutex);
-  if (!shared_->changed.wait_for(lock, shared_->patience_with_others, [&] { return !shared_->busy; }))
+  if (!shared_->changed.wait_for(lock, shared_->patience_with_others,
+                                 [&] { return !shared_->busy || shared_->ends; }))
     throw CaptureError("the camera has not answered an earlier request yet; try again later");
-  std::thread([shared = shared_, call] {
+  if (shared_->ends) throw CaptureError(kEnds);
+  std::thread([shared = shared_, call, left = std::make_unique<LeftBehind>()] {
     Json result;
     std::exception_ptr error;
     try {
@@ -60,13 +66,22 @@ Json DriverCalls::run(std::function<Json()> function) const {
     shared->changed.notify_all();
   }).detach();
   shared_->busy = true;
-  if (!shared_->changed.wait_for(lock, shared_->patience, [&] { return call->done; })) {
+  if (!shared_->changed.wait_for(lock, shared_->patience, [&] { return call->done || shared_->ends; })) {
     throw CaptureError(fmt::format("the camera has not answered for {:g} s",
                                    std::chrono::duration<double>(shared_->patience).count()));
   }
+  if (!call->done) throw CaptureError(kEnds);
   // Taken out: the other thread may be the last to let go of `call`.
   if (const std::exception_ptr error = std::exchange(call->error, nullptr)) std::rethrow_exception(error);
   return std::move(call->result);
+}
+
+void DriverCalls::ask_to_stop() const {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->ends = true;
+  }
+  shared_->changed.notify_all();
 }
 
 }  // namespace sslv

@@ -77,6 +77,7 @@ void RunningCamera::start() noexcept {
 }
 
 void RunningCamera::ask_to_stop() {
+  driver_calls_.ask_to_stop();
   const std::lock_guard lock(thread_mutex_);
   thread_->ask_to_stop();
 }

@@ -67,7 +67,7 @@ RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& 
       referee_(referee),
       load_table_(std::move(load_table)) {}
 
-RunningCameras::~RunningCameras() {
+void RunningCameras::ask_to_stop() {
   for (const auto& camera : list()) camera->ask_to_stop();
 }
 

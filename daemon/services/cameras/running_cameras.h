@@ -25,7 +25,9 @@ class RunningCameras final : public Cameras, public ViewSource {
   RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
                  const RefereeListener& referee, LoadTable load_table);
   /// Stops all cameras at once.
-  ~RunningCameras() override;
+  ~RunningCameras() override { ask_to_stop(); }
+  /// Begins that and does not wait for it.
+  void ask_to_stop();
 
   // Cameras
   std::vector<CameraNow> all() const override;

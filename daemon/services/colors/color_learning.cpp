@@ -90,14 +90,17 @@ LearningReport learn(const LearningOrder& order, const StillPictures& pictures, 
   for (const auto& picture : pictures) task.frames.push_back(picture->view);
   report.learnt = learn_colors(task);
   for (const auto& picture : pictures) report.pictures.push_back({picture, {}, {}, {}, {}});
-  if (stop.stop_requested()) return report;
   Detector before(order.settings, order.context, report.before);
-  for (LearningPicture& one : report.pictures)
+  for (LearningPicture& one : report.pictures) {
+    if (stop.stop_requested()) return report;
     before.detect(*one.picture, one.robots_before, one.balls_before);
+  }
   if (report.learnt.lut) {
     Detector after(order.settings, order.context, report.learnt.lut);
-    for (LearningPicture& one : report.pictures)
+    for (LearningPicture& one : report.pictures) {
+      if (stop.stop_requested()) return report;
       after.detect(*one.picture, one.robots_after, one.balls_after);
+    }
     const ColorTable old = report.before->color_table(), now = report.learnt.lut->color_table();
     report.cells_before = cells_of(old);
     report.cells_after = cells_of(now);

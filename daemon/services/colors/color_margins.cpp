@@ -65,11 +65,17 @@ std::vector<PixelDisc> robots_and_balls(const LentFrame& frame, const Scene& sce
 }  // namespace
 
 SurfaceColors surfaces_of(const LentFrame& frame, const Scene& scene, const PatternTable& patterns,
-                          const Mask* mask) {
+                          const Mask* mask, const std::stop_token& stop) {
   const std::vector<PixelDisc> left_out = robots_and_balls(frame, scene);
   std::vector<SmallPictures> pictures{SmallPictures(frame.image, mask)};
-  SurfaceSearch search{
-      {&frame.image, 1}, pictures, mask, left_out, largest_dot_px(frame.image, scene, patterns), {}, {}};
+  SurfaceSearch search{{&frame.image, 1},
+                       pictures,
+                       mask,
+                       left_out,
+                       largest_dot_px(frame.image, scene, patterns),
+                       {},
+                       {},
+                       stop};
   if (scene.camera) {
     search.on_carpet = [&](std::size_t, const Eigen::Vector2d& pixel) {
       const FieldSize& field = scene.field;
@@ -101,7 +107,8 @@ std::optional<std::vector<LabelMargin>> ColorMargins::newest_margins(int camera_
   return found->second->margins;
 }
 
-std::optional<std::vector<LabelMargin>> ColorMargins::margins(int camera_id, const Lut& lut) {
+std::optional<std::vector<LabelMargin>> ColorMargins::margins(int camera_id, const Lut& lut,
+                                                              const std::stop_token& stop) {
   std::shared_ptr<Known> known;
   std::shared_ptr<const SurfaceColors> surfaces;
   {
@@ -112,7 +119,8 @@ std::optional<std::vector<LabelMargin>> ColorMargins::margins(int camera_id, con
     if (known->lut_id == lut.id()) return known->margins;
     surfaces = known->surfaces;
   }
-  auto margins = table_margins(lut, *surfaces);
+  auto margins = table_margins(lut, *surfaces, stop);
+  if (stop.stop_requested()) return {};
   const std::lock_guard lock(mutex_);
   if (known->surfaces == surfaces) {
     known->margins = margins;
@@ -132,7 +140,7 @@ void ColorMargins::serve(const std::stop_token& ending) {
     for (const Camera& camera : hooks_.cameras()) {
       if (ending.stop_requested()) return;
       Look& look = still[camera.id] = looks_[camera.id];
-      look_at(camera, look);
+      look_at(camera, look, ending);
     }
     looks_ = std::move(still);
     std::unique_lock lock(mutex_);
@@ -140,7 +148,7 @@ void ColorMargins::serve(const std::stop_token& ending) {
   }
 }
 
-void ColorMargins::look_at(const Camera& camera, Look& look) {
+void ColorMargins::look_at(const Camera& camera, Look& look, const std::stop_token& ending) {
   {
     const std::lock_guard lock(mutex_);
     auto& known = known_[camera.id];
@@ -154,16 +162,16 @@ void ColorMargins::look_at(const Camera& camera, Look& look) {
   };
   if (look.scene != camera.scene || look.mask != camera.mask || begun >= look.next) {
     try {
-      if (see_surfaces(camera, look)) look.next = rest(pace_.between_looks);
+      if (see_surfaces(camera, look, ending)) look.next = rest(pace_.between_looks);
     } catch (const CaptureError&) {  // the camera is gone: so it will be from the next list
     }
   } else if (begun >= look.next_count) {  // tables that follow the light may be new several times a second
-    margins(camera.id, *camera.lut);
+    margins(camera.id, *camera.lut, ending);
     look.next_count = rest({});
   }
 }
 
-bool ColorMargins::see_surfaces(const Camera& camera, Look& look) {
+bool ColorMargins::see_surfaces(const Camera& camera, Look& look, const std::stop_token& ending) {
   auto frame = hooks_.wait_frame(camera.id, look.version, std::chrono::milliseconds(0));
   if (!frame) return false;
   if (!has_colors(frame->image.format)) {
@@ -186,14 +194,15 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look) {
   frame->robots = robots;
   frame->balls = balls;
   auto surfaces = std::make_shared<const SurfaceColors>(
-      surfaces_of(*frame, *camera.scene, *camera.patterns, camera.mask.get()));
+      surfaces_of(*frame, *camera.scene, *camera.patterns, camera.mask.get(), ending));
   // A dark or covered camera shows no carpet: what was known of it still holds.
   if (surfaces->total(SurfaceKind::kCarpet) == 0) return true;
-  auto margins = table_margins(*camera.lut, *surfaces);
+  auto margins = table_margins(*camera.lut, *surfaces, ending);
   // What was seen before stays while it says the same: a promise that was made on it is then kept.
-  if (const auto before = this->margins(camera.id, *camera.lut);
+  if (const auto before = this->margins(camera.id, *camera.lut, ending);
       !is_another_view && before && about_same(*before, margins))
     return true;
+  if (ending.stop_requested()) return true;
   const std::lock_guard lock(mutex_);
   look.known->surfaces = std::move(surfaces);
   look.known->margins = std::move(margins);

@@ -28,7 +28,7 @@ namespace sslv {
 /// What is large in a frame of a calibrated or uncalibrated camera, beside the robots and balls found in it:
 /// carpet, floor and others.
 SurfaceColors surfaces_of(const LentFrame& frame, const Scene& scene, const PatternTable& patterns,
-                          const Mask* mask);
+                          const Mask* mask, const std::stop_token& stop = {});
 
 /// Looks at carpet and floor in each camera's frames every few seconds, in one thread of low priority, and
 /// knows how far its colour table is from them. May be used from any thread.
@@ -56,11 +56,15 @@ class ColorMargins {
   explicit ColorMargins(Hooks hooks, Pace pace);
   explicit ColorMargins(Hooks hooks) : ColorMargins(std::move(hooks), Pace{}) {}
 
+  /// Begins what the destructor does, and does not wait for it.
+  void ask_to_stop() { thread_.request_stop(); }
+
   /// As they were seen last; null when they have not been, and of a camera without colours.
   std::shared_ptr<const SurfaceColors> surfaces(int camera_id) const;
   /// Of the camera's table, or of one that it is to have; counted now, in some tens of milliseconds, unless
   /// that was done already. Nothing while its surfaces are not known.
-  std::optional<std::vector<LabelMargin>> margins(int camera_id, const Lut& lut);
+  std::optional<std::vector<LabelMargin>> margins(int camera_id, const Lut& lut,
+                                                  const std::stop_token& stop = {});
   /// Those that were counted last.
   std::optional<std::vector<LabelMargin>> newest_margins(int camera_id) const;
   /// Of cameras that show something else from now on, or are gone.
@@ -81,9 +85,9 @@ class ColorMargins {
     Clock::time_point next{}, next_count{};
   };
   void serve(const std::stop_token& ending);
-  void look_at(const Camera& camera, Look& look);
+  void look_at(const Camera& camera, Look& look, const std::stop_token& ending);
   /// False when there is no new frame with colours.
-  bool see_surfaces(const Camera& camera, Look& look);
+  bool see_surfaces(const Camera& camera, Look& look, const std::stop_token& ending);
 
   const Hooks hooks_;
   const Pace pace_;

@@ -29,6 +29,10 @@ class ColorService final : public Service, public CameraObserver {
   /// docs/openapi.json's Colors. Throws HttpError 404.
   Json state_json(int camera_id);
 
+  void ask_to_stop() override {
+    follow_light_.ask_to_stop();
+    margins_.ask_to_stop();
+  }
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
   std::vector<Route> routes() override;
   std::vector<SupportFile> support_files() const override;

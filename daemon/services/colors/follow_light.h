@@ -53,6 +53,9 @@ class FollowLight {
 
   explicit FollowLight(Hooks hooks, std::chrono::milliseconds between_looks = std::chrono::milliseconds(200));
 
+  /// Begins what the destructor does, and does not wait for it.
+  void ask_to_stop() { thread_.request_stop(); }
+
   /// Of a camera that was looked at; the state is off for all others.
   Status status(int camera_id) const;
   /// Back to the accepted table, until following is switched off and on again; soon after, for other threads.

@@ -18,6 +18,7 @@ class LearningService final : public Service, public CameraObserver {
   /// All must outlive this.
   LearningService(Cameras& cameras, Pictures& pictures, ColorTables& tables, ColorService& colors);
 
+  void ask_to_stop() override { jobs_.ask_to_stop(); }
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
   std::vector<Route> routes() override;
 

@@ -43,6 +43,7 @@ class FieldService final : public Service, public Topic {
   Json topic_data() override;
 
   // Service
+  void ask_to_stop() override { running_.ask_to_stop(); }
   std::vector<Route> routes() override;
   Commit prepare(const SettingsChange& change) override;
   void report(HealthReport& report) const override;

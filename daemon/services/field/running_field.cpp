@@ -28,7 +28,7 @@ RunningField::RunningField(FieldIntake& intake, MulticastSender& out, BallLearni
         run(ending);
       }) {}
 
-RunningField::~RunningField() {
+void RunningField::ask_to_stop() {
   thread_.request_stop();
   intake_.ring();
 }

@@ -42,7 +42,9 @@ class RunningField final : private FieldSink, private FieldClock {
  public:
   /// All must outlive this.
   RunningField(FieldIntake& intake, MulticastSender& out, BallLearning& ball, FieldSetup setup);
-  ~RunningField() override;
+  ~RunningField() override { ask_to_stop(); }
+  /// Begins what the destructor does, and does not wait for it.
+  void ask_to_stop();
 
   /// Takes effect with the next image.
   void change(FieldSetup setup) { setup_.store(std::move(setup)); }

@@ -38,6 +38,7 @@ class ClipService final : public Service {
               const RefereeListener& referee, std::vector<KeptFile> left);
 
   // Service
+  void ask_to_stop() override { thread_.request_stop(); }
   std::vector<Route> routes() override;
   void report(HealthReport& report) const override;
   void write_metrics(MetricsText& out) const override;

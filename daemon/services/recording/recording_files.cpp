@@ -298,7 +298,7 @@ void RecordingFiles::look_after(const std::stop_token& stop) {
     }
     try {
       if (is_clip(path)) {
-        const ClipReader clip(path);  // reads what an unfinished one has
+        const ClipReader clip(path, stop);  // reads what an unfinished one has
         now.clip = std::make_shared<const ClipFacts>(facts_of(clip));
         if (clip.is_unfinished()) now.problem = "was not ended: what was on the disk of it is kept";
         remove_file(unfinished_mark_of(path));

@@ -28,6 +28,10 @@ class RecordingService final : public Service {
   RecordingService(const Snapshot<Config>& config, RecordingFiles& files, const RefereeListener& referee);
 
   // Service
+  void ask_to_stop() override {
+    keeper_.request_stop();
+    thread_.request_stop();
+  }
   std::vector<Route> routes() override;
   void report(HealthReport& report) const override;
   void write_metrics(MetricsText& out) const override;

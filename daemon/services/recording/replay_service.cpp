@@ -150,11 +150,11 @@ void ReplayService::each_second() {
 }
 
 template <class Use>
-Response ReplayService::with_clip(const RecordingFile& file, const Use& use) {
+Response ReplayService::with_clip(const RecordingFile& file, const std::stop_token& stop, const Use& use) {
   const auto open = opened(clips_, file);
   const std::lock_guard lock(open->mutex);
   try {
-    if (!open->reader) open->reader = std::make_unique<ClipReader>(files_.path_of(file.name));
+    if (!open->reader) open->reader = std::make_unique<ClipReader>(files_.path_of(file.name), stop);
     return use(*open->reader);
   } catch (const ClipError& error) {
     throw HttpError(422, error.what());
@@ -162,12 +162,12 @@ Response ReplayService::with_clip(const RecordingFile& file, const Use& use) {
 }
 
 Response ReplayService::get_frames(const Request& request) {
-  return with_clip(find(request, RecordingFile::Kind::kClip),
+  return with_clip(find(request, RecordingFile::Kind::kClip), request.stop,
                    [](const ClipReader& clip) { return json_response(frames_json(clip)); });
 }
 
 Response ReplayService::get_frame(const Request& request) {
-  return with_clip(find(request, RecordingFile::Kind::kClip), [&](ClipReader& clip) {
+  return with_clip(find(request, RecordingFile::Kind::kClip), request.stop, [&](ClipReader& clip) {
     const ClipFrame& frame = frame_of(clip, request);
     Json out =
         detections_json_of(frame.packet).value_or(Json{{"robots", Json::array()}, {"balls", Json::array()}});
@@ -181,7 +181,7 @@ Response ReplayService::get_frame(const Request& request) {
 }
 
 Response ReplayService::get_picture(const Request& request) {
-  return with_clip(find(request, RecordingFile::Kind::kClip),
+  return with_clip(find(request, RecordingFile::Kind::kClip), request.stop,
                    [&](ClipReader& clip) { return jpeg_response(frame_of(clip, request).image, request); });
 }
 
@@ -198,7 +198,7 @@ Response ReplayService::get_moment(const Request& request) {
   const std::lock_guard lock(open->mutex);
   try {
     if (!open->reader) open->reader = std::make_unique<MatchMoments>(files_.path_of(file.name), file.index);
-    return json_response(open->reader->at(at_s));
+    return json_response(open->reader->at(at_s, request.stop));
   } catch (const StorageError& error) {
     throw HttpError(422, error.what());
   }
@@ -220,7 +220,7 @@ Response ReplayService::start_comparison(const Request& request) {
     const bool is_number = body["camera"].is_number_unsigned() && body["camera"].get<std::uint64_t>() <= 255;
     order.camera_id = is_number ? body["camera"].get<int>() : -1;
   }
-  with_clip(file, [&](const ClipReader& clip) {
+  with_clip(file, request.stop, [&](const ClipReader& clip) {
     const auto& cameras = clip.cameras();
     if (cameras.empty()) throw HttpError(422, "the clip has no frames");
     if (!body.contains("camera")) order.camera_id = static_cast<int>(cameras.front().id);
@@ -283,7 +283,7 @@ void ReplayService::compare(const std::stop_token& stop) {
 }
 
 Json ReplayService::compared(const Comparison& order, const std::stop_token& stop) {
-  ClipReader clip(files_.path_of(order.clip));
+  ClipReader clip(files_.path_of(order.clip), stop);
   OtherSetup other{.path = "the settings now", .table = order.table};
   if (order.with == With::kSettingsNow) other.settings = config_.load();
   ClipReplay replay(clip, static_cast<std::uint32_t>(order.camera_id), {},

@@ -35,6 +35,7 @@ class ReplayService final : public Service {
                 LearntTable learnt_table);
 
   // Service
+  void ask_to_stop() override { thread_.request_stop(); }
   std::vector<Route> routes() override;
   void each_second() override;
 
@@ -61,7 +62,7 @@ class ReplayService final : public Service {
   void close_unused(std::vector<OpenOne<Reader>>& list);
   /// use(reader), which is opened when nobody has yet. Throws HttpError for one that cannot be read.
   template <class Use>
-  Response with_clip(const RecordingFile& file, const Use& use);
+  Response with_clip(const RecordingFile& file, const std::stop_token& stop, const Use& use);
 
   enum class With { kRecordedSettings, kSettingsNow, kLearntColors };
   struct Comparison {

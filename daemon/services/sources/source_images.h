@@ -23,6 +23,11 @@ class SourceImages {
   /// the admin.
   std::vector<std::uint8_t> take(const Json& source, const Scene& scene, int width_px) const;
 
+  /// Nobody waits for an image any more.
+  void ask_to_stop() {
+    for (const auto& [backend, calls] : calls_) calls.ask_to_stop();
+  }
+
  private:
   std::map<std::string, DriverCalls> calls_;  // by backend
 };

@@ -24,6 +24,10 @@ class SourceService final : public Service {
   SourceService(StateFolder& folder, SettingsEditor& settings, const Cameras& cameras,
                 std::vector<std::filesystem::path> file_folders);
 
+  void ask_to_stop() override {
+    source_images_.ask_to_stop();
+    uploaded_.ask_to_stop();
+  }
   std::vector<Route> routes() override;
 
  private:

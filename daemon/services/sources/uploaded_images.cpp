@@ -186,7 +186,10 @@ void UploadedImages::check_readable(const std::string& name, const std::string& 
         fmt::format("cannot write {}: {}", file.string(), std::generic_category().message(errno)));
   }
   try {
-    read_as_camera(file);
+    decoding_.run([file] {
+      read_as_camera(file);
+      return Json();
+    });
   } catch (const std::exception& problem) {
     throw SettingsError(fmt::format("{}: this image cannot be read: {}", shortened(name), problem.what()));
   }

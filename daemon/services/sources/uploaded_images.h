@@ -2,7 +2,9 @@
 #pragma once
 
 #include "base/json.h"
+#include "services/cameras/driver_calls.h"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -41,6 +43,9 @@ class UploadedImages {
   /// By their names.
   std::vector<Folder> folders() const;
 
+  /// Whoever waits in save() for an image to be decoded waits no longer: it is refused.
+  void ask_to_stop() const { decoding_.ask_to_stop(); }
+
   /// Where a folder of this name is, or would be. Throws SettingsError for a name that is not allowed.
   std::filesystem::path path_of(const std::string& folder) const;
 
@@ -51,6 +56,7 @@ class UploadedImages {
   StateFolder& state_;
   const std::filesystem::path path_;
   mutable std::mutex mutex_;  // held while files change
+  const DriverCalls decoding_{std::chrono::minutes(1)};
 };
 
 }  // namespace sslv

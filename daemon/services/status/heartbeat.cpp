@@ -29,11 +29,11 @@ Heartbeat::Heartbeat(std::vector<Service*> services, std::function<std::string()
           next = std::max(next + std::chrono::seconds(1), std::chrono::steady_clock::now());
           alarm.wait_until(lock, stop, next, [&] { return stop.stop_requested(); });
           if (stop.stop_requested()) return;
-          beat();
+          beat(stop);
         }
       }) {}
 
-void Heartbeat::beat() noexcept {
+void Heartbeat::beat(const std::stop_token& stop) noexcept {
   const auto call = [](const auto& act) {
     try {
       act();
@@ -41,7 +41,10 @@ void Heartbeat::beat() noexcept {
       log::error("once a second: {}", error.what());
     }
   };
-  for (Service* service : services_) call([&] { service->each_second(); });
+  for (Service* service : services_) {
+    if (stop.stop_requested()) return;
+    call([&] { service->each_second(); });
+  }
   call([this] { summary_.store(make_summary_()); });
 }
 

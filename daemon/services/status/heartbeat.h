@@ -18,11 +18,14 @@ class Heartbeat {
   /// Starts at once. All must outlive this.
   Heartbeat(std::vector<Service*> services, std::function<std::string()> make_summary);
 
+  /// Begins what the destructor does, and does not wait for it.
+  void ask_to_stop() { thread_.request_stop(); }
+
   /// The newest line. Waits for nothing.
   std::string summary() const { return *summary_.load(); }
 
  private:
-  void beat() noexcept;
+  void beat(const std::stop_token& stop) noexcept;
 
   const std::vector<Service*> services_;
   const std::function<std::string()> make_summary_;

@@ -125,7 +125,7 @@ Response StatusService::get_support(const Request& request) const {
   for (const Service* service : services_) {
     for (SupportFile& file : service->support_files()) files.push_back(std::move(file));
   }
-  return support_bundle(files, clip);
+  return support_bundle(files, clip, request.stop);
 }
 
 std::vector<Route> StatusService::routes() {

@@ -26,7 +26,7 @@ std::string log_text() {
 }
 
 Response support_bundle(const std::vector<SupportFile>& files,
-                        const std::optional<SupportRecording>& recording) {
+                        const std::optional<SupportRecording>& recording, const std::stop_token& stop) {
   const std::time_t now = std::time(nullptr);
   const std::string folder = fmt::format("ssl-visiond-{}-{:%Y%m%d-%H%M%S}", host_name(), fmt::gmtime(now));
   std::string readme = fmt::format(
@@ -46,7 +46,7 @@ Response support_bundle(const std::vector<SupportFile>& files,
   }
   if (!recording) {
     entries.front() = {folder + "/README.txt", readme};
-    Response response{200, "application/gzip", tar_gz(entries, now)};
+    Response response{200, "application/gzip", tar_gz(entries, now, stop)};
     response.headers.emplace_back("Content-Disposition",
                                   fmt::format("attachment; filename=\"{}.tar.gz\"", folder));
     return response;

@@ -45,6 +45,9 @@ class FieldWatch {
   explicit FieldWatch(Cameras& cameras, Pace pace);
   explicit FieldWatch(Cameras& cameras) : FieldWatch(cameras, Pace{}) {}
 
+  /// Begins what the destructor does, and does not wait for it.
+  void ask_to_stop() { thread_.request_stop(); }
+
   /// `match_since_s`: see Sightings::now().
   Seen seen(std::optional<double> match_since_s) const;
   /// Of cameras that show something else from now on, or are gone.

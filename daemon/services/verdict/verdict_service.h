@@ -24,6 +24,7 @@ class VerdictService final : public Service, public CameraObserver {
   /// All must outlive this.
   VerdictService(const Snapshot<Config>& config, Cameras& cameras, const RefereeListener& referee);
 
+  void ask_to_stop() override { watch_.ask_to_stop(); }
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
 
   void report(HealthReport& report) const override;
