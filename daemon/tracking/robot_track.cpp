@@ -308,8 +308,10 @@ TrackedRobot RobotTrack::Step::robot_at(const RobotName& name, double then_s) co
 }
 
 double RobotTrack::unforeseen_mm(double t_s) const {
-  // The last sightings say how fast it was between them, not at the last one.
-  const double passed_s = std::abs(t_s - seen_s_) + interval_s_;
+  // The last sightings say how fast it was between them, not at the last one. Where they are few, nobody
+  // knows; then this is to stay small.
+  constexpr double kFew_s = 0.1;
+  const double passed_s = std::abs(t_s - seen_s_) + std::min(interval_s_, kFew_s);
   return 0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
 }
 

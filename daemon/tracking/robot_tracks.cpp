@@ -13,14 +13,24 @@ namespace {
 
 /// Farther than calibrations and clocks differ, even before they have been brought together.
 constexpr double kDraggedMm = 100;
+/// Times of one image differ by less.
+constexpr double kSame_s = 0.004;
 
 }  // namespace
+
+void RobotTracks::look(int camera, double t_s) {
+  Looks& looks = looks_.try_emplace(camera).first->second;
+  if (std::abs(t_s - looks.taken_s[looks.newest]) < kSame_s) return;
+  looks.newest = (looks.newest + 1) % looks.taken_s.size();
+  looks.taken_s[looks.newest] = t_s;
+}
 
 bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   if (seen.is_of_other_computer && !hears_others_) {
     hears_others_ = true;
     own_ = tracks;
   }
+  if (!seen.is_of_other_computer) note_sight(seen);
   const auto known = tracks.find(seen.name);
   if (known == tracks.end()) {
     const RobotTrack& made = tracks.emplace(seen.name, RobotTrack(seen)).first->second;
@@ -31,8 +41,12 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   RobotTrack::Circumstances now{.touches = touches_another(seen)};
   if (seen.is_of_other_computer) {
     if (const RobotTrack* const own = seen_by_own(seen.name, seen.t_s)) {
+      // That it has gone elsewhere needs a camera of ours that has looked since and does not see it.
+      const Looks& looks = looks_.at(sights_.at(seen.name).camera);
+      const double looked_s =
+          std::clamp(looks.taken_s[looks.newest], own->seen_s(), std::max(own->seen_s(), seen.t_s));
       const double off_mm = (seen.place_mm - own->at(seen.t_s).place_mm).norm();
-      if (off_mm > kDraggedMm + own->unforeseen_mm(seen.t_s)) return false;
+      if (off_mm > kDraggedMm + own->unforeseen_mm(looked_s)) return false;
       now.stays_here = true;
     }
     return track.add(seen, now, step);
@@ -47,15 +61,35 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   return true;
 }
 
+void RobotTracks::note_sight(const RobotObservation& seen) {
+  look(seen.camera, seen.t_s);
+  const Looks& looks = looks_.at(seen.camera);
+  Sight& sight = sights_[seen.name];
+  const auto images = std::count_if(looks.taken_s.begin(), looks.taken_s.end(),
+                                    [&](double taken_s) { return taken_s > sight.seen_s + kSame_s; });
+  const bool is_gone = images == std::ssize(looks.taken_s) && seen.t_s - sight.seen_s > RobotTrack::kGone_s;
+  if (is_gone || seen.t_s < sight.seen_s - RobotTrack::kGone_s) sight = {};
+  constexpr double kLearns = 0.1;
+  if (sight.sightings > 0) sight.every += kLearns * (static_cast<double>(images) - sight.every);
+  ++sight.sightings;
+  sight.camera = seen.camera;
+  sight.seen_s = seen.t_s;
+}
+
 const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) const {
   // Patterns misread now and then are not to keep a robot from where another computer sees it all the time.
-  constexpr int kOld = 30;  // the interval is known by then
-  constexpr double kSteady_s = 0.09;
+  constexpr int kOld = 30;  // it is known by then how often it is seen
+  constexpr double kSteady = 7, kHeldUp_s = 2;
   const auto known = own_.find(name);
-  if (known == own_.end()) return nullptr;
+  const auto sight = sights_.find(name);
+  if (known == own_.end() || sight == sights_.end()) return nullptr;
+  if (sight->second.sightings < kOld || sight->second.every > kSteady) return nullptr;
   const RobotTrack& own = known->second;
-  const bool is_steady = own.sightings() >= kOld && own.interval_s() < kSteady_s;
-  return is_steady && std::abs(t_s - own.seen_s()) < RobotTrack::kGone_s ? &own : nullptr;
+  const Looks& looks = looks_.at(sight->second.camera);
+  // A camera that takes no images is held up, and after a while it is gone.
+  const bool is_seen = looks.taken_s[looks.newest] - own.seen_s() < RobotTrack::kGone_s &&
+                       std::abs(t_s - own.seen_s()) < kHeldUp_s;
+  return is_seen ? &own : nullptr;
 }
 
 /// It begins where the robot is: of two with its id, the one that was first stays.

@@ -5,6 +5,8 @@
 #include "tracking/sightings.h"
 #include "tracking/tracks.h"
 
+#include <array>
+#include <cstddef>
 #include <map>
 #include <optional>
 
@@ -13,9 +15,12 @@
 namespace sslv {
 
 /// The robots on the field. Another computer may be wrong in all that it says: where this one's cameras see a
-/// robot steadily, what the other says takes it nowhere else.
+/// robot steadily, what the other says takes it nowhere else. Whether they do is counted in their images, not
+/// in time: a busy computer holds its own cameras up and hears the others all the same.
 class RobotTracks {
  public:
+  /// One of this computer's cameras took an image, whether it shows robots or none.
+  void look(int camera, double t_s);
   /// False: it cannot be the robot that it says. `step`: as RobotTrack::add.
   bool add(const RobotObservation& seen, RobotTrack::Step* step = nullptr);
   /// Whether a camera sees the top of a robot where it sees this ball, so that the ball is not on the floor.
@@ -39,8 +44,25 @@ class RobotTracks {
   bool touches_another(const RobotObservation& seen) const;
   bool is_misread(const RobotName& name, const RobotTrack& track, double t_s) const;
 
+  /// What this computer's cameras have made of a robot.
+  struct Sight {
+    int camera = 0;        // that saw it last
+    double seen_s = -1e9;  // then
+    int sightings = 0;     // without having been looked for in vain for long
+    double every = 1;      // how many images of a camera there are to one that shows it
+  };
+  /// When a camera of this computer took its last images.
+  struct Looks {
+    std::array<double, 8> taken_s{};
+    std::size_t newest = 0;
+  };
+
+  void note_sight(const RobotObservation& seen);
+
   bool hears_others_ = false;  // until then, `tracks` are what own cameras see
   std::map<RobotName, RobotTrack> own_;
+  std::map<RobotName, Sight> sights_;
+  std::map<int, Looks> looks_;  // by camera
 };
 
 }  // namespace sslv

@@ -17,14 +17,16 @@ class Track {
   struct Params {
     static constexpr auto fields() { return std::tuple{}; }
   };
-  void process(const Params&, const FieldClock& clock, const BallModel& ball, const Observations& seen,
-               TrackedField& out) noexcept {
+  void process(const Params&, const FieldClock& clock, const BallModel& ball, const ArrivedSightings& arrived,
+               const Observations& seen, TrackedField& out) noexcept {
     const double now_s = clock.now_s();
     // Where the clock was set back, all that is known lies in the future.
     constexpr double kSetBack_s = 0.5;
     if (now_s < now_s_ - kSetBack_s) tracker_ = {};
     now_s_ = now_s;
     tracker_.set_ball_model(ball);
+    const CameraSightings& image = arrived.image;
+    if (!image.is_of_other_computer) tracker_.look(image.camera, image.t_capture_s);
     tracker_.add(seen);
     ++out.number;
     tracker_.at(clock.now_s(), out);

@@ -16,6 +16,8 @@ class Tracker {
  public:
   /// Of the ball, from now on.
   void set_ball_model(const BallModel& model) { balls_.set_model(model); }
+  /// One of this computer's cameras took an image, whatever it shows.
+  void look(int camera, double t_s) { robots_.look(camera, t_s); }
   /// What one image shows.
   void add(const Observations& observations);
 
