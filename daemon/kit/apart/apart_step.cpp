@@ -92,8 +92,13 @@ void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNot
 
   std::array<char, StageNotes::kMaxText> text;
   const auto warn = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    const std::string_view own(note_.data(), note_length_);
     const auto written = fmt::format_to_n(text.data(), text.size(), format, std::forward<Args>(args)...);
-    notes.warn({text.data(), std::min(written.size, text.size())});
+    std::size_t size = std::min(written.size, text.size());
+    // One late image among hundreds must not hide it.
+    if (note_kind_ != StageNotes::Kind::kNone)
+      size += fmt::format_to_n(text.data() + size, text.size() - size, "; it says: {}", own).size;
+    notes.warn({text.data(), std::min(size, text.size())});
   };
   if (count(Outcome::kNoProcess) > 0) {
     if (losses.count == 0) {
@@ -157,6 +162,7 @@ void ApartStep<Floor>::run(const typename Floor::Inputs& in, const void* params)
 template <class Floor>
 ApartReport::Outcome ApartStep<Floor>::ask(const typename Floor::Inputs& in, const ApartParams& params) {
   const std::uint32_t generation = process_->generation.load();
+  if (generation != generation_) report_.set_own_note(StageNotes::Kind::kNone, {});
   if (generation == 0) return Outcome::kNoProcess;
   ToStage& to = process_->channel.to();
   FromStage& from = process_->channel.from();
@@ -166,8 +172,11 @@ ApartReport::Outcome ApartStep<Floor>::ask(const typename Floor::Inputs& in, con
     sent_files_ = {};
     tell_priority();
   }
-  if (is_busy_ && from.answer.load(std::memory_order_acquire) != request_) return Outcome::kLate;
-  is_busy_ = false;
+  if (is_busy_) {
+    if (from.answer.load(std::memory_order_acquire) != request_) return Outcome::kLate;
+    if (from.kind == AnswerKind::kDone) take_note();  // a late answer is of no use, but what it says is
+    is_busy_ = false;
+  }
   if (!write_request(in, params)) return Outcome::kBad;
 
   const auto deadline = std::chrono::duration_cast<std::chrono::nanoseconds>(

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "capture/buffer_pool.h"
 #include "image/shared_memory.h"
+#include "kit/apart/apart_step.h"
 #include "kit/apart/frame_codec.h"
 #include "kit/apart/sound_parts.h"
 #include "kit/apart/stage_process.h"
@@ -700,6 +701,26 @@ TEST(StageApart, ALateAnswerIsNeverOfALaterFrame) {
     troubled.frame();
     return troubled.sink.has_robots;
   }));
+}
+
+TEST(StageApart, WhatItSaysIsToldBesideWhatWentWrong) {
+  const apart::StageProcess process("stage", "library", "camera", "");
+  apart::ApartReport report;
+  StageNotes notes;
+  const auto told = [&] {
+    report.tell(process, 10, notes);
+    return std::pair(notes.read().kind, notes.read().text);
+  };
+  report.set_own_note(StageNotes::Kind::kNote, std::string_view("2 balls removed"));
+  report.add(apart::ApartReport::Outcome::kDone);
+  EXPECT_EQ(told(), std::pair(StageNotes::Kind::kNote, std::string("2 balls removed")));
+  report.add(apart::ApartReport::Outcome::kLate);
+  EXPECT_EQ(told(),
+            std::pair(StageNotes::Kind::kWarning,
+                      std::string("took longer than 10 ms for 1 of the last 512 images, which went on "
+                                  "without; it says: 2 balls removed")));
+  report.set_own_note(StageNotes::Kind::kWarning, std::string(StageNotes::kMaxText, 'x'));
+  EXPECT_THAT(told().second, AllOf(testing::SizeIs(StageNotes::kMaxText), HasSubstr("it says: xxx")));
 }
 
 TEST(StageApart, ResultsWithoutSenseAreLeftOut) {
