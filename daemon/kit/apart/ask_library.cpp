@@ -25,15 +25,15 @@ constexpr std::size_t kLongestAnswer = std::size_t{4} << 20;
 
 /// Reads to the end of the line, or until the process has ended. Empty: it took too long, wrote too much, or
 /// nobody wants to know any more.
-std::string read_answer(int socket, int pipe, int ended, OutputLines& output, std::int64_t until_ns,
-                        const std::stop_token& stop) {
+std::string read_answer(int socket, int pipe, const StartedProcess& process, OutputLines& output,
+                        std::int64_t begin_ns, std::int64_t within_ns, const std::stop_token& stop) {
   constexpr std::int64_t kNsPerMs = 1'000'000, kLookMs = 50;
   std::string answer;
   for (;;) {
-    const std::int64_t left_ms = (until_ns - steady_ns()) / kNsPerMs;
-    if (left_ms <= 0 || stop.stop_requested()) return {};
-    std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {ended, POLLIN, 0}}};
-    ::poll(polled.data(), polled.size(), static_cast<int>(std::min(left_ms, kLookMs)));
+    const std::int64_t left_ns = begin_ns + within_ns + grace_ns(process, within_ns) - steady_ns();
+    if (left_ns <= 0 || stop.stop_requested()) return {};
+    std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {process.pidfd.get(), POLLIN, 0}}};
+    ::poll(polled.data(), polled.size(), static_cast<int>(std::min(left_ns / kNsPerMs + 1, kLookMs)));
     if (pipe >= 0 && polled[1].revents != 0 && !output.read(pipe, steady_ns())) pipe = -1;
     std::array<char, 16384> buffer;
     const ssize_t count = ::recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT);
@@ -65,20 +65,22 @@ void send_all(int socket, std::string_view text, std::int64_t until_ns) {
 Json ask_library(const std::string& library, const Json& question, const std::stop_token& stop,
                  std::chrono::milliseconds within) {
   const std::string name = std::filesystem::path(library).filename().string();
-  const std::int64_t until_ns =
-      steady_ns() + std::chrono::duration_cast<std::chrono::nanoseconds>(within).count();
+  const std::int64_t within_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(within).count();
+  const std::int64_t begin_ns = steady_ns();
   FilePair sockets = local_sockets(SOCK_STREAM);
   FilePair pipe = output_pipe();
   const StartedProcess process =
       start_stage_process({"ask", library}, {sockets.theirs.get()}, pipe.theirs.get());
   sockets.theirs.reset();
   pipe.theirs.reset();
-  send_all(sockets.ours.get(), question.dump(-1, ' ', false, Json::error_handler_t::replace), until_ns);
+  send_all(sockets.ours.get(), question.dump(-1, ' ', false, Json::error_handler_t::replace),
+           begin_ns + within_ns);
   ::shutdown(sockets.ours.get(), SHUT_WR);
   OutputLines output("stage library " + name);
   const std::string text =
-      read_answer(sockets.ours.get(), pipe.ours.get(), process.pidfd.get(), output, until_ns, stop);
-  const bool is_late = steady_ns() >= until_ns || stop.stop_requested();
+      read_answer(sockets.ours.get(), pipe.ours.get(), process, output, begin_ns, within_ns, stop);
+  const bool is_late =
+      steady_ns() >= begin_ns + within_ns + grace_ns(process, within_ns) || stop.stop_requested();
   if (text.empty() && !is_late) {
     // It ended without a word: it is told how, once that is known.
     constexpr int kEndsWithinMs = 1000;

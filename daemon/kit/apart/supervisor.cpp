@@ -223,7 +223,7 @@ struct Supervisor::Impl {
     if (!process.is_wanted.load()) {
       one.killed_for = "was ended";
     } else if (one.state == State::kStarting) {
-      if (now_ns < one.due_ns) return false;
+      if (now_ns < one.due_ns + grace_ns(one.started, ns(options.starts_within))) return false;
       one.killed_for = "did not start in time and was ended";
       const std::lock_guard lock(mutex);
       slow.insert(process.library);
