@@ -22,7 +22,7 @@ FollowLight::Status FollowLight::status(int camera_id) const {
 
 void FollowLight::take_back(int camera_id) {
   {
-    const std::lock_guard lock(mutex_);
+    const std::scoped_lock lock(putting_, mutex_);
     to_take_back_.insert(camera_id);
   }
   ordered_.notify_one();
@@ -78,8 +78,14 @@ void FollowLight::look_at(const Camera& camera, Followed& followed, bool take_ba
     constexpr std::size_t kKept = 4;
     followed.tables.push_back(table);
     if (followed.tables.size() > kKept) followed.tables.pop_front();
-    hooks_.put_table(camera.id, camera.accepted, std::move(table));
+    const std::lock_guard putting(putting_);
+    if (!is_to_be_taken_back(camera.id)) hooks_.put_table(camera.id, camera.accepted, std::move(table));
   }
+}
+
+bool FollowLight::is_to_be_taken_back(int camera_id) const {
+  const std::lock_guard lock(mutex_);
+  return to_take_back_.contains(camera_id);
 }
 
 }  // namespace sslv

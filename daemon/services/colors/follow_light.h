@@ -59,6 +59,7 @@ class FollowLight {
   /// Of a camera that was looked at; the state is off for all others.
   Status status(int camera_id) const;
   /// Back to the accepted table, until following is switched off and on again; soon after, for other threads.
+  /// When it returns, no adapted table is put any more.
   void take_back(int camera_id);
 
  private:
@@ -71,10 +72,12 @@ class FollowLight {
   };
   void serve(const std::stop_token& ending);
   void look_at(const Camera& camera, Followed& followed, bool take_back);
+  bool is_to_be_taken_back(int camera_id) const;
 
   const Hooks hooks_;
   const std::chrono::milliseconds between_looks_;
   std::map<int, Followed> followed_;  // by camera id; its own thread's
+  std::mutex putting_;                // while a table is put; taken before mutex_
   mutable std::mutex mutex_;          // guards what follows
   std::condition_variable_any ordered_;
   std::set<int> to_take_back_;
