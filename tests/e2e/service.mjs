@@ -5,7 +5,8 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, readlinkSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -42,18 +43,73 @@ export async function eventually(check) {
   }
 }
 
+/** What a status says only because this computer has much else to do. */
+export const OF_THE_COMPUTER = { checks: ['pictures', 'latency', 'computer'], alerts: ['camera_slow', 'frames_dropped', 'stage_slow'] };
+
 /** What waits are for, of a status. */
 const tellStatus = ({ cameras, alerts, ...others }) => JSON.stringify({
   cameras: cameras.map(({ id, backend, state, error, frames, fps, robots, balls }) => ({ id, backend, state, error, frames, fps, robots, balls })),
   alerts: alerts.map(({ id }) => id), ...others,
 });
 
+/**
+ * A port for a multicast group that nobody else gets while this process runs: the TCP port of the same number keeps
+ * other tests away, and the UDP socket programs that take any port. Both leave room for sockets that share it.
+ */
 export async function freeUdpPort() {
-  const socket = createSocket('udp4').bind(0);
+  for (;;) {
+    const claim = createServer().listen(0, '127.0.0.1').unref();
+    await once(claim, 'listening');
+    const { port } = claim.address();
+    const socket = createSocket({ type: 'udp4', reuseAddr: true }).unref().bind(port, '127.0.0.1');
+    try {
+      await once(socket, 'listening');
+      return port;
+    } catch {
+      claim.close();
+    }
+  }
+}
+
+/** Datagrams to this port that the kernel dropped because this process did not fetch them in time. */
+function unfetched(port) {
+  const own = new Set();
+  for (const fd of readdirSync('/proc/self/fd')) {
+    try {
+      own.add(/^socket:\[(\d+)\]$/.exec(readlinkSync(`/proc/self/fd/${fd}`))?.[1]);
+    } catch {
+      // closed meanwhile
+    }
+  }
+  const rows = readFileSync('/proc/self/net/udp', 'latin1').split('\n').slice(1).map((row) => row.trim().split(/\s+/));
+  const ours = rows.filter(([, local, , , , , , , , inode]) => own.has(inode) && parseInt(local?.split(':')[1], 16) === port);
+  return ours.reduce((sum, row) => sum + Number(row.at(-1)), 0);
+}
+
+/** Hears a group until it is closed: `heard(packet)`. */
+export async function listenTo(group, port, heard, address = '127.0.0.1') {
+  const socket = createSocket({ type: 'udp4', reuseAddr: true, recvBufferSize: 4 << 20 }).bind(port);
+  socket.on('message', heard);
   await once(socket, 'listening');
-  const { port } = socket.address();
-  socket.close();
-  return port;
+  socket.addMembership(group, address);
+  let closed = null;
+  return {
+    /** Packets that were sent, and that this process was too slow to hear. */
+    missed: () => closed ?? unfetched(port),
+    close() {
+      if (closed !== null) return;
+      closed = unfetched(port);
+      socket.close();
+    },
+  };
+}
+
+/** Makes a raw WebSocket stay that only listens: the service closes one that does not answer its pings. */
+export function answerPings(socket) {
+  const PING = 0x89, PONG = 0x8a;
+  socket.on('data', (bytes) => {
+    if (bytes[0] === PING) socket.write(Buffer.from([PONG, 0x80 | bytes[1], 0, 0, 0, 0, ...bytes.subarray(2, 2 + bytes[1])])); // masked with zeros
+  });
 }
 
 /**
@@ -86,8 +142,28 @@ export async function createService(group) {
   settings.panel = { port: 0 };
   settings.recording = { last_seconds: { memory_mb: 64 } }; // many services run at once
   let daemon = null;
+  let ended = null;
   let first = null;
   let log = [];
+  /** {port}, or {code} where it ends at once. */
+  const spawnDaemon = async () => {
+    daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panelFolder, '--files', join(root, 'tests'), ...service.options], {
+      env: { ...process.env, STATE_DIRECTORY: stateFolder },
+      stdio: ['ignore', 'ignore', 'pipe'],
+    });
+    // Closed, not only gone: by then all that it said has come.
+    ended = new Promise((resolve, reject) => { daemon.once('error', reject).once('close', (code) => resolve({ code })); });
+    ended.catch(() => {});
+    log = [];
+    const ready = new Promise((resolve) => {
+      createInterface(daemon.stderr).on('line', (line) => {
+        log.push(line);
+        const port = /panel on port (\d+)/.exec(line)?.[1];
+        if (port) resolve({ port: Number(port) });
+      });
+    });
+    return Promise.race([ready, ended]);
+  };
   const isRunning = () => daemon !== null && daemon.exitCode === null && daemon.signalCode === null;
 
   const service = {
@@ -100,6 +176,10 @@ export async function createService(group) {
     options: [],
     /** What it said since it was started. */
     log: () => log.join('\n'),
+    /** What it says comes through a pipe of its own, so a line may come after the answer to what it is about. */
+    logBecomes: (wanted) => becomes(service.log, (text) => wanted.test(text), String),
+    /** With a password the panel moves to where others reach it: for a moment there is nobody at its port. */
+    opensToOthers: () => service.logBecomes(/panel on 0\.0\.0\.0 port/),
     pid: () => daemon.pid,
     address: (path) => `http://127.0.0.1:${settings.panel.port}/${path}`,
 
@@ -107,31 +187,17 @@ export async function createService(group) {
     async start() {
       mkdirSync(stateFolder, { recursive: true });
       writeFileSync(settingsFile, JSON.stringify(settings));
-      daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panelFolder, '--files', join(root, 'tests'), ...service.options], {
-        env: { ...process.env, STATE_DIRECTORY: stateFolder },
-        stdio: ['ignore', 'ignore', 'pipe'],
-      });
-      const ended = Promise.race([once(daemon, 'exit'), once(daemon, 'error').then(([error]) => { throw error; })]);
-      log = [];
-      const ready = new Promise((resolve) => {
-        createInterface(daemon.stderr).on('line', (line) => {
-          log.push(line);
-          const port = /panel on port (\d+)/.exec(line)?.[1];
-          if (port) resolve(Number(port));
-        });
-      });
-      const port = await Promise.race([ready, ended]);
-      assert.equal(typeof port, 'number', `${DAEMON} ended at once:\n${log.join('\n')}`);
-      ended.catch(() => {});
+      // EX_TEMPFAIL: while it was down, the kernel lent its port to a connection.
+      const { port } = await becomes(spawnDaemon, ({ code }) => code !== 75, () => log.join('\n'));
+      assert.ok(port, `${DAEMON} ended at once:\n${log.join('\n')}`);
       settings.panel.port = port;
     },
 
     async stop() {
       if (!isRunning()) return;
-      const exit = once(daemon, 'exit');
       daemon.kill('SIGTERM');
-      const [code] = await exit;
-      assert.equal(code, 0, 'the service ends cleanly');
+      const { code } = await ended;
+      assert.equal(code, 0, `the service ends cleanly:\n${log.slice(-20).join('\n')}`);
     },
 
     /** Takes away what it remembers; it does not run. */
