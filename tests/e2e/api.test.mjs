@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
-import { becomes as looksUntil, createService, root } from './service.mjs';
+import { becomes as looksUntil, createService, eventually, OF_THE_COMPUTER, root } from './service.mjs';
 
 const require = createRequire(join(root, 'webui/package.json'));
 const Ajv = require('ajv/dist/2020').default;
@@ -112,11 +112,14 @@ describe('the interface as docs/openapi.json says', () => {
 
   it('tells what is wrong and whether a match may begin', async () => {
     const path = '/cameras/1/source';
-    await becomes('/api/checks', (value) => value.go);
+    const failing = ({ go, checks }) => {
+      const failed = checks.filter(({ state }) => state === 'fail').map(({ id }) => id);
+      assert.equal(go, failed.length === 0);
+      return failed.filter((id) => !OF_THE_COMPUTER.checks.includes(id)).join();
+    };
+    await becomes('/api/checks', (value) => failing(value) === '');
     await service.patch({ op: 'replace', path, value: { backend: 'files', path: join(service.folder, 'not-there') } });
-    const { go, checks } = await becomes('/api/checks', (value) => !value.go);
-    assert.equal(go, false);
-    assert.deepEqual(checks.filter(({ state }) => state === 'fail').map(({ id }) => id), ['cameras']);
+    await becomes('/api/checks', (value) => failing(value) === 'cameras');
     const lost = async () => (await becomes('/api/alerts', ({ alerts }) => alerts.some(({ id }) => id === 'camera_lost'))).alerts.find(({ id }) => id === 'camera_lost');
     const first = await lost();
     assert.equal(first.camera, 1);
@@ -126,7 +129,7 @@ describe('the interface as docs/openapi.json says', () => {
     const { cameras } = await becomes('/api/timeline', (value) => value.cameras[1]?.fps.at(-1) === null);
     assert.equal(cameras[0].id, 0);
     await service.patch({ op: 'replace', path, value: service.settings.cameras[1].source });
-    await becomes('/api/checks', (value) => value.go);
+    await becomes('/api/checks', (value) => failing(value) === '');
   });
 
   it('refuses patches that grow without end', async () => {
@@ -454,8 +457,9 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal((await ask('get', '/api/recordings/logs/{name}', { parameters })).subarray(0, 2).toString('hex'), '1f8b');
     const { begin_s, end_s } = await ask('get', '/api/recordings/logs/{name}/events', { parameters });
     assert.ok(end_s > begin_s);
-    const moment = await ask('get', '/api/recordings/logs/{name}/at', { parameters, query: '?time_s=0.5' });
-    assert.ok(moment.cameras.length > 0 && moment.cameras[0].time_s <= 0.5);
+    const time_s = end_s - begin_s;
+    const moment = await ask('get', '/api/recordings/logs/{name}/at', { parameters, query: `?time_s=${time_s}` });
+    assert.ok(moment.cameras.length > 0 && moment.cameras[0].time_s <= time_s);
     for (const query of ['', '?time_s=x', '?time_s=-1']) await ask('get', '/api/recordings/logs/{name}/at', { parameters, query, expect: 400 });
     await ask('patch', '/api/recordings/logs/{name}', { parameters, body: { pinned: 'x' }, expect: 400 });
     assert.equal((await ask('patch', '/api/recordings/logs/{name}', { parameters, body: { pinned: true } })).logs[0].pinned, true);
@@ -466,8 +470,8 @@ describe('the interface as docs/openapi.json says', () => {
   it('keeps, shows and compares clips', async () => {
     const path = '/api/recordings/clips', one = `${path}/{name}`;
     for (const body of [{ seconds: 0 }, { seconds_after: 601 }, { name: '../x' }, { more: 1 }, []]) await ask('post', path, { body, expect: 400 });
-    await becomes(path, ({ last_seconds: { cameras } }) => cameras.length > 0 && cameras.every(({ seconds }) => seconds > 0.5));
-    await ask('post', path, { body: { seconds: 0.5, name: 'api' }, expect: 202 });
+    await becomes(path, ({ last_seconds: { cameras } }) => cameras.length > 0 && cameras.every(({ frames }) => frames > 3));
+    await ask('post', path, { body: { seconds: 600, name: 'api' }, expect: 202 });
     const { clips: [clip] } = await becomes(path, ({ clip: now, clips }) => now.state === 'idle' && typeof clips[0]?.seconds === 'number');
     const parameters = { name: clip.name };
     const { cameras } = await ask('get', `${one}/frames`, { parameters });
@@ -539,9 +543,12 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', path, { body: { frames: 1, height_mm: 4000 }, expect: 202 });
     await becomes(path, (value) => value.state === 'done');
     await ask('post', `${path}/reject`);
-    await ask('post', path, { body: { frames: 100 }, expect: 202 }); // not done before it is asked for again
+    // Not done before it is asked for again.
+    await service.patch({ op: 'replace', path: '/cameras/0/source/frame_rate_hz', value: 1 });
+    await ask('post', path, { body: { frames: 100 }, expect: 202 });
     await ask('post', path, { body: {}, expect: 409 });
     await ask('delete', path);
+    await service.patch({ op: 'replace', path: '/cameras/0/source', value: service.settings.cameras[0].source });
   });
 
   it('calibrates several cameras together', async () => {
@@ -557,7 +564,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', path, { body: request, expect: 202 });
     await becomes(path, ({ state }) => state === 'done');
     await ask('post', `${path}/reject`);
-    await ask('post', path, { body: { frames: 1, seconds: 60 }, expect: 202 });
+    await ask('post', path, { body: { frames: 1, seconds: 600 }, expect: 202 });
     await ask('post', path, { body: request, expect: 409 });
     await ask('delete', path);
   });
@@ -583,13 +590,19 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('put', passwords, { parameters: { role: 'king' }, body: { password }, expect: 404 });
     await ask('put', passwords, { parameters: { role: 'admin' }, body: { password: 'short' }, expect: 422 });
     await ask('put', passwords, { parameters: { role: 'admin' }, body: { password } });
+    await service.opensToOthers();
     assert.equal((await ask('get', path)).may, 'look');
     assert.equal((await ask('post', path, { body: { password } })).may, 'change');
     assert.equal((await ask('delete', path)).may, 'look');
-    const statuses = [];
-    for (let i = 0; i < 6; i++) statuses.push((await fetch(service.address('api/session'), { method: 'POST', body: '{"password":"wrong horse"}' })).status);
-    assert.deepEqual(statuses, [401, 401, 401, 401, 401, 429]);
-    await ask('post', path, { body: { password }, expect: 429 });
+    // A try comes back after ten seconds, which a busy computer may take.
+    await eventually(async () => {
+      const statuses = [];
+      while (statuses.at(-1) !== 429 && statuses.length < 100)
+        statuses.push((await fetch(service.address('api/session'), { method: 'POST', body: '{"password":"wrong horse"}' })).status);
+      assert.deepEqual([...new Set(statuses)], [401, 429]);
+      assert.ok(statuses.length > 5, `${statuses}`);
+      await ask('post', path, { body: { password }, expect: 429 });
+    });
     await ask('put', passwords, { parameters: { role: 'admin' }, body: { password }, expect: 401 });
     await ask('patch', '/api/settings', { body: [], expect: 401 });
   });
