@@ -10,7 +10,7 @@ import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import { readClip } from './clip_reader.mjs';
 import { gameController } from './league_messages.mjs';
-import { becomes, createService, freeUdpPort, root } from './service.mjs';
+import { becomes, createService, freeUdpPort, listenTo, root } from './service.mjs';
 
 const GROUP = '239.255.77.92', GC_GROUP = '239.255.77.93';
 const service = await createService(GROUP);
@@ -18,7 +18,7 @@ const gcPort = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
 // Two cameras, smaller than a field's, so that seconds fit into little memory.
 const [first] = service.settings.cameras;
-service.settings.cameras = [0, 1].map((id) => ({ ...structuredClone(first), id, source: { ...structuredClone(first.source), frame_rate_hz: 25 } }));
+service.settings.cameras = [0, 1].map((id) => ({ ...structuredClone(first), id, source: { ...structuredClone(first.source), frame_rate_hz: 10 } }));
 service.settings.panel.match_lock = false; // the settings change while a goal is shot
 service.settings.recording = { last_seconds: { memory_mb: 400 }, clips: { seconds: 3, seconds_after: 0.5 } };
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
@@ -45,41 +45,37 @@ const isThere = async (name) => {
 };
 const pathOf = ({ name }) => join(folder, name);
 
-/** Hears the service's detections until it is closed. */
-async function listen() {
-  const socket = createSocket({ type: 'udp4', reuseAddr: true });
-  socket.bind(service.settings.network.vision.port);
-  await once(socket, 'listening');
-  socket.addMembership(GROUP, '127.0.0.1');
-  const heard = new Set();
-  socket.on('message', (message) => heard.add(message.toString('latin1')));
-  return { heard, close: () => socket.close() };
-}
-
 describe('clips', () => {
   before(() => service.start());
   beforeEach(() => service.restore());
   after(() => service.end());
 
   it('hold what was sent, byte for byte, for a reader that is not ours', async () => {
-    const ears = await listen();
+    const heard = new Set();
+    const ears = await listenTo(GROUP, service.settings.network.vision.port, (packet) => heard.add(packet.toString('latin1')));
+    await becomes(() => heard.size, (count) => count > 20);
     await reaches(3);
     const made = await clipWith({ seconds: 2 }, 'sent');
     ears.close();
-    assert.ok(made.seconds > 1.8 && made.seconds < 3.5, `${made.seconds}`);
-    assert.deepEqual(made.cameras.map(({ id, missing }) => ({ id, missing })), [{ id: 0, missing: 0 }, { id: 1, missing: 0 }]);
-    for (const { frames } of made.cameras) assert.ok(frames > 40, `${frames} frames`);
+    assert.ok(made.seconds > 1.8, `${made.seconds}`);
 
     const clip = readClip(pathOf(made));
     assert.equal(clip.about.why, 'kept by hand');
     assert.equal(clip.frames.length, made.cameras[0].frames + made.cameras[1].frames);
-    for (const id of [0, 1]) {
+    let unheard = 0;
+    for (const { id, frames: count, missing } of made.cameras) {
       const frames = clip.frames.filter(({ camera_id }) => camera_id === id);
-      frames.forEach((frame, i) => assert.equal(frame.number, frames[0].number + i));
+      assert.equal(frames.length, count);
+      const gaps = frames.slice(1).reduce((sum, { number }, i) => sum + number - frames[i].number - 1, 0);
+      assert.ok(gaps <= missing, `${gaps} frames are not there, ${missing} are said to be missing`);
       assert.ok(frames[0].memory.length > 0, 'it begins with what the stages remember');
       assert.ok(frames.every(({ image, width, height }) => image.length >= width * height));
-      assert.ok(frames.every(({ packet }) => ears.heard.has(packet.toString('latin1'))), 'these packets were sent');
+      // The first may have been sent before anybody listened.
+      const wasHeard = frames.map(({ packet }) => heard.has(packet.toString('latin1')));
+      assert.ok(wasHeard.includes(true));
+      unheard += wasHeard.slice(wasHeard.indexOf(true)).filter((was) => !was).length;
     }
+    assert.ok(unheard <= ears.missed(), `${unheard} of these packets were not sent`);
     const settings = clip.setups[0].about.settings;
     assert.equal(settings.cameras.length, 1);
     assert.equal(settings.site, service.settings.site ?? settings.site);
@@ -87,13 +83,17 @@ describe('clips', () => {
 
   it('give the same bytes again, also over a change of settings and of the light', async () => {
     await reaches(1);
-    const order = await ask('POST', '/clips', { seconds: 1, seconds_after: 3, name: 'same' });
+    const order = await ask('POST', '/clips', { seconds: 1, seconds_after: 100, name: 'same' });
     assert.equal(order.status, 202, order.text);
     assert.equal((await ask('POST', '/clips', {})).status, 409, 'one at a time');
     await service.patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/min_confidence', value: 0.3 });
     await service.patch({ op: 'replace', path: '/cameras/1/colors/bits', value: 6 });
+    // It ends with the service, once what changed is in it.
+    const { clip: { name } } = await becomes(clips, ({ clip }) => clip.name.endsWith('_same.clip') && clip.frames > 0);
+    await becomes(() => readClip(join(folder, name)).setups.length, (count) => count >= 4);
+    await service.stop();
+    await service.start();
     const made = await isThere('same');
-    assert.ok(readClip(pathOf(made)).setups.length >= 4, 'what changed is in it');
     const told = execFileSync(CTL, ['replay', pathOf(made), '--compare', '--json'], { encoding: 'utf8' });
     const result = JSON.parse(told);
     assert.match(JSON.stringify(result), /"frames_with_other_bytes":\s*0/);
@@ -203,7 +203,12 @@ describe('clips', () => {
     const made = await clipWith({ seconds: 0.5, seconds_after: 3 }, 'parts');
     const clip = readClip(pathOf(made));
     const parts = clip.frames.filter(({ tile_px }) => tile_px > 0);
-    assert.ok(parts.length > clip.frames.length / 2, `${parts.length} of ${clip.frames.length} are in parts`);
+    for (const { id, frames: count } of made.cameras) {
+      const frames = clip.frames.filter(({ camera_id }) => camera_id === id);
+      const [whole, seconds] = [frames.filter(({ tile_px }) => tile_px === 0).length, frames.at(-1).t_capture_s - frames[0].t_capture_s];
+      assert.ok(whole <= 1 + seconds, `${whole} of ${count} in ${seconds} s are whole`);
+    }
+    assert.ok(parts.length > 0);
     assert.ok(clip.frames.every(({ image, width, height }) => image.length >= width * height));
     assert.ok(before.frames > 0);
     const { json: index } = await ask('GET', `/clips/${made.name}/frames`);
@@ -218,7 +223,7 @@ describe('clips', () => {
     assert.ok(!existsSync(pathOf(other)));
     const bytes = await fetch(service.address(`api/recordings/clips/${kept.name}`));
     assert.equal((await bytes.arrayBuffer()).byteLength, kept.bytes);
-    await service.patch({ op: 'replace', path: '/recording/quota_mb', value: Math.ceil(kept.bytes / 1e6) + 10 });
+    await service.patch({ op: 'replace', path: '/recording/quota_mb', value: Math.ceil(kept.bytes / 1e6) + 1 });
     assert.equal((await ask('POST', '/clips', { seconds: 3, name: 'too_large' })).status, 202);
     const failed = await becomes(clips, ({ clip }) => clip.state === 'failed');
     assert.match(failed.clip.error, /quota_mb/);
@@ -308,7 +313,9 @@ describe('clips', () => {
     await service.start();
     const made = await isThere('killed');
     assert.match(made.problem, /was not ended/);
-    assert.ok(made.cameras.every(({ frames }) => frames > 3));
+    const { frames } = readClip(join(folder, name));
+    assert.ok(frames.length > 3);
+    assert.deepEqual(made.cameras.map(({ id, frames: count }) => [id, count]), [0, 1].map((id) => [id, frames.filter(({ camera_id }) => camera_id === id).length]));
     assert.equal((await ask('GET', `/clips/${name}/frames/0/picture`)).status, 200);
   });
 });
