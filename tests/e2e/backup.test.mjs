@@ -304,6 +304,7 @@ describe('a backup', () => {
       return answer.headers.get('set-cookie')?.split(';')[0];
     };
     await setPassword(first, PASSWORD);
+    await first.opensToOthers();
     await ask(first, 'GET', 'api/backup?passwords=true', { expect: 401 });
     const headers = { Cookie: await cookieOf(first, PASSWORD) };
     assert.ok(!partsOf(await get(first, 'api/backup', { headers })).has('passwords.json'));
@@ -321,6 +322,7 @@ describe('a backup', () => {
     assert.equal((await post(spare, 'api/backup/check', readFileSync(secret))).passwords, true);
     assert.equal((await post(spare, 'api/backup/restore', readFileSync(secret))).passwords, 'restored');
     spare.settings.panel.port = port;
+    await spare.opensToOthers();
     assert.deepEqual(readFileSync(join(spare.stateFolder, 'passwords.json')), hashes);
     assert.equal(statSync(join(spare.stateFolder, 'passwords.json')).mode & 0o777, 0o600);
     await post(spare, 'api/backup/restore', readFileSync(secret), 401);
@@ -328,6 +330,7 @@ describe('a backup', () => {
     rmSync(join(spare.stateFolder, 'passwords.json'));
     await spare.start();
     await setPassword(spare, 'another horse');
+    await spare.opensToOthers();
     const own = { Cookie: await cookieOf(spare, 'another horse') };
     assert.equal((await ask(spare, 'POST', 'api/backup/restore', { body: readFileSync(secret), headers: own })).passwords, 'kept');
     await cookieOf(spare, PASSWORD, 401);

@@ -77,7 +77,8 @@ let pictureRobots, fullLuma;
 describe('colour tables', () => {
   before(async () => {
     await service.start();
-    await service.statusBecomes(({ cameras }) => cameras.every(({ robots }) => robots > 0));
+    // Images are all the same, and by then each stage knows what was in those before.
+    await service.statusBecomes(({ cameras }) => cameras.every(({ robots, frames }) => robots > 0 && frames > 20));
     pictureRobots = (await detections()).robots;
     fullLuma = await carpetLuma();
   });
@@ -104,10 +105,11 @@ describe('colour tables', () => {
     const tried = await post('colors/edits', { commands: [{ op: 'pick', label: 'cyan', still, ...place }], try: true });
     assert.ok(tried.cells > 0);
     assert.equal((await labelsOf(still)).count(CYAN), 0, 'trying changes nothing');
-    assert.doesNotMatch(service.log(), /audit: .*colors\/edits/, 'and is written down nowhere');
 
     const done = await edit({ op: 'pick', label: 'cyan', still, ...place });
     assert.equal(done.cells, tried.cells);
+    await service.logBecomes(/audit: .*colors\/edits/);
+    assert.equal(service.log().match(/audit: .*colors\/edits/g).length, 1, 'trying is written down nowhere');
     assert.equal(cellsOf(done.state, 'cyan'), done.cells);
     assert.equal(done.state.origin, 'table');
     const after = await labelsOf(still);
@@ -189,13 +191,14 @@ describe('colour tables', () => {
     const edge = await becomes(async () => {
       for (const [x, y] of places) {
         const tried = await tryPick(x, y);
-        if (tried.left_to_carpet > 0 && tried.cells > 0) return { x, y, tried };
+        if (!(tried.left_to_carpet > 0 && tried.cells > 0)) continue;
+        // The carpet may have been seen anew since.
+        const done = await edit({ op: 'pick', label: 'cyan', still, x, y, width: 3, height: 3 });
+        await post('colors/undo');
+        if (done.left_to_carpet > 0 && done.cells > 0) return done;
       }
     }, 'no pick lies at the end of the range');
-    const { cells, left_to_carpet: left, state } = await edit({ op: 'pick', label: 'cyan', still, x: edge.x, y: edge.y, width: 3, height: 3 });
-    assert.ok(cells > 0 && left > 0);
-    assert.equal(cellsOf(state, 'cyan'), cells, 'what it says is what it does');
-    await post('colors/undo');
+    assert.equal(cellsOf(edge.state, 'cyan'), edge.cells, 'what it says is what it does');
     await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 1 });
     await becomes(async () => (await detections()).robots === pictureRobots, 'robots do not come back');
   });
