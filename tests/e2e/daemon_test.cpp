@@ -331,9 +331,10 @@ TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
       {"backend", "files"}, {"path", source_path("/tests/golden/division_b.jpg")}, {"loop", true}};
   camera["calibration"].update(Json{{"pixel_image_width", 1280}, {"pixel_image_height", 952}});
   RunningDaemon daemon(settings_file(), state_);
-  const Json status = daemon.wait_for_status([](const Json& s) { return !s["alerts"].empty(); });
-  EXPECT_EQ(status["alerts"].at(0)["camera"], 1);
-  EXPECT_THAT(status["alerts"].at(0)["title"].get<std::string>(),
+  const Json status =
+      daemon.wait_for_status([](const Json& s) { return has_alert(s, "calibration_other_size"); });
+  EXPECT_EQ(alert_of(status, "calibration_other_size")["camera"], 1);
+  EXPECT_THAT(title_of_alert(status, "calibration_other_size"),
               AllOf(HasSubstr("780x580"), HasSubstr("1280x952")));
 }
 
@@ -354,7 +355,7 @@ TEST_F(Daemon, GoesOnWhenTheNetworkCardIsNotThereAndSaysSo) {
   const Json status = daemon.wait_for_status(
       [](const Json& s) { return s["network"]["send_errors"] > 10 && s["cameras"][0]["robots"] > 0; });
   EXPECT_THAT(status["network"]["error"].get<std::string>(), HasSubstr("nocard0"));
-  EXPECT_EQ(status["alerts"].at(0)["severity"], "bad");
+  EXPECT_EQ(alert_of(status, "not_sending")["severity"], "bad");
   daemon.set("/network/vision/interface", "lo");
   receive(listener_);
   daemon.wait_for_status([](const Json& s) { return s["network"]["error"] == "" && s["alerts"].empty(); });

@@ -3,10 +3,13 @@
 
 #include "ssl_vision_wrapper.pb.h"
 #include "support/group_listener.h"
+#include "support/patience.h"
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <stdexcept>
 #include <thread>
 
 namespace sslv::test {
@@ -25,10 +28,22 @@ class FrameNumbers {
     if (thread_.joinable()) thread_.join();
   }
 
+  /// Until so many more frames have come.
+  void wait_for(int frames) const {
+    const int enough = frames_ + frames;
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (frames_ < enough) {
+      if (std::chrono::steady_clock::now() > deadline)
+        throw std::runtime_error("the other camera has stopped");
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
   // After stop().
   int frames() const { return frames_; }
-  /// Numbers that were left out.
+  /// Numbers that were left out, and datagrams that this was too late for.
   int missing() const { return missing_; }
+  std::uint32_t overflows() const { return listener_.overflows(); }
   /// The longest time between two of its pictures.
   double longest_gap_s() const { return longest_gap_s_; }
 
@@ -53,7 +68,8 @@ class FrameNumbers {
 
   GroupListener listener_;
   std::atomic<bool> is_over_{false};
-  int frames_ = 0, missing_ = 0;
+  std::atomic<int> frames_{0};
+  int missing_ = 0;
   double longest_gap_s_ = 0;
   std::thread thread_;  // the last: works on the others
 };

@@ -21,6 +21,9 @@ namespace sslv::test {
 /// config/demo.json, with a panel on any free port and packets to a group of this test's own.
 Json demo_settings(int multicast_port);
 
+/// Makes images a quarter as large, and fewer of them, which a busy computer keeps up with.
+void make_images_small(Json& settings, double frame_rate_hz);
+
 /// The real program as the service manager would start it.
 class RunningDaemon {
  public:
@@ -79,10 +82,16 @@ class DaemonTest : public ::testing::Test {
   const std::filesystem::path state_ = folder_.path() / "state";
 };
 
-/// The title of the first alert of a kind; throws std::runtime_error with the others when there is none.
+bool has_alert(const Json& status, const std::string& id);
+/// The first alert of a kind, and its title; throw std::runtime_error with the others when there is none.
+const Json& alert_of(const Json& status, const std::string& id);
 std::string title_of_alert(const Json& status, const std::string& id);
+
+double unix_now_s();
 
 /// The next packet of the group; throws std::runtime_error when none comes.
 SSL_WrapperPacket receive(GroupListener& listener);
+/// The next frame that was sent after that time: a reader that was late has older ones waiting.
+SSL_DetectionFrame receive_frame(GroupListener& listener, double sent_after_s = 0);
 
 }  // namespace sslv::test

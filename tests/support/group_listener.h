@@ -35,6 +35,10 @@ class GroupListener {
     ip_mreq membership{local.sin_addr, {htonl(INADDR_LOOPBACK)}};
     set(IPPROTO_IP, IP_ADD_MEMBERSHIP, membership);
     set(IPPROTO_IP, IP_RECVTTL, 1);
+    set(SOL_SOCKET, SO_RXQ_OVFL, 1);
+    // A busy computer lets tests read late.
+    constexpr int kBufferBytes = 4 << 20;
+    set(SOL_SOCKET, SO_RCVBUF, kBufferBytes);
     socklen_t length = sizeof local;
     check(getsockname(fd_, reinterpret_cast<sockaddr*>(&local), &length), "getsockname");
     port_ = ntohs(local.sin_port);
@@ -66,11 +70,15 @@ class GroupListener {
       if (item->cmsg_level == IPPROTO_IP && item->cmsg_type == IP_TTL) {
         last_ttl_ = *reinterpret_cast<const int*>(CMSG_DATA(item));
       }
+      if (item->cmsg_level == SOL_SOCKET && item->cmsg_type == SO_RXQ_OVFL)
+        overflows_ = *reinterpret_cast<const std::uint32_t*>(CMSG_DATA(item));
     }
     return std::string(data.data(), static_cast<std::size_t>(size));
   }
 
   int last_ttl() const { return last_ttl_; }
+  /// Datagrams that found no place because this was read too late.
+  std::uint32_t overflows() const { return overflows_; }
 
  private:
   template <class T>
@@ -84,6 +92,7 @@ class GroupListener {
   int fd_;
   std::uint16_t port_ = 0;
   int last_ttl_ = 0;
+  std::uint32_t overflows_ = 0;
 };
 
 /// Of a sender that this listener hears.
