@@ -2,7 +2,6 @@
 // What becomes of a GigE camera that fails in the ways that such cameras fail.
 #include "e2e/gige.h"
 
-#include <chrono>
 #include <csignal>
 
 #include <gmock/gmock.h>
@@ -13,10 +12,6 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 TEST_F(Gige, AMonoCameraRunsAndFindsNothing) {
   scene_->served["source"]["pixel_format"] = "mono8";
   const auto camera = start_camera();
@@ -24,8 +19,6 @@ TEST_F(Gige, AMonoCameraRunsAndFindsNothing) {
   const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 10; });
   EXPECT_EQ(status["cameras"][0]["pixel_format"], "mono8");
   EXPECT_EQ(status["cameras"][0]["robots"], 0) << "patterns are told apart by colour";
-  // Not 0: the fake camera sends by plain UDP, and a busy computer may drop a packet.
-  EXPECT_LT(status["cameras"][0]["frames_incomplete"], status["cameras"][0]["frames"]);
 }
 
 /// Aravis' simulated camera answers no request to send a packet again: what is lost stays lost.
@@ -39,9 +32,10 @@ TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
   ASSERT_GT(seen.robots, 90);
   EXPECT_EQ(seen.missed, 0);
   EXPECT_EQ(seen.wrong, 0);
-  const Json status = daemon.wait_for_status(
-      [](const Json& s) { return s["cameras"][0]["frames_incomplete"] > 5; })["cameras"][0];
-  EXPECT_GT(status["packets"]["missing"], 5);
+  const Json status = daemon.wait_for_status([](const Json& s) {
+    const Json& one = s["cameras"][0];
+    return one["frames_incomplete"] > 5 && one["packets"]["missing"] > 5;
+  })["cameras"][0];
   std::printf("frames %d, damaged %d, packets missing %d, resent %d, reconnects %d\n",
               status["frames"].get<int>(), status["frames_incomplete"].get<int>(),
               status["packets"]["missing"].get<int>(), status["packets"]["resent"].get<int>(),
@@ -50,8 +44,9 @@ TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
 
 /// Closing waits for the stopped camera's answers, so the other camera must not depend on it.
 TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
+  scene_->served["heartbeat_s"] = 3;
   settings_["cameras"][0]["source"].update(
-      Json{{"silence_s", 0.5}, {"controls", {{"ExposureTimeAbs", 4000.0}}}});
+      Json{{"silence_s", 1}, {"controls", {{"ExposureTimeAbs", 4000.0}}}});
   const auto camera = start_camera();
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
@@ -60,18 +55,18 @@ TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
   camera->send_signal(SIGSTOP);
   const Json lost = daemon.wait_for_status(state_is("lost"));
   EXPECT_THAT(lost["cameras"][0]["error"].get<std::string>(),
-              AnyOf(HasSubstr("no image for 0.5 s"), HasSubstr("no longer answers")));
+              AnyOf(HasSubstr("no image for 1 s"), HasSubstr("no longer answers")));
   EXPECT_THAT(title_of_alert(lost, "camera_lost"), HasSubstr("Camera 0 is lost"));
+  other.wait_for(30);
 
   camera->send_signal(SIGCONT);
-  const auto start = std::chrono::steady_clock::now();
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
-  std::printf("back after %.2f s\n", seconds_since(start));
   EXPECT_EQ(exposure_us(daemon), 4000);
   expect_nothing_missing(other);
 }
 
 TEST_F(Gige, ACameraThatComesBackWithAnotherSizeRunsAndItsCalibrationIsDoubted) {
+  settings_["cameras"][0]["source"]["silence_s"] = 2;
   auto camera = start_camera();
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
@@ -80,8 +75,10 @@ TEST_F(Gige, ACameraThatComesBackWithAnotherSizeRunsAndItsCalibrationIsDoubted) 
   scene_->served["source"].update(Json{{"width", 640}, {"height", 480}});
   scene_->served["calibration"].update(Json{{"pixel_image_width", 640}, {"pixel_image_height", 480}});
   camera = start_camera();
-  const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["width"] == 640; });
-  EXPECT_EQ(status["cameras"][0]["state"], "running");
+  const Json status = daemon.wait_for_status([](const Json& s) {
+    return s["cameras"][0]["width"] == 640 && s["cameras"][0]["state"] == "running" &&
+           has_alert(s, "calibration_other_size");
+  });
   EXPECT_EQ(status["cameras"][0]["height"], 480);
   EXPECT_EQ(title_of_alert(status, "calibration_other_size"),
             "Camera 0 sends 640x480 pixels, its calibration was made for 1280x952");
@@ -90,7 +87,7 @@ TEST_F(Gige, ACameraThatComesBackWithAnotherSizeRunsAndItsCalibrationIsDoubted) 
   camera.reset();
   scene_->served = served;
   camera = start_camera();
-  // An alert of robots that were seen with the wrong size stays for a while.
+  // Alerts of what was seen with the wrong size stay for a while.
   daemon.wait_for_status([](const Json& s) {
     return s["cameras"][0]["width"] == kWidth && s["cameras"][0]["robots"] > 0 && s["alerts"].empty();
   });

@@ -4,7 +4,8 @@
 //   fake_gige_camera INTERFACE_ADDRESS SERIAL FILE
 //
 // FILE is JSON with "source" and "calibration" as a camera of the daemon's settings has them and "field" as
-// the settings have it; the last two may be left out. "lost_packets" is the share of packets that get lost.
+// the settings have it; the last two may be left out. "lost_packets" is the share of packets that get lost,
+// "heartbeat_s" how long its client may be silent.
 // Prints "ready" once it serves; SIGINT or SIGTERM ends it.
 
 #include "base/params_json.h"
@@ -30,12 +31,14 @@ struct Setup {
   Json source = Json::object();
   std::optional<CameraCalibration> calibration;
   FieldSize field;
-  double lost_packets = 0;
+  double lost_packets = 0, heartbeat_s = 3;
   static constexpr auto fields() {
-    return std::tuple{object("source", &Setup::source, "\"backend\" and its options"),
-                      group("calibration", &Setup::calibration, "what a simulated camera sees"),
-                      group("field", &Setup::field, "what a simulated camera looks at"),
-                      number("lost_packets", &Setup::lost_packets, 0.0, 1.0, "", "share that gets lost")};
+    return std::tuple{
+        object("source", &Setup::source, "\"backend\" and its options"),
+        group("calibration", &Setup::calibration, "what a simulated camera sees"),
+        group("field", &Setup::field, "what a simulated camera looks at"),
+        number("lost_packets", &Setup::lost_packets, 0.0, 1.0, "", "share that gets lost"),
+        number("heartbeat_s", &Setup::heartbeat_s, 0.5, 3600.0, "s", "how long its client may be silent")};
   }
 };
 
@@ -116,6 +119,7 @@ void serve(const char* address, const char* serial, const char* path) {
   });
   server.set_defaults(view.width, view.height, view.format, frame_rate_hz);
   server.lose_packets(setup.lost_packets);
+  server.set_heartbeat(setup.heartbeat_s);
   std::puts("ready");
   std::fflush(stdout);
   int signal = 0;

@@ -228,6 +228,12 @@ void GigeServer::send_packed(std::uint32_t format, Pack pack) {
   arv_fake_camera_write_register(library_->camera(), ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, format);
 }
 
+void GigeServer::set_heartbeat(double heartbeat_s) {
+  constexpr guint64 kHeartbeatTimeout_ms = 0x0938;  // of GigE Vision's bootstrap registers
+  arv_fake_camera_write_register(library_->camera(), kHeartbeatTimeout_ms,
+                                 static_cast<std::uint32_t>(heartbeat_s * 1e3));
+}
+
 void GigeServer::set_exposure(int exposure_us) {
   arv_fake_camera_write_register(library_->camera(), ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US,
                                  static_cast<std::uint32_t>(exposure_us));

@@ -33,6 +33,8 @@ class GigeServer {
   /// Convention: what `pack` makes of `count` pixels of one byte each.
   using Pack = std::function<void(const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed)>;
   void send_packed(std::uint32_t format, Pack pack);
+  /// So long after its client's last request it is another client's.
+  void set_heartbeat(double heartbeat_s);
   /// As if an automatic exposure had chosen it.
   void set_exposure(int exposure_us);
   /// Share of packets that get lost from now on, 0..1.
