@@ -6,6 +6,7 @@
 #include "support/paths.h"
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <iterator>
@@ -17,6 +18,7 @@
 #include <gmock/gmock.h>
 #include <poll.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace sslv::test {
@@ -27,6 +29,7 @@ using ::testing::StartsWith;
 
 class Notifies : public DaemonTest {
  protected:
+  Notifies() { make_images_small(settings_, 30); }
   std::vector<std::string> words() const { return {daemon_program(), "--config", settings_file()}; }
   std::vector<std::string> environment() const {
     return {"STATE_DIRECTORY=" + state_.string(), manager_.variable()};
@@ -101,6 +104,7 @@ class StuckFilm {
           if (n > 0) sent += static_cast<std::size_t>(n);
         }
       }
+      is_written_ = true;
     });
   }
   ~StuckFilm() {
@@ -111,10 +115,14 @@ class StuckFilm {
   StuckFilm(const StuckFilm&) = delete;
   StuckFilm& operator=(const StuckFilm&) = delete;
 
+  /// No more will come.
+  bool is_written() const { return is_written_; }
+
  private:
   static constexpr int kPictures = 200;
   std::string picture_;
   int pipe_ = -1;
+  std::atomic<bool> is_written_{false};
   std::jthread writer_;
 };
 
@@ -126,6 +134,7 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
     ChildProcess daemon(words(), environment());
     manager_.wait_for("READY=1");
     manager_.wait_for("WATCHDOG=1");
+    while (!stuck.is_written()) manager_.wait_for("");
     EXPECT_THAT(manager_.wait_for("STATUS=camera 1 has hung for "), HasSubstr(" s"));
     // From now on it is not fed, though all else goes on: what WatchdogSec is for.
     for (int statuses = 0; statuses < 3;) {
@@ -133,7 +142,8 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
       EXPECT_THAT(message, ::testing::Not(StartsWith("WATCHDOG")));
       statuses += message.starts_with("STATUS=camera 1 has hung");
     }
-    while (receive(listener_).detection().camera_id() != 0) {  // camera 0 still sends
+    const double hung_s = unix_now_s();
+    while (receive_frame(listener_, hung_s).camera_id() != 0) {  // camera 0 still sends
     }
     // As the service manager does it, then starts it anew.
     daemon.send_signal(SIGABRT);
@@ -156,13 +166,12 @@ TEST_F(Notifies, AHungDiskDoesNotEndTheService) {
   ChildProcess daemon(words(), environment);
   manager_.wait_for("READY=1");
   std::ofstream(hung) << "now";
-  while (manager_.next(std::chrono::milliseconds(0))) {  // what was said before
-  }
-  // The folder is looked at once a second: one look may have ended just before the disk hung.
+  while (!std::filesystem::exists(hung + ".reached")) manager_.wait_for("");  // the folder is looked at
+  manager_.hear_the_rest();
+  const double hung_s = unix_now_s();
   for (int i = 0; i < 4; ++i) manager_.wait_for("WATCHDOG=1");
   std::set<unsigned> sending;
-  while (sending.size() < 2) sending.insert(receive(listener_).detection().camera_id());
-  EXPECT_TRUE(std::filesystem::exists(hung + ".reached")) << "nobody asked for the folder";
+  while (sending.size() < 2) sending.insert(receive_frame(listener_, hung_s).camera_id());
   std::filesystem::remove(hung);
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(daemon.wait_for_exit(), 0);
@@ -172,8 +181,9 @@ TEST_F(Notifies, AStoppedProcessIsNotFed) {
   ChildProcess daemon(words(), environment());
   manager_.wait_for("WATCHDOG=1");
   daemon.send_signal(SIGSTOP);
-  while (manager_.next(std::chrono::milliseconds(100))) {  // what was under way
-  }
+  siginfo_t stopped{};
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(daemon.pid()), &stopped, WSTOPPED | WNOWAIT), 0);
+  manager_.hear_the_rest();
   EXPECT_FALSE(manager_.next(std::chrono::milliseconds(2500))) << "it is told every second otherwise";
   daemon.send_signal(SIGCONT);
   manager_.wait_for("WATCHDOG=1");
@@ -188,8 +198,13 @@ class Crashes : public Notifies {
   RunningDaemon start() {
     return RunningDaemon(settings_file(), state_, {manager_.variable()}, manager_.kept());
   }
-  /// Until so much of both cameras is in memory, which the manager keeps.
+  /// Until so much of both cameras is in memory, which the manager keeps: enough for a hundred images of
+  /// each.
   void wait_until_kept(const RunningDaemon& daemon) {
+    daemon.wait_for_status([this](const Json& status) {
+      manager_.hear_the_rest();
+      return std::ranges::all_of(status["cameras"], [](const Json& one) { return one["frames"] > 40; });
+    });
     daemon.wait_for("/api/recordings/clips", [this](const Json& answer) {
       manager_.hear_the_rest();
       const Json& cameras = answer["last_seconds"]["cameras"];
@@ -224,8 +239,8 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
     wait_until_kept(first);
     // Not all was seen with the same.
     first.set("/cameras/1/colors/bits", 6);
-    const auto receives = [this] { return receive(listener_).detection().camera_id(); };
-    for (int i = 0; i < 60; ++i) receives();
+    const double changed_s = unix_now_s();
+    for (int i = 0; i < 60; ++i) receive_frame(listener_, changed_s);
     EXPECT_EQ(crash_clips(first), Json::array());
     crash(first, SIGSEGV);
     ASSERT_EQ(manager_.kept().size(), 2U);
@@ -268,6 +283,8 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
     // One that crashes again and again does not fill the disk.
     wait_until_kept(second);
     crash(second, SIGKILL);
+    // However long that took.
+    std::filesystem::last_write_time(recordings / name, std::filesystem::file_time_type::clock::now());
   }
   RunningDaemon third = start();
   EXPECT_EQ(crash_clips(third).size(), 1U);
