@@ -6,7 +6,7 @@ import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, describe, it } from 'node:test';
-import { cannotUnshare, CLOCK, FaultyService, smallCamera } from './faults.mjs';
+import { cannotUnshare, CLOCK, FaultyService, preload, smallCamera } from './faults.mjs';
 import { becomes, DAEMON } from './service.mjs';
 
 const CTL = process.env.SSLV_CTL ?? join(DAEMON, '../ssl-visionctl');
@@ -112,7 +112,7 @@ describe('the history of alerts and events', () => {
       writeFileSync(file, offset, { flag: existsSync(file) ? 'r+' : 'w' });
     };
     set(0);
-    Object.assign(service.environment, { LD_PRELOAD: CLOCK, SSLV_CLOCK_FILE: file });
+    Object.assign(service.environment, { ...preload(CLOCK), SSLV_CLOCK_FILE: file });
     await service.start();
     const began = performance.now();
     await loseCamera(service);

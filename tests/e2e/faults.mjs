@@ -8,13 +8,15 @@ import { execFileSync, spawn } from 'node:child_process';
 import { appendFileSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { request } from 'node:http';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { basename, dirname, join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { detectionOf } from './protobuf.mjs';
 import { becomes, DAEMON, freeUdpPort, listenTo, root } from './service.mjs';
 
 export const CLOCK = join(DAEMON, '../../lib/shifted_clock.so');
 export const HUNG_DISK = join(DAEMON, '../../lib/hung_disk.so');
+/** An environment in which a program loads this library first. By its name: LD_PRELOAD takes no path with a space. */
+export const preload = (library) => ({ LD_PRELOAD: basename(library), LD_LIBRARY_PATH: dirname(library) });
 /** Asked by ./run faults, on a machine that does nothing else: how long it takes is then a part of the verdict. */
 export const IS_TIMED = Boolean(process.env.SSLV_FAULT_TABLE);
 const FACTOR = Number(process.env.SSLV_FAULT_TRIES ?? 1);

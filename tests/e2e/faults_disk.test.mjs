@@ -11,7 +11,7 @@ import { join } from 'node:path';
 import { after, describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { openViewer } from '../figures/viewer.mjs';
-import { cannotUnshare, FaultyService, HUNG_DISK, report, smallCamera, tries } from './faults.mjs';
+import { cannotUnshare, FaultyService, HUNG_DISK, preload, report, smallCamera, tries } from './faults.mjs';
 import { becomes, freeUdpPort } from './service.mjs';
 
 const services = [];
@@ -391,7 +391,7 @@ describe('a disk that hangs', { skip: existsSync(HUNG_DISK) ? false : `${HUNG_DI
     const service = await create();
     const hung = join(service.folder, 'hung');
     Object.assign(service.environment, {
-      LD_PRELOAD: HUNG_DISK, SSLV_HUNG_FOLDER: join(service.state, 'recordings'), SSLV_HUNG_WHILE: hung, ASAN_OPTIONS: 'verify_asan_link_order=0',
+      ...preload(HUNG_DISK), SSLV_HUNG_FOLDER: join(service.state, 'recordings'), SSLV_HUNG_WHILE: hung, ASAN_OPTIONS: 'verify_asan_link_order=0',
     });
     const [group, port] = ['239.255.78.99', await freeUdpPort()];
     service.settings.network.tracker = { enabled: false, group, port };

@@ -11,7 +11,7 @@ import { join } from 'node:path';
 import { after, describe, it } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { openViewer } from '../figures/viewer.mjs';
-import { cannotUnshare, CLOCK, FaultyService, IS_TIMED, report, smallCamera, tries } from './faults.mjs';
+import { cannotUnshare, CLOCK, FaultyService, IS_TIMED, preload, report, smallCamera, tries } from './faults.mjs';
 import { becomes, root } from './service.mjs';
 
 const services = [];
@@ -138,7 +138,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
       writeFileSync(file, offset, { flag: existsSync(file) ? 'r+' : 'w' });
     };
     set(0);
-    Object.assign(service.environment, { LD_PRELOAD: CLOCK, SSLV_CLOCK_FILE: file });
+    Object.assign(service.environment, { ...preload(CLOCK), SSLV_CLOCK_FILE: file });
     await service.start();
     const packets = await service.listen();
     const viewer = await openViewer(service.port, { camera: 0, width: 156, fps: 30 });

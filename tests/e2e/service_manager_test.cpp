@@ -159,10 +159,13 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
 
 TEST_F(Notifies, AHungDiskDoesNotEndTheService) {
   const std::string hung = folder_.file("hung");
+  // By its name: LD_PRELOAD takes no path with a space.
+  const std::filesystem::path library = hung_disk_library();
   std::vector<std::string> environment = this->environment();
-  environment.insert(environment.end(),
-                     {"LD_PRELOAD=" + hung_disk_library(), "SSLV_HUNG_FOLDER=" + state_.string(),
-                      "SSLV_HUNG_WHILE=" + hung, "ASAN_OPTIONS=verify_asan_link_order=0"});
+  environment.insert(environment.end(), {"LD_PRELOAD=" + library.filename().string(),
+                                         "LD_LIBRARY_PATH=" + library.parent_path().string(),
+                                         "SSLV_HUNG_FOLDER=" + state_.string(), "SSLV_HUNG_WHILE=" + hung,
+                                         "ASAN_OPTIONS=verify_asan_link_order=0"});
   ChildProcess daemon(words(), environment);
   manager_.wait_for("READY=1");
   std::ofstream(hung) << "now";
