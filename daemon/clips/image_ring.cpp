@@ -103,7 +103,7 @@ bool write_at(const OpenFile& file, std::span<const std::byte> bytes, std::uint6
 
 }  // namespace
 
-ImageRing::ImageRing(std::size_t bytes)
+ImageRing::ImageRing(std::size_t bytes, const std::stop_token& stop)
     : bytes_(ring_aligned(bytes)), file_(memory_file(ring_file_bytes(bytes_))) {
   const std::size_t size = ring_mapped_bytes(bytes_);
   mapped_ = map_memory(file_, size);
@@ -112,11 +112,12 @@ ImageRing::ImageRing(std::size_t bytes)
   // In pieces: the kernel lets no other thread of this process get memory meanwhile.
   for (std::size_t at = 0; at < size; at += kHugePage) {
     const std::size_t piece = std::min(kHugePage, size - at);
-    if (madvise(mapped_ + at, piece, MADV_POPULATE_WRITE) != 0) {
+    const bool is_stopped = stop.stop_requested();
+    if (is_stopped || madvise(mapped_ + at, piece, MADV_POPULATE_WRITE) != 0) {
       const int problem = errno;
-      if (problem == ENOMEM || problem == EFAULT) {
+      if (is_stopped || problem == ENOMEM || problem == EFAULT) {
         munmap(mapped_, size);
-        refuse_memory(ENOMEM);
+        refuse_memory(is_stopped ? ECANCELED : ENOMEM);
       }
       std::memset(mapped_ + at, 0, piece);  // an older kernel
     }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <stop_token>
 #include <vector>
 
 namespace sslv {
@@ -21,8 +22,8 @@ namespace sslv {
 class ImageRing {
  public:
   /// Takes the memory and touches all of it, so that the camera's thread is given none by the system later:
-  /// that takes .5 s for each GB. Throws std::system_error when there is none.
-  explicit ImageRing(std::size_t bytes);
+  /// that takes .5 s for each GB. Throws std::system_error when there is none, or it is told to stop.
+  explicit ImageRing(std::size_t bytes, const std::stop_token& stop = {});
   ~ImageRing();
   ImageRing(const ImageRing&) = delete;
   ImageRing& operator=(const ImageRing&) = delete;

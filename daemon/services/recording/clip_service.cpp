@@ -99,7 +99,7 @@ void ClipService::work(const std::stop_token& stop) {
       write(*order, stop);
     } else if (steady_s() - shared_s >= kShareInterval_s) {
       shared_s = steady_s();
-      last_seconds_.look(config_.load()->recording.last_seconds);
+      last_seconds_.look(config_.load()->recording.last_seconds, steady_s(), stop);
     }
   }
 }

@@ -29,10 +29,10 @@ constexpr double kMayDiffer = 0.3;
 constexpr double kOfWhatIsLeft = 0.5;
 
 /// The service manager keeps its memory until the ring ends, so also after a crash.
-std::shared_ptr<ImageRing> kept_ring(int camera_id, std::size_t bytes) {
+std::shared_ptr<ImageRing> kept_ring(int camera_id, std::size_t bytes, const std::stop_token& stop) {
   static std::atomic<unsigned> count{0};
   const std::string name = fmt::format("{}{}-{}", LastSeconds::kKeptName, camera_id, ++count);
-  std::shared_ptr<ImageRing> ring(new ImageRing(bytes), [name](ImageRing* ending) {
+  std::shared_ptr<ImageRing> ring(new ImageRing(bytes, stop), [name](ImageRing* ending) {
     if (ending->fd() >= 0) forget_file(name);
     delete ending;
   });
@@ -89,7 +89,7 @@ void LastSeconds::publish(const std::map<int, Known>& known) {
   known_.swap(before);
 }
 
-void LastSeconds::look(const LastSecondsSettings& settings, double now_s) {
+void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const std::stop_token& stop) {
   std::map<int, Known> known = known_;  // this thread alone changes it
   measure(known, now_s);
   publish(known);
@@ -112,8 +112,9 @@ void LastSeconds::look(const LastSecondsSettings& settings, double now_s) {
     settings_ = settings;
   }
   try {
-    share_out(known, std::min(wanted, may));
+    share_out(known, std::min(wanted, may), stop);
   } catch (const std::system_error& error) {
+    if (stop.stop_requested()) return;
     problem = error.what();
   }
   publish(known);
@@ -128,7 +129,7 @@ void LastSeconds::look(const LastSecondsSettings& settings, double now_s) {
   problem_ = std::move(problem);
 }
 
-void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes) {
+void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes, const std::stop_token& stop) {
   double all_per_s = 0;
   for (const auto& [id, one] : known) all_per_s += one.bytes_per_s;
   if (all_per_s <= 0 && bytes > 0) return;
@@ -151,7 +152,7 @@ void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes) {
   for (auto& [id, one] : known) {
     one.camera->tidy();
     if (one.ring || part_of(one) == 0) continue;
-    one.ring = kept_ring(id, part_of(one));
+    one.ring = kept_ring(id, part_of(one), stop);
     hand_over(one);
   }
 }

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,7 @@ class LastSeconds {
 
   /// To be called now and then: shares the memory out again when cameras or settings have changed, which
   /// empties what changes. Not while a ring is read. `now_s`: on the steady clock.
-  void look(const LastSecondsSettings& settings, double now_s = steady_s());
+  void look(const LastSecondsSettings& settings, double now_s = steady_s(), const std::stop_token& stop = {});
 
   struct Ring {
     int camera_id = 0;
@@ -63,7 +64,7 @@ class LastSeconds {
   };
   void measure(std::map<int, Known>& known, double now_s);
   void publish(const std::map<int, Known>& known);
-  void share_out(std::map<int, Known>& known, std::uint64_t bytes);
+  void share_out(std::map<int, Known>& known, std::uint64_t bytes, const std::stop_token& stop);
   void hand_over(const Known& known) const;
 
   Cameras& cameras_;
