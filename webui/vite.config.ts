@@ -31,5 +31,6 @@ export default defineConfig({
   server: { proxy: { '/api': { target: daemon, ws: true } }, fs: { allow: ['..'] } },
   preview: { proxy: { '/api': { target: daemon, ws: true } } },
   // One process for all: a start of its own for each file took six times as long as the tests.
-  test: { include: ['src/**/*.test.ts'], isolate: false },
+  // The longest wait is that of the other tests (PATIENCE_MS in ../tests/e2e/service.mjs).
+  test: { include: ['src/**/*.test.ts'], isolate: false, testTimeout: 300_000, hookTimeout: 300_000 },
 });

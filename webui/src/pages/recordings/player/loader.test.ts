@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { describe, expect, it } from 'vitest';
+import { afterEach, describe, expect, it, vi } from 'vitest';
 import { ahead, bestOf, Loader, MOST_AT_ONCE, widthFor, type Want } from './loader';
 
 const settle = () => new Promise<void>((resolve) => { setTimeout(resolve); });
@@ -27,6 +27,8 @@ function link(limits: Record<string, number> = {}) {
 }
 
 describe('what loads frames', () => {
+  afterEach(() => { vi.useRealTimers(); });
+
   it('asks for the most important first, and never for more than two at a time', async () => {
     const { want, asked, come, loader } = link();
     want('a', 'b', 'c', 'd');
@@ -62,12 +64,16 @@ describe('what loads frames', () => {
     expect(['a', 'b', 'c'].filter((key) => loader.has(key))).toEqual(['a', 'c']);
   });
   it('tells a failure, and does not ask for the same at once', async () => {
+    vi.useFakeTimers({ toFake: ['performance'] });
     const { want, asked, fail, failures } = link();
     want('a');
     await fail('a');
     want('a');
     expect(asked).toEqual(['a']);
     expect(failures).toHaveLength(1);
+    vi.advanceTimersByTime(1500);
+    want('a');
+    expect(asked).toEqual(['a', 'a']);
   });
   it('is silent when it has ended', async () => {
     const { want, come, loader, changes, asked } = link();
