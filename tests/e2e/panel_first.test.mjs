@@ -45,7 +45,7 @@ async function readCode(page) {
   }, shot);
 }
 
-describe('the first set-up', { timeout: 540_000 }, () => {
+describe('the first set-up', () => {
   aroundTests();
   beforeEach(service.restore);
 

@@ -41,7 +41,7 @@ const typeInto = async (page, pointer, value) => {
   await field.press('Enter');
 };
 
-describe('settings page', { timeout: 540_000 }, () => {
+describe('settings page', () => {
   let first;
   aroundTests(async () => {
     first = await tree();
@@ -494,7 +494,7 @@ describe('settings page', { timeout: 540_000 }, () => {
     await page.waitForSelector(byId('settings-search'));
     await page.fill(byId('settings-search'), 'loopback');
     await page.waitForSelector(row('/network/vision/loopback'));
-    await page.click('a:has-text("History")', { trial: true, timeout: 500 }).then(() => assert.fail('only the results show'), () => {});
+    assert.equal(await page.isVisible('a:has-text("History")'), false, 'only the results show');
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   }));
 

@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import { userInfo } from 'node:os';
 import { promisify } from 'node:util';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, frameNumber, itLong, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
+import { accessible, accessibleInThemes, byId, comesUp, createBrowser, DESKTOP, frameNumber, itLong, live, PHONE, phone, picturesGoOn, text, textBecomes, views } from './browser.mjs';
 import { textOfPdf } from './pdf.mjs';
 import { detectionOf, geometryOf } from './protobuf.mjs';
 import { becomes, createService, root, upgradePanel } from './service.mjs';
@@ -110,8 +110,7 @@ describe('tools', () => {
         });
         assert.equal(number(await text(page, 'geometry-field_lines')), team.geometry().lines);
 
-        await press('packets-copy');
-        await page.waitForSelector('text=Copied as JSON');
+        await comesUp(page, 'main', /Copied as JSON/, () => press('packets-copy'));
         const copied = JSON.parse(await page.evaluate(() => navigator.clipboard.readText()));
         assert.equal(copied.detection.frame_number, frame);
         assert.equal(copied.geometry.field.field_length, team.geometry().field_length);
@@ -281,7 +280,7 @@ describe('tools', () => {
       await page.keyboard.press('h');
       await page.keyboard.press('Escape');
       await dialog.waitFor({ state: 'hidden' });
-      assert.equal(await page.locator(byId('overlay-robot')).first().isVisible(), true);
+      await page.waitForSelector(byId('overlay-robot'));
       await page.keyboard.press(keysOf['Show or hide: Detections'][0]);
       await page.waitForSelector(byId('overlay-robot'), { state: 'detached' });
       await page.keyboard.press(keysOf['Show or hide: Detections'][0]);
