@@ -57,12 +57,14 @@ describe('panel over a bad link', () => {
     it(`says "Slow link" at ${kbps} kbit/s and calls no camera lost, but one that is`, () => onPage('', async (page) => {
       await linkIs(page, 'slow');
       await textBecomes(page, 'connection', /^Slow link$/);
-      for (let i = 0; i < 20; i++) {
+      // While what passes in two seconds passes.
+      const before = link.bytes();
+      await becomes(async () => {
         const said = await troubles(page);
         assert.ok(said.every((text) => /^(Slow link|Waiting|No data)/.test(text)), `no camera is blamed: ${said}`);
         assert.equal(await page.locator('.tile.bad').count(), 0);
-        await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 100); }));
-      }
+        return link.bytes() - before;
+      }, (bytes) => bytes > 2 * kbps * 1000 / 8);
       await noFiles();
       await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.includes('Camera lost'), `${byId('camera-tile-1')} ${byId('picture-trouble')}`);
     }, { prepare: () => link.limit(kbps) }));
@@ -280,13 +282,16 @@ describe('panel that nobody looks at', () => {
     await noFiles();
     await isLost();
     await page.waitForFunction(() => window.heard.notes.length === 1);
-    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 1000); }));
+    await page.clock.fastForward(1000); // it no longer waits for leave to sound
     await page.mouse.click(2, 2);
-    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 1000); }));
-    assert.equal(await page.evaluate(() => window.heard.tones), 0);
+    // The next alert has its two tones, and there are none of the first.
+    await noFiles(0);
+    await page.waitForFunction(() => window.heard.notes.length === 2 && window.heard.tones >= 2);
+    assert.deepEqual(await page.evaluate(() => window.heard), { tones: 2, notes: [1, 0].map((id) => `${service.settings.site}: Camera ${id} lost`) });
   }, {
     options: { serviceWorkers: 'block' },
     async prepare(page) {
+      await page.clock.install();
       await listen(page);
       await page.addInitScript(() => {
         // A browser without a window lets every page sound; others begin with the first click.
