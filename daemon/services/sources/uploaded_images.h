@@ -43,7 +43,7 @@ class UploadedImages {
   /// By their names.
   std::vector<Folder> folders() const;
 
-  /// Whoever waits in save() for an image to be decoded waits no longer: it is refused.
+  /// An image that is being decoded in save() is not waited for any more: it is refused.
   void ask_to_stop() const { decoding_.ask_to_stop(); }
 
   /// Where a folder of this name is, or would be. Throws SettingsError for a name that is not allowed.
