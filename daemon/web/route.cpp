@@ -2,7 +2,6 @@
 #include "web/route.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <charconv>
 #include <stdexcept>
@@ -102,8 +101,6 @@ bool query_flag(const Request& request, const std::string& name) {
 }
 
 Json parse_json(std::string_view text) {
-  constexpr std::size_t kLarge = 64 * 1024;
-  if (text.size() > kLarge) memory_was_used();
   try {
     return parse_bounded_json(text);
   } catch (const std::length_error& error) {

@@ -140,7 +140,6 @@ Response BackupService::get_backup(const Request& request) {
 }
 
 BackupService::Read BackupService::read(const Request& request) {
-  memory_was_used();
   Backup backup = read_backup(request.body, request.stop);
   Read out;
   out.manifest = std::move(backup.manifest);

@@ -2,7 +2,6 @@
 #include "services/sources/source_service.h"
 
 #include "base/log.h"
-#include "base/memory.h"
 #include "config/backends.h"
 #include "config/config.h"
 #include "services/sources/file_list.h"
@@ -137,7 +136,6 @@ Response SourceService::get_images() const {
 }
 
 Response SourceService::upload_image(const Request& request) {
-  memory_was_used();
   const auto path = uploaded_.save(query_text(request, "folder"), query_text(request, "name"), request.body);
   return json_response({{"path", path.string()}});
 }
