@@ -20,7 +20,7 @@ service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPor
 const [first] = service.settings.cameras;
 service.settings.cameras = [0, 1].map((id) => ({ ...structuredClone(first), id, source: { ...structuredClone(first.source), frame_rate_hz: 10 } }));
 service.settings.panel.match_lock = false; // the settings change while a goal is shot
-service.settings.recording = { last_seconds: { memory_mb: 400 }, clips: { seconds: 3, seconds_after: 0.5 } };
+service.settings.recording = { last_seconds: { memory_mb: 150 }, clips: { seconds: 3, seconds_after: 0.5 } };
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
 const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').slice(0, -1), ...words], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
 const folder = join(service.stateFolder, 'recordings');
@@ -202,13 +202,13 @@ describe('clips', () => {
     await becomes(clips, ({ last_seconds }) => last_seconds.images === 'found' && last_seconds.cameras.every(rate));
     const made = await clipWith({ seconds: 0.5, seconds_after: 3 }, 'parts');
     const clip = readClip(pathOf(made));
-    const parts = clip.frames.filter(({ tile_px }) => tile_px > 0);
-    for (const { id, frames: count } of made.cameras) {
-      const frames = clip.frames.filter(({ camera_id }) => camera_id === id);
-      const [whole, seconds] = [frames.filter(({ tile_px }) => tile_px === 0).length, frames.at(-1).t_capture_s - frames[0].t_capture_s];
-      assert.ok(whole <= 1 + seconds, `${whole} of ${count} in ${seconds} s are whole`);
+    for (const id of [0, 1]) {
+      // From the first on that is in parts; before it may lie some of before.
+      const all = clip.frames.filter(({ camera_id }) => camera_id === id);
+      const frames = all.slice(all.findIndex(({ tile_px }) => tile_px > 0));
+      const whole = frames.filter(({ tile_px }) => tile_px === 0).length, seconds = frames.at(-1).t_capture_s - frames[0].t_capture_s;
+      assert.ok(whole < frames.length && whole <= 1 + seconds, `${whole} of ${frames.length} in ${seconds} s are whole`);
     }
-    assert.ok(parts.length > 0);
     assert.ok(clip.frames.every(({ image, width, height }) => image.length >= width * height));
     assert.ok(before.frames > 0);
     const { json: index } = await ask('GET', `/clips/${made.name}/frames`);
@@ -223,7 +223,7 @@ describe('clips', () => {
     assert.ok(!existsSync(pathOf(other)));
     const bytes = await fetch(service.address(`api/recordings/clips/${kept.name}`));
     assert.equal((await bytes.arrayBuffer()).byteLength, kept.bytes);
-    await service.patch({ op: 'replace', path: '/recording/quota_mb', value: Math.ceil(kept.bytes / 1e6) + 1 });
+    await service.patch({ op: 'replace', path: '/recording/quota_mb', value: Math.max(10, Math.ceil(kept.bytes / 1e6) + 1) });
     assert.equal((await ask('POST', '/clips', { seconds: 3, name: 'too_large' })).status, 202);
     const failed = await becomes(clips, ({ clip }) => clip.state === 'failed');
     assert.match(failed.clip.error, /quota_mb/);
