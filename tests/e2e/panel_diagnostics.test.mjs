@@ -43,7 +43,7 @@ function expectedValues(timeline, id, at) {
 const shownValues = (page, ids) => page.evaluate(([list, tipSelector]) => {
   const values = Object.fromEntries(list.map((id) => [id, Object.fromEntries(['latency', 'fps', 'seen', 'lost'].map((graph) =>
     [graph, document.querySelector(`[data-testid="value-${graph}-${id}"]`).lastChild.textContent.trim()]))]));
-  return { values, time: Date.parse(document.querySelector(`${tipSelector} time`).dateTime) / 1000 };
+  return { values, time: Date.parse(document.querySelector(`${tipSelector} time`)?.dateTime) / 1000 };
 }, [ids, byId('tip')]);
 
 const ids = settings.cameras.map(({ id }) => id);
@@ -100,7 +100,7 @@ function measureGraph([name, curves]) {
     for (let y = 0; y < height; y++) if (isCurve(...data.subarray(4 * y, 4 * y + 4))) rows.push(height - y - 0.5);
     columns.push({ fromRight_s: (width - x - 0.5) / perSecond, rows });
   }
-  const time = Date.parse(document.querySelector('[data-testid="tip"] time').dateTime) / 1000;
+  const time = Date.parse(document.querySelector('[data-testid="tip"] time')?.dateTime) / 1000; // NaN: it has left the graph
   // How much of the half second before the cursor has the shade of the second camera.
   const second = column(Math.round(cursorX - 0.5 * perSecond));
   let shaded = 0;

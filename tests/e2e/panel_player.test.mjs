@@ -280,7 +280,7 @@ describe('the player', () => {
       now--;
       await route.continue().catch(() => {}); // the page no longer waits for it
     });
-    await page.clock.pauseAt(await page.evaluate(() => Date.now() + 1000));
+    await page.clock.pauseAt(await page.evaluate(() => Date.now() + 600_000)); // not so soon that it has passed by then
     await page.click(byId('play'));
     await page.waitForSelector(`${byId('play')}[data-playing="true"]`);
     await page.clock.runFor(1000);
