@@ -5,13 +5,17 @@
 #include "support/patience.h"
 
 #include <chrono>
+#include <condition_variable>
 #include <cstring>
 #include <deque>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -23,6 +27,8 @@
 namespace sslv::test {
 
 /// The service manager's end of a service: hears what sd_notify(3) says, and keeps the files that it is to.
+/// It always listens, as the real one does: some ten messages find room in its socket, and who sends another
+/// one waits.
 class ServiceManager {
  public:
   explicit ServiceManager(const std::filesystem::path& socket) : path_(socket) {
@@ -31,8 +37,19 @@ class ServiceManager {
     path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
     if (socket_ < 0 || ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
       throw std::runtime_error("no socket for notifications: " + std::string(std::strerror(errno)));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        pollfd waiting{socket_, POLLIN, 0};
+        ::poll(&waiting, 1, 100);
+        const std::lock_guard lock(mutex_);
+        read_all();
+      }
+    });
   }
-  ~ServiceManager() { ::close(socket_); }
+  ~ServiceManager() {
+    thread_ = {};
+    ::close(socket_);
+  }
   ServiceManager(const ServiceManager&) = delete;
   ServiceManager& operator=(const ServiceManager&) = delete;
 
@@ -41,27 +58,13 @@ class ServiceManager {
 
   /// The next message; none when it does not come in that time.
   std::optional<std::string> next(std::chrono::milliseconds timeout) {
-    pollfd waiting{socket_, POLLIN, 0};
-    if (::poll(&waiting, 1, static_cast<int>(timeout.count())) <= 0) return std::nullopt;
-    char text[4096];
-    iovec part{text, sizeof text};
-    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))];
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof control;
-    const ssize_t size = ::recvmsg(socket_, &message, MSG_CMSG_CLOEXEC);
-    OpenFile file;
-    const cmsghdr* const sent = CMSG_FIRSTHDR(&message);
-    if (size > 0 && sent != nullptr && sent->cmsg_type == SCM_RIGHTS) {
-      int fd = -1;
-      std::memcpy(&fd, CMSG_DATA(sent), sizeof fd);
-      file = OpenFile(fd);
-    }
-    std::string out(text, static_cast<std::size_t>(size > 0 ? size : 0));
-    see(out, std::move(file));
-    return out;
+    std::unique_lock lock(mutex_);
+    read_all();
+    if (!came_.wait_for(lock, timeout, [this] { return !heard_.empty(); })) return std::nullopt;
+    Message message = std::move(heard_.front());
+    heard_.pop_front();
+    see(message.text, std::move(message.file));
+    return message.text;
   }
 
   /// What the service wants to have again after a crash.
@@ -85,6 +88,35 @@ class ServiceManager {
   }
 
  private:
+  struct Message {
+    std::string text;
+    OpenFile file;
+  };
+
+  void read_all() {
+    for (;;) {
+      char text[4096];
+      iovec part{text, sizeof text};
+      alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))];
+      msghdr message{};
+      message.msg_iov = &part;
+      message.msg_iovlen = 1;
+      message.msg_control = control;
+      message.msg_controllen = sizeof control;
+      const ssize_t size = ::recvmsg(socket_, &message, MSG_CMSG_CLOEXEC | MSG_DONTWAIT);
+      if (size < 0) return;
+      OpenFile file;
+      const cmsghdr* const sent = CMSG_FIRSTHDR(&message);
+      if (sent != nullptr && sent->cmsg_type == SCM_RIGHTS) {
+        int fd = -1;
+        std::memcpy(&fd, CMSG_DATA(sent), sizeof fd);
+        file = OpenFile(fd);
+      }
+      heard_.push_back({std::string(text, static_cast<std::size_t>(size)), std::move(file)});
+      came_.notify_all();
+    }
+  }
+
   void see(const std::string& message, OpenFile file) {
     std::string name;
     bool keeps = false, forgets = false;
@@ -101,6 +133,10 @@ class ServiceManager {
   std::vector<KeptFile> kept_;
   const std::filesystem::path path_;
   const int socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<Message> heard_;
+  std::jthread thread_;  // the last: works on the others
 };
 
 }  // namespace sslv::test
