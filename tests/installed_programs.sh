@@ -14,17 +14,17 @@ mapfile -t packages < <(apt-get install --simulate --no-install-recommends -o Di
   apt "${required[@]}" "${@:2}" | awk '$1 == "Inst" {print $2}')
 ((${#packages[@]})) || { echo "installed_programs.sh: apt knows no packages: apt-get update" >&2; exit 1; }
 
-# Links of /etc/alternatives have no owner. Packages that are not here have no files.
-{
-  dpkg-query -L "${packages[@]}" 2>/dev/null | grep -xE '(/usr)?/s?bin/[^/]+' || true
-  find /usr/bin /usr/sbin -lname '/etc/alternatives/*'
-} | sort -u >"$folder/.all"
+# Packages that are not here have no files. Links of /etc/alternatives have no owner but what they lead to.
 declare -A owned
-while read -r program; do owned[$(readlink -f "$program")]=1; done < <(grep -vxFf <(find /usr/bin /usr/sbin -lname '/etc/alternatives/*') "$folder/.all")
+add() {
+  local to
+  to=$(readlink -f "$1") && [[ -x $to ]] && ln -sf "$1" "$folder/" && owned[$to]=1
+}
+while read -r program; do add "$program" || true; done < <(dpkg-query -L "${packages[@]}" 2>/dev/null |
+  grep -xE '(/usr)?/s?bin/[^/]+')
 while read -r program; do
-  if [[ -x $program && -n ${owned[$(readlink -f "$program")]:-} ]]; then ln -sf "$program" "$folder/"; fi
-done <"$folder/.all"
-rm "$folder/.all"
+  [[ -z ${owned[$(readlink -f "$program" || echo missing)]:-} ]] || add "$program"
+done < <(find /usr/bin /usr/sbin -lname '/etc/alternatives/*')
 
 # One that came from elsewhere will do, as in ./run.
 for program in node npm npx; do
