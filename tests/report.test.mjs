@@ -53,10 +53,10 @@ describe('the report', () => {
   });
 
   it('fails where the work has doubled, and names the part of a suite that did it', () => {
-    suite('tests', 0, { 'unit.xml': gtest(PASSED), 'unit.work': '1\n', 'asan.unit.1.xml': gtest(PASSED), 'asan.unit.1.work': '5000\n', 'asan.unit.2.work': '5000\n' });
+    suite('tests under sanitizers', 0, { 'unit.xml': gtest(PASSED), 'unit.work': '1\n', 'asan.unit.1.xml': gtest(PASSED), 'asan.unit.1.work': '5000\n', 'asan.unit.2.work': '5000\n' });
     const { status, lines } = report();
     assert.equal(status, 1);
-    assert.ok(lines.some((line) => /10000\.0 .* tests, under AddressSanitizer and UBSan {2}MORE WORK THAN ITS BUDGET$/.test(line)), lines.join('\n'));
+    assert.ok(lines.some((line) => /10000\.0 .* tests under sanitizers, under AddressSanitizer and UBSan {2}MORE WORK THAN ITS BUDGET$/.test(line)), lines.join('\n'));
     assert.equal(lines.at(-1), '2 passed, 1 failed, 0 skipped');
   });
 });
