@@ -83,7 +83,8 @@ until (get /api/cameras/0/snapshot.jpg) && (get /api/cameras/1/snapshot.jpg); do
   sleep 1
 done
 first_image=$EPOCHSECONDS
-kill "$(pgrep -P "$demo")"  # unshare itself takes no signals
+# unshare itself takes no signals: the service is its child, in the demo's place.
+kill "$(pgrep -P "$(pgrep -P "$demo" -x unshare)")"
 wait "$demo" || true
 
 printf 'test: see %s/test.log\n' "$logs"

@@ -192,7 +192,7 @@ describe('colour tables', () => {
       for (const [x, y] of places) {
         const tried = await tryPick(x, y);
         if (!(tried.left_to_carpet > 0 && tried.cells > 0)) continue;
-        // The carpet may have been seen anew since.
+        // The carpet may have been seen again since.
         const done = await edit({ op: 'pick', label: 'cyan', still, x, y, width: 3, height: 3 });
         await post('colors/undo');
         if (done.left_to_carpet > 0 && done.cells > 0) return done;
