@@ -148,6 +148,12 @@ function leaveOutThisComputer() {
   });
 }
 
+/** Runs in the page: it gives no request up sooner than a test would. What no network answers still fails at once. */
+function bePatient(patience_ms) {
+  const { timeout } = AbortSignal;
+  AbortSignal.timeout = (ms) => timeout.call(AbortSignal, Math.max(ms, patience_ms));
+}
+
 /** A browser on the panel of a service. */
 export function createBrowser(service, { webgl = false } = {}) {
   const { address } = service;
@@ -164,6 +170,7 @@ export function createBrowser(service, { webgl = false } = {}) {
     const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
     context.setDefaultTimeout(PATIENCE_MS);
     await context.addInitScript(leaveOutThisComputer);
+    await context.addInitScript(bePatient, PATIENCE_MS);
     const page = await context.newPage();
     const panel = { page, errors: [], strangers: [], detections: [], previews: [], errorsExpected: false };
     page.on('console', (message) => {
