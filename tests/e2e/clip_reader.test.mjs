@@ -6,9 +6,10 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, it } from 'node:test';
+import { fileURLToPath } from 'node:url';
 import { crc32, readClip } from './clip_reader.mjs';
 
-const golden = new URL('../golden/small.clip', import.meta.url).pathname;
+const golden = fileURLToPath(new URL('../golden/small.clip', import.meta.url));
 const folder = mkdtempSync(join(tmpdir(), 'sslv_clip_'));
 after(() => rmSync(folder, { recursive: true }));
 

@@ -13,7 +13,8 @@ fi
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 cp "$folder"/*.service "$folder"/*.slice "$copy"
-sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$program |" "$copy"/*.service
+ln -s "$program" "$copy/program"  # its path may have spaces
+sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$copy/program |" "$copy"/*.service
 mkdir "$copy/ssl-visiond.service.d"
 
 # check WHAT
