@@ -34,9 +34,9 @@
 namespace sslv {
 namespace {
 
-/// What libraries may take of a service's start, for which systemd gives it 30 seconds: those inside to be
-/// tried, and all together, with the first starts of stages in processes of their own. Who has taken too long
-/// leaves the least to those that are described then.
+/// What libraries may take of a service's start, for which systemd gives it 30 seconds, on a computer that is
+/// not busy: those inside to be tried, and all together, with the first starts of stages in processes of
+/// their own. Who has taken too long leaves the least to those that are described then.
 constexpr std::chrono::milliseconds kMaxLoading{8000}, kMaxStarting{10'000}, kMinDescribing{2000};
 
 struct Outside {

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/plain_text.h"
+#include "kit/grace.h"
 #include "kit/read_stamp.h"
 
 #include <algorithm>
@@ -152,6 +153,12 @@ class Trial {
     return {{{is_closed_ ? -1 : answer_, POLLIN, 0}, {end_, POLLIN, 0}}};
   }
 
+  /// What is left of its time, which began at `begin`. While others have the processors it goes on, twice as
+  /// long at most: a service's start does not wait for ever.
+  std::chrono::nanoseconds left(Clock::time_point begin, std::chrono::nanoseconds within) const {
+    return begin + within + std::chrono::nanoseconds(grace_ns(process_, within.count())) - Clock::now();
+  }
+
   /// Whether there is no more to be known: it has said all, or has ended.
   bool has_come() {
     pollfd ended{end_, POLLIN, 0};
@@ -210,7 +217,7 @@ class Trial {
 /// to `left_out`.
 void try_all(std::vector<std::filesystem::path>& files, std::chrono::milliseconds within,
              std::vector<LeftOutLibrary>& left_out) {
-  const auto end = Clock::now() + within;
+  const auto begin = Clock::now();
   std::vector<std::string> wrong(files.size());
   std::vector<std::unique_ptr<Trial>> trials(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -222,19 +229,22 @@ void try_all(std::vector<std::filesystem::path>& files, std::chrono::millisecond
     }
   }
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    auto wait = std::chrono::duration_cast<std::chrono::milliseconds>(within);
     std::vector<pollfd> polled;
     for (std::size_t i = 0; i < files.size(); ++i) {
       if (trials[i] == nullptr) continue;
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(trials[i]->left(begin, within));
       if (trials[i]->has_come() || left.count() <= 0) {
         wrong[i] = trials[i]->result(within);
         trials[i].reset();
       } else {
+        wait = std::min(wait, left);
         for (const pollfd& one : trials[i]->polled()) polled.push_back(one);
       }
     }
     if (polled.empty()) break;
-    poll(polled.data(), polled.size(), static_cast<int>(left.count()));
+    constexpr int kLook_ms = 20;  // what is left may grow while it passes
+    poll(polled.data(), polled.size(), std::max(kLook_ms, static_cast<int>(wait.count())));
   }
   std::size_t at = 0;
   std::erase_if(files, [&](const std::filesystem::path& file) {

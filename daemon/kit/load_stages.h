@@ -48,8 +48,8 @@ StageRows load_rows(const std::filesystem::path& file);
 
 /// Loads the stage libraries of these folders, for good. Before a library is loaded its stamp is read,
 /// and a process of its own loads it and makes each of its stages once: what throws, crashes or hangs does so
-/// there. That is done with all libraries at the same time, which have `within` together. To be called before
-/// any thread starts.
+/// there. That is done with all libraries at the same time, which have `within` together; twice that where
+/// other programs have the processors. To be called before any thread starts.
 LoadedStages load_stages(const std::vector<std::filesystem::path>& folders,
                          std::chrono::milliseconds within = std::chrono::seconds(8));
 

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/plain_text.h"
 #include "kit/apart/start_process.h"
+#include "kit/grace.h"
 
 #include <algorithm>
 #include <array>
@@ -30,7 +31,7 @@ std::string read_answer(int socket, int pipe, const StartedProcess& process, Out
   constexpr std::int64_t kNsPerMs = 1'000'000, kLookMs = 50;
   std::string answer;
   for (;;) {
-    const std::int64_t left_ns = begin_ns + within_ns + grace_ns(process, within_ns) - steady_ns();
+    const std::int64_t left_ns = begin_ns + within_ns + grace_ns(process.pid, 3 * within_ns) - steady_ns();
     if (left_ns <= 0 || stop.stop_requested()) return {};
     std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {process.pidfd.get(), POLLIN, 0}}};
     ::poll(polled.data(), polled.size(), static_cast<int>(std::min(left_ns / kNsPerMs + 1, kLookMs)));
@@ -80,7 +81,7 @@ Json ask_library(const std::string& library, const Json& question, const std::st
   const std::string text =
       read_answer(sockets.ours.get(), pipe.ours.get(), process, output, begin_ns, within_ns, stop);
   const bool is_late =
-      steady_ns() >= begin_ns + within_ns + grace_ns(process, within_ns) || stop.stop_requested();
+      steady_ns() >= begin_ns + within_ns + grace_ns(process.pid, 3 * within_ns) || stop.stop_requested();
   if (text.empty() && !is_late) {
     // It ended without a word: it is told how, once that is known.
     constexpr int kEndsWithinMs = 1000;

@@ -4,12 +4,10 @@
 #include "base/log.h"
 #include "base/plain_text.h"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -118,13 +116,6 @@ StartedProcess start_stage_process(const std::vector<std::string>& arguments, co
     fail_start("pidfd_open", why);
   }
   return started;
-}
-
-std::int64_t grace_ns(const StartedProcess& process, std::int64_t limit_ns) {
-  std::ifstream file(fmt::format("/proc/{}/schedstat", process.pid));
-  std::int64_t ran = 0, waited = 0;
-  if (!(file >> ran >> waited)) return 0;  // it has ended, or the kernel does not tell
-  return std::clamp<std::int64_t>(waited, 0, 3 * limit_ns);
 }
 
 void kill_stage_process(const StartedProcess& process) noexcept {

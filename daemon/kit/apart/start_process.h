@@ -60,10 +60,6 @@ struct StartedProcess {
 StartedProcess start_stage_process(const std::vector<std::string>& arguments, const std::vector<int>& files,
                                    int output);
 
-/// How much later than in `limit_ns` the process may be done: it wanted a processor for so long and got none.
-/// Three times the limit at most.
-std::int64_t grace_ns(const StartedProcess& process, std::int64_t limit_ns);
-
 /// Ends the process and all that it started.
 void kill_stage_process(const StartedProcess& process) noexcept;
 /// How a process ended, after waiting for that: "ended by signal 11", "ended with exit code 1".

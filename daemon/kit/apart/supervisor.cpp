@@ -5,6 +5,7 @@
 #include "base/futex.h"
 #include "base/log.h"
 #include "base/plain_text.h"
+#include "kit/grace.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -223,7 +224,7 @@ struct Supervisor::Impl {
     if (!process.is_wanted.load()) {
       one.killed_for = "was ended";
     } else if (one.state == State::kStarting) {
-      if (now_ns < one.due_ns + grace_ns(one.started, ns(options.starts_within))) return false;
+      if (now_ns < one.due_ns + grace_ns(one.started.pid, 3 * ns(options.starts_within))) return false;
       one.killed_for = "did not start in time and was ended";
       const std::lock_guard lock(mutex);
       slow.insert(process.library);
