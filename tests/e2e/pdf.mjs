@@ -26,13 +26,17 @@ function glyphNames(table) {
 export function textOfPdf(bytes) {
   const raw = bytes.toString('latin1');
   const objects = new Map();
-  for (const [, number, body] of raw.matchAll(/(?:^|\n)(\d+) 0 obj\s([\s\S]*?)\nendobj/g)) {
-    const stream = /stream\r?\n([\s\S]*?)\r?\nendstream/.exec(body);
+  for (const { index, 0: begin, 1: number } of raw.matchAll(/(?:^|\n)(\d+) 0 obj\s/g)) {
+    const head = raw.slice(index + begin.length, raw.indexOf('endobj', index)).split(/stream\r?\n/, 1)[0];
+    // Its end is found by its length: compressed bytes may look like anything.
+    const length = /\/Length (\d+)/.exec(head)?.[1], at = /stream\r?\n/g;
+    at.lastIndex = index + begin.length + head.length;
     let content = '';
-    if (stream) {
-      try { content = inflateSync(Buffer.from(stream[1], 'latin1')).toString('latin1'); } catch { content = stream[1]; }
+    if (length && at.test(raw)) {
+      const stream = bytes.subarray(at.lastIndex, at.lastIndex + Number(length));
+      content = (head.includes('/FlateDecode') ? inflateSync(stream) : stream).toString('latin1');
     }
-    objects.set(number, { head: stream ? body.slice(0, stream.index) : body, content });
+    objects.set(number, { head, content });
   }
   const fonts = new Map();
   for (const [number, { head }] of objects) {
