@@ -34,8 +34,15 @@ std::vector<StageFigures> stages_of(const RunningCamera& camera, std::vector<Sta
 
 }  // namespace
 
+Plan CameraService::plan(const SettingsChange& change) const {
+  const auto planned = cameras_.plan(change);
+  return {.get_ready = [this, planned] { cameras_.get_ready(*planned); },
+          .apply = [this, planned]() noexcept { cameras_.apply(*planned); },
+          .outcome = [planned] { return RunningCameras::outcome(*planned); }};
+}
+
 void CameraService::each_second() {
-  cameras_.take_gone();  // and waits for those that do not answer
+  cameras_.drop_stopped();
   const List cameras = cameras_.list();
   watch_.look(cameras);
   tell_what_became(cameras);

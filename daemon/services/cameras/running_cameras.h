@@ -8,7 +8,6 @@
 #include "services/service.h"
 #include "web/view.h"
 
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -46,24 +45,26 @@ class RunningCameras final : public Cameras, public ViewSource {
   std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than_version,
                                 std::chrono::milliseconds timeout) override;
 
+  using List = std::vector<std::shared_ptr<RunningCamera>>;
   /// In the order of their ids.
-  std::vector<std::shared_ptr<RunningCamera>> list() const;
+  List list() const;
   /// Null when there is none with this id.
   std::shared_ptr<RunningCamera> find(int camera_id) const;
 
-  /// See Service::prepare().
-  Commit prepare(const SettingsChange& change);
-  /// Those that were taken out of the settings since the last call. To let go of one waits until its thread
-  /// has ended.
-  std::vector<std::shared_ptr<RunningCamera>> take_gone();
+  /// What a change of settings will do, and each step of it: see Plan.
+  struct Planned;
+  std::shared_ptr<Planned> plan(const SettingsChange& change) const;
+  void get_ready(Planned& planned);
+  void apply(Planned& planned) noexcept;
+  static std::vector<std::string> outcome(const Planned& planned);
+  /// Lets go of cameras that were taken out of the settings and have stopped. Waits for none: one that hangs
+  /// in a stage stays, and is hanging().
+  void drop_stopped();
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
   void update_robot_heights();
 
  private:
   using Running = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
-  struct Prepared;
-
-  void commit(Prepared& prepared) noexcept;
 
   const Snapshot<Config>& config_;
   MulticastSender& multicast_;
@@ -71,10 +72,10 @@ class RunningCameras final : public Cameras, public ViewSource {
   const RefereeListener& referee_;
   const LoadTable load_table_;
   std::vector<CameraObserver*> observers_;
-  std::mutex mutex_;  // held while cameras get new setups; guards the next two
+  std::mutex mutex_;                                     // held while cameras get new setups; guards the next
   std::map<int, std::shared_ptr<CameraTotals>> totals_;  // by id
-  std::list<std::shared_ptr<RunningCamera>> gone_;       // that still have to end
   Snapshot<Running> running_{Running{}};
+  Snapshot<List> gone_{List{}};  // that still have to end; written with the mutex held
 };
 
 }  // namespace sslv
