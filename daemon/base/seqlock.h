@@ -12,8 +12,9 @@
 namespace sslv {
 
 /// A value that one thread writes often and any thread reads whole. The writer never waits; a reader that
-/// meets a change reads again (a sequence lock: Boehm, "Can seqlocks get along with programming language
-/// memory models?", 2012).
+/// meets a change reads again. So load() is for readers that are no more urgent than the writer: one that
+/// keeps the writer off its processor waits in vain, and uses try_load(). (A sequence lock: Boehm, "Can
+/// seqlocks get along with programming language memory models?", 2012.)
 template <class T>
 class Seqlock {
   static_assert(std::is_trivially_copyable_v<T>, "it is copied as bytes");
@@ -32,15 +33,18 @@ class Seqlock {
   }
 
   T load() const noexcept {
-    for (;; std::this_thread::yield()) {
-      const std::uint64_t before = sequence_.load(std::memory_order_acquire);
-      std::array<std::uint64_t, kWords> copy;
-      for (std::size_t i = 0; i < kWords; ++i) copy[i] = words_[i].load(std::memory_order_acquire);
-      if (before % 2 != 0 || sequence_.load(std::memory_order_relaxed) != before) continue;
-      T value;
-      std::memcpy(static_cast<void*>(&value), copy.data(), sizeof value);
-      return value;
-    }
+    T value;
+    while (!try_load(value)) std::this_thread::yield();
+    return value;
+  }
+  /// False while it is being written; `value` stays then.
+  bool try_load(T& value) const noexcept {
+    const std::uint64_t before = sequence_.load(std::memory_order_acquire);
+    std::array<std::uint64_t, kWords> copy;
+    for (std::size_t i = 0; i < kWords; ++i) copy[i] = words_[i].load(std::memory_order_acquire);
+    if (before % 2 != 0 || sequence_.load(std::memory_order_relaxed) != before) return false;
+    std::memcpy(static_cast<void*>(&value), copy.data(), sizeof value);
+    return true;
   }
 
  private:

@@ -47,11 +47,28 @@ udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings)
   socket.non_blocking(true);
   socket.set_option(multicast::hops(settings.ttl));
   socket.set_option(multicast::enable_loopback(settings.loopback));
+  socket.set_option(udp::socket::broadcast(true));
+  // Broadcasts leave by the card that the socket is bound to.
+  address_v4 card;
   if (!settings.interface.empty()) {
-    socket.set_option(multicast::outbound_interface(find_card(settings.interface)));
+    card = find_card(settings.interface);
+    socket.set_option(multicast::outbound_interface(card));
   }
-  socket.bind(udp::endpoint(udp::v4(), 0));  // now, so that its port is known before its first packet leaves
+  socket.bind(udp::endpoint(card, 0));  // now, so that its port is known before its first packet leaves
   return socket;
+}
+
+/// Packets to a broadcast address that is not there would go to some computer.
+void check_is_there(const std::string& destination, const std::string& interface) {
+  const address_v4 address = asio::ip::make_address_v4(destination);
+  if (address.is_multicast()) return;
+  const std::vector<address_v4> there = broadcast_addresses(interface);
+  if (std::ranges::find(there, address) != there.end()) return;
+  std::string known;
+  for (const address_v4& one : there) known += (known.empty() ? "" : ", ") + one.to_string();
+  throw std::runtime_error("no subnet of " +
+                           (interface.empty() ? std::string("this computer") : "network card " + interface) +
+                           " has the broadcast address " + destination + "; there are " + known);
 }
 
 bool is_routing_error(int error) {
@@ -82,13 +99,22 @@ struct Way {
 void check_group(const std::string& group, const std::string& path) {
   boost::system::error_code error;
   const address_v4 address = asio::ip::make_address_v4(group, error);
-  if (error || !address.is_multicast()) {
-    refuse(path, group, "an IPv4 multicast address, 224.0.0.0 .. 239.255.255.255");
+  if (error || !(address.is_multicast() || may_be_broadcast(address))) {
+    refuse(path, group,
+           "an IPv4 multicast address, 224.0.0.0 .. 239.255.255.255, or a broadcast address, such as "
+           "255.255.255.255 or 10.0.0.255");
   }
 }
 
 void check_multicast(const MulticastSettings& settings, const std::string& path) {
   check_group(settings.group, path + "/group");
+  if (settings.broadcast.empty()) return;
+  boost::system::error_code error;
+  const address_v4 address = asio::ip::make_address_v4(settings.broadcast, error);
+  if (error || !may_be_broadcast(address) || settings.broadcast == settings.group) {
+    refuse(path + "/broadcast", settings.broadcast,
+           "a broadcast address besides the group, such as 255.255.255.255 or 10.0.0.255, or nothing");
+  }
 }
 
 MulticastSender::MulticastSender(const MulticastSettings& settings, const std::string& path) {
@@ -108,17 +134,20 @@ void MulticastSender::configure(const MulticastSettings& settings, const std::st
   const std::lock_guard control(control_mutex_);
   settings_ = settings;
   open();
-  send_error_ = 0;
+  for (auto& error : send_errors_) error = 0;
 }
 
 void MulticastSender::open() {
-  Words words{settings_.group + ":" + std::to_string(settings_.port), {}, advice()};
+  const std::string port = ":" + std::to_string(settings_.port);
+  Words words{{settings_.group + port, settings_.broadcast + port}, {}, advice()};
   try {
+    check_is_there(settings_.group, settings_.interface);
+    if (!settings_.broadcast.empty()) check_is_there(settings_.broadcast, settings_.interface);
     udp::socket socket = open_socket(io_, settings_);
     own_ports_ = own_ports_ << 16 | socket.local_endpoint().port();
     publish(socket.native_handle());
   } catch (const std::exception& caught) {
-    way_ = 0;
+    for (auto& way : ways_) way = 0;
     words.open_error = caught.what();
   }
   words_.store(std::move(words));
@@ -133,17 +162,27 @@ void MulticastSender::publish(int socket) {
   // Written before a sender is told of the place, and not again: one may be reading it.
   if (sockets_[place] < 0) sockets_[place] = number;
   newest_place_ = place;
-  way_ = Way{asio::ip::make_address_v4(settings_.group).to_uint(), static_cast<std::uint16_t>(settings_.port),
-             place}
-             .word();
+  const auto word_to = [&](const std::string& address) {
+    return address.empty() ? 0
+                           : Way{asio::ip::make_address_v4(address).to_uint(),
+                                 static_cast<std::uint16_t>(settings_.port), place}
+                                 .word();
+  };
+  ways_[0] = word_to(settings_.group);
+  ways_[1] = word_to(settings_.broadcast);
 }
 
 bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
-  const std::uint64_t word = way_.load(std::memory_order_acquire);
-  if (word == 0) {
-    counts_.send_errors.fetch_add(1, std::memory_order_relaxed);
-    return false;
-  }
+  const std::uint64_t to_group = ways_[0].load(std::memory_order_acquire),
+                      to_broadcast = ways_[1].load(std::memory_order_acquire);
+  bool is_sent = to_group != 0 && send_to(0, to_group, packet);
+  if (to_broadcast != 0) is_sent = send_to(1, to_broadcast, packet) && is_sent;
+  (is_sent ? counts_.packets_sent : counts_.send_errors).fetch_add(1, std::memory_order_relaxed);
+  return is_sent;
+}
+
+bool MulticastSender::send_to(std::size_t which, std::uint64_t word,
+                              std::span<const std::byte> packet) noexcept {
   const Way way(word);
   sockaddr_in to{};
   to.sin_family = AF_INET;
@@ -154,16 +193,20 @@ bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
     sent = ::sendto(sockets_[way.place], packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                     reinterpret_cast<const sockaddr*>(&to), sizeof to);
   } while (sent < 0 && errno == EINTR);
-  send_error_.store(sent < 0 ? errno : 0, std::memory_order_relaxed);
-  (sent < 0 ? counts_.send_errors : counts_.packets_sent).fetch_add(1, std::memory_order_relaxed);
+  send_errors_[which].store(sent < 0 ? errno : 0, std::memory_order_relaxed);
   return sent >= 0;
 }
 
-std::string MulticastSender::error_text(const Words& words, int send_error) {
+std::string MulticastSender::error_text(const Words& words) const {
   if (!words.open_error.empty()) return words.open_error;
-  if (send_error == 0) return {};
-  std::string text = "cannot send to " + words.to + ": " + std::generic_category().message(send_error);
-  if (is_routing_error(send_error)) text += "; " + words.advice;
+  std::string text;
+  for (std::size_t way = 0; way < send_errors_.size(); ++way) {
+    const int error = send_errors_[way];
+    if (error == 0) continue;
+    text += (text.empty() ? "" : "; ") + ("cannot send to " + words.to[way]) + ": " +
+            std::generic_category().message(error);
+    if (is_routing_error(error)) text += "; " + words.advice;
+  }
   return text;
 }
 
@@ -177,8 +220,7 @@ bool MulticastSender::is_own(const udp::endpoint& sender) const {
 }
 
 MulticastStatus MulticastSender::status() const {
-  return {counts_.packets_sent, counts_.send_errors, counts_.packets_per_s,
-          error_text(*words_.load(), send_error_)};
+  return {counts_.packets_sent, counts_.send_errors, counts_.packets_per_s, error_text(*words_.load())};
 }
 
 void MulticastSender::watch(const std::stop_token& stop) {
@@ -199,12 +241,14 @@ void MulticastSender::watch(const std::stop_token& stop) {
 
     const std::lock_guard control(control_mutex_);
     const auto words = words_.load();
-    const int send_error = send_error_;
-    const bool failing = !words->open_error.empty() || (send_error != 0 && send_error != EWOULDBLOCK);
-    std::string error = error_text(*words, send_error);
+    const bool failing =
+        !words->open_error.empty() || std::ranges::any_of(send_errors_, [](const auto& error) {
+          return error != 0 && error != EWOULDBLOCK;
+        });
+    std::string error = error_text(*words);
     if (error != logged) {
       if (error.empty()) {
-        log::info("multicast: sending to {} again", words->to);
+        log::info("multicast: sending to {} again", words->to[0]);
       } else {
         log::warning("multicast: {}", error);
       }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/camera_agreement.h"
 
+#include "geometry/limits.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -22,8 +24,10 @@ int CameraAgreement::add_states(int count) {
   const auto at = static_cast<int>(states_.size());
   states_.conservativeResize(at + count);
   states_.tail(count).setZero();
-  taken_off_.conservativeResize(at + count);
-  taken_off_.tail(count).setZero();
+  for (Eigen::VectorXd* one : {&taken_off_, &pulled_}) {
+    one->conservativeResize(at + count);
+    one->tail(count).setZero();
+  }
   cov_.conservativeResize(at + count, at + count);
   cov_.rightCols(count).setZero();
   cov_.bottomRows(count).setZero();
@@ -32,26 +36,50 @@ int CameraAgreement::add_states(int count) {
 
 void CameraAgreement::forget(const Camera& camera, double error_mm) {
   states_.segment(camera.at, kPerCamera).setZero();
+  pulled_.segment(camera.at, kPerCamera).setZero();
   cov_.middleRows(camera.at, kPerCamera).setZero();
   cov_.middleCols(camera.at, kPerCamera).setZero();
   cov_.diagonal().segment(camera.at, 2 * kTerms).setConstant(error_mm * error_mm);
   cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
 }
 
-void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
-  const auto known = cameras_.find(camera);
-  if (known != cameras_.end() && known->second.center_mm == center_mm) return;
-  // Of more cameras nothing is learnt: the work grows as the square of their number.
-  constexpr std::size_t kMaxCameras = 32;
-  if (known == cameras_.end() && cameras_.size() >= kMaxCameras) return;
-  const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
-  const Camera made{center_mm, at};
-  cameras_[camera] = made;
-  forget(made, kErrorMm);
+/// Where the states of another camera may be; nothing where there is no more room. The work grows as the
+/// square of the cameras' number, so a camera takes the place of another computer's that is silent.
+std::optional<int> CameraAgreement::place_for_camera() {
+  if (cameras_.size() < limits::kMaxCameras) return add_states(kPerCamera);
+  auto silent = cameras_.end();
+  for (auto one = cameras_.begin(); one != cameras_.end(); ++one) {
+    if (!one->second.is_of_other_computer) continue;
+    if (silent == cameras_.end() || one->second.seen_s < silent->second.seen_s) silent = one;
+  }
+  if (silent == cameras_.end()) return {};
+  const int at = silent->second.at;
+  taken_off_.segment(at, kPerCamera).setZero();
+  forget_sightings(silent->first);
+  cameras_.erase(silent);
+  return at;
+}
+
+/// What was seen before must not be compared with what it sees from now on.
+void CameraAgreement::forget_sightings(int camera) {
   std::erase_if(differences_,
                 [&](const auto& one) { return one.first.camera == camera || one.first.other == camera; });
-  // What was seen before must not be compared with what it sees now.
+  std::erase_if(surprises_,
+                [&](const auto& one) { return one.first.first == camera || one.first.second == camera; });
   for (auto& [name, track] : tracks_) track.by_camera.erase(camera);
+}
+
+void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer) {
+  const auto known = cameras_.find(camera);
+  if (known != cameras_.end() && known->second.center_mm == center_mm &&
+      known->second.is_of_other_computer == is_of_other_computer)
+    return;
+  const auto at = known != cameras_.end() ? std::optional(known->second.at) : place_for_camera();
+  if (!at) return;
+  const Camera made{center_mm, *at, is_of_other_computer};
+  cameras_.insert_or_assign(camera, made);
+  forget(made, kErrorMm);
+  forget_sightings(camera);
 }
 
 Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const Camera& camera,
@@ -65,34 +93,40 @@ Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const C
 
 /// How far a robot that is one millimetre higher is seen farther out (mm).
 Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_mm, double height_mm) const {
-  return (place_mm - camera.center_mm.head<2>()) / (camera.center_mm.z() - height_mm);
+  const double above_mm = std::max(limits::kMinAboveRobotMm, camera.center_mm.z() - height_mm);
+  return (place_mm - camera.center_mm.head<2>()) / above_mm;
 }
 
-CameraAgreement::Track& CameraAgreement::track_of(const RobotName& robot) {
+/// Null where as many others were seen just now as there is room for.
+CameraAgreement::Track* CameraAgreement::track_of(const RobotName& robot, double t_s) {
   const auto known = tracks_.find(robot);
-  if (known != tracks_.end()) return known->second;
+  if (known != tracks_.end()) return &known->second;
   int at = 0;
-  if (tracks_.size() < kMaxRobots) {
+  if (tracks_.size() < limits::kMaxRobots) {
     at = add_states(1);
   } else {
     const auto oldest = std::min_element(tracks_.begin(), tracks_.end(), [](const auto& a, const auto& b) {
       return a.second.seen_s < b.second.seen_s;
     });
+    constexpr double kLately_s = 0.5;
+    if (std::abs(t_s - oldest->second.seen_s) < kLately_s) return nullptr;
     at = oldest->second.at;
     tracks_.erase(oldest);
-    states_[at] = taken_off_[at] = 0;
+    states_[at] = taken_off_[at] = pulled_[at] = 0;
     cov_.row(at).setZero();
     cov_.col(at).setZero();
   }
   cov_(at, at) = kHeightMm * kHeightMm;
-  return tracks_.emplace(robot, Track{.at = at, .by_camera = {}}).first->second;
+  return &tracks_.emplace(robot, Track{.at = at, .by_camera = {}}).first->second;
 }
 
 void CameraAgreement::see(int camera, const Seen& seen) {
   const auto here = cameras_.find(camera);
   if (here == cameras_.end()) return;
-  Track& track = track_of(seen.robot);
-  track.seen_s = seen.t_s;
+  Track* const known = track_of(seen.robot, seen.t_s);
+  if (!known) return;
+  Track& track = *known;
+  here->second.seen_s = track.seen_s = seen.t_s;
   auto& [before, now] = track.by_camera[camera];
   before = now;
   now = {seen.place_mm, seen.t_s};
@@ -109,22 +143,26 @@ void CameraAgreement::see(int camera, const Seen& seen) {
     const Last& other = lasts.second;
     if (other_camera == camera || other.t_s <= before.t_s || other.t_s >= now.t_s) continue;
     const Vector2d place = before.place_mm + velocity * (other.t_s - before.t_s);
-    compare({camera, other_camera, place, other.place_mm, velocity, passed_s, seen.height_mm, other.t_s},
-            track);
+    if (!compare({camera, other_camera, place, other.place_mm, velocity, passed_s, seen.height_mm, other.t_s},
+                 track))
+      return;
     track.compared_s = seen.t_s;
     ++track.compared;
   }
 }
 
-void CameraAgreement::compare(const Pair& pair, const Track& track) {
+/// False: what was known made no sense any more, and all begins again.
+bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   const Camera &a = cameras_.at(pair.a), &b = cameras_.at(pair.b);
+  // No camera sees the top of what is as high as itself.
+  if (std::min(a.center_mm.z(), b.center_mm.z()) < pair.height_mm + limits::kMinAboveRobotMm) return true;
   const auto terms_a = terms(a, pair.place_a_mm), terms_b = terms(b, pair.place_b_mm);
   const Vector2d higher =
       outwards(a, pair.place_a_mm, pair.height_mm) - outwards(b, pair.place_b_mm, pair.height_mm);
   const Vector2d apart = pair.place_a_mm - pair.place_b_mm;
   /// Farther apart are two robots, of which one was misread.
   constexpr double kSameRobotMm = 150;
-  if (apart.norm() > kSameRobotMm) return;
+  if (!(apart.norm() <= kSameRobotMm)) return true;
   const double ahead_s = states_[a.at + 2 * kTerms] - states_[b.at + 2 * kTerms];
   // Robots differ in height; what all of them have in common may as well be the cameras'.
   double common_mm = 0;
@@ -152,26 +190,78 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
     }
     for (const auto& [at, weight] : row_) variance += weight * gain_[at];
     const double off = apart[axis] - expected;
+    if (!std::isfinite(off) || !std::isfinite(variance) || variance <= 0) {
+      begin_again();
+      return false;
+    }
     if (off * off > kSurprise * variance) {
       is_surprise = true;
       continue;
     }
-    states_ += gain_ * (off / variance);
-    cov_.noalias() -= gain_ * gain_.transpose() / variance;
+    correct(off, variance, a.is_of_other_computer || b.is_of_other_computer);
   }
   // Robots are misread now and then. A camera that was bumped surprises again and again: what was learnt of
   // it is no longer true.
   constexpr int kBumped = 60;
   int& surprises = surprises_[std::minmax(pair.a, pair.b)];
   surprises = is_surprise ? surprises + 1 : std::max(0, surprises - 3);
-  if (surprises < kBumped) return;
+  if (surprises < kBumped) return true;
   surprises = 0;
+  // Of two cameras, one of another computer, that one was.
   const double error_mm = std::max(kErrorMm, apart.norm());
-  forget(a, error_mm);
-  forget(b, error_mm);
+  if (a.is_of_other_computer || !b.is_of_other_computer) forget(a, error_mm);
+  if (b.is_of_other_computer || !a.is_of_other_computer) forget(b, error_mm);
   std::erase_if(differences_, [&](const auto& one) {
     return one.first.camera == std::min(pair.a, pair.b) && one.first.other == std::max(pair.a, pair.b);
   });
+  return true;
+}
+
+/// Whether a correction of `share` gains would take these states of our own farther than other computers may;
+/// if not, it is noted.
+bool CameraAgreement::is_pulled_too_far(int first, int count, double most, double share) {
+  auto pulled = pulled_.segment(first, count);
+  const auto step = gain_.segment(first, count) * share;
+  if ((pulled + step).norm() > most) return true;
+  pulled += step;
+  return false;
+}
+
+/// A correction by the row whose gain is at hand. The states are a sum of what our own cameras' sightings
+/// make of them and `pulled_`. Corrections are linear in both, so those by our own sightings reduce `pulled_`
+/// where it contradicts them. States that other computers have moved far enough are considered uncertain, but
+/// are not corrected (Schmidt, "Application of state-space methods to navigation problems", 1966).
+void CameraAgreement::correct(double off, double variance, bool is_by_other_computer) {
+  const double share = off / variance;
+  held_.setZero(states_.size());
+  bool is_held = false;
+  if (is_by_other_computer) {
+    const auto hold = [&](int first, int count, double most) {
+      if (!is_pulled_too_far(first, count, most, share)) return;
+      held_.segment(first, count) = gain_.segment(first, count);
+      is_held = true;
+    };
+    for (const auto& [id, camera] : cameras_) {
+      if (camera.is_of_other_computer) continue;
+      hold(camera.at, kTerms, kErrorMm);
+      hold(camera.at + kTerms, kTerms, kErrorMm);
+      hold(camera.at + 2 * kTerms, 1, kOffset_s);
+    }
+    for (const auto& [name, track] : tracks_) hold(track.at, 1, kHeightMm);
+  } else {
+    double expected = 0;
+    for (const auto& [at, weight] : row_) expected += weight * pulled_[at];
+    pulled_ -= gain_ * (expected / variance);
+  }
+  states_ += (gain_ - held_) * share;
+  cov_.noalias() -= gain_ * gain_.transpose() / variance;
+  if (is_held) cov_.noalias() += held_ * held_.transpose() / variance;
+}
+
+void CameraAgreement::begin_again() {
+  const std::uint64_t repaired = repaired_ + 1;
+  *this = {};
+  repaired_ = repaired;
 }
 
 void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {

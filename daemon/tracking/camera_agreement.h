@@ -3,6 +3,7 @@
 
 #include "tracking/tracks.h"
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -16,6 +17,9 @@ namespace sslv {
 /// What is left over of the cameras' calibrations and clocks, and of the robots' heights, learnt from robots
 /// that two cameras see: each camera's error as squares of the place, its time offset, each robot's own
 /// height. Only what cameras do not agree on can be learnt; what all have in common stays.
+///
+/// What cameras of other computers see moves what is known of our own cameras no further than a calibration
+/// is expected to be off: a computer that is wrong is corrected, and does not correct us.
 class CameraAgreement {
  public:
   /// What two cameras differ by in one part of the field, without what their clocks make, and what robots of
@@ -39,7 +43,7 @@ class CameraAgreement {
 
   /// Where the camera hangs. To be called before its first sighting; another place means that it was
   /// calibrated, and forgets its errors.
-  void set_camera(int camera, const Eigen::Vector3d& center_mm);
+  void set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer = false);
 
   /// Compares with what other cameras saw just before.
   void see(int camera, const Seen& seen);
@@ -77,12 +81,16 @@ class CameraAgreement {
   }
   /// Lets go of differences that were seen last before then.
   void forget_differences(double before_s);
+  /// How often all of it was no number any more and began again.
+  std::uint64_t repaired() const { return repaired_; }
 
  private:
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
     Eigen::Vector3d center_mm;
     int at;  // its first state
+    bool is_of_other_computer;
+    double seen_s = 0;  // when it saw a robot last
   };
   struct Last {
     Eigen::Vector2d place_mm;
@@ -94,13 +102,13 @@ class CameraAgreement {
     int compared = 0;
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };
-  /// More than are on any field; another one takes the place of the one that was not seen for longest.
-  static constexpr std::size_t kMaxRobots = 64;
   using Row = std::vector<std::pair<int, double>>;
 
   int add_states(int count);
   void forget(const Camera& camera, double error_mm);
-  Track& track_of(const RobotName& robot);
+  void forget_sightings(int camera);
+  std::optional<int> place_for_camera();
+  Track* track_of(const RobotName& robot, double t_s);
   Eigen::Matrix<double, kTerms, 1> terms(const Camera& camera, const Eigen::Vector2d& place_mm) const;
   Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm, double height_mm) const;
   /// A robot that two cameras saw at the same moment.
@@ -110,7 +118,10 @@ class CameraAgreement {
     double passed_s;  // between the two images of `a` among which b's is
     double height_mm, t_s;
   };
-  void compare(const Pair& pair, const Track& track);
+  bool compare(const Pair& pair, const Track& track);
+  void correct(double off, double variance, bool is_by_other_computer);
+  bool is_pulled_too_far(int first, int count, double most, double share);
+  void begin_again();
   void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm);
 
   std::map<int, Camera> cameras_;
@@ -124,9 +135,13 @@ class CameraAgreement {
   std::map<PartKey, Difference> differences_;
   std::map<std::pair<int, int>, int> surprises_;  // of two cameras, one after the other
   Eigen::VectorXd states_, taken_off_;
+  /// The part of `states_` that other computers' cameras have brought about, of our own cameras and of
+  /// robots.
+  Eigen::VectorXd pulled_;
   Eigen::MatrixXd cov_;
+  std::uint64_t repaired_ = 0;
   Row row_;
-  Eigen::VectorXd gain_;
+  Eigen::VectorXd gain_, held_;
 };
 
 }  // namespace sslv

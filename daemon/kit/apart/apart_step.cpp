@@ -51,12 +51,12 @@ void swap_parts(typename Floor::Frame& a, typename Floor::Frame& b, PartSet part
 }
 
 template <class Floor>
-bool are_sound(const typename Floor::Frame& now, const typename Floor::Frame& before, PartSet parts) {
+bool are_sound(const typename Floor::Frame& now, PartSet parts) {
   std::size_t i = 0;
   const auto is_good = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
     const bool is_one = parts[i++];
     if constexpr (kIsEncodable<T>) {
-      return !is_one || is_sound(now.*part.member, now, before);
+      return !is_one || is_sound(now.*part.member, now);
     } else {
       return true;
     }
@@ -85,8 +85,9 @@ void ApartReport::set_own_note(StageNotes::Kind kind, std::span<const char> text
 
 void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNotes& notes) {
   const auto count = [this](Outcome outcome) { return counts_[static_cast<std::size_t>(outcome)]; };
-  const StageProcess::Losses losses = process.losses.load();
-  const Told now{counts_, losses.count, note_number_};
+  // The supervisor's thread may be held while it writes, by this one on its processor: never wait for it.
+  process.losses.try_load(losses_);
+  const Told now{counts_, losses_.count, note_number_};
   if (now == told_) return;
   told_ = now;
 
@@ -101,15 +102,18 @@ void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNot
     notes.warn({text.data(), std::min(size, text.size())});
   };
   if (count(Outcome::kNoProcess) > 0) {
-    if (losses.count == 0) {
+    if (losses_.count == 0) {
       warn("its process is not there");
     } else {
-      warn("its process {}; started again, {} {}", std::string_view(losses.text.data(), losses.length),
-           losses.count, losses.count == 1 ? "time" : "times");
+      warn("its process {}; started again, {} {}", std::string_view(losses_.text.data(), losses_.length),
+           losses_.count, losses_.count == 1 ? "time" : "times");
     }
   } else if (count(Outcome::kBad) > 0) {
     warn("gave results without sense for {} of the last {} images, which went on without",
          count(Outcome::kBad), kImages);
+  } else if (count(Outcome::kNoRoom) > 0) {
+    warn("was not given {} of the last {} images: the service had no room for what it reads of them",
+         count(Outcome::kNoRoom), kImages);
   } else if (count(Outcome::kLate) > 0) {
     warn("took longer than {} ms for {} of the last {} images, which went on without", deadline_ms,
          count(Outcome::kLate), kImages);
@@ -141,15 +145,17 @@ ApartStep<Floor>::~ApartStep() {
 template <class Floor>
 void ApartStep<Floor>::run(const typename Floor::Inputs& in, const void* params) noexcept {
   const auto& given = *static_cast<const ApartParams*>(params);
-  Outcome outcome = Outcome::kBad;
+  Outcome outcome = Outcome::kNoRoom;
   try {
     outcome = ask(in, given);
-  } catch (const std::exception&) {  // it sent more than there is memory for
+  } catch (const std::exception&) {  // there is no memory for what it may send
   }
   if (outcome == Outcome::kDone) {
     process_->failures_in_a_row.store(0, std::memory_order_relaxed);
   } else {
-    if (outcome != Outcome::kNoProcess) process_->failures_in_a_row.fetch_add(1, std::memory_order_relaxed);
+    // What the service lacks is not the stage's fault: its process goes on.
+    if (outcome == Outcome::kBad || outcome == Outcome::kLate)
+      process_->failures_in_a_row.fetch_add(1, std::memory_order_relaxed);
     make_empty(in.frame, needs_.writes);
     for (const ApartOwnPart& own : own_parts_) {
       if (own.is_written) in.frame.own_parts.code_at(*own.place).clear(in.frame.own_parts.at(*own.place));
@@ -177,7 +183,7 @@ ApartReport::Outcome ApartStep<Floor>::ask(const typename Floor::Inputs& in, con
     if (from.kind == AnswerKind::kDone) take_note();  // a late answer is of no use, but what it says is
     is_busy_ = false;
   }
-  if (!write_request(in, params)) return Outcome::kBad;
+  if (!write_request(in, params)) return Outcome::kNoRoom;
 
   const auto deadline = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double, std::milli>(params.own.deadline_ms));
@@ -410,7 +416,7 @@ bool ApartStep<Floor>::take_answer(typename Floor::Frame& frame) {
   bytes = bytes.first(count);
   if (!decode_limited_parts<Floor>(bytes, scratch_, needs_.answered())) return false;
   swap_parts<Floor>(frame, scratch_, needs_.answered());
-  if (are_sound<Floor>(frame, scratch_, needs_.answered()) && take_own_parts(frame, bytes)) return true;
+  if (are_sound<Floor>(frame, needs_.answered()) && take_own_parts(frame, bytes)) return true;
   swap_parts<Floor>(frame, scratch_, needs_.answered());
   return false;
 }

@@ -55,5 +55,11 @@ TEST(Seqlock, AReaderThatIsHeldDelaysNoWriter) {
   expect_never_waits([&] { (void)value.load(); }, [&] { value.store(Figures{}); });
 }
 
+TEST(Seqlock, AWriterThatIsHeldDelaysNoReaderThatTries) {
+  Seqlock<Figures> value;
+  Figures seen;
+  expect_never_waits([&] { value.store(Figures{}); }, [&] { (void)value.try_load(seen); });
+}
+
 }  // namespace
 }  // namespace sslv
