@@ -69,6 +69,11 @@ void SharedCamera::run() {
     } catch (...) {
       problem = "unknown error";
     }
+    dropped_ = source_->dropped();
+    {
+      const std::lock_guard lock(mutex_);
+      packets_ = source_->packets();
+    }
     if (status == CaptureStatus::kTimeout) continue;
     hand_out(status, image, problem);
     if (status == CaptureStatus::kLost || status == CaptureStatus::kEnd) return;

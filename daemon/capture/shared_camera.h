@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -51,8 +52,12 @@ class SharedCamera {
 
   std::shared_ptr<Controls> controls() { return source_->controls(); }
   std::vector<std::string> warnings() const { return source_->warnings(); }
-  std::uint64_t dropped() const noexcept { return source_->dropped(); }
-  std::optional<PacketCounts> packets() const noexcept { return source_->packets(); }
+  // As the source said after the last image: its counters are the camera's thread's.
+  std::uint64_t dropped() const noexcept { return dropped_; }
+  std::optional<PacketCounts> packets() const noexcept {
+    const std::lock_guard lock(mutex_);
+    return packets_;
+  }
 
  private:
   /// Images that several takers have; the last one to let go gives an image back to the camera, which may
@@ -64,7 +69,9 @@ class SharedCamera {
   void hand_out(CaptureStatus status, CapturedImage& image, const std::string& problem);
 
   const std::unique_ptr<Source> source_;
-  std::mutex mutex_;  // guards what follows, and what the takers were given
+  std::atomic<std::uint64_t> dropped_{0};
+  mutable std::mutex mutex_;  // guards what follows, and what the takers were given
+  std::optional<PacketCounts> packets_;
   std::condition_variable changed_;
   std::set<Taker*> takers_;
   CaptureStatus end_ = CaptureStatus::kTimeout;  // kLost or kEnd: there will be no more

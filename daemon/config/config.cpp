@@ -66,6 +66,12 @@ void rename_light_limits(Json& tree) {
   }
 }
 
+/// From version 2: the last seconds could hold only parts of images.
+void keep_whole_images(Json& tree) {
+  const Json::json_pointer images("/recording/last_seconds/images");
+  if (tree.is_object() && tree.contains(images) && tree[images] == "found") tree[images] = "whole";
+}
+
 /// Of a camera or the field: what of its stack runs, and with which parameters.
 template <class Floor, class Part>
 void read_stack(Part& part, std::span<const BasicStageType<Floor>> table, const std::string& path,
@@ -106,7 +112,7 @@ Config read_config(const Json& settings) {
 }
 
 const Migrations& settings_migrations() {
-  static const Migrations kMigrations{rename_light_limits};
+  static const Migrations kMigrations{rename_light_limits, keep_whole_images};
   return kMigrations;
 }
 
