@@ -103,7 +103,7 @@ void MatchLogReader::go_to_begin() {
   problem_.clear();
   messages_ = 0;
   if (!file_.is_packed()) return file_.go_to(kFirstMessage);
-  file_.go_to({});
+  file_.go_to(UnpackPlace{});
   std::array<std::byte, kLogHeaderBytes> head{};
   file_.read(head);
 }
