@@ -13,7 +13,8 @@ fi
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 cp "$folder"/*.service "$folder"/*.slice "$copy"
-sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$program |" "$copy"/*.service
+sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$program |
+  s|/usr/lib/ssl-visiond/raise-limits|$(realpath "$folder/raise_limits.sh")|" "$copy"/*.service
 mkdir "$copy/ssl-visiond.service.d"
 
 # check WHAT
