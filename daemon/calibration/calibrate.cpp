@@ -39,7 +39,7 @@ class Calibrator {
       : task_(task),
         stop_(stop),
         field_curves_(task.field),
-        curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToOuterEdge))),
+        curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToMiddle))),
         clicks_(read_clicks(task.clicks, named_points(curves_))),
         // Before the scale is known: about half a field's length across the image.
         picture_(find_line_pixels(picture, 1.4 * picture.width() * task.field.line_thickness /

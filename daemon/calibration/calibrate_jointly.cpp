@@ -61,7 +61,7 @@ class JointCalibrator {
       : task_(task),
         stop_(stop),
         field_curves_(task.field),
-        curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToOuterEdge))) {}
+        curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToMiddle))) {}
 
   JointReport run() {
     for (const CalibratedView& view : task_.cameras) {
@@ -108,7 +108,7 @@ class JointCalibrator {
     return refined_.size() == task_.cameras.size();
   }
 
-  /// Which edge the field's sizes were measured to, which is the same for all, and each camera's lens.
+  /// What the field's sizes were measured to, which is the same for all, and each camera's lens.
   bool fit_model() {
     const CalibrationModel model = choose_model(refined_, field_curves_, task_.measured);
     report_.measured = model.measured;
@@ -226,8 +226,8 @@ class JointCalibrator {
                       "mm: are the teams' robot heights right?",
                       report_.of_robots->after_mm, report_.of_robots->before_mm));
     }
-    if (report_.measured == LinesMeasured::kToMiddle && !task_.measured)
-      notes.emplace_back(kMeasuredToMiddle);
+    if (report_.measured == LinesMeasured::kToOuterEdge && !task_.measured)
+      notes.push_back(outer_edge_note(task_.field));
     report_.accepted = problems.empty();
   }
 

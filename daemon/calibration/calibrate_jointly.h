@@ -23,7 +23,7 @@ struct CalibratedView {
 
 struct JointTask {
   FieldSize field;
-  std::optional<LinesMeasured> measured;  // none: whichever suits the images better
+  std::optional<LinesMeasured> measured;  // none: see choose_model()
   std::vector<CalibratedView> cameras;
   std::vector<OverlapTie> ties;  // their cameras are places in the list
 };
@@ -47,7 +47,7 @@ struct JointReport {
   bool found = false;     // there is a calibration for each camera
   bool accepted = false;  // and they are good, and agree better than the current ones
   std::vector<JointCameraReport> cameras;
-  LinesMeasured measured = LinesMeasured::kToOuterEdge;
+  LinesMeasured measured = LinesMeasured::kToMiddle;
   std::optional<Disagreement> on_floor;   // painted lines, across them, root mean square; none: no overlap
   std::optional<Disagreement> of_robots;  // ties, at their height, median; none: no ties
   int overlapping_patches = 0, ties = 0;

@@ -18,8 +18,6 @@ namespace sslv {
 
 inline constexpr std::array<Choice<PlusX>, 4> kPlusXChoices{
     {{"right", PlusX::kRight}, {"left", PlusX::kLeft}, {"up", PlusX::kUp}, {"down", PlusX::kDown}}};
-inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
-    {{"outer_edge", LinesMeasured::kToOuterEdge}, {"middle", LinesMeasured::kToMiddle}}};
 
 struct CalibrationPoint {
   std::optional<double> x, y;
@@ -62,8 +60,10 @@ struct CalibrationRequest {
         number("focal_px", &R::focal_px, 1.0, 1e6, "px", "focal length of the lens, if known"),
         choice("plus_x", &R::plus_x, kPlusXChoices,
                "the side of the image where the +x half of the field lies; null: unknown"),
-        choice("lines_measured_to", &R::lines_measured_to, kLinesMeasuredChoices,
-               "what the field's sizes were measured to; null: whichever suits the image better"),
+        choice(
+            "lines_measured_to", &R::lines_measured_to, kLinesMeasuredChoices,
+            "what the field's sizes were measured to; null: the lines' middle, unless their outer edge suits "
+            "the image clearly better"),
         number("click_sigma_px", &R::click_sigma_px, 0.1, 100.0, "px", "accuracy of the points"),
     };
   }

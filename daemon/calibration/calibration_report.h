@@ -38,7 +38,7 @@ struct CalibrationReport {
   bool accepted = false;  // and it is as good as such an image allows
   CameraCalibration calibration;
   LensCamera camera;  // with the lens as it is
-  LinesMeasured measured = LinesMeasured::kToOuterEdge;
+  LinesMeasured measured = LinesMeasured::kToMiddle;
   double rms_px = 0, worst_px = 0, rms_mm = 0, worst_mm = 0;  // of lines
   double found_share = 0;                                     // of the lines in view
   double unexplained_share = 0;                               // of the bright stripes on the field

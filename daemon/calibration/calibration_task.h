@@ -17,7 +17,7 @@ enum class PlusX : std::uint8_t { kUnknown, kRight, kLeft, kUp, kDown };
 
 struct CalibrationTask {
   FieldSize field;
-  std::optional<LinesMeasured> measured;  // none: whichever suits the image better
+  std::optional<LinesMeasured> measured;  // none: see choose_model()
   /// Any four or more, in any order: names only say which points were meant. None: the corners are looked
   /// for.
   std::vector<ClickedPoint> clicks;

@@ -195,8 +195,8 @@ const FieldPreset* find_better_size(const ImageView& image, const CameraModel& c
   for (const FieldPreset& preset : field_presets()) {
     if (preset.size.field_length == size.field_length && preset.size.field_width == size.field_width)
       continue;
-    const LinesVerdict other = judge_lines(
-        check_lines(image, camera, painted_curves(preset.size, LinesMeasured::kToOuterEdge), window_mm));
+    const LinesVerdict other =
+        judge_lines(check_lines(image, camera, painted_curves(preset.size), window_mm));
     if (other.good >= kMinGood && other.good > kClearly * judged.good && other.worst_mm < kGoodMm &&
         other.missing_share < kMaxMissing)
       return &preset;

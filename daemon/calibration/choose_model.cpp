@@ -51,16 +51,16 @@ struct Fitted {
 CalibrationModel choose_model(std::span<const RefinedCamera> cameras, const FieldCurves& curves,
                               std::optional<LinesMeasured> given) {
   CalibrationModel out;
-  out.measured = given.value_or(LinesMeasured::kToOuterEdge);
+  out.measured = given.value_or(LinesMeasured::kToMiddle);
   Fitted best;
   for (const RefinedCamera& refined : cameras) best.add(refined, refined.sightings);
   if (!given) {
     constexpr double kClearlyBetter = 0.8;
     Fitted other;
     for (const RefinedCamera& refined : cameras)
-      other.add(refined, on_curves(refined.sightings, curves.to_outer_edge, curves.to_middle));
+      other.add(refined, on_curves(refined.sightings, curves.to_middle, curves.to_outer_edge));
     if (other.rms.value() < kClearlyBetter * best.rms.value()) {
-      out.measured = LinesMeasured::kToMiddle;
+      out.measured = LinesMeasured::kToOuterEdge;
       best = std::move(other);
     }
   }

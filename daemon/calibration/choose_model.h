@@ -17,13 +17,13 @@ struct CalibrationModel {
     bool two_radial = false;
     LensCamera camera;  // a start for fitting that
   };
-  LinesMeasured measured = LinesMeasured::kToOuterEdge;
+  LinesMeasured measured = LinesMeasured::kToMiddle;
   std::vector<Lens> lenses;
 };
 
-/// What suits best the cameras over one field that were fitted to its lines with one radial term: a model
-/// with more than that is taken when it explains the lines clearly better. `given`: what the sizes were
-/// measured to, if known.
+/// What suits best the cameras over one field that were fitted to its lines with one radial term, measured to
+/// their middle unless `given` says otherwise: another model is taken when it explains the lines clearly
+/// better. `given`: what the sizes were measured to, if known.
 CalibrationModel choose_model(std::span<const RefinedCamera> cameras, const FieldCurves& curves,
                               std::optional<LinesMeasured> given);
 

@@ -212,8 +212,8 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
   }
   if (auto note = lens_note({out.calibration, out.lens_rms_mm, out.lens_worst_mm}))
     out.notes.push_back(std::move(*note));
-  if (finding.measured == LinesMeasured::kToMiddle && !finding.task.measured)
-    out.notes.emplace_back(kMeasuredToMiddle);
+  if (finding.measured == LinesMeasured::kToOuterEdge && !finding.task.measured)
+    out.notes.push_back(outer_edge_note(finding.task.field));
   if (finding.either_way_round) {
     out.notes.push_back(
         fmt::format("Both ends of the field look alike: the +x half was taken to be at the {} of the image. "
@@ -279,6 +279,15 @@ std::optional<std::string> lens_note(const Published& published) {
       "This lens bends lines in a way that the league's protocol cannot describe: what is published differs "
       "by {:.1f} mm on average and {:.1f} mm at most.",
       published.rms_mm, published.worst_mm);
+}
+
+std::string outer_edge_note(const FieldSize& field) {
+  const FieldSize by_rules = measured_to_middle(field, LinesMeasured::kToOuterEdge);
+  return fmt::format(
+      "The lines lie as if the field's sizes had been measured to the lines' outer edges, not between their "
+      "centres as the rules say. This calibration allows for that, but the sizes that teams get do not: "
+      "between centres this field is {} x {} mm. Correct its sizes.",
+      by_rules.field_length, by_rules.field_width);
 }
 
 std::vector<Eigen::Vector2d> places_in_view(const LensCamera& camera, const FieldSize& field) {

@@ -41,9 +41,8 @@ std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt);
 /// That the wire cannot describe this lens; nothing when it can.
 std::optional<std::string> lens_note(const Published& published);
 
-inline constexpr const char* kMeasuredToMiddle =
-    "The lines lie as if the field's sizes had been measured to their middle, not to their outer edge as the "
-    "rules say.";
+/// That its lines were found to lie as if this field's sizes had been measured to their outer edges.
+std::string outer_edge_note(const FieldSize& field);
 
 /// Places of the field that a camera shows, on a grid.
 std::vector<Eigen::Vector2d> places_in_view(const LensCamera& camera, const FieldSize& field);

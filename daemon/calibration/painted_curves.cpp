@@ -13,33 +13,6 @@ Eigen::Vector2d on_circle(double angle_rad) {
   return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
-/// Where the paint's middle is for a coordinate that the sizes name.
-class Inset {
- public:
-  Inset(const FieldSize& field, LinesMeasured measured)
-      : half_mm_(measured == LinesMeasured::kToOuterEdge ? field.line_thickness / 2.0 : 0),
-        length_(field.field_length / 2.0),
-        width_(field.field_width / 2.0),
-        area_front_(length_ - field.penalty_area_depth),
-        area_side_(field.penalty_area_width / 2.0) {}
-
-  Eigen::Vector2d at(double x, double y) const {
-    // The defence area's front is its outer edge where it is nearest to the field's middle.
-    return {is(x, length_)       ? inwards(x)
-            : is(x, area_front_) ? outwards(x)
-                                 : x,
-            is(y, width_) || is(y, area_side_) ? inwards(y) : y};
-  }
-  double radius(double nominal) const { return nominal - half_mm_; }
-
- private:
-  static bool is(double value, double size) { return size > 0 && std::abs(std::abs(value) - size) < 0.5; }
-  double inwards(double value) const { return value - std::copysign(half_mm_, value); }
-  double outwards(double value) const { return value + std::copysign(half_mm_, value); }
-
-  double half_mm_, length_, width_, area_front_, area_side_;
-};
-
 }  // namespace
 
 double PaintedCurve::length_mm() const {
@@ -70,24 +43,23 @@ double PaintedCurve::distance_mm(const Eigen::Vector2d& point_mm) const {
 }
 
 std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured measured) {
+  const FieldSize painted = measured_to_middle(field, measured);
   std::vector<PaintedCurve> out;
-  const Inset lines_inset(field, field.field_lines ? LinesMeasured::kToMiddle : measured);
-  for (const FieldLine& line : field_lines(field)) {
+  for (const FieldLine& line : field_lines(painted)) {
     PaintedCurve curve;
     curve.name = line.name;
     curve.width_mm = line.thickness;
-    curve.from = lines_inset.at(line.x1, line.y1);
-    curve.to = lines_inset.at(line.x2, line.y2);
+    curve.from = {line.x1, line.y1};
+    curve.to = {line.x2, line.y2};
     if (curve.length_mm() >= 1) out.push_back(std::move(curve));
   }
-  const Inset arcs_inset(field, field.field_arcs ? LinesMeasured::kToMiddle : measured);
-  for (const FieldArc& arc : field_arcs(field)) {
+  for (const FieldArc& arc : field_arcs(painted)) {
     PaintedCurve curve;
     curve.name = arc.name;
     curve.width_mm = arc.thickness;
     curve.is_arc = true;
     curve.from = curve.to = {arc.x, arc.y};
-    curve.radius_mm = arcs_inset.radius(arc.radius);
+    curve.radius_mm = arc.radius;
     curve.begin_rad = arc.a1;
     curve.end_rad = arc.a2;
     if (curve.radius_mm > 1 && arc.a2 > arc.a1) out.push_back(std::move(curve));
@@ -96,8 +68,7 @@ std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured m
 }
 
 FieldCurves::FieldCurves(const FieldSize& field)
-    : to_outer_edge(painted_curves(field, LinesMeasured::kToOuterEdge)),
-      to_middle(painted_curves(field, LinesMeasured::kToMiddle)) {}
+    : to_middle(painted_curves(field)), to_outer_edge(painted_curves(field, LinesMeasured::kToOuterEdge)) {}
 
 bool same_turned(std::span<const PaintedCurve> curves) {
   constexpr double kSameMm = 2;

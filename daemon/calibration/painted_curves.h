@@ -12,12 +12,7 @@
 
 namespace sslv {
 
-/// What the field's sizes were measured to. The rules say the outer edge of the lines, so that the paint lies
-/// half a line's width inside; many a lab measures to the middle. Lines that a field has of its own are given
-/// by their middle.
-enum class LinesMeasured { kToOuterEdge, kToMiddle };
-
-/// The middle of painted line or arc, where it really is.
+/// The middle of a painted line or arc, where it really is.
 struct PaintedCurve {
   std::string name;
   double width_mm = 10;
@@ -32,17 +27,19 @@ struct PaintedCurve {
   double distance_mm(const Eigen::Vector2d& point_mm) const;
 };
 
-std::vector<PaintedCurve> painted_curves(const FieldSize& field, LinesMeasured measured);
+std::vector<PaintedCurve> painted_curves(const FieldSize& field,
+                                         LinesMeasured measured = LinesMeasured::kToMiddle);
 
-/// The lines of a field as they are painted, for both ways to measure its sizes.
+/// The lines of a field as they are painted, for both ways to measure its sizes: the same ones in the same
+/// order.
 struct FieldCurves {
   explicit FieldCurves(const FieldSize& field);
 
   std::span<const PaintedCurve> measured(LinesMeasured to) const {
-    return to == LinesMeasured::kToOuterEdge ? to_outer_edge : to_middle;
+    return to == LinesMeasured::kToMiddle ? to_middle : to_outer_edge;
   }
 
-  std::vector<PaintedCurve> to_outer_edge, to_middle;
+  std::vector<PaintedCurve> to_middle, to_outer_edge;
 };
 
 /// Whether the field looks the same from both ends.

@@ -58,7 +58,28 @@ void check_names(const std::vector<Shape>& shapes, const std::string& path,
   }
 }
 
+/// A size that is nearly all paint stays as it is, so that no line disappears.
+double less_paint(double size_mm, double paint_mm) {
+  constexpr double kLeastMm = 2;
+  return size_mm - paint_mm >= kLeastMm ? size_mm - paint_mm : size_mm;
+}
+
 }  // namespace
+
+FieldSize measured_to_middle(FieldSize field, LinesMeasured measured) {
+  if (measured == LinesMeasured::kToMiddle) return field;
+  const int paint_mm = field.line_thickness;
+  // As an arc of the field's own: the size of its circle is in whole millimetres.
+  std::vector<FieldArc> arcs = field_arcs(field);
+  if (!field.field_arcs) {
+    for (FieldArc& arc : arcs) arc.radius = less_paint(arc.radius, paint_mm / 2.0);
+  }
+  field.field_arcs = std::move(arcs);
+  for (const auto size : {&FieldSize::field_length, &FieldSize::field_width, &FieldSize::penalty_area_depth,
+                          &FieldSize::penalty_area_width})
+    field.*size = static_cast<int>(less_paint(field.*size, paint_mm));
+  return field;
+}
 
 void check_field(const FieldSize& field, const std::string& path) {
   std::map<std::string, std::string> path_of_name;

@@ -3,6 +3,8 @@
 
 #include "base/params.h"
 
+#include <array>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -64,7 +66,7 @@ struct FieldSize {
   int goal_height = 160;
   int boundary_width = 300;            // behind the touch lines
   int boundary_width_goal_line = 300;  // behind the goal lines
-  int goal_substitution_area_width = 0;
+  int goal_substitution_area_width = 300;
   int penalty_area_depth = 1000;
   int penalty_area_width = 2000;
   int center_circle_radius = 500;
@@ -85,8 +87,9 @@ struct FieldSize {
         number("boundary_width", &FieldSize::boundary_width, 0, 20'000, "mm", "floor behind the touch lines"),
         number("boundary_width_goal_line", &FieldSize::boundary_width_goal_line, 0, 20'000, "mm",
                "floor behind the goal lines"),
-        number("goal_substitution_area_width", &FieldSize::goal_substitution_area_width, 0, 100'000, "mm",
-               "where robots are exchanged; 0: there is none, and it is not sent"),
+        number(
+            "goal_substitution_area_width", &FieldSize::goal_substitution_area_width, 0, 100'000, "mm",
+            "substitution area in front of the walls behind the goals; 0: there is none, and it is not sent"),
         number("penalty_area_depth", &FieldSize::penalty_area_depth, 0, 50'000, "mm", "defence area along x"),
         number("penalty_area_width", &FieldSize::penalty_area_width, 0, 100'000, "mm",
                "defence area along y"),
@@ -103,6 +106,16 @@ struct FieldSize {
     };
   }
 };
+
+/// What a field's sizes were measured to: the middle of its lines, as the rules say since February 2021
+/// ("Field Markings"), or their outer edges, as before that and in some labs. Lines and arcs of a field's own
+/// are given by their middle in either case.
+enum class LinesMeasured : std::uint8_t { kToMiddle, kToOuterEdge };
+inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
+    {{"middle", LinesMeasured::kToMiddle}, {"outer_edge", LinesMeasured::kToOuterEdge}}};
+
+/// The same field with its lines' sizes as the rules measure them, from middle to middle.
+FieldSize measured_to_middle(FieldSize field, LinesMeasured measured);
 
 /// Throws SettingsError, beginning with `path`, for lines and arcs that cannot be told apart or do not fit
 /// into a packet.

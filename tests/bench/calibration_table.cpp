@@ -74,7 +74,7 @@ CalibrationTask clicked(const Shot& shot, FloorView view, double sigma_px, std::
       : view == FloorView::kHalf
           ? Names{"halfway line bottom", "halfway line top", "corner right top", "corner right bottom"}
           : Names{"centre", "halfway line top", "corner right top", "goal line middle right"};
-  const auto points = named_points(painted_curves(task.field, LinesMeasured::kToOuterEdge));
+  const auto points = named_points(painted_curves(task.field));
   std::normal_distribution<double> normal;
   std::vector<Eigen::Vector2d> pixels;
   for (const char* name : names) {
@@ -202,8 +202,8 @@ void conditions(int sizes) {
   all[6].floor.robots_on_lines = true;
   all[7].name = "three lines and the circle missing";
   all[7].floor.missing = {"CenterLine", "CenterCircle", "TopTouchLine", "RightFieldLeftPenaltyStretch"};
-  all[8].name = "sizes measured to the lines' middle";
-  all[8].floor.measured = LinesMeasured::kToMiddle;
+  all[8].name = "sizes measured to the lines' outer edges";
+  all[8].floor.measured = LinesMeasured::kToOuterEdge;
   std::printf(
       "\n| half a field, clicks 2 px off, height within 10 mm | picture | right | z = 0, mm | z = 150, mm | "
       "covered z = 0 |\n|---|---|---:|---:|---:|---:|\n");
@@ -332,7 +332,7 @@ void overlap() {
         floor.field = floor_field(0);
         LensCamera a = floor_camera({}), b = turned_round(a);
         b.center_x += 4;
-        const auto curves = painted_curves(floor.field, LinesMeasured::kToOuterEdge);
+        const auto curves = painted_curves(floor.field);
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
         std::vector<RefinedCamera> seen;

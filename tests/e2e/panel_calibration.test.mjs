@@ -342,7 +342,7 @@ describe('calibration page', () => {
     await page.waitForSelector('text=Must be at least 100');
     await page.getByLabel('Height above the floor in mm').fill('4000');
     await page.keyboard.press('Enter');
-    await page.getByRole('radiogroup', { name: 'Field sizes are measured to the lines' }).getByText('Middle').click();
+    await page.getByRole('radiogroup', { name: 'Field sizes are measured to the lines' }).getByText('Centre').click();
     await comesUp(page, byId('progress'), /./, () => page.click(byId('find')));
     await verdict(page);
     const { request, report } = await calibration(1);

@@ -24,8 +24,7 @@ namespace {
 constexpr double kWindowMm = 250, kWarnMm = 25, kMissing = 0.4;
 
 LinesVerdict judged(const ImageView& image, const CameraCalibration& calibration, const FieldSize& field) {
-  return judge_lines(check_lines(image, CameraModel(calibration),
-                                 painted_curves(field, LinesMeasured::kToOuterEdge), kWindowMm));
+  return judge_lines(check_lines(image, CameraModel(calibration), painted_curves(field), kWindowMm));
 }
 
 LinesVerdict better(const LinesVerdict& a, const LinesVerdict& b) {

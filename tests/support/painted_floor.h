@@ -15,7 +15,7 @@ namespace sslv {
 /// them.
 struct PaintedFloor {
   FieldSize field;
-  LinesMeasured measured = LinesMeasured::kToOuterEdge;
+  LinesMeasured measured = LinesMeasured::kToMiddle;
   std::vector<std::string> missing;  // lines that are not there
   double wavy_mm = 0;     // rms that lines leave their place, slowly along each and differently each
   double shifted_mm = 0;  // standard deviation of each line's place as a whole, per end

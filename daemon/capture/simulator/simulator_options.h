@@ -5,6 +5,7 @@
 #include "capture/pixel_format_choice.h"
 #include "capture/simulator/simulator_errors.h"
 #include "capture/simulator/simulator_hall.h"
+#include "geometry/field.h"
 
 #include <array>
 #include <cstdint>
@@ -54,6 +55,7 @@ struct SimulatorOptions {
   double rolling_shutter_ms = 0;
   double red_gain = 1, blue_gain = 1;
   std::vector<std::array<double, 2>> light_swing, cast_swing;
+  LinesMeasured lines_measured_to = LinesMeasured::kToMiddle;
   HallOptions hall;
   SimulatorErrors errors;
 
@@ -110,6 +112,10 @@ struct SimulatorOptions {
                    "one to the next; after the last it starts again. Empty: it stays"),
         point_list("cast_swing", &O::cast_swing, 0, kMaxSwingPoints, 0.0, 3600.0, "",
                    "the same for its colour: [seconds, factor on red], by which blue is divided"),
+        choice(
+            "lines_measured_to", &O::lines_measured_to, kLinesMeasuredChoices,
+            "how the field was painted by its sizes: middle: as the rules say, with the middle of each line "
+            "where the sizes put it; outer_edge: with its outer edge there"),
         group("hall", &O::hall, "carpet, lamps, prints and surroundings as halls have them"),
         group("errors", &O::errors, "what is wrong with the camera and its calibration"),
     };

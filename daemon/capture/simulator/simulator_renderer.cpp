@@ -158,7 +158,7 @@ SimulatorRenderer::SimulatorRenderer(const SimulatorOptions& options, const Fiel
                                      const CameraModel& camera, const PatternTable& patterns)
     : options_(options),
       field_(field),
-      markings_{field_lines(field), field_arcs(field)},
+      markings_(measured_to_middle(field, options.lines_measured_to)),
       camera_(camera),
       patterns_(patterns),
       lamps_(resolved(options.hall), field),

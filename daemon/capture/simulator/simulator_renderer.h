@@ -68,6 +68,7 @@ class SimulatorRenderer {
     int columns_ = 0;
   };
   struct Markings {
+    explicit Markings(const FieldSize& painted) : lines(field_lines(painted)), arcs(field_arcs(painted)) {}
     std::vector<FieldLine> lines;
     std::vector<FieldArc> arcs;
   };

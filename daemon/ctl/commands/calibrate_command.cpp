@@ -127,7 +127,8 @@ void add_calibrate(CommandLine& line) {
   command
       ->add_option(
           "--lines", o->words.lines,
-          "what the field's sizes were measured to: outer-edge or middle; default: found automatically")
+          "what the field's sizes were measured to: middle, as in the rules, or outer-edge; default: middle, "
+          "unless outer-edge fits the image clearly better")
       ->check(CLI::IsMember({"outer-edge", "middle"}));
   command->add_option("--previous", o->previous_file, "calibration to compare with")->needs(of_files);
   CLI::Option* output =

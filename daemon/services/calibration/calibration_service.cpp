@@ -18,8 +18,8 @@ namespace {
 /// What the field's sizes mean: as was found, else as was asked for, else as the rules say.
 LinesMeasured lines_measured_to(const CalibrationJobs::Job& job) {
   if (job.report) return job.report->measured;
-  if (job.order) return job.order->request.lines_measured_to.value_or(LinesMeasured::kToOuterEdge);
-  return LinesMeasured::kToOuterEdge;
+  if (job.order) return job.order->request.lines_measured_to.value_or(LinesMeasured::kToMiddle);
+  return LinesMeasured::kToMiddle;
 }
 
 }  // namespace

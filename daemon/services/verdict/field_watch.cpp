@@ -25,7 +25,7 @@ LinesNow better(const LinesNow& a, const LinesNow& b) {
 /// better is right, as it is for calibration.
 std::optional<LinesNow> lines_in(const ImageView& image, const Scene& scene, const FieldCurves& curves) {
   std::optional<LinesNow> best;
-  for (const LinesMeasured to : {LinesMeasured::kToOuterEdge, LinesMeasured::kToMiddle}) {
+  for (const LinesMeasured to : {LinesMeasured::kToMiddle, LinesMeasured::kToOuterEdge}) {
     const auto measured = curves.measured(to);
     const LinesVerdict verdict = judge_lines(check_lines(image, *scene.camera, measured, kWindowMm));
     if (verdict.lines == 0) continue;

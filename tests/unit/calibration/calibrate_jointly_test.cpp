@@ -88,7 +88,7 @@ TEST_F(CalibrateJointly, CamerasAgreeAfterwards) {
   EXPECT_THAT(report.notes, IsEmpty());
   EXPECT_EQ(report.cameras[0].id, 3);
   EXPECT_EQ(report.cameras[1].id, 7);
-  EXPECT_EQ(report.measured, LinesMeasured::kToOuterEdge);
+  EXPECT_EQ(report.measured, LinesMeasured::kToMiddle);
   // Against the truth.
   EXPECT_LT(overlap_mm(report, 0), 0.7);
   EXPECT_LT(overlap_mm(report, 150), 0.9);
@@ -117,10 +117,10 @@ TEST_F(CalibrateJointly, WithoutRobotsOnlyLinesTie) {
   EXPECT_THAT(report.notes, ElementsAre(HasSubstr("Put robots where the cameras overlap")));
 }
 
-TEST_F(CalibrateJointly, FindsOutWhichEdgeTheSizesWereMeasuredToAndHowLensesBend) {
+TEST_F(CalibrateJointly, FindsOutWhatTheSizesWereMeasuredToAndHowLensesBend) {
   PaintedFloor floor;
   floor.field = floor_field(kSize);
-  floor.measured = LinesMeasured::kToMiddle;
+  floor.measured = LinesMeasured::kToOuterEdge;
   floor.robots = 4;
   FloorSetting bent{kSize};
   bent.k2 = 0.05;
@@ -131,8 +131,8 @@ TEST_F(CalibrateJointly, FindsOutWhichEdgeTheSizesWereMeasuredToAndHowLensesBend
                    {7, mean_of(draw_floor(floor, b)), spoilt(b, -10)}};
   const JointReport report = calibrate_jointly(asked);
   EXPECT_TRUE(report.accepted);
-  EXPECT_EQ(report.measured, LinesMeasured::kToMiddle);
-  EXPECT_THAT(report.notes, Contains(HasSubstr("measured to their middle")));
+  EXPECT_EQ(report.measured, LinesMeasured::kToOuterEdge);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("between centres this field is 3015 x 2015 mm")));
   for (const JointCameraReport& camera : report.cameras) {
     EXPECT_GT(camera.lens_rms_mm, 0) << "no second term was fitted";
     EXPECT_LT(camera.rms_px, 0.1);

@@ -7,6 +7,7 @@
 #include "support/painted_floor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -29,6 +30,20 @@ struct Shot {
   }
   double robots_error_mm(const CalibrationReport& report) const {
     return report.found ? field_error_mm(camera, report.camera, floor.field, 150) : 1e6;
+  }
+  /// Of all painted lines in view, the largest distance between where one is and where the published
+  /// calibration has it.
+  double worst_line_error_mm(const CalibrationReport& report) const {
+    if (!report.found) return 1e6;
+    const CameraModel published(report.calibration);
+    double worst_mm = 0;
+    for (const CurvePoint& point : points_along(painted_curves(floor.field, floor.measured), 50, 0)) {
+      const auto pixel = camera.project(point.place_mm);
+      if (!pixel || !camera.is_in_picture(*pixel)) continue;
+      const auto place = published.unproject(*pixel, 0);
+      worst_mm = std::max(worst_mm, place ? (*place - point.place_mm.head<2>()).norm() : 1e6);
+    }
+    return worst_mm;
   }
 };
 
@@ -57,7 +72,7 @@ const Shot& usual_half() {
 CalibrationTask clicked(const Shot& shot, const std::vector<std::string>& names) {
   CalibrationTask task;
   task.field = shot.floor.field;
-  const auto points = named_points(painted_curves(task.field, LinesMeasured::kToOuterEdge));
+  const auto points = named_points(painted_curves(task.field));
   // As people click: a few pixels off.
   constexpr double kOffPx[][2] = {{1, 2}, {-2, 1}, {2, -1}, {-1, -2}, {1, -2}, {-2, -1}};
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -118,9 +133,9 @@ TEST(Calibrate, ATileNeedsNoClicks) {
     task.field = tile.floor.field;
     task.plus_x = PlusX::kRight;
     // Before it is refined, which makes up for much: lines are straightened about the whole picture's middle.
-    const Proposal proposal = propose_cameras(
-        find_line_pixels(tile.picture, 2), painted_curves(task.field, LinesMeasured::kToOuterEdge),
-        camera_prior(tile.camera.width, tile.camera.height, tile.picture.whole));
+    const Proposal proposal =
+        propose_cameras(find_line_pixels(tile.picture, 2), painted_curves(task.field),
+                        camera_prior(tile.camera.width, tile.camera.height, tile.picture.whole));
     ASSERT_THAT(proposal.cameras, Not(IsEmpty())) << x;
     const LensCamera& first = proposal.cameras.front();
     const bool turned = !is_right_way_round(first, task);
@@ -259,18 +274,69 @@ TEST(Calibrate, BendsWithALensOfTwoTerms) {
   EXPECT_LT((*place - *truth).norm(), report.lens_worst_mm + 0.15);
 }
 
-TEST(Calibrate, FindsOutWhichEdgeTheSizesWereMeasuredTo) {
-  PaintedFloor floor;
-  floor.measured = LinesMeasured::kToMiddle;
-  const Shot shot = take({kSmall}, floor);
-  CalibrationTask task = clicked(shot, kHalfCorners);
-  CalibrationReport report = calibrate(shot.picture, task);
+TEST(Calibrate, FindsOutWhatTheSizesWereMeasuredTo) {
+  for (const LinesMeasured measured : {LinesMeasured::kToMiddle, LinesMeasured::kToOuterEdge}) {
+    PaintedFloor floor;
+    floor.measured = measured;
+    const Shot shot = take({kSmall}, floor);
+    CalibrationTask task = clicked(shot, kHalfCorners);
+    CalibrationReport report = calibrate(shot.picture, task);
+    EXPECT_EQ(report.measured, measured);
+    EXPECT_LT(shot.worst_line_error_mm(report), 0.5);
+    const auto says_so = Contains(HasSubstr("between centres this field is 3015 x 2015 mm"));
+    if (measured == LinesMeasured::kToOuterEdge) {
+      EXPECT_THAT(report.notes, says_so);
+    } else {
+      EXPECT_THAT(report.notes, Not(says_so));
+    }
+    task.measured =
+        measured == LinesMeasured::kToMiddle ? LinesMeasured::kToOuterEdge : LinesMeasured::kToMiddle;
+    report = calibrate(shot.picture, task);
+    EXPECT_EQ(report.measured, *task.measured) << "as told";
+    EXPECT_GT(shot.worst_line_error_mm(report), 1);
+  }
+}
+
+/// A square of lines and its crossings: as a whole half a line larger or smaller, it looks the same from a
+/// little farther away.
+Shot take_square(LinesMeasured measured) {
+  Shot out{floor_camera({kSmall}), {}, {}};
+  FieldSize& field = out.floor.field = floor_field(kSmall);
+  field.field_length = field.field_width;
+  field.penalty_area_depth = field.penalty_area_width = field.center_circle_radius = 0;
+  out.floor.measured = measured;
+  out.floor.robots = 4;
+  out.picture.add(draw_floor(out.floor, out.camera).view);
+  return out;
+}
+
+TEST(Calibrate, AssumesLinesMeasuredToTheirMiddleWhereTheyDoNotTell) {
+  const Shot by_rules = take_square(LinesMeasured::kToMiddle);
+  CalibrationReport report = calibrate(by_rules.picture, clicked(by_rules, kHalfCorners));
   EXPECT_EQ(report.measured, LinesMeasured::kToMiddle);
-  EXPECT_LT(shot.floor_error_mm(report), 0.15);
+  EXPECT_LT(by_rules.worst_line_error_mm(report), 0.5);
+
+  const Shot other = take_square(LinesMeasured::kToOuterEdge);
+  CalibrationTask task = clicked(other, kHalfCorners);
+  report = calibrate(other.picture, task);
+  EXPECT_EQ(report.measured, LinesMeasured::kToMiddle);
+  EXPECT_NEAR(other.worst_line_error_mm(report), std::hypot(5, 5), 0.5)
+      << "at a corner, half a line either way";
   task.measured = LinesMeasured::kToOuterEdge;
-  report = calibrate(shot.picture, task);
-  EXPECT_EQ(report.measured, LinesMeasured::kToOuterEdge) << "as told";
-  EXPECT_GT(shot.floor_error_mm(report), 1);
+  report = calibrate(other.picture, task);
+  EXPECT_LT(other.worst_line_error_mm(report), 0.5) << "told so";
+}
+
+TEST(Calibrate, UnevenPaintDoesNotPassForLinesMeasuredToTheirOuterEdge) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    PaintedFloor floor;
+    floor.wavy_mm = 1.5;
+    floor.shifted_mm = 1;
+    floor.seed = seed;
+    const Shot shot = take({kSmall}, floor);
+    EXPECT_EQ(calibrate(shot.picture, clicked(shot, kHalfCorners)).measured, LinesMeasured::kToMiddle)
+        << seed;
+  }
 }
 
 TEST(Calibrate, DoesWithoutSomeLines) {

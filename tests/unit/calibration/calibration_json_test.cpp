@@ -82,7 +82,7 @@ TEST(CalibrationReport, HoldsEveryFigureAndNoNumberThatIsNone) {
   report.found = report.accepted = true;
   report.calibration.focal_length = 601;
   report.camera.position_mm = {1, 2, 3};
-  report.measured = LinesMeasured::kToMiddle;
+  report.measured = LinesMeasured::kToOuterEdge;
   report.rms_px = 0.1;
   report.condition = std::numeric_limits<double>::infinity();
   report.moved_on_floor_mm = 4;
@@ -97,7 +97,7 @@ TEST(CalibrationReport, HoldsEveryFigureAndNoNumberThatIsNone) {
   EXPECT_EQ(json["accepted"], true);
   EXPECT_EQ(json["calibration"], params_to_json(report.calibration));
   EXPECT_EQ(json["camera"]["z_mm"], 3.0);
-  EXPECT_EQ(json["lines_measured_to"], "middle");
+  EXPECT_EQ(json["lines_measured_to"], "outer_edge");
   EXPECT_EQ(json["rms_px"], 0.1);
   EXPECT_TRUE(json["condition"].is_null());
   EXPECT_EQ(json["moved_on_floor_mm"], 4.0);

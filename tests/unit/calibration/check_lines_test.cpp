@@ -18,7 +18,7 @@ constexpr double kWindowMm = 250;
 
 /// What is said of lines in a picture that are looked for with a camera and sizes.
 LinesVerdict looked_for(const FloorPicture& picture, const LensCamera& calibrated, const FieldSize& sizes) {
-  const auto curves = painted_curves(sizes, LinesMeasured::kToOuterEdge);
+  const auto curves = painted_curves(sizes);
   return judge_lines(
       check_lines(picture.view, CameraModel(publish(calibrated).calibration), curves, kWindowMm));
 }

@@ -34,10 +34,26 @@ TEST(PaintedCurves, LieHalfALineInsideOfSizesMeasuredToTheOuterEdge) {
 }
 
 TEST(PaintedCurves, LieWhereSizesMeasuredToTheMiddleSay) {
-  const auto curves = painted_curves(FieldSize{}, LinesMeasured::kToMiddle);
+  const auto curves = painted_curves(FieldSize{});
   EXPECT_EQ(named(curves, "TopTouchLine").from, Eigen::Vector2d(-4500, 3000));
   EXPECT_EQ(named(curves, "LeftPenaltyStretch").from, Eigen::Vector2d(-3500, -1000));
   EXPECT_EQ(named(curves, "CenterCircle").radius_mm, 500);
+}
+
+TEST(PaintedCurves, AreTheSameOnesForBothWaysToMeasure) {
+  FieldSize field;
+  field.line_thickness = 15;
+  field.penalty_area_depth = 16;
+  field.penalty_area_width = 15;
+  field.center_circle_radius = 8;
+  for (int i = 0; i < 2; ++i) {
+    const FieldCurves curves(field);
+    ASSERT_EQ(curves.to_middle.size(), curves.to_outer_edge.size());
+    for (std::size_t k = 0; k < curves.to_middle.size(); ++k)
+      EXPECT_EQ(curves.to_middle[k].name, curves.to_outer_edge[k].name);
+    field.center_circle_radius = 20;
+  }
+  EXPECT_EQ(named(painted_curves(field, LinesMeasured::kToOuterEdge), "CenterCircle").radius_mm, 12.5);
 }
 
 TEST(PaintedCurves, LinesOfTheFieldsOwnAreGivenByTheirMiddle) {
@@ -55,15 +71,15 @@ TEST(PaintedCurves, LinesOfTheFieldsOwnAreGivenByTheirMiddle) {
 }
 
 TEST(PaintedCurves, KnowWhetherBothEndsOfTheFieldLookAlike) {
-  EXPECT_TRUE(same_turned(painted_curves(FieldSize{}, LinesMeasured::kToOuterEdge)));
+  EXPECT_TRUE(same_turned(painted_curves(FieldSize{})));
   FieldSize field;
   field.field_lines = field_lines(field);
   field.field_lines->pop_back();
-  EXPECT_FALSE(same_turned(painted_curves(field, LinesMeasured::kToOuterEdge)));
+  EXPECT_FALSE(same_turned(painted_curves(field)));
 }
 
 TEST(PaintedCurves, PointsKeepClearOfOtherCurvesAndEnds) {
-  const auto curves = painted_curves(FieldSize{}, LinesMeasured::kToOuterEdge);
+  const auto curves = painted_curves(FieldSize{});
   const auto points = points_along(curves, 50, 40);
   EXPECT_GT(points.size(), 500U);
   for (const CurvePoint& point : points) {
@@ -77,7 +93,7 @@ TEST(PaintedCurves, PointsKeepClearOfOtherCurvesAndEnds) {
 }
 
 TEST(NamedPoints, AreCornersAndCrossings) {
-  const auto points = named_points(painted_curves(FieldSize{}, LinesMeasured::kToMiddle));
+  const auto points = named_points(painted_curves(FieldSize{}));
   const auto place = [&](std::string_view name) {
     const auto found = std::find_if(points.begin(), points.end(),
                                     [&](const NamedPoint& point) { return point.name == name; });

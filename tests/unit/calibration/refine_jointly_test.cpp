@@ -32,7 +32,7 @@ Pair two_halves(int size, const PaintedFloor& given) {
   PaintedFloor floor = given;
   floor.field = out.field = floor_field(size);
   if (size == kSmall) floor.robots /= 3;
-  out.curves = painted_curves(out.field, LinesMeasured::kToOuterEdge);
+  out.curves = painted_curves(out.field);
   for (const LensCamera& camera : {out.a, out.b}) {
     MeanPicture picture;
     picture.add(draw_floor(floor, camera).view);

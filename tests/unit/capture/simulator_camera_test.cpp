@@ -245,6 +245,26 @@ TEST(SimulatedCamera, PaintsLinesAtTheirPublishedPlaces) {
   }
 }
 
+TEST(SimulatedCamera, PaintsLinesAsTheFieldWasMeasured) {
+  SimulatorOptions options = plain_options();
+  options.robots_yellow = options.robots_blue = options.balls = 0;
+  SourceContext context = context_of(options, 0.2, 0.1);
+  context.scene.field.line_thickness = 40;
+  // Across the centre circle, whose radius is 500 mm.
+  const auto paint_at = [&](double radius_mm) {
+    SimulatedCamera camera(options, context, league_patterns());
+    const Eigen::Vector2d pixel = *context.scene.camera->project(
+        Eigen::Vector3d(radius_mm * std::cos(0.5), radius_mm * std::sin(0.5), 0));
+    return draw(camera, 0)[3 * static_cast<std::size_t>(std::lround(pixel.y()) * options.width +
+                                                        std::lround(pixel.x()))] > 120;
+  };
+  EXPECT_TRUE(paint_at(490) && paint_at(510));
+  EXPECT_FALSE(paint_at(470) || paint_at(530));
+  options.lines_measured_to = LinesMeasured::kToOuterEdge;
+  EXPECT_TRUE(paint_at(470) && paint_at(490));
+  EXPECT_FALSE(paint_at(450) || paint_at(510));
+}
+
 TEST(SimulatedCamera, PaintsTheFieldsOwnLinesInstead) {
   SimulatorOptions options = plain_options();
   options.robots_yellow = options.robots_blue = options.balls = 0;

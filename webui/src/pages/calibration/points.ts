@@ -72,7 +72,7 @@ export function knownText(known: Known): string {
   if (known.height_mm !== null) words.push(`height ${known.height_mm} mm`);
   if (known.focal_px !== null) words.push(`focal length ${known.focal_px} px`);
   if (known.plus_x) words.push(`+x ${known.plus_x}`);
-  if (known.lines_measured_to) words.push(known.lines_measured_to === 'middle' ? 'lines by their middle' : 'lines by their edge');
+  if (known.lines_measured_to) words.push(known.lines_measured_to === 'middle' ? 'lines by their centre' : 'lines by their edge');
   return words.length ? words.join(', ') : 'nothing given';
 }
 
