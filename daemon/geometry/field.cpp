@@ -3,7 +3,9 @@
 
 #include "base/params_json.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 namespace sslv {
@@ -81,6 +83,17 @@ FieldSize measured_to_middle(FieldSize field, LinesMeasured measured) {
   return field;
 }
 
+bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, double y_mm) {
+  if (field.goal_substitution_area_width <= 0) return false;
+  const double goal_line_mm = field.field_length / 2.0;
+  const double wall_mm = goal_line_mm + field.boundary_width_goal_line;
+  // Whatever width is set, the playing area is none of it.
+  const double begin_mm = std::max(goal_line_mm, wall_mm - field.goal_substitution_area_width);
+  const double along_mm = at_positive_x ? x_mm : -x_mm;
+  return along_mm >= begin_mm + field.max_robot_radius && along_mm <= wall_mm &&
+         std::abs(y_mm) <= field.field_width / 2.0 + field.boundary_width;
+}
+
 void check_field(const FieldSize& field, const std::string& path) {
   std::map<std::string, std::string> path_of_name;
   if (field.field_lines) check_names(*field.field_lines, path + "/field_lines", path_of_name);
@@ -111,6 +124,7 @@ std::span<const FieldPreset> field_presets() {
                    .field_width = 9000,
                    .goal_width = 1800,
                    .boundary_width_goal_line = 600,
+                   .goal_substitution_area_width = 300,
                    .penalty_area_depth = 1800,
                    .penalty_area_width = 3600,
                    .goal_center_to_penalty_mark = 8000}},

@@ -79,10 +79,13 @@ struct FieldSize {
 
   static constexpr auto fields() {
     return std::tuple{
-        number("field_length", &FieldSize::field_length, 100, 100'000, "mm", "between the goal lines"),
-        number("field_width", &FieldSize::field_width, 100, 100'000, "mm", "between the touch lines"),
+        number("field_length", &FieldSize::field_length, 100, 100'000, "mm",
+               "between the centres of the goal lines"),
+        number("field_width", &FieldSize::field_width, 100, 100'000, "mm",
+               "between the centres of the touch lines"),
         number("goal_width", &FieldSize::goal_width, 0, 20'000, "mm", "inner width of a goal"),
-        number("goal_depth", &FieldSize::goal_depth, 0, 20'000, "mm", "depth of a goal"),
+        number("goal_depth", &FieldSize::goal_depth, 0, 20'000, "mm",
+               "of a goal, from the goal line's outer edge"),
         number("goal_height", &FieldSize::goal_height, 0, 5'000, "mm", "height of a goal"),
         number("boundary_width", &FieldSize::boundary_width, 0, 20'000, "mm", "floor behind the touch lines"),
         number("boundary_width_goal_line", &FieldSize::boundary_width_goal_line, 0, 20'000, "mm",
@@ -116,6 +119,10 @@ inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
 
 /// The same field with its lines' sizes as the rules measure them, from middle to middle.
 FieldSize measured_to_middle(FieldSize field, LinesMeasured measured);
+
+/// Whether a robot with its centre there waits in the substitution area behind the goal line at the +x end or
+/// the other one, all of it: the game controller (2026) does not count a team's robots behind its own goal.
+bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, double y_mm);
 
 /// Throws SettingsError, beginning with `path`, for lines and arcs that cannot be told apart or do not fit
 /// into a packet.

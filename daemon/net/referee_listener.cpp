@@ -91,6 +91,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
     other_heard_s_.reset();
     game_is_running_ = stage_is_played_ = robots_are_handled_ = false;
     robots_allowed_ = {};
+    blue_at_positive_x_.reset();
     match_.reset();
   }
   receiver_.listen(where);
@@ -122,6 +123,9 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
     stage_is_played_ = says_that_stage_is_played(referee);
     robots_are_handled_ = says_that_robots_are_handled(referee);
     robots_allowed_ = {robots_allowed(referee.yellow()), robots_allowed(referee.blue())};
+    blue_at_positive_x_ = referee.has_blue_team_on_positive_half()
+                              ? std::optional(referee.blue_team_on_positive_half())
+                              : std::nullopt;
     match_ = match_of(referee);
     const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
                                            plain_part(referee.blue().name())};
@@ -154,6 +158,7 @@ RefereeStatus RefereeListener::status(double now_s) const {
   status.stage_is_played = stage_is_played_;
   status.robots_are_handled = robots_are_handled_;
   status.robots_allowed = robots_allowed_;
+  status.blue_at_positive_x = blue_at_positive_x_;
   status.match = match_;
   return status;
 }

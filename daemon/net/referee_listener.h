@@ -63,6 +63,7 @@ struct RefereeStatus {
   bool stage_is_played = false;           // the same, or a HALT in between
   bool robots_are_handled = false;        // meanwhile: people may take them off, in a HALT or a timeout
   std::array<std::optional<int>, 2> robots_allowed;  // by Team; none: it does not say
+  std::optional<bool> blue_at_positive_x;            // that half is the blue team's; none: it does not say
   std::optional<MatchState> match;                   // none before a message with a stage
 
   /// A game controller that falls silent for a while does not end a match; one that was switched off long ago
@@ -108,6 +109,7 @@ class RefereeListener {
   std::uint64_t refused_ = 0;
   bool game_is_running_ = false, stage_is_played_ = false, robots_are_handled_ = false;
   std::array<std::optional<int>, 2> robots_allowed_;
+  std::optional<bool> blue_at_positive_x_;
   std::optional<MatchState> match_;
   MulticastReceiver receiver_;  // last, so that it ends before what it uses
 };

@@ -212,7 +212,7 @@ TEST_F(Daemon, SendsTheGeometryThatIsSetAndServesTheLeagues) {
   EXPECT_EQ(changed.field().boundary_width_goal_line(), 600);
   EXPECT_EQ(changed.field().field_lines_size(), 12);
   EXPECT_EQ(changed.field().field_arcs_size(), 1);
-  EXPECT_FALSE(changed.field().has_goal_substitution_area_width());
+  EXPECT_EQ(changed.field().goal_substitution_area_width(), 300);
   EXPECT_FALSE(changed.has_models());
 }
 

@@ -44,10 +44,10 @@ FieldWatch::FieldWatch(Cameras& cameras, Pace pace)
         serve(ending);
       }) {}
 
-FieldWatch::Seen FieldWatch::seen(std::optional<double> match_since_s) const {
+FieldWatch::Seen FieldWatch::seen(std::optional<double> match_since_s, const SubstitutionAreas& areas) const {
   const double now_s = steady_s();
   const std::lock_guard lock(mutex_);
-  return {sightings_.now(now_s, match_since_s), lines_, now_s - started_s_};
+  return {sightings_.now(now_s, match_since_s, areas), lines_, now_s - started_s_};
 }
 
 void FieldWatch::forget(const std::set<int>& camera_ids) {

@@ -48,8 +48,8 @@ class FieldWatch {
   /// Begins what the destructor does, and does not wait for it.
   void ask_to_stop() { thread_.request_stop(); }
 
-  /// `match_since_s`: see Sightings::now().
-  Seen seen(std::optional<double> match_since_s) const;
+  /// See Sightings::now().
+  Seen seen(std::optional<double> match_since_s, const SubstitutionAreas& areas) const;
   /// Of cameras that show something else from now on, or are gone.
   void forget(const std::set<int>& camera_ids);
   /// See Sightings.

@@ -37,6 +37,14 @@ void count_at_once(std::vector<LostRobot>& lost) {
 
 }  // namespace
 
+bool SubstitutionAreas::hold(Team team, const Eigen::Vector2d& robot_mm) const {
+  for (const bool positive_x : {false, true}) {
+    const bool is_own = !blue_at_positive_x || (team == Team::kBlue) == (positive_x == *blue_at_positive_x);
+    if (is_own && waits_behind_goal(field, positive_x, robot_mm.x(), robot_mm.y())) return true;
+  }
+  return false;
+}
+
 void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<const Robot> robots,
                     std::span<const Ball> balls, std::span<const Robot> second_robots) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
@@ -158,14 +166,20 @@ void Sightings::drop_replaced(std::vector<LostRobot>& lost, double t_s) const {
   }
 }
 
-FieldSeen Sightings::now(double t_s, std::optional<double> match_since_s) const {
+FieldSeen Sightings::now(double t_s, std::optional<double> match_since_s,
+                         const std::optional<SubstitutionAreas>& areas) const {
   FieldSeen out;
   for (const auto& [identity, robots] : robots_) {
     const double gone_s = t_s - *robots.last_s;
-    auto& team_gone_s = out.team_gone_s[static_cast<std::size_t>(identity.first)];
+    const auto team = static_cast<std::size_t>(identity.first);
+    auto& team_gone_s = out.team_gone_s[team];
     team_gone_s = std::min(team_gone_s.value_or(gone_s), gone_s);
+    const bool waits = areas && areas->hold(identity.first, robots.place_mm);
     if (gone_s <= kNow_s) {
-      out.ids[static_cast<std::size_t>(identity.first)].push_back(identity.second);
+      out.ids[team].push_back(identity.second);
+      if (waits) out.waiting[team].push_back(identity.second);
+    } else if (waits) {
+      // It may be in its team's hands by now.
     } else if (robots.is_steady && gone_s <= kExpected_s) {
       out.lost.push_back({identity.first, identity.second, gone_s, robots.place_mm, 1, robots.was_handled});
     } else if (match_since_s) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "geometry/field.h"
 #include "vision/detections.h"
 
 #include <array>
@@ -42,9 +43,18 @@ struct Overlap {
   std::size_t samples = 0;
 };
 
+/// Where robots wait for their substitution, behind their own goal: they are not on the field.
+struct SubstitutionAreas {
+  const FieldSize& field;
+  std::optional<bool> blue_at_positive_x{};  // whose goal is where; not known: either may be anybody's
+
+  bool hold(Team team, const Eigen::Vector2d& robot_mm) const;
+};
+
 /// What all cameras together have seen lately.
 struct FieldSeen {
-  std::array<std::vector<int>, 2> ids;  // by Team: of the robots seen now, ascending
+  std::array<std::vector<int>, 2> ids;      // by Team: of the robots seen now, ascending
+  std::array<std::vector<int>, 2> waiting;  // of them, those in their team's substitution area
   std::array<std::optional<double>, 2>
       team_gone_s{};            // by Team: since one of its robots was seen; none: never
   std::vector<LostRobot> lost;  // within the last minute; in a match: see now()
@@ -53,6 +63,11 @@ struct FieldSeen {
   bool ball = false;  // one is seen now
   std::optional<double>
       ball_gone_s{};  // since one was seen last that had been seen steadily; within a minute
+
+  std::size_t on_field(Team team) const {
+    const auto index = static_cast<std::size_t>(team);
+    return ids[index].size() - waiting[index].size();
+  }
 };
 
 /// Remembers what the cameras saw, look by look. A look is one frame of one camera. Not for several threads
@@ -72,8 +87,10 @@ class Sightings {
   void robots_are_handled(bool are) { are_handled_ = are; }
   /// At a time on the clock of the looks. `match_since_s`: since when a match runs, on the same clock. Many
   /// robots that were lost at once since then, and were not handled, are expected until they, or others of
-  /// their team, are there.
-  FieldSeen now(double t_s, std::optional<double> match_since_s = {}) const;
+  /// their team, are there. Robots that waited in `areas` are not expected: people take them from there at
+  /// any time.
+  FieldSeen now(double t_s, std::optional<double> match_since_s = {},
+                const std::optional<SubstitutionAreas>& areas = {}) const;
 
   /// Seen for so long without a longer gap than kGap_s, a robot is expected to stay.
   static constexpr double kSteady_s = 5, kGap_s = 1;

@@ -151,7 +151,7 @@ void report_allowed(const VerdictFacts& facts, HealthReport& report) {
   if (facts.match_runs || facts.seen.watched_s < kWatched_s) return;
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const auto allowed = facts.robots_allowed[static_cast<std::size_t>(team)];
-    const auto seen = facts.seen.field.ids[static_cast<std::size_t>(team)].size();
+    const std::size_t seen = facts.seen.field.on_field(team);
     if (!allowed || static_cast<std::size_t>(*allowed) == seen) continue;
     const bool is_few = seen < static_cast<std::size_t>(*allowed);
     if (is_few && !roster_of(facts, team).empty()) continue;  // which says more exactly who is missing
@@ -163,7 +163,8 @@ void report_allowed(const VerdictFacts& facts, HealthReport& report) {
                               seen == 1 ? "1 robot is" : fmt::format("{} robots are", seen), *allowed),
          .fix = is_few ? "Put the others on the field. If this team plays with fewer, name their ids "
                          "(teams): then these are expected."
-                       : "Take the others off the field, or correct the game controller.",
+                       : "Take the others off the field, or behind their own goal into the substitution "
+                         "area, or correct the game controller.",
          .page = "#/settings/teams",
          .about = name_of(team)});
   }
@@ -270,14 +271,20 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
 }
 
 Check check_robots(const VerdictFacts& facts) {
-  const auto& ids = facts.seen.field.ids;
-  Check check{"robots",          "Robots",
-              CheckState::kPass, fmt::format("{} / {}", ids[0].size(), ids[1].size()),
-              "yellow / blue",   facts.seen.field.ball ? "and a ball" : "no ball is seen"};
+  const FieldSeen& field = facts.seen.field;
+  const auto& ids = field.ids;
+  Check check{
+      "robots",          "Robots",
+      CheckState::kPass, fmt::format("{} / {}", field.on_field(Team::kYellow), field.on_field(Team::kBlue)),
+      "yellow / blue",   field.ball ? "and a ball" : "no ball is seen"};
+  if (!field.waiting[0].empty() || !field.waiting[1].empty()) {
+    check.text += fmt::format("; {} / {} more wait behind their own goals", field.waiting[0].size(),
+                              field.waiting[1].size());
+  }
   if (facts.robots_allowed[0] && facts.robots_allowed[1])
     check.text += fmt::format("; {} / {} may play", *facts.robots_allowed[0], *facts.robots_allowed[1]);
   if (facts.match_runs) return check;
-  const bool is_ball_seen = facts.seen.field.ball || facts.seen.field.ball_gone_s;  // hidden for a moment
+  const bool is_ball_seen = field.ball || field.ball_gone_s;  // hidden for a moment
   if (ids[0].empty() && ids[1].empty()) {
     check.state = CheckState::kWarn;
     check.text = is_ball_seen ? "a ball, but no robot: put some on the field to see that they are found"

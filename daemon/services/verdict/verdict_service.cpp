@@ -39,7 +39,8 @@ void VerdictService::report(HealthReport& report) const {
   const bool is_heard = referee.silent_s.value_or(1e9) <= RefereeListener::kForgottenAfter_s;
   const auto match_since = *match_since_.load();
   report_verdict({.config = *config,
-                  .seen = watch_.seen(match_since ? std::optional(match_since->steady_s) : std::nullopt),
+                  .seen = watch_.seen(match_since ? std::optional(match_since->steady_s) : std::nullopt,
+                                      {config->field, is_heard ? referee.blue_at_positive_x : std::nullopt}),
                   .coverage = *coverage,
                   .robots_allowed = is_heard ? referee.robots_allowed : decltype(referee.robots_allowed){},
                   .match_runs = match_since.has_value(),
@@ -62,11 +63,12 @@ void VerdictService::each_second() {
 
   expect_nothing_of_replaced_cameras();
   const std::vector<CameraNow> cameras = cameras_.all();
-  std::vector<std::shared_ptr<const void>> covered_by;
+  std::vector<CoveredBy> covered_by;
   for (const CameraNow& camera : cameras) {
     const CameraContext& context = camera.context();
-    covered_by.insert(covered_by.end(), {context.scene, context.mask, context.stage_mask});
-    if (camera.health.state != CameraState::kRunning) covered_by.emplace_back();
+    covered_by.push_back({camera.id, context.scene, context.mask, context.stage_mask,
+                          camera.health.state == CameraState::kRunning, camera.health.width,
+                          camera.health.height});
   }
   if (covered_by == covered_by_ && !covered_by.empty()) return;
   covered_by_ = std::move(covered_by);

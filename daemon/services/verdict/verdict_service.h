@@ -45,9 +45,17 @@ class VerdictService final : public Service, public CameraObserver {
   std::mutex devices_mutex_;
   std::map<int, std::string> devices_;  // by camera id: see device_of()
   Snapshot<Coverage> coverage_{Coverage{}};
-  std::vector<std::shared_ptr<const void>>
-      covered_by_;    // what it was computed of; of the thread of each_second()
-  FieldWatch watch_;  // last: it asks the cameras
+  /// What a camera's part of it was computed of.
+  struct CoveredBy {
+    int id = 0;
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Mask> mask, stage_mask;
+    bool is_running = false;
+    int width_px = 0, height_px = 0;
+    bool operator==(const CoveredBy&) const = default;
+  };
+  std::vector<CoveredBy> covered_by_;  // of the thread of each_second()
+  FieldWatch watch_;                   // last: it asks the cameras
 };
 
 }  // namespace sslv

@@ -124,6 +124,24 @@ TEST(Field, GivenLinesAndArcsStandInThePlaceOfTheLeagues) {
   EXPECT_EQ(arcs[0].thickness, 12);
 }
 
+TEST(Field, RobotsWaitInFrontOfTheWallBehindTheGoal) {
+  const FieldSize& a =
+      field_preset("division-a", "");  // goal line at 6000, area from 6300 to the wall at 6600
+  EXPECT_TRUE(waits_behind_goal(a, true, 6390, -4700));
+  EXPECT_FALSE(waits_behind_goal(a, true, 6389, 0)) << "not all of it";
+  EXPECT_FALSE(waits_behind_goal(a, true, -6400, 0)) << "behind the other goal";
+  EXPECT_TRUE(waits_behind_goal(a, false, -6400, 0));
+  EXPECT_FALSE(waits_behind_goal(a, true, 6700, 0));
+  EXPECT_FALSE(waits_behind_goal(a, true, 6400, 4900));
+  FieldSize b = field_preset("division-b", "");  // goal line at 4500, where the area begins
+  EXPECT_TRUE(waits_behind_goal(b, true, 4590, 0));
+  EXPECT_FALSE(waits_behind_goal(b, true, 4589, 0));
+  b.goal_substitution_area_width = 600;
+  EXPECT_FALSE(waits_behind_goal(b, true, 4589, 0)) << "it may only be said to begin on the field";
+  b.goal_substitution_area_width = 0;
+  EXPECT_FALSE(waits_behind_goal(b, true, 4600, 0)) << "there is none";
+}
+
 TEST(Field, AnEmptyListMeansThatNothingIsPaintedAndNullThatTheSizesSay) {
   const FieldSize none = from_settings(R"({"field_lines": [], "field_arcs": []})");
   EXPECT_TRUE(field_lines(none).empty());

@@ -78,10 +78,13 @@ TEST(OtherVisions, NamesEverySizeThatDiffers) {
   theirs.boundary_width_goal_line = 600;
   theirs.ball_radius = 21;
   theirs.goal_substitution_area_width = 500;  // which ours does not have
+  FieldSize ours;
+  ours.goal_substitution_area_width = 0;
   SSL_WrapperPacket packet = geometry(theirs);
   packet.mutable_geometry()->mutable_field()->clear_goal_height();
   std::map<std::string, std::pair<double, double>> conflicts;
-  for (const SizeConflict& one : size_conflicts(geometry({}).geometry().field(), packet.geometry().field())) {
+  for (const SizeConflict& one :
+       size_conflicts(geometry(ours).geometry().field(), packet.geometry().field())) {
     conflicts[one.name] = {one.ours, one.theirs};
   }
   const std::map<std::string, std::pair<double, double>> expected{

@@ -144,8 +144,8 @@ TEST(Packets, GeometryBytes) {
   field.clear_field_lines();
   field.clear_field_arcs();
   EXPECT_EQ(packet.SerializeAsString(),
-            bytes("12 be 01"                          // wrapper: geometry, 190 bytes
-                  "  0a 2e"                           // field, 46 bytes
+            bytes("12 c2 01"                          // wrapper: geometry, 194 bytes
+                  "  0a 32"                           // field, 50 bytes
                   "    08 a8 46"                      // field_length 9000
                   "    10 f0 2e"                      // field_width 6000
                   "    18 e8 07"                      // goal_width 1000
@@ -160,6 +160,7 @@ TEST(Packets, GeometryBytes) {
                   "    75 00 00 ac 41"                // ball_radius 21.5
                   "    7d 00 00 b4 42"                // max_robot_radius 90
                   "    80 01 fa 01"                   // boundary_width_goal_line 250
+                  "    88 01 ac 02"                   // goal_substitution_area_width 300
                   "  12 50"                           // calib, 80 bytes
                   "    08 02"                         // camera_id 2
                   "    15 00 00 16 44"                // focal_length 600

@@ -236,6 +236,21 @@ TEST(RefereeListener, HearsHowManyRobotsMayPlay) {
   EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(Optional(0), std::nullopt));
 }
 
+TEST(RefereeListener, HearsWhichHalfIsWhose) {
+  Listener listener;
+  EXPECT_EQ(listener.referee.status(100).blue_at_positive_x, std::nullopt);
+  listener.receive(message("MRL", "KIKS"));
+  EXPECT_THAT(listener.referee.status(100).blue_at_positive_x, Optional(true));
+  Referee referee;
+  referee.ParseFromString(message("MRL", "KIKS"));
+  referee.set_blue_team_on_positive_half(false);
+  listener.receive(referee.SerializeAsString());
+  EXPECT_THAT(listener.referee.status(100).blue_at_positive_x, Optional(false));
+  referee.clear_blue_team_on_positive_half();
+  listener.receive(referee.SerializeAsString());
+  EXPECT_EQ(listener.referee.status(100).blue_at_positive_x, std::nullopt);
+}
+
 TEST(RefereeListener, KnowsHowTheMatchStands) {
   Listener listener;
   EXPECT_FALSE(listener.referee.status(100).match);

@@ -23,7 +23,7 @@ TEST_P(TeamHeights, IsTheTeams) {
 
 INSTANTIATE_TEST_SUITE_P(
     Names, TeamHeights,
-    testing::Values(Known{"MRL", 150}, Known{"ER-Force", 150}, Known{"Immortals", 150},
+    testing::Values(Known{"MRL", 150}, Known{"ER-Force", 148}, Known{"Immortals", 150},
                     Known{"TurtleRabbit", 150}, Known{"UMass Minutebots", 150}, Known{"AIS", 150},
                     Known{"RoboJackets", 150}, Known{"DelftMercurians", 150}, Known{"RobôCIn-B", 150},
                     Known{"NAMeC", 149}, Known{"RoboFEI", 149}, Known{"RoboIME", 149},
@@ -32,11 +32,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Known{"RoboTeam Twente", 145}, Known{"UBC Thunderbots", 144}, Known{"RobôCIn", 144},
                     Known{"TIGERs Mannheim", 143}, Known{"ULtron", 143}, Known{"ITAndroids", 141},
                     Known{"CMμs", 140}, Known{"NEUIslanders", 140}, Known{"luhbots", 138},
-                    Known{"RoboDragons", 125}, Known{"The Bots", 110}, Known{"ibis", 90}));
+                    Known{"RoboDragons", 125}, Known{"The Bots", 110}, Known{"ibis", 90},
+                    Known{"Robocup Junior SSL Team", 180}));
 
 INSTANTIATE_TEST_SUITE_P(OtherSpellings, TeamHeights,
                          testing::Values(Known{"tigers MANNHEIM", 143}, Known{" TIGERsMannheim ", 143},
-                                         Known{"ER Force", 150}, Known{"ERForce", 150}, Known{"NRG", 147},
+                                         Known{"ER Force", 148}, Known{"ERForce", 148}, Known{"NRG", 147},
                                          Known{"OP AMP", 147}, Known{"CMus", 140}, Known{"CM\u00B5s", 140},
                                          Known{"CM\u03BCs", 140}, Known{"cm\u039Cs", 140},
                                          Known{"RoboCin", 144}, Known{"Rob\u00F4CIn", 144},

@@ -534,6 +534,18 @@ TEST_F(Checks, BeforeAMatchAsManyRobotsAsMayPlayAreExpected) {
   EXPECT_THAT(kinds(), IsEmpty());
 }
 
+TEST_F(Checks, RobotsThatWaitBehindTheirGoalDoNotCount) {
+  input_.robots_allowed = {2, 2};
+  input_.seen.field.waiting = {{{1}, {}}};
+  EXPECT_THAT(kinds(), IsEmpty());
+  EXPECT_EQ(check("robots").value, "2 / 2");
+  EXPECT_EQ(check("robots").text, "and a ball; 1 / 0 more wait behind their own goals; 2 / 2 may play");
+  input_.seen.field.waiting = {{{1}, {4}}};
+  EXPECT_EQ(only_alert().title, "blue: 1 robot is seen, the game controller allows 2");
+  input_.teams.blue.ids = {4, 5};
+  EXPECT_THAT(kinds(), IsEmpty()) << "both are seen";
+}
+
 TEST_F(Checks, InAMatchATeamThatNobodySeesIsNoPass) {
   input_.match_runs = true;
   input_.seen.field.team_gone_s[1] = 2.5;

@@ -52,6 +52,31 @@ TEST_F(SightingsTest, MissesForAMinuteWhatWasSteady) {
   EXPECT_THAT(now().lost, IsEmpty());
 }
 
+TEST_F(SightingsTest, RobotsThatWaitBehindTheirOwnGoalAreNotOnTheField) {
+  const FieldSize field = field_preset("division-a", "");  // the wall is at 6600 mm, 300 mm in front of it
+  const std::vector<Robot> robots{robot(Team::kBlue, 1, 6400, 0), robot(Team::kBlue, 2, 6380, 0),
+                                  robot(Team::kBlue, 3, -6400, 0), robot(Team::kYellow, 4, -6400, 2000),
+                                  robot(Team::kYellow, 5, 6400, 2000)};
+  look_for(6, robots, {});
+  const auto waiting = [&](std::optional<bool> blue_at_positive_x) {
+    return sightings_.now(t_s_, {}, SubstitutionAreas{field, blue_at_positive_x}).waiting;
+  };
+  EXPECT_THAT(waiting(true), ElementsAre(ElementsAre(4), ElementsAre(1)));
+  EXPECT_THAT(waiting(false), ElementsAre(ElementsAre(5), ElementsAre(3)));
+  EXPECT_THAT(waiting({}), ElementsAre(ElementsAre(4, 5), ElementsAre(1, 3))) << "wherever their goals are";
+  const FieldSeen seen = sightings_.now(t_s_, {}, SubstitutionAreas{field, true});
+  EXPECT_THAT(seen.ids, ElementsAre(ElementsAre(4, 5), ElementsAre(1, 2, 3))) << "they are seen";
+  EXPECT_EQ(seen.on_field(Team::kYellow), 1U);
+  EXPECT_EQ(seen.on_field(Team::kBlue), 2U);
+
+  look_for(2, {}, {});
+  std::vector<int> lost;
+  for (const LostRobot& one : sightings_.now(t_s_, {}, SubstitutionAreas{field, true}).lost)
+    lost.push_back(one.id);
+  EXPECT_THAT(lost, testing::UnorderedElementsAre(2, 3, 5)) << "their teams took the others";
+  EXPECT_EQ(now().lost.size(), 5U);
+}
+
 std::vector<Robot> team_of(Team team, std::initializer_list<int> ids) {
   std::vector<Robot> robots;
   for (const int id : ids) robots.push_back(robot(team, id, 300.0 * id, 0));
