@@ -82,7 +82,9 @@ TEST(Field, PresetsHaveTheSizesOf2026) {
   EXPECT_EQ(a.penalty_area_width, 3600);
   EXPECT_EQ(a.penalty_area_depth, 1800);
   EXPECT_EQ(a.goal_center_to_penalty_mark, 8000);
+  EXPECT_EQ(a.goal_substitution_area_width, 300);
   EXPECT_EQ(params_to_json(field_preset("division-b", "")), params_to_json(FieldSize{}));
+  EXPECT_EQ(FieldSize{}.goal_substitution_area_width, 300);
 }
 
 TEST(Field, EveryPresetIsAllowedAsSettings) {
