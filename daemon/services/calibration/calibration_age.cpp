@@ -8,9 +8,9 @@ namespace {
 
 /// What is painted, of the settings' /field.
 Json painted(Json field) {
-  for (const char* other :
-       {"goal_depth", "goal_height", "goal_width", "boundary_width", "boundary_width_goal_line",
-        "ball_radius", "max_robot_radius", "stack", "stages", "other_computers"})
+  for (const char* other : {"goal_depth", "goal_height", "goal_width", "boundary_width",
+                            "boundary_width_goal_line", "goal_substitution_area_width", "ball_radius",
+                            "max_robot_radius", "stack", "stages", "other_computers"})
     field.erase(other);
   return field;
 }

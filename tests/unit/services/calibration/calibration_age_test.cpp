@@ -35,7 +35,8 @@ TEST(CalibrationAge, IsContentWithAFieldThatWasChangedBack) {
 }
 
 TEST(CalibrationAge, LooksOnlyAtWhatIsPainted) {
-  const Json now = changed(changed(kSettings, "/field/goal_height", 200), "/site", "B");
+  const Json now = changed(changed(changed(kSettings, "/field/goal_height", 200), "/site", "B"),
+                           "/field/goal_substitution_area_width", 300);
   EXPECT_FALSE(field_changed_since(10, now, Json::array({step(20, kSettings, now)})));
   const Json other_stack = changed(kSettings, "/field/stack", Json::array());
   EXPECT_FALSE(field_changed_since(10, other_stack, Json::array({step(20, kSettings, other_stack)})));
