@@ -34,14 +34,31 @@ JsonExtent extent_of(const Json& value, std::size_t max_size) {
 
 Json parse_bounded_json(std::string_view text) {
   constexpr int kMaxDepth = 64, kMaxKeys = 1000;
+  // About what the library takes: a few bytes of text, "[],", become a hundred of memory.
+  constexpr std::size_t kBytesOfValue = 32, kBytesOfText = 32, kBytesOfKey = 48, kBytesOfList = 32;
   std::array<int, kMaxDepth + 2> keys{};
-  const auto check = [&keys](int depth, Json::parse_event_t event, const Json&) {
+  std::size_t bytes = 0;
+  const auto check = [&](int depth, Json::parse_event_t event, const Json& parsed) {
     if (depth > kMaxDepth)
       throw std::length_error("JSON nested deeper than " + std::to_string(kMaxDepth) + " levels");
     const auto place = static_cast<std::size_t>(depth);
-    if (event == Json::parse_event_t::object_start) keys[place + 1] = 0;
-    if (event == Json::parse_event_t::key && ++keys[place] > kMaxKeys)
-      throw std::length_error("JSON with more than " + std::to_string(kMaxKeys) + " keys in an object");
+    switch (event) {
+      case Json::parse_event_t::object_start: keys[place + 1] = 0; [[fallthrough]];
+      case Json::parse_event_t::array_start: bytes += kBytesOfValue + kBytesOfList; break;
+      case Json::parse_event_t::key:
+        if (++keys[place] > kMaxKeys)
+          throw std::length_error("JSON with more than " + std::to_string(kMaxKeys) + " keys in an object");
+        bytes += kBytesOfKey + parsed.get_ref<const std::string&>().size();
+        break;
+      case Json::parse_event_t::value:
+        bytes += kBytesOfValue;
+        if (parsed.is_string()) bytes += kBytesOfText + parsed.get_ref<const std::string&>().size();
+        break;
+      default: break;
+    }
+    if (bytes > kMaxJsonBytes)
+      throw std::length_error("JSON that takes more than " + std::to_string(kMaxJsonBytes >> 20U) +
+                              " MiB of memory");
     return true;
   };
   return Json::parse(text, check);

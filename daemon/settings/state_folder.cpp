@@ -70,7 +70,7 @@ void give_to_owner_of(const fs::path& folder, int fd) {
   if (::fchown(fd, about.st_uid, about.st_gid) != 0) fail("hand a file to the owner of", folder);
 }
 
-void write_all(const fs::path& file, const std::string& content, unsigned permissions) {
+void write_all(const fs::path& file, std::string_view content, unsigned permissions) {
   FileDescriptor out(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, permissions));
   if (out.get() < 0) fail("write", file);
@@ -122,7 +122,7 @@ Json read_json_file(const fs::path& file) {
   }
 }
 
-void write_file_durably(const fs::path& file, const std::string& content, unsigned permissions,
+void write_file_durably(const fs::path& file, std::string_view content, unsigned permissions,
                         const fs::path& previous) {
   // Before all else: without it nothing could be promised.
   const FileDescriptor folder(::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -166,7 +166,7 @@ StateFolder::StateFolder(fs::path path) : path_(std::move(path)) {
   make_folder(path_, ignored);
 }
 
-void StateFolder::write(const fs::path& file, const std::string& content, const fs::path& previous) {
+void StateFolder::write(const fs::path& file, std::string_view content, const fs::path& previous) {
   try {
     constexpr unsigned kPermissions = 0640;
     std::error_code error;

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace sslv {
 
@@ -17,7 +18,7 @@ Json read_json_file(const std::filesystem::path& file);
 /// bytes: temporary file, fsync, rename, fsync of the folder. What it held is kept as `previous`, if named,
 /// which is whole at any time too. Written by root, it belongs to whom the folder belongs to.
 /// Throws StorageError; the file then holds what it held.
-void write_file_durably(const std::filesystem::path& file, const std::string& content,
+void write_file_durably(const std::filesystem::path& file, std::string_view content,
                         unsigned permissions = 0640, const std::filesystem::path& previous = {});
 
 /// Removes a file, if it is there. Throws StorageError.
@@ -42,7 +43,7 @@ class StateFolder {
   const std::filesystem::path& path() const { return path_; }
 
   /// write_file_durably() into this folder or one in it, which is made when it is missing.
-  void write(const std::filesystem::path& file, const std::string& content,
+  void write(const std::filesystem::path& file, std::string_view content,
              const std::filesystem::path& previous = {});
 
   /// Why the last write failed; empty when it did not. Does not wait for one under way.

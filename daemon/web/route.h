@@ -29,10 +29,10 @@ struct Request {
   std::string method, path;                  // the path is decoded
   std::vector<std::string> matches;          // [0]: the path; then the groups of the route's pattern
   std::map<std::string, std::string> query;  // decoded
-  std::string body;
-  std::string address;     // of the client
-  std::string cookies;     // the Cookie header
-  std::string if_match;    // the If-Match header; empty: none
+  std::string_view body;                     // of the connection, until the handler returns
+  std::string address;                       // of the client
+  std::string cookies;                       // the Cookie header
+  std::string if_match;                      // the If-Match header; empty: none
   std::stop_token stop{};  // the service ends: what only takes long need not come to its end
 };
 
@@ -78,6 +78,8 @@ enum class Needs {
 enum class Speed { kMayWait, kAtOnce };
 
 inline constexpr std::size_t kMaxBodyBytes = 1024 * 1024;
+/// More of a body is not received from clients that may not change anything.
+inline constexpr std::size_t kMaxStrangersBodyBytes = 16 * 1024;
 
 struct Route {
   const char* method;   // GET, POST, PUT, PATCH or DELETE

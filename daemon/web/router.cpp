@@ -84,12 +84,15 @@ std::string packed_file(const std::filesystem::path& panel, const std::string& p
   return std::filesystem::is_regular_file(panel.string() + packed, ignored) ? packed : std::string();
 }
 
+/// Of the request that this thread is at. Not by httplib, which would copy it.
+thread_local std::string_view body_of_request;
+
 Request request_of(const httplib::Request& request, const std::stop_token& stop) {
   Request out{.method = request.method,
               .path = request.path,
               .matches = {},
               .query = {},
-              .body = request.body,
+              .body = body_of_request,
               .address = request.remote_addr,
               .cookies = request.get_header_value("Cookie"),
               .if_match = request.get_header_value("If-Match"),
@@ -308,7 +311,10 @@ Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::pat
 Router::~Router() = default;
 
 HttpAnswer Router::answer(std::string_view request, const std::string& remote_address) const {
-  MemoryStream stream(request, remote_address);
+  constexpr std::string_view kHeaderEnd = "\r\n\r\n";
+  const std::size_t header_size = std::min(request.size(), request.find(kHeaderEnd)) + kHeaderEnd.size();
+  body_of_request = request.substr(std::min(request.size(), header_size));
+  MemoryStream stream(request.substr(0, header_size), remote_address);
   bool is_valid = false, is_last = false, is_head = false;
   std::string cookies;  // httplib's own request is gone when its answer is there
   const auto prepare = [&](httplib::Request& parsed) {
@@ -326,7 +332,8 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     if (is_sent_packed) parsed.path = packed;
     // What httplib would do about these can cost far more than the request: unpack a small body to gigabytes,
     // send a large answer a thousand times, compress it. Bodies are JSON whatever they are said to be.
-    for (const char* name : {"Accept-Encoding", "Content-Encoding", "Content-Type", "Expect", "Range"})
+    for (const char* name :
+         {"Accept-Encoding", "Content-Encoding", "Content-Length", "Content-Type", "Expect", "Range"})
       parsed.headers.erase(name);
     parsed.ranges.clear();
   };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/tar_file.h"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
@@ -113,6 +112,8 @@ namespace {
 
 using Reader = std::unique_ptr<archive, decltype(&archive_read_free)>;
 
+constexpr const char* kSparse = "it contains a file with holes";
+
 Reader reader_of(std::string_view bytes, int (*support_filter)(archive*), int (*support_format)(archive*)) {
   Reader in(archive_read_new(), archive_read_free);
   if (!in) throw std::bad_alloc();
@@ -134,27 +135,37 @@ bool has_next(const Reader& in, archive_entry*& header) {
   return result == ARCHIVE_OK;
 }
 
-std::string content_of(const Reader& in, std::size_t max_bytes, const std::stop_token& stop) {
-  std::string content;
-  for (std::array<char, 65536> block;;) {
+/// The bytes of the file that the reader stands before, piece by piece: none of them made up. Libarchive
+/// would write the holes of a sparse file as zeros, of which a few bytes can say as many as they like.
+template <class Use>
+void read_pieces(const Reader& in, const std::stop_token& stop, const Use& use) {
+  for (std::uint64_t size = 0;;) {
     refuse_when_stopped(stop);
-    const la_ssize_t got = archive_read_data(in.get(), block.data(), block.size());
-    if (got < 0) refuse_archive(in);
-    if (got == 0) return content;
-    content.append(block.data(), static_cast<std::size_t>(got));
-    if (content.size() > max_bytes)
-      throw std::runtime_error("unpacked, it is larger than " + std::to_string(max_bytes >> 20U) + " MiB");
+    const void* piece = nullptr;
+    std::size_t bytes = 0;
+    la_int64_t offset = 0;
+    const int result = archive_read_data_block(in.get(), &piece, &bytes, &offset);
+    if (result == ARCHIVE_EOF) return;
+    if (result != ARCHIVE_OK) refuse_archive(in);
+    if (static_cast<std::uint64_t>(offset) != size) throw std::runtime_error(kSparse);
+    size += bytes;
+    use(std::string_view(static_cast<const char*>(piece), bytes));
   }
 }
 
-/// To the end of the compressed bytes, which a reader of the archive does not go to.
-std::string unpacked_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_token& stop) {
+/// Also to the end of the compressed bytes, which a reader of the archive does not go to.
+void check_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_token& stop) {
   const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_raw);
   archive_entry* header = nullptr;
   if (!has_next(in, header)) throw std::runtime_error("it is empty");
   if (archive_filter_code(in.get(), 0) != ARCHIVE_FILTER_GZIP)
     throw std::runtime_error("it is not a .tar.gz file");
-  return content_of(in, max_bytes, stop);
+  std::size_t size = 0;
+  read_pieces(in, stop, [&](std::string_view piece) {
+    size += piece.size();
+    if (size > max_bytes)
+      throw std::runtime_error("unpacked, it is larger than " + std::to_string(max_bytes >> 20U) + " MiB");
+  });
 }
 
 }  // namespace
@@ -162,15 +173,20 @@ std::string unpacked_gz(std::string_view bytes, std::size_t max_bytes, const std
 std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
                                   const std::stop_token& stop) {
   constexpr std::size_t kMaxEntries = 10'000;  // each takes room besides its bytes
-  const std::string tar = unpacked_gz(bytes, max_bytes, stop);
-  const Reader in = reader_of(tar, archive_read_support_filter_none, archive_read_support_format_tar);
+  check_gz(bytes, max_bytes, stop);
+  const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_tar);
   std::vector<TarEntry> entries;
   for (archive_entry* header = nullptr; has_next(in, header);) {
     const char* name = archive_entry_pathname(header);
     if (name == nullptr || archive_entry_filetype(header) != AE_IFREG || entries.size() == kMaxEntries)
       throw std::runtime_error("it contains something that is not a file");
-    std::string copy = name;
-    entries.push_back({std::move(copy), content_of(in, max_bytes, stop)});
+    // All that is unpacked fits, so a file that says it is larger is not all there.
+    const auto size = static_cast<std::uint64_t>(archive_entry_size(header));
+    if (size > max_bytes) throw std::runtime_error(kSparse);
+    TarEntry& entry = entries.emplace_back(TarEntry{name, {}});
+    entry.content.reserve(static_cast<std::size_t>(size));
+    read_pieces(in, stop, [&](std::string_view piece) { entry.content += piece; });
+    if (entry.content.size() != size) throw std::runtime_error(kSparse);
   }
   return entries;
 }

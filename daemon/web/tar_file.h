@@ -29,9 +29,9 @@ struct TarAround {
 TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& name, std::uint64_t size,
                      std::time_t modified);
 
-/// The files of a .tar.gz, in its order. Throws std::runtime_error with the reason where it is none, or not
-/// all of one, holds anything but files, or more than `max_bytes` of them: it stops there. Also once it is
-/// told to stop.
+/// The files of a .tar.gz, in its order. Takes no more memory than `max_bytes`, which is the most that the
+/// archive may have unpacked, and little for each file. Throws std::runtime_error with the reason where it
+/// has more, is none or not all of one, or holds anything but whole files. Also once it is told to stop.
 std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
                                   const std::stop_token& stop = {});
 

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <ctime>
 #include <exception>
+#include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -100,47 +102,48 @@ BackupFiles unpacked(std::string_view bytes, const std::stop_token& stop) {
 }
 
 /// Which file is damaged, where the sums say that one is.
-void check_sums(const BackupFiles& files, const std::string& sums) {
-  BackupFiles left = files;
+void check_sums(const BackupFiles& files, std::string_view sums) {
+  std::set<std::string_view> left;
+  for (const auto& [name, content] : files) left.insert(name);
   for (std::size_t at = 0; at < sums.size();) {
     const std::size_t end = std::min(sums.find('\n', at), sums.size());
-    const std::string line = sums.substr(at, end - at);
+    const std::string_view line = sums.substr(at, end - at);
     at = end + 1;
     const std::size_t gap = line.find("  ");
-    const std::string name = gap == std::string::npos ? "" : line.substr(gap + 2);
-    const auto found = left.find(name);
-    if (found == left.end()) {
+    const std::string name(gap == std::string_view::npos ? "" : line.substr(gap + 2));
+    if (left.erase(name) == 0) {
       refuse_backup(
           fmt::format("{}: names \"{}\", which is not exactly once in the backup; the file is damaged",
                       kSumsName, shortened(name)));
     }
-    if (sha256_of(found->second) != line.substr(0, gap)) {
+    if (sha256_of(files.at(name)) != line.substr(0, gap)) {
       refuse_backup(fmt::format(
           "{}: its SHA-256 differs from the one in {}; the file is damaged, use another copy of it", name,
           kSumsName));
     }
-    left.erase(found);
   }
   if (!left.empty())
-    refuse_backup(fmt::format("{}: has no line in {}", shortened(left.begin()->first), kSumsName));
+    refuse_backup(fmt::format("{}: has no line in {}", shortened(std::string(*left.begin())), kSumsName));
 }
 
 }  // namespace
 
-std::string write_backup(const Backup& backup, const std::stop_token& stop) {
+std::string write_backup(Backup backup, const std::stop_token& stop) {
   const BackupManifest& from = backup.manifest;
   const ManifestFile manifest{kFormat, kFormatVersion, from.time_s, from.version, from.computer, from.site};
-  BackupFiles files = backup.files;
+  BackupFiles& files = backup.files;
   files[kManifestName] = params_to_json(manifest).dump(2) + "\n";
-  std::vector<TarEntry> entries{{kManifestName, files[kManifestName]}};
-  std::size_t size = 0;
-  for (const auto& [name, content] : files) {
+  std::string sums = sums_of(files);
+  std::size_t size = sums.size();
+  std::vector<TarEntry> entries{{kManifestName, ""}};
+  for (auto& [name, content] : files) {
     size += content.size();
-    if (name != kManifestName) entries.push_back({name, content});
+    TarEntry& entry = name == kManifestName ? entries.front() : entries.emplace_back(TarEntry{name, ""});
+    entry.content = std::move(content);
   }
-  entries.push_back({kSumsName, sums_of(files)});
+  entries.push_back({kSumsName, std::move(sums)});
   std::string bytes = tar_gz(entries, static_cast<std::time_t>(from.time_s), stop);
-  if (size + entries.back().content.size() > kMaxUnpackedBackupBytes || bytes.size() > kMaxBackupBytes) {
+  if (size > kMaxUnpackedBackupBytes || bytes.size() > kMaxBackupBytes) {
     throw StorageError(
         fmt::format("the backup would be larger than {} MiB, or {} MiB unpacked; delete profiles",
                     kMaxBackupBytes >> 20U, kMaxUnpackedBackupBytes >> 20U));
@@ -158,7 +161,7 @@ Backup read_backup(std::string_view bytes, const std::stop_token& stop) {
   };
   BackupManifest manifest = manifest_in(take(kManifestName)->second);
   const auto sums = take(kSumsName);
-  const std::string text = sums->second;
+  const std::string text = std::move(sums->second);
   files.erase(sums);
   check_sums(files, text);
   files.erase(kManifestName);

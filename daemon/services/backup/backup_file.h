@@ -28,7 +28,7 @@ struct Backup {
 };
 
 /// Its bytes. Throws StorageError when they would be too many, or it is told to stop.
-std::string write_backup(const Backup& backup, const std::stop_token& stop = {});
+std::string write_backup(Backup backup, const std::stop_token& stop = {});
 
 /// Throws SettingsError where they are none, or damaged, or one that a newer program made, or it is told to
 /// stop.

@@ -127,13 +127,14 @@ Backup BackupService::make(bool with_passwords, bool is_whole) const {
 
 Response BackupService::get_backup(const Request& request) {
   const bool with_passwords = query_flag(request, "passwords");
-  const Backup backup = make(with_passwords, true);
-  Response response{200, kBackupType, write_backup(backup, request.stop)};
-  const std::string site = file_name_part(backup.manifest.site);
-  response.headers.emplace_back("Content-Disposition",
-                                fmt::format("attachment; filename=\"{}-{:%Y%m%d-%H%M%S}.sslvision\"",
-                                            site.empty() ? backup.manifest.computer : site,
-                                            fmt::gmtime(static_cast<std::time_t>(backup.manifest.time_s))));
+  Backup backup = make(with_passwords, true);
+  const BackupManifest from = backup.manifest;
+  Response response{200, kBackupType, write_backup(std::move(backup), request.stop)};
+  const std::string site = file_name_part(from.site);
+  response.headers.emplace_back(
+      "Content-Disposition",
+      fmt::format("attachment; filename=\"{}-{:%Y%m%d-%H%M%S}.sslvision\"",
+                  site.empty() ? from.computer : site, fmt::gmtime(static_cast<std::time_t>(from.time_s))));
   log::info("backup{} made by {}", with_passwords ? " with hashes of passwords" : "", request.address);
   memory_was_used();
   return response;

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/sha256.h"
 #include "config/config.h"
+#include "settings/backup_limits.h"
 #include "settings/state_folder.h"
 #include "vision/lut_codec.h"
 
@@ -177,7 +178,6 @@ void SavedTables::put_file(const std::string& name, const std::string& bytes) {
 }
 
 BackupFiles SavedTables::files(const Config& config) const {
-  constexpr std::size_t kMaxBytes = 32 * 1024 * 1024;
   std::set<std::string> needed;
   for (const CameraSettings& camera : config.cameras) needed.insert(camera.colors.table);
   const std::lock_guard lock(mutex_);
@@ -195,7 +195,7 @@ BackupFiles SavedTables::files(const Config& config) const {
     const auto bytes = bytes_of(file_of(name));
     size += bytes.size();
     // What a damaged file holds helps nobody.
-    if (table_name_of(chars_of(bytes)) != name || (size > kMaxBytes && !is_needed)) continue;
+    if (table_name_of(chars_of(bytes)) != name || (size > kMaxTableBytesInBackup && !is_needed)) continue;
     out.emplace(file_name_of(name), chars_of(bytes));
   }
   return out;

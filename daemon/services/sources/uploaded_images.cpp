@@ -157,7 +157,7 @@ void UploadedImages::check_room(const fs::path& file, std::size_t bytes) const {
         fmt::format("folder \"{}\" has {} images already; use another folder", folder->name, kMaxImages));
 }
 
-void UploadedImages::check_readable(const std::string& name, const std::string& bytes) const {
+void UploadedImages::check_readable(const std::string& name, std::string_view bytes) const {
   const ImageType type = type_of(bytes);
   if (type == ImageType::kOther)
     throw SettingsError(fmt::format("{}: this is neither a JPEG nor a PNG", shortened(name)));
@@ -195,7 +195,7 @@ void UploadedImages::check_readable(const std::string& name, const std::string& 
   }
 }
 
-fs::path UploadedImages::save(const std::string& folder, const std::string& name, const std::string& bytes) {
+fs::path UploadedImages::save(const std::string& folder, const std::string& name, std::string_view bytes) {
   check_name_of_file("name", name);
   const fs::path file = path_of(folder) / name;
   const std::lock_guard lock(mutex_);

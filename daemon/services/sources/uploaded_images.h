@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sslv {
@@ -29,7 +30,7 @@ class UploadedImages {
 
   /// Saves an image, in the place of one with the same name. On disk when it returns. Throws SettingsError
   /// with one line when it is not allowed, and StorageError.
-  std::filesystem::path save(const std::string& folder, const std::string& name, const std::string& bytes);
+  std::filesystem::path save(const std::string& folder, const std::string& name, std::string_view bytes);
 
   /// Removes a folder with its images. False when it is not there. Throws SettingsError and StorageError.
   bool remove(const std::string& folder);
@@ -51,7 +52,7 @@ class UploadedImages {
 
  private:
   void check_room(const std::filesystem::path& file, std::size_t bytes) const;
-  void check_readable(const std::string& name, const std::string& bytes) const;
+  void check_readable(const std::string& name, std::string_view bytes) const;
 
   StateFolder& state_;
   const std::filesystem::path path_;

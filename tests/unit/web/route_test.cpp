@@ -38,6 +38,26 @@ TEST(Route, JsonThatIsTooDeepIsRefused) {
   }
 }
 
+TEST(Route, JsonThatTakesMuchMemoryIsRefused) {
+  const auto list_of = [](const std::string& what, std::size_t bytes) {
+    std::string text = "[" + what;
+    while (text.size() < bytes) text += "," + what;
+    return text + "]";
+  };
+  // Whatever fits into a request; a few bytes of it take a hundred.
+  for (const char* what : {"0", "\"\"", "[]", "{}", "{\"\":0}"})
+    EXPECT_NO_THROW(parse_json(list_of(what, 300'000)));
+  EXPECT_NO_THROW(parse_json(list_of("\"" + std::string(1000, 'x') + "\"", kMaxBodyBytes)));
+  for (const char* what : {"0", "\"\"", "[]", "{}", "{\"\":0}"}) {
+    try {
+      parse_json(list_of(what, 3'000'000));
+      FAIL() << what;
+    } catch (const HttpError& error) {
+      EXPECT_STREQ(error.what(), "JSON that takes more than 24 MiB of memory") << what;
+    }
+  }
+}
+
 TEST(Route, TextThatIsNotUtf8IsReplaced) {
   EXPECT_THAT(to_text({{"error", "a\xff"}}), HasSubstr("a\xEF\xBF\xBD"));
 }

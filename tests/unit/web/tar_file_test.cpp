@@ -2,7 +2,10 @@
 #include "web/tar_file.h"
 
 #include <stdexcept>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <zlib.h>
 
@@ -25,20 +28,41 @@ std::string refusal(const std::string& bytes, std::size_t max_bytes = kPlenty) {
 }
 
 /// The reader takes packed ones only.
-std::vector<TarEntry> read_tar(const std::string& tar) {
-  std::string packed(::compressBound(tar.size()) + 64, '\0');
+std::string packed(std::string tar) {
+  std::string out(::compressBound(tar.size()) + 64, '\0');
   z_stream stream{};
   EXPECT_EQ(::deflateInit2(&stream, 1, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string from = tar;
-  stream.next_in = reinterpret_cast<Bytef*>(from.data());
-  stream.avail_in = static_cast<uInt>(from.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
+  stream.next_in = reinterpret_cast<Bytef*>(tar.data());
+  stream.avail_in = static_cast<uInt>(tar.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
   EXPECT_EQ(::deflate(&stream, Z_FINISH), Z_STREAM_END);
-  packed.resize(stream.total_out);
+  out.resize(stream.total_out);
   ::deflateEnd(&stream);
-  return read_tar_gz(packed, kPlenty);
+  return out;
 }
+std::vector<TarEntry> read_tar(const std::string& tar) {
+  return read_tar_gz(packed(tar), kPlenty);
+}
+
+/// A block of a tar, for what libarchive does not write.
+std::string record(const std::string& name, std::size_t size, char type, const std::string& at_386 = {}) {
+  std::string head(512, '\0');
+  const auto put = [&](std::size_t at, const std::string& text) { head.replace(at, text.size(), text); };
+  put(0, name);
+  put(100, "0000644");
+  put(124, fmt::format("{:011o}", size));
+  put(136, "00000000000");
+  head[156] = type;
+  put(257, std::string("ustar  ", 8));  // GNU's
+  put(386, at_386);
+  put(148, "        ");
+  unsigned sum = 0;
+  for (const char byte : head) sum += static_cast<unsigned char>(byte);
+  put(148, fmt::format("{:06o}", sum) + std::string("\0 ", 2));
+  return head;
+}
+const std::string kEnd(1024, '\0');
 
 TEST(TarFile, IsReadAsItWasWritten) {
   const auto read = read_tar_gz(tar_gz(kFiles, 1'700'000'000), kPlenty);
@@ -79,6 +103,36 @@ TEST(TarFile, IsNotUnpackedBeyondItsLimit) {
   const std::string bytes = tar_gz({{"large", std::string(8 * kPlenty, 'x')}}, 0);
   EXPECT_LT(bytes.size(), kPlenty);
   EXPECT_EQ(refusal(bytes), "unpacked, it is larger than 1 MiB");
+}
+
+TEST(TarFile, ItsLimitIsThatOfAllFiles) {
+  std::vector<TarEntry> many;
+  for (int i = 0; i < 5; ++i) many.push_back({"file" + std::to_string(i), std::string(kPlenty / 4, 'x')});
+  EXPECT_EQ(refusal(tar_gz(many, 0)), "unpacked, it is larger than 1 MiB");
+  many.resize(3);
+  EXPECT_EQ(refusal(tar_gz(many, 0)), "none");
+}
+
+TEST(TarFile, HolesAreNotFilled) {
+  // As GNU tar writes them: pieces with place and size, and the size of all.
+  const auto piece = [](std::size_t at, std::size_t size) {
+    return fmt::format("{:011o} {:011o} ", at, size);
+  };
+  const auto sparse = [&](const std::string& pieces, std::size_t held, std::size_t size) {
+    std::string all = pieces;
+    all.resize(97, '\0');  // four of them
+    return packed(record("sparse", held, 'S', all + fmt::format("{:011o}", size)) + std::string(held, 'x') +
+                  std::string((512 - held % 512) % 512, '\0') + kEnd);
+  };
+  const std::size_t large = std::size_t{750} << 20U;
+  for (const std::string& bytes : {sparse(piece(large, 0), 0, large), sparse("", 0, large),
+                                   sparse(piece(0, 512) + piece(large, 0), 512, large),
+                                   sparse(piece(1000, 512), 512, 1512), sparse(piece(0, 512), 512, 1000)}) {
+    EXPECT_LT(bytes.size(), 300U);
+    EXPECT_EQ(refusal(bytes), "it contains a file with holes");
+  }
+  EXPECT_EQ(refusal(packed(record("whole", 5, '0') + "hello" + std::string(507, '\0') + kEnd)), "none");
+  EXPECT_NE(refusal(packed(record("huge", large, '0') + kEnd)), "none");
 }
 
 }  // namespace

@@ -113,6 +113,19 @@ TEST(BackupFile, TheManifestSaysWhatIsAllowed) {
   EXPECT_THAT(refusal(forged({{"manifest.json", "{"}})), StartsWith("manifest.json: "));
 }
 
+TEST(BackupFile, AFewBytesTakeLittleMemory) {
+  // What is unpacked has an end for all files together; tests/unit/web/tar_file_test.cpp has the ways around
+  // it.
+  std::vector<TarEntry> many{{"manifest.json", manifest("{}")}};
+  for (int i = 0; i < 10; ++i)
+    many.push_back({std::to_string(i), std::string(kMaxUnpackedBackupBytes / 8, ' ')});
+  EXPECT_EQ(refusal(forged(many)), "this is not a complete backup: unpacked, it is larger than 32 MiB");
+  std::string zeros = "[0";
+  while (zeros.size() < 2'000'000) zeros += ",0";
+  EXPECT_EQ(refusal(forged({{"manifest.json", zeros + "]"}})),
+            "manifest.json: JSON that takes more than 24 MiB of memory");
+}
+
 TEST(BackupFile, OneThatWouldBeTooLargeIsNotWritten) {
   Backup large = kBackup;
   large.files["profiles.json"] = std::string(kMaxUnpackedBackupBytes, ' ');
