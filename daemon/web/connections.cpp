@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <utility>
+#include <vector>
 
 namespace sslv {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 constexpr std::size_t kPartOfAddress = 2, kPartOfViewers = 2, kPartOfAddressViewers = 4, kPartKept = 8;
 // An address with so many connections is not one person's browser.
 constexpr std::size_t kPartThatIsMany = 16;
+/// An address for which so much of all that may wait does is slow.
+constexpr std::size_t kPartOfUnsentThatIsMany = 4;
 
 std::size_t part(std::size_t max, std::size_t of) {
   return std::max<std::size_t>(1, max / of);
@@ -22,8 +25,8 @@ std::size_t part(std::size_t max, std::size_t of) {
 
 }  // namespace
 
-Connections::Connections(int max, Clock now_s)
-    : max_(static_cast<std::size_t>(max)), now_s_(std::move(now_s)) {}
+Connections::Connections(int max, Clock now_s, std::atomic<std::uint64_t>& unsent)
+    : max_(static_cast<std::size_t>(max)), now_s_(std::move(now_s)), unsent_(unsent) {}
 
 std::shared_ptr<Connections::Seat> Connections::admit(const std::string& address, bool is_trusted,
                                                       std::string& problem) {
@@ -51,9 +54,7 @@ std::shared_ptr<Connections::Seat> Connections::admit(const std::string& address
       if (leaves == nullptr)
         leaves = most_dispensable(among, kSendPatienceWithMany_s, part(max_, kPartThatIsMany));
       if (leaves == nullptr) return nullptr;
-      seats_.erase(leaves->place_);
-      leaves->is_counted_ = false;
-      close = std::move(leaves->close_);
+      close = leave(*leaves);
     }
     seat = std::make_shared<Seat>(*this, network, is_trusted);
     seat->place_ = seats_.insert(seats_.end(), seat.get());
@@ -83,6 +84,35 @@ Connections::Seat* Connections::most_dispensable(const std::function<bool(const 
     best_count = neighbours;
   }
   return best;
+}
+
+std::size_t Connections::unsent_bytes(const std::function<bool(const Seat&)>& which) const {
+  std::size_t sum = 0;
+  for (const Seat* seat : seats_) sum += which(*seat) ? seat->unsent_bytes_ : 0;
+  return sum;
+}
+
+Connections::Seat* Connections::slowest(const std::function<bool(const Seat&)>& which, double patience_s,
+                                        std::size_t min_bytes_of_network) const {
+  std::map<std::string, std::size_t> of_network;
+  for (const Seat* seat : seats_) of_network[seat->network_] += seat->unsent_bytes_;
+  const double patient_since_s = now_s_() - patience_s;
+  Seat* best = nullptr;
+  for (Seat* seat : seats_) {
+    const std::size_t bytes = of_network[seat->network_];
+    if (!seat->close_ || seat->unsent_bytes_ <= kAlwaysSentBytes ||
+        seat->unsent_since_s_ >= patient_since_s || bytes < min_bytes_of_network || !which(*seat))
+      continue;
+    const std::size_t most = best == nullptr ? 0 : of_network[best->network_];
+    if (bytes > most || (bytes == most && seat->unsent_since_s_ < best->unsent_since_s_)) best = seat;
+  }
+  return best;
+}
+
+std::function<void()> Connections::leave(Seat& seat) {
+  seats_.erase(seat.place_);
+  seat.is_counted_ = false;
+  return std::move(seat.close_);
 }
 
 Connections::Seat::Seat(Connections& connections, std::string network, bool is_trusted)
@@ -134,6 +164,49 @@ bool Connections::Seat::stays(bool is_trusted, std::string& problem) {
   }
   enter(State::kStays);
   return true;
+}
+
+bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
+  std::vector<std::function<void()>> closed;
+  bool fits = true;
+  {
+    const std::lock_guard lock(connections_.mutex_);
+    const double now_s = connections_.now_s_();
+    const std::size_t before = unsent_bytes_;
+    if (bytes > before && bytes > kAlwaysSentBytes) {
+      const auto peers = [this](const Seat& one) { return &one != this && one.is_trusted_ == is_trusted_; };
+      const auto neighbours = [&](const Seat& one) { return peers(one) && one.network_ == network_; };
+      const auto make_room = [&](const std::function<bool(const Seat&)>& among, std::size_t max) {
+        for (;;) {
+          // What nobody else adds to is sent, however much it is.
+          const std::size_t others = connections_.unsent_bytes(among);
+          if (others == 0 || others + bytes <= max) return true;
+          Seat* slow = connections_.slowest(among, kSendPatience_s, 0);
+          if (slow == nullptr)
+            slow = connections_.slowest(among, kSendPatienceWithMany_s, max / kPartOfUnsentThatIsMany);
+          if (slow == nullptr) return false;
+          ++connections_.unsent_;
+          closed.push_back(connections_.leave(*slow));
+        }
+      };
+      fits = is_counted_ && (is_trusted_ || make_room(neighbours, kMaxUnsentBytesOfAddress)) &&
+             make_room(peers, kMaxUnsentBytes);
+    }
+    if (fits) {
+      if (before == 0) unsent_since_s_ = now_s;
+      unsent_bytes_ = bytes;
+    } else {
+      ++connections_.unsent_;
+      problem = "too much waits for clients that take nothing; try again in a moment";
+    }
+  }
+  for (const auto& close : closed) close();
+  return fits;
+}
+
+void Connections::Seat::was_taken_from() {
+  const std::lock_guard lock(connections_.mutex_);
+  unsent_since_s_ = connections_.now_s_();
 }
 
 }  // namespace sslv

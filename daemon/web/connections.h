@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <list>
 #include <memory>
@@ -21,17 +23,25 @@ namespace sslv {
 ///
 /// A part of the connections is kept for trusted addresses: strangers never have all of them.
 ///
+/// What waits in memory until clients take it (answers, images, messages) is bounded too: all of strangers
+/// together, that of one address, and all of trusted addresses. When there is too much, who takes nothing for
+/// kSendPatience_s is closed, first of the address that has most; where nobody is so slow, the newest is not
+/// sent.
+///
 /// Seats may be given back from any thread; everything else is for the socket's thread.
 class Connections {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kSendPatience_s = 5;
   static constexpr double kSendPatienceWithMany_s = 0.5;
+  static constexpr std::size_t kMaxUnsentBytes = 24 * 1024 * 1024, kMaxUnsentBytesOfAddress = 8 * 1024 * 1024;
+  /// As much each connection may have, so that who only asks whether all is well always gets an answer.
+  static constexpr std::size_t kAlwaysSentBytes = 16 * 1024;
 
   class Seat;
 
-  /// `max`: connections at once, viewers included.
-  explicit Connections(int max, Clock now_s);
+  /// `max`: connections at once, viewers included. `unsent`: counts what was not sent because too much waits.
+  Connections(int max, Clock now_s, std::atomic<std::uint64_t>& unsent);
   Connections(const Connections&) = delete;
   Connections& operator=(const Connections&) = delete;
 
@@ -47,9 +57,15 @@ class Connections {
   /// Null: none can go whose network has so many. `patience_s`: how long an answer may be on its way.
   Seat* most_dispensable(const std::function<bool(const Seat&)>& which, double patience_s,
                          std::size_t min_of_network) const;
+  std::size_t unsent_bytes(const std::function<bool(const Seat&)>& which) const;
+  /// Null: none of these has taken nothing for so long.
+  Seat* slowest(const std::function<bool(const Seat&)>& which, double patience_s,
+                std::size_t min_bytes_of_network) const;
+  std::function<void()> leave(Seat& seat);  // returns what closes it, to be called without the mutex
 
   const std::size_t max_;
   const Clock now_s_;
+  std::atomic<std::uint64_t>& unsent_;
   mutable std::mutex mutex_;  // guards what follows and what the seats have
   std::list<Seat*> seats_;    // those in the same state for longest come first
 };
@@ -74,6 +90,12 @@ class Connections::Seat {
   /// Asks to stay open as a viewer. False when there are too many of these, with the reason in `problem`.
   bool stays(bool is_trusted, std::string& problem);
 
+  /// So many bytes are to wait in memory until the client takes them. False when that is more than before and
+  /// too much: nothing has changed then, and `problem` says so. May close other connections.
+  bool holds(std::size_t bytes, std::string& problem);
+  /// The client took something: it is not the slowest.
+  void was_taken_from();
+
  private:
   friend class Connections;
   void is(State state);
@@ -84,6 +106,8 @@ class Connections::Seat {
   bool is_trusted_;
   State state_ = State::kWaits;
   double since_s_;
+  std::size_t unsent_bytes_ = 0;
+  double unsent_since_s_ = 0;  // the client has taken nothing
   std::function<void()> close_;
   std::list<Seat*>::iterator place_;
   bool is_counted_ = true;

@@ -13,6 +13,7 @@ struct WebCounters {
   std::atomic<int> connections = 0;  // open now, viewers included
   std::atomic<int> viewers = 0;      // WebSockets open now
   std::atomic<std::uint64_t> jpegs_encoded = 0;
+  std::atomic<std::uint64_t> unsent = 0;  // answers and messages, because clients took nothing
 };
 
 /// Counts one for as long as it lives. The counter must outlive it. `seat`: held as long.

@@ -113,13 +113,18 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return upgrade(header);
 
     const auto body_size = static_cast<std::size_t>(parser.content_length().value_or(0));
+    if (body_size > kMaxStrangersBodyBytes) {
+      if (const auto refusal = refuse_body(header)) return refuse(refusal->status, refusal->text);
+    }
     if (body_size > kMaxBodyBytes) {
-      if (const auto refusal = refuse_large(header)) return refuse(refusal->status, refusal->text);
+      if (context_.large_requests >= kMaxLargeRequests)
+        return refuse(503, "other large files are being sent; try again in a moment");
       large_.emplace(context_.large_requests);
       stream_.expires_after(kLargeRequestTimeout);
     }
     const std::size_t size = header_size + body_size;
     if (received_.size() >= size) return handle(size);
+    received_.reserve(size);
     asio::async_read(stream_, asio::dynamic_buffer(received_),
                      asio::transfer_exactly(size - received_.size()),
                      [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {
@@ -127,16 +132,14 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                      });
   }
 
-  /// Why no memory is taken for a large request; the router asks the same again, of all requests.
-  std::optional<HeaderRefusal> refuse_large(const http::request_header<>& header) const {
+  /// Why no memory is taken for a body; the router asks the same again, of all requests.
+  std::optional<HeaderRefusal> refuse_body(const http::request_header<>& header) const {
     const std::string_view host = view(header[http::field::host]);
     if (!is_own_name(host, context_.gate.names())) return HeaderRefusal{403, not_own_name(host)};
     if (!is_same_origin(view(header[http::field::origin]), host))
       return HeaderRefusal{403, std::string(kOtherSite)};
     if (context_.gate.may(view(header[http::field::cookie])) != May::kChange)
       return HeaderRefusal{401, "sign in with the admin's password first"};
-    if (context_.large_requests >= kMaxLargeRequests)
-      return HeaderRefusal{503, "other large files are being sent; try again in a moment"};
     return std::nullopt;
   }
 
@@ -149,7 +152,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     std::string problem;
     if (!stays(problem)) return refuse(503, problem);
     stream_.expires_never();
-    context_.websockets.accept(stream_.release_socket(), std::move(connection_), header, std::move(may));
+    context_.websockets.accept(stream_.release_socket(), std::move(connection_), seat_, header,
+                               std::move(may));
   }
 
   /// Method and address of the request that stands first in what was received.
@@ -187,6 +191,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (answer_.stream && !stays(problem)) answer_ = {refusal_text(503, problem), false};
     if (answer_.file && context_.sent_files >= kMaxSentFiles)
       answer_ = {refusal_text(503, "other files are being downloaded; try again in a moment"), false};
+    const auto unsent_bytes = [this] {
+      return answer_.bytes.size() + (answer_.file ? answer_.file->before.size() + kPieceBytes : 0);
+    };
+    if (!seat_.holds(unsent_bytes(), problem)) answer_ = {refusal_text(503, problem), false};
     if (answer_.file) sent_file_.emplace(context_.sent_files);
     if (!answer_.stream) seat_.sends();
     stream_.expires_after(kAnswerTimeout);
@@ -197,6 +205,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       if (error) return;
       self->answer_.bytes = {};
       if (self->answer_.file) self->answer_.file->before = {};
+      self->seat_.holds(self->answer_.file ? kPieceBytes : 0, self->ignored_);
       if (self->answer_.stream) return self->stream();
       if (self->answer_.file) return self->send_file(0);
       self->answer_.keep_alive ? self->wait() : self->finish();
@@ -205,7 +214,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void stream() {
     stream_.expires_never();
-    stream_pictures(stream_.release_socket(), std::move(connection_), context_.feeds, *answer_.stream,
+    stream_pictures(stream_.release_socket(), std::move(connection_), seat_, context_.feeds, *answer_.stream,
                     std::move(answer_.may_look));
   }
 
@@ -239,7 +248,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     stream_.expires_after(kAnswerTimeout);
     asio::async_write(stream_, asio::buffer(piece_, size),
                       [self = shared_from_this(), offset, size](beast::error_code error, std::size_t) {
-                        if (!error) self->send_file(offset + size);
+                        if (error) return;
+                        self->seat_.was_taken_from();
+                        self->send_file(offset + size);
                       });
   }
 
@@ -269,6 +280,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::string piece_;                     // of a file that is sent
   std::optional<ScopedCount> sent_file_;  // while one is
   std::array<char, 4096> rest_;
+  std::string ignored_;
 };
 
 }  // namespace

@@ -32,13 +32,14 @@ constexpr std::string_view kPartEnd = "\r\n";
 /// Kept alive by its pending read.
 class PictureStream : public std::enable_shared_from_this<PictureStream> {
  public:
-  PictureStream(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds, CameraFeed& feed,
-                MayLook may_look)
+  PictureStream(asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+                CameraFeeds& feeds, CameraFeed& feed, MayLook may_look)
       : may_look_(std::move(may_look)),
         feeds_(feeds),
         feed_(feed),
         id_(feeds.new_viewer()),
         connection_(std::move(connection)),
+        seat_(seat),
         stream_(std::move(socket)) {
     beast::error_code ignored;
     stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
@@ -46,6 +47,9 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   }
 
   void start(const PreviewWish& wish) {
+    seat_.closes_by([weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->leave();
+    });
     read();
     feed_.start_preview(
         id_, wish,
@@ -71,6 +75,8 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   void send(const CameraFeed::Message& message) {
     if (left_) return;
     if (!may_look_()) return leave();
+    std::string ignored;
+    if (!seat_.holds(message->size(), ignored)) return feed_.acknowledge(id_);  // the next one, perhaps
     message_ = message;
     const std::span<const char> jpeg = jpeg_in(*message_);
     part_head_ = fmt::format(
@@ -85,9 +91,12 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
     stream_.async_write_some(*unsent_,
                              [self = shared_from_this()](beast::error_code error, std::size_t size) {
                                if (error) return self->leave();
+                               self->seat_.was_taken_from();
                                self->unsent_->consume(size);
                                if (beast::buffer_bytes(*self->unsent_) > 0) return self->write();
                                self->message_.reset();
+                               std::string ignored;
+                               self->seat_.holds(0, ignored);
                                self->feed_.acknowledge(self->id_);
                              });
   }
@@ -103,7 +112,8 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   CameraFeeds& feeds_;
   CameraFeed& feed_;
   const CameraFeed::ViewerId id_;
-  const ScopedCount connection_;
+  const ScopedCount connection_;  // holds the seat
+  Connections::Seat& seat_;
   beast::tcp_stream stream_;
   std::array<char, 1024> ignored_;
   CameraFeed::Message message_;  // on its way, or null
@@ -114,10 +124,10 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
 
 }  // namespace
 
-void stream_pictures(asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds,
-                     const StreamWish& wish, MayLook may_look) try {
-  std::make_shared<PictureStream>(std::move(socket), std::move(connection), feeds, feeds.of(wish.camera_id),
-                                  std::move(may_look))
+void stream_pictures(asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+                     CameraFeeds& feeds, const StreamWish& wish, MayLook may_look) try {
+  std::make_shared<PictureStream>(std::move(socket), std::move(connection), seat, feeds,
+                                  feeds.of(wish.camera_id), std::move(may_look))
       ->start(wish.preview);
 } catch (const HttpError&) {  // the camera went just now: the stream ends before its first image
 }

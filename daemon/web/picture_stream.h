@@ -2,6 +2,7 @@
 #pragma once
 
 #include "web/camera_feeds.h"
+#include "web/connections.h"
 #include "web/counters.h"
 #include "web/gate.h"
 
@@ -14,7 +15,8 @@ namespace sslv {
 /// Sends images until the client goes, may not look any more or takes nothing for 30 s: the body of an
 /// answer of kStreamType, whose head is on its way. The next image is asked for when the one before has
 /// left, so that none waits for a slow link. Runs on the socket's thread alone; `feeds` must outlive it.
-void stream_pictures(boost::asio::ip::tcp::socket socket, ScopedCount connection, CameraFeeds& feeds,
-                     const StreamWish& wish, MayLook may_look);
+/// `connection` holds `seat`.
+void stream_pictures(boost::asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+                     CameraFeeds& feeds, const StreamWish& wish, MayLook may_look);
 
 }  // namespace sslv

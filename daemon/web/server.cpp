@@ -15,6 +15,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <optional>
@@ -39,6 +40,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::seconds kAuditPeriod{10};
+constexpr double kUnsentPeriod_s = 60;
 
 [[noreturn]] void refuse_endpoint(const std::string& address, int number, const error_code& error) {
   const std::string port = "/panel/port: " + std::to_string(number);
@@ -191,7 +193,7 @@ class RunningServer {
       : gate_(parts.gate),
         router_(parts.gate, parts.routes, options.panel_directory, stop_.get_token()),
         counters_(counters),
-        connections_(options.max_connections, steady_s),
+        connections_(options.max_connections, steady_s, counters.unsent),
         feeds_(parts.views, counters.jpegs_encoded),
         websockets_(executors_.io, executors_.quick, parts.views, parts.topics, feeds_, counters),
         listener_(executors_.io, options.address, options.port,
@@ -248,8 +250,20 @@ class RunningServer {
     audit_timer_.async_wait([this](error_code stopped) {
       if (stopped) return;
       router_.write_audit();
+      tell_unsent();
       write_audit();
     });
+  }
+
+  /// At most a line a minute.
+  void tell_unsent() {
+    const std::uint64_t all = counters_.unsent;
+    const double now_s = steady_s();
+    if (all == told_unsent_ || now_s - told_at_s_ < kUnsentPeriod_s) return;
+    log::warning("web: {} answers or images were not sent: too much waits for clients that take nothing",
+                 all - told_unsent_);
+    told_unsent_ = all;
+    told_at_s_ = now_s;
   }
 
   Gate& gate_;
@@ -269,6 +283,8 @@ class RunningServer {
       large_requests_, sent_files_};
   Listener listener_;
   asio::steady_timer audit_timer_;
+  std::uint64_t told_unsent_ = counters_.unsent;
+  double told_at_s_ = -kUnsentPeriod_s;
   ServerThreads threads_;
 };
 

@@ -83,10 +83,11 @@ std::vector<Route> websocket_routes() {
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
   WebSocketSession(WebSocketHub& hub, CameraFeed::ViewerId id, asio::ip::tcp::socket socket,
-                   ScopedCount connection, MayLook may_look)
+                   ScopedCount connection, Connections::Seat& seat, MayLook may_look)
       : hub_(hub),
         id_(id),
         connection_(std::move(connection)),
+        seat_(seat),
         may_look_(std::move(may_look)),
         stream_(std::move(socket)),
         wanted_topics_(hub.topics_.size()) {}
@@ -106,6 +107,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   void start(const WebSocketHub::UpgradeRequest& request) {
     namespace websocket = beast::websocket;
+    // Not at once: it is called while messages are being handed out.
+    seat_.closes_by([weak = weak_from_this(), executor = stream_.get_executor()] {
+      asio::post(executor, [weak] {
+        if (const auto self = weak.lock()) self->leave();
+      });
+    });
     stream_.set_option(websocket::stream_base::timeout{kHandshakeTimeout, kSilenceTimeout, true});
     stream_.read_message_max(kMaxMessageBytes);
     stream_.auto_fragment(false);  // an image leaves in one write
@@ -121,7 +128,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   }
 
   /// What waits to be sent: one message of each kind and camera. A newer one takes the place of an older one,
-  /// so that a slow viewer skips messages and no queue grows.
+  /// so that a slow viewer skips messages and no queue grows. Where too much waits for all viewers together,
+  /// it is skipped as well.
   struct Slot {
     enum class Kind { kError, kTopic, kDetections, kPreview } kind;
     std::uint32_t number = 0;  // of the topic or camera
@@ -131,6 +139,10 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   void send(const Slot& slot, CameraFeed::Message message) {
     const auto waiting =
         std::find_if(outbox_.begin(), outbox_.end(), [&](const Outgoing& one) { return one.slot == slot; });
+    const std::size_t before = waiting == outbox_.end() ? 0 : waiting->message->size();
+    std::string ignored;
+    if (!seat_.holds(unsent_bytes_ - before + message->size(), ignored)) return skip(slot);
+    unsent_bytes_ += message->size() - before;
     if (waiting != outbox_.end()) {
       waiting->message = std::move(message);
       return;
@@ -165,6 +177,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
+  /// A preview that nobody gets is not waited for.
+  void skip(const Slot& slot) {
+    if (slot.kind != Slot::Kind::kPreview) return;
+    if (CameraFeed* feed = hub_.feeds_.find(slot.number)) feed->acknowledge(id_);
+  }
+
   void write() {
     if (writing_ || outbox_.empty()) return;
     writing_ = outbox_.front().message;
@@ -173,7 +191,11 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     stream_.async_write(asio::buffer(*writing_),
                         [self = shared_from_this()](beast::error_code error, std::size_t) {
                           if (error) return self->leave();
+                          self->unsent_bytes_ -= self->writing_->size();
                           self->writing_.reset();
+                          self->seat_.was_taken_from();
+                          std::string ignored;
+                          self->seat_.holds(self->unsent_bytes_, ignored);
                           self->write();
                         });
   }
@@ -230,13 +252,15 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   WebSocketHub& hub_;
   const CameraFeed::ViewerId id_;
-  const ScopedCount connection_;
+  const ScopedCount connection_;  // holds the seat
+  Connections::Seat& seat_;
   const MayLook may_look_;
   std::optional<ScopedCount> viewer_;  // once the handshake is done
   beast::websocket::stream<beast::tcp_stream> stream_;
   beast::flat_buffer incoming_;
   std::deque<Outgoing> outbox_;
-  CameraFeed::Message writing_;  // null: no write is under way
+  CameraFeed::Message writing_;   // null: no write is under way
+  std::size_t unsent_bytes_ = 0;  // of these
   std::vector<bool> wanted_topics_;
   bool wants_detections_ = false;
   bool left_ = false;
@@ -254,11 +278,11 @@ WebSocketHub::WebSocketHub(asio::io_context& io, asio::io_context& workers, View
       last_messages_(topics_.size()),
       topic_due_(topics_.size()) {}
 
-void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
-                          MayLook may_look) {
+void WebSocketHub::accept(asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+                          const UpgradeRequest& request, MayLook may_look) {
   limit_unsent_bytes(socket);
   std::make_shared<WebSocketSession>(*this, feeds_.new_viewer(), std::move(socket), std::move(connection),
-                                     std::move(may_look))
+                                     seat, std::move(may_look))
       ->start(request);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "web/camera_feeds.h"
+#include "web/connections.h"
 #include "web/counters.h"
 #include "web/gate.h"
 #include "web/route.h"
@@ -39,8 +40,9 @@ class WebSocketHub {
                std::vector<Topic*> topics, CameraFeeds& feeds, WebCounters& counters);
 
   /// Answers the request to upgrade and serves the viewer until it goes or may not look any more.
-  void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, const UpgradeRequest& request,
-              MayLook may_look);
+  /// `connection` holds `seat`.
+  void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
+              const UpgradeRequest& request, MayLook may_look);
 
  private:
   friend class WebSocketSession;

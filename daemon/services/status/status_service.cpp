@@ -174,12 +174,16 @@ void StatusService::add_diagnostics(Json& diagnostics) const {
   }
   diagnostics["web"] = {{"connections", web_.connections.load()},
                         {"viewers", web_.viewers.load()},
-                        {"jpegs_encoded", web_.jpegs_encoded.load()}};
+                        {"jpegs_encoded", web_.jpegs_encoded.load()},
+                        {"unsent", web_.unsent.load()}};
 }
 
 void StatusService::write_metrics(MetricsText& out) const {
   out.begin("sslv_preview_clients", "gauge", "Panels and other viewers connected by WebSocket.");
   out.add({}, static_cast<double>(web_.viewers.load()));
+  out.begin("sslv_web_unsent_total", "counter",
+            "Answers and images that were not sent because too much waited for clients that took nothing.");
+  out.add({}, web_.unsent.load());
   const std::lock_guard lock(mutex_);
   if (!clock_) return;
   out.begin("sslv_clock_offset_seconds", "gauge",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/connections.h"
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -42,7 +44,8 @@ class ConnectionsTest : public testing::Test {
   }
 
   double now_s_ = 100;
-  Connections connections_{kMax, [this] { return now_s_; }};
+  std::atomic<std::uint64_t> unsent_ = 0;
+  Connections connections_{kMax, [this] { return now_s_; }, unsent_};
   std::string problem_;
 };
 
@@ -150,6 +153,70 @@ TEST_F(ConnectionsTest, RoomComesBackWithWhoGoes) {
     busy.pop_back();
     EXPECT_TRUE(connect("192.0.2.1"));
   }
+}
+
+constexpr std::size_t kMiB = 1024 * 1024;
+
+TEST_F(ConnectionsTest, WhatWaitsForAnAddressHasALimit) {
+  std::vector<std::shared_ptr<Connection>> greedy;
+  std::size_t held = 0;
+  for (int i = 0; i < 20; ++i) {
+    greedy.push_back(connect("198.51.100.1"));
+    if (greedy.back()->seat->holds(3 * kMiB, problem_)) held += 3 * kMiB;
+  }
+  EXPECT_LE(held, Connections::kMaxUnsentBytesOfAddress);
+  EXPECT_GE(held, Connections::kMaxUnsentBytesOfAddress / 2);
+  EXPECT_EQ(problem_, "too much waits for clients that take nothing; try again in a moment");
+  EXPECT_EQ(unsent_, 20 - held / (3 * kMiB));
+  EXPECT_TRUE(greedy.back()->seat->holds(Connections::kAlwaysSentBytes, problem_)) << "whether all is well";
+  EXPECT_TRUE(connect("192.0.2.1")->seat->holds(3 * kMiB, problem_)) << "another address";
+  greedy.front()->seat->holds(0, problem_);
+  EXPECT_TRUE(greedy.back()->seat->holds(kMiB, problem_)) << "it was taken";
+}
+
+TEST_F(ConnectionsTest, OneAnswerIsSentHoweverLargeItIs) {
+  const auto one = connect("192.0.2.1");
+  EXPECT_TRUE(one->seat->holds(100 * kMiB, problem_));
+  EXPECT_FALSE(connect("192.0.2.1")->seat->holds(kMiB, problem_));
+  EXPECT_TRUE(one->seat->holds(50 * kMiB, problem_)) << "some of it was taken";
+}
+
+TEST_F(ConnectionsTest, WhatWaitsForAllHasALimit) {
+  std::size_t held = 0;
+  std::vector<std::shared_ptr<Connection>> all = connect_many(kMax - kMax / 8);
+  for (const auto& one : all) held += one->seat->holds(2 * kMiB, problem_) ? 2 * kMiB : 0;
+  EXPECT_EQ(held, Connections::kMaxUnsentBytes);
+  const auto own = connect("127.0.0.1", true);
+  EXPECT_TRUE(own->seat->holds(10 * kMiB, problem_)) << "strangers take no room of this computer's own";
+  EXPECT_TRUE(own->seat->holds(20 * kMiB, problem_));
+  EXPECT_FALSE(connect("127.0.0.1", true)->seat->holds(10 * kMiB, problem_)) << "which has an end, too";
+}
+
+TEST_F(ConnectionsTest, WhoTakesNothingMakesRoomForOthers) {
+  const auto slow = connect_many(12);
+  for (const auto& one : slow) ASSERT_TRUE(one->seat->holds(2 * kMiB, problem_));
+  const auto other = connect("192.0.2.1");
+  EXPECT_FALSE(other->seat->holds(kMiB, problem_)) << "it may be a moment before an answer has left";
+  now_s_ += Connections::kSendPatience_s - 1;
+  for (const auto& one : slow) {
+    if (one != slow[3]) one->seat->was_taken_from();
+  }
+  now_s_ += 2;
+  EXPECT_TRUE(other->seat->holds(kMiB, problem_));
+  EXPECT_TRUE(slow[3]->closed);
+  EXPECT_EQ(closed(slow), 1);
+  EXPECT_EQ(unsent_, 2U);
+}
+
+TEST_F(ConnectionsTest, OfAnAddressWithMuchTheSlowestGoesSooner) {
+  const auto greedy = connect("198.51.100.1");
+  ASSERT_TRUE(greedy->seat->stays(false, problem_));
+  ASSERT_TRUE(greedy->seat->holds(7 * kMiB, problem_));
+  const auto next = connect("198.51.100.1");
+  EXPECT_FALSE(next->seat->holds(2 * kMiB, problem_));
+  now_s_ += 2 * Connections::kSendPatienceWithMany_s;
+  EXPECT_TRUE(next->seat->holds(2 * kMiB, problem_));
+  EXPECT_TRUE(greedy->closed) << "also a viewer";
 }
 
 }  // namespace

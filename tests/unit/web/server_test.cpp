@@ -357,6 +357,73 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
   EXPECT_THAT(endless.read_to_end(), StartsWith("HTTP/1.1 431"));
 }
 
+TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
+  daemon_.passwords().set(Role::kAdmin, "correct horse");
+  Client large(server_.port());  // of whose body nothing comes
+  large.send("POST /api/session HTTP/1.1\r\nHost: test\r\nContent-Length: 16385\r\n\r\n");
+  EXPECT_THAT(large.read_to_end(), AllOf(StartsWith("HTTP/1.1 401"),
+                                         HasSubstr("sign in with the admin's password first"), kIsSecured));
+  Client small(server_.port());
+  EXPECT_EQ(ask(small, "POST", "/api/session", "", "[" + std::string(16382, ' ') + "]").status, 500)
+      << "it was read";
+  const Answer signed_in = ask(small, "POST", "/api/session", "", R"({"password": "correct horse"})");
+  ASSERT_EQ(signed_in.status, 200);
+  const std::size_t at = signed_in.header.find("session=");
+  const std::string cookie = signed_in.header.substr(at, signed_in.header.find(';', at) - at);
+  EXPECT_EQ(ask(small, "PATCH", "/api/settings", "Cookie: " + cookie + "\r\n",
+                "[1" + std::string(100'000, ' ') + "]")
+                .status,
+            200);
+}
+
+TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
+  constexpr std::size_t kBytes =
+      6 * 1024 * 1024;  // more than the system takes for a client that reads nothing
+  constexpr int kClients = 40, kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytes / kBytes);
+  daemon_.set_file(std::vector<std::uint8_t>(kBytes, 7));
+  {
+    std::vector<std::unique_ptr<Client>> slow;
+    for (int i = 0; i < kClients; ++i) {
+      slow.push_back(std::make_unique<Client>(server_.port(), 4096));
+      slow.back()->send(request_text("GET", "/api/file/table"));
+    }
+    // Each was refused, or closed for another one, but for those that wait now.
+    EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMostWaiting; }))
+        << counters_.unsent;
+    Client monitoring(server_.port());
+    EXPECT_EQ(ask(monitoring, "GET", "/healthz").status, 200);
+  }
+  EXPECT_TRUE(test::becomes([&] {
+    Client client(server_.port());
+    return ask(client, "GET", "/api/file/table").status == 200;
+  }));
+}
+
+TEST_F(ServerTest, ViewersThatTakeNothingLeaveRoomForOthers) {
+  const Json large(std::string(400'000, 'x'));
+  std::vector<std::unique_ptr<Viewer>> slow;
+  for (int i = 0; i < 100; ++i) {
+    slow.push_back(std::make_unique<Viewer>(server_.port(), 4096));
+    slow.back()->send(R"({"subscribe": ["detections"]})");
+    slow.back()->synchronise();
+  }
+  int frame = 0;
+  EXPECT_TRUE(test::becomes([&] {
+    daemon_.publish(++frame, large);
+    return counters_.unsent > 0;
+  }));
+  Viewer quick(server_.port());
+  quick.send(R"({"subscribe": ["detections"], "preview": {"camera": 0, "fps": 1000}})");
+  bool has_detections = false, has_picture = false;
+  EXPECT_TRUE(test::becomes([&] {
+    daemon_.publish(++frame, large);
+    const Viewer::Message message = quick.read();
+    has_picture |= message.is_binary;
+    has_detections |= !message.is_binary;
+    return has_detections && has_picture;
+  }));
+}
+
 TEST_F(ServerTest, GarbageClosesThatConnectionOnly) {
   Client other(server_.port());
   EXPECT_EQ(ask(other, "GET", "/api/status").status, 200);
