@@ -85,7 +85,7 @@ Json Access::state(std::string_view cookies) {
 }
 
 std::string Access::sign_in(const std::string& password, const std::string& address) {
-  return open_session(check(password, address));
+  return open_session(check(password, address), address);
 }
 
 std::string Access::sign_out(std::string_view cookies) {
@@ -108,7 +108,7 @@ std::string Access::set_password(Role role, const std::optional<std::string>& pa
     remember(role, address);
   }
   log::info("the {}'s password was {} by {}", name_of(role), password ? "set" : "removed", address);
-  return open_session(Role::kAdmin);
+  return open_session(Role::kAdmin, address);
 }
 
 bool Access::is_trusted(const std::string& address) {
@@ -186,17 +186,34 @@ void Access::remember(Role role, const std::string& address) {
   known_[address] = {role, passwords_.hash(role), now_s_()};
 }
 
-std::string Access::open_session(Role role) {
+void Access::make_room_for_session(Role role) {
+  std::map<std::string, std::size_t> of_network;
+  std::size_t all = 0;
+  for (const auto& [token, session] : sessions_) {
+    if (session.role != role) continue;
+    ++of_network[session.network];
+    ++all;
+  }
+  if (all < kMaxSessions) return;
+  auto leaves = sessions_.end();
+  std::size_t most = 0;
+  for (auto one = sessions_.begin(); one != sessions_.end(); ++one) {
+    const auto& [token, session] = *one;
+    if (session.role != role) continue;
+    const std::size_t count = of_network[session.network];
+    if (count < most || (count == most && session.used_s >= leaves->second.used_s)) continue;
+    leaves = one;
+    most = count;
+  }
+  sessions_.erase(leaves);
+}
+
+std::string Access::open_session(Role role, const std::string& address) {
   const std::string token = random_token();
   const double now_s = now_s_();
   const std::lock_guard lock(mutex_);
-  if (sessions_.size() >= kMaxSessions) {
-    const auto oldest =
-        std::min_element(sessions_.begin(), sessions_.end(),
-                         [](const auto& a, const auto& b) { return a.second.used_s < b.second.used_s; });
-    sessions_.erase(oldest);
-  }
-  sessions_[token] = {role, passwords_.hash(role), now_s, now_s};
+  make_room_for_session(role);
+  sessions_[token] = {role, passwords_.hash(role), network_of(address), now_s, now_s};
   return fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/; Max-Age={:.0f}", cookie_, token, kLongest_s);
 }
 

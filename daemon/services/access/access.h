@@ -31,6 +31,8 @@ class Access {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kIdle_s = 24 * 3600.0, kLongest_s = 7 * 24 * 3600.0;
+  /// Of each role. One that is too many ends the idlest of its own role, of the network that has most of
+  /// them: who opens many ends only his own.
   static constexpr std::size_t kMaxSessions = 256;
 
   /// `cookie`: its name; browsers do not tell the ports of a computer apart.
@@ -61,7 +63,8 @@ class Access {
  private:
   struct Session {
     Role role;
-    std::string hash;  // of the password it was opened with
+    std::string hash;     // of the password it was opened with
+    std::string network;  // that it was opened from
     double opened_s, used_s;
   };
   /// An address that somebody signed in from.
@@ -82,13 +85,14 @@ class Access {
   };
   std::optional<Role> session_role(std::string_view cookies);
   Role check(const std::string& password, const std::string& address);
-  std::string open_session(Role role);
+  std::string open_session(Role role, const std::string& address);
   std::string token_in(std::string_view cookies) const;
 
   // With mutex_ held:
   Circle circle_of(const std::string& address) const;
   void take_try(Circle circle, const std::string& key);
   void remember(Role role, const std::string& address);
+  void make_room_for_session(Role role);
 
   Passwords& passwords_;
   const std::string cookie_;

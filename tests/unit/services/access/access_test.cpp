@@ -91,6 +91,25 @@ TEST_F(AccessTest, SessionsEndWhenNobodyUsesThemAndInTheEnd) {
   EXPECT_EQ(access_.may(used), May::kLook);
 }
 
+TEST_F(AccessTest, ManySessionsOfViewersEndNeitherAnAdminsNorOtherViewers) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  const std::string admin = sign_in("correct horse");
+  const std::string viewer = cookie(access_.sign_in("battery staple", "192.0.2.2"));
+  std::vector<std::string> many;
+  for (std::size_t i = 0; i < 2 * Access::kMaxSessions; ++i) {
+    now_s_ += 60;  // tries come back, and whoever signed in first is the idlest
+    many.push_back(cookie(access_.sign_in("battery staple", "198.51.100." + std::to_string(i % 2))));
+  }
+  EXPECT_EQ(access_.may(admin), May::kChange);
+  EXPECT_EQ(access_.may(viewer), May::kLook);
+  EXPECT_EQ(access_.may(many.front()), May::kNothing);
+  EXPECT_EQ(access_.may(many.back()), May::kLook);
+  int left = 0;
+  for (const std::string& one : many) left += access_.may(one) == May::kLook ? 1 : 0;
+  EXPECT_EQ(left + 1, static_cast<int>(Access::kMaxSessions));
+}
+
 TEST_F(AccessTest, AnotherPasswordEndsTheSessionsOfThatRole) {
   passwords_.set(Role::kAdmin, "correct horse");
   passwords_.set(Role::kViewer, "battery staple");
