@@ -12,12 +12,17 @@ constexpr int kPicturesToTrust = 20;
 constexpr double kMaxLeapS = 45;
 /// From the beginning of an exposure to the first packet, with the errors of the host's clock.
 constexpr double kEarliestS = -0.001, kLatestS = 0.3;
+/// A camera that says more is wrong about its exposure.
+constexpr double kLongestExposureS = 60;
 /// Of clocks that follow the same master: an assumption.
 constexpr double kPtpSigmaS = 20e-6;
 
 }  // namespace
 
-CaptureTimes PictureTimes::of(const PictureStamps& stamps, double now_s, double steady_s) {
+CaptureTimes PictureTimes::of(const PictureStamps& told, double now_s, double steady_s) {
+  PictureStamps stamps = told;
+  // As for what is not known; written so that NaN is none, too.
+  if (!(stamps.exposure_s >= 0 && stamps.exposure_s <= kLongestExposureS)) stamps.exposure_s = 0;
   CaptureTimes out;
   out.t_capture_camera_s = stamps.camera_s;
   out.t_capture_s = stamps.arrival_s - stamps.exposure_s / 2;

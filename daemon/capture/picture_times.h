@@ -12,7 +12,7 @@ namespace sslv {
 struct PictureStamps {
   double arrival_s = 0;              // Unix time at which its first packet came: about the exposure's end
   std::optional<double> camera_s{};  // the beginning of its exposure on the camera's own clock
-  double exposure_s = 0;             // 0: not known
+  double exposure_s = 0;             // 0: not known; so is what no exposure can be
   bool has_ptp = false;              // the camera has the Precision Time Protocol (IEEE 1588) switched on
 };
 
@@ -22,7 +22,7 @@ struct PictureStamps {
 class PictureTimes {
  public:
   /// `now_s` and `steady_s`: Unix time and a steady clock, read at the same moment.
-  CaptureTimes of(const PictureStamps& stamps, double now_s, double steady_s);
+  CaptureTimes of(const PictureStamps& told, double now_s, double steady_s);
 
  private:
   bool follows_ptp(const PictureStamps& stamps, double& leap_s);

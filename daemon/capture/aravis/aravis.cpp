@@ -3,6 +3,7 @@
 
 #include "base/background.h"
 #include "base/clock.h"
+#include "base/log.h"
 #include "base/params_json.h"
 #include "capture/aravis/aravis_controls.h"
 #include "capture/aravis/aravis_devices.h"
@@ -10,12 +11,14 @@
 #include "capture/aravis/aravis_library.h"
 #include "capture/aravis/aravis_options.h"
 #include "capture/aravis/aravis_setup.h"
+#include "capture/aravis/gvsp_door.h"
 #include "capture/picture_times.h"
 #include "image/shared_memory.h"
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -95,8 +98,8 @@ class BufferTimes {
     if (!failure.failed() && per_s > 0) ticks_per_s_ = static_cast<double>(per_s);
   }
 
-  /// `exposure_s`: as the camera was last read.
-  CaptureTimes of(ArvBuffer* buffer, double exposure_s) {
+  /// `exposure_s`: as the camera was last read. `is_sound`: chunks may be looked for.
+  CaptureTimes of(ArvBuffer* buffer, double exposure_s, bool is_sound) {
     PictureStamps stamps;
     stamps.exposure_s = exposure_s;
     stamps.has_ptp = has_ptp_;
@@ -107,7 +110,7 @@ class BufferTimes {
     // A damaged image may lack the packet that has its time; the buffer then holds an older one.
     const bool is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     if (camera_ns != 0 && !is_damaged) stamps.camera_s = static_cast<double>(camera_ns) * 1e-9;
-    if (chunks_ && arv_buffer_has_chunks(buffer)) read_chunks(buffer, stamps);
+    if (chunks_ && is_sound && arv_buffer_has_chunks(buffer)) read_chunks(buffer, stamps);
     return times_.of(stamps, unix_time_s(), static_cast<double>(steady_ns()) * 1e-9);
   }
 
@@ -249,7 +252,7 @@ class AravisSource final : public Source {
     arrivals_.best = Arrivals::Best::kOwn;
     image.is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     exposure_.note_image();
-    image.times = times_.of(buffer, shared_->exposure_s);
+    image.times = times_.of(buffer, shared_->exposure_s, reader_.is_within(buffer));
     image.whole = reader_.whole();
     if (sent.format->is_copied()) {
       const bool is_unpacked = unpacker_.unpack(sent, image.image);
@@ -287,6 +290,30 @@ class AravisSource final : public Source {
     return (bytes + kPage - 1) / kPage * kPage;
   }
 
+  /// Lets only packets that fit into the buffers reach the library.
+  void guard(std::size_t payload) const {
+    const auto number_of = [](GSocketAddress* address) {
+      GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
+      std::uint32_t number = 0;
+      if (g_inet_address_get_family(inet) == G_SOCKET_FAMILY_IPV4)
+        std::memcpy(&number, g_inet_address_to_bytes(inet), sizeof number);
+      return GUINT32_FROM_BE(number);
+    };
+    ArvGvDevice* device = ARV_GV_DEVICE(arv_camera_get_device(camera()));
+    Failure failure;
+    const guint packet_bytes = arv_camera_gv_get_packet_size(camera(), failure);
+    const GvspBounds bounds{number_of(arv_gv_device_get_device_address(device)),
+                            number_of(arv_gv_device_get_interface_address(device)),
+                            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload, packet_bytes};
+    if (failure.failed() || guard_gvsp_sockets(bounds) == 0) {
+      log::warning(
+          "camera \"{}\": its packets cannot be checked before they are read, so who can send some in its "
+          "name "
+          "can end the service: {}",
+          label_, failure.failed() ? failure.text() : "no filter for its socket");
+    }
+  }
+
   /// For all buffers of the stream, where other processes are to look at images; else null.
   std::shared_ptr<SharedMemory> shared_buffers(std::size_t payload) const {
     if (!new_images_are_shared()) return nullptr;
@@ -310,14 +337,18 @@ class AravisSource final : public Source {
                    nullptr);
       // The packet socket takes in what is meant for others until its filter is set, and such packets'
       // numbers would make the camera's own images look late. Without buffers the library throws them away.
+      guard(payload);
       std::this_thread::sleep_for(kForeignPackets);
     }
+    reader_.set_buffer_bytes(payload);
     const auto memory = shared_buffers(payload);
     for (int i = 0; i < options_.buffers; ++i) {
       const auto destroy = [](gpointer lease) { delete static_cast<Lease*>(lease); };
       void* const bytes = memory ? memory->data() + static_cast<std::size_t>(i) * in_pages(payload) : nullptr;
-      arv_stream_push_buffer(stream_.get(),
-                             arv_buffer_new_full(payload, bytes, new Lease{{}, memory}, destroy));
+      ArvBuffer* buffer = arv_buffer_new_full(payload, bytes, new Lease{{}, memory}, destroy);
+      // Whatever does not come: no image shows what was in the memory before.
+      std::memset(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)), 0, payload);
+      arv_stream_push_buffer(stream_.get(), buffer);
     }
     link_->stream = stream_.get();
     arv_camera_start_acquisition(camera(), failure);

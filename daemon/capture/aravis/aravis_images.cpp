@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/aravis/aravis_images.h"
 
+#include "capture/unpack.h"
+
 #include <algorithm>
 #include <string_view>
 
@@ -62,6 +64,38 @@ void AravisBufferReader::read_region(ArvCamera* camera) {
   if (is_part && is_within) whole_ = sensor;
 }
 
+SentPicture sound_picture(const ClaimedPicture& claimed, const std::uint8_t* begin, std::string& problem) {
+  const AravisFormat* format = find_aravis_format(claimed.format);
+  // Of YUV 4:1:1 four pixels have a colour.
+  const int group = format != nullptr && format->unpack == yuv411_to_uyvy ? 4 : 1;
+  if (format == nullptr || claimed.padding_bytes < 0 || claimed.width % group != 0 ||
+      !is_valid_size(format->format, claimed.width, claimed.height)) {
+    problem = fmt::format("{}x{} pixels of format 0x{:08x} are not supported", claimed.width, claimed.height,
+                          claimed.format);
+    return {};
+  }
+  SentPicture sent;
+  sent.width = claimed.width;
+  sent.height = claimed.height;
+  sent.padding_bytes = static_cast<std::size_t>(claimed.padding_bytes);
+  const std::size_t needed = bytes_of(*format, sent), there = std::min(claimed.came, claimed.allocated);
+  const std::size_t size = claimed.offset < there ? std::min(claimed.bytes, there - claimed.offset) : 0;
+  if (size < needed) {
+    problem = fmt::format("{} bytes came; {}x{} of format 0x{:08x} needs {}", size, sent.width, sent.height,
+                          format->arv, needed);
+    return {};
+  }
+  sent.data = begin + claimed.offset;
+  sent.format = format;
+  return sent;
+}
+
+bool AravisBufferReader::is_within(ArvBuffer* buffer) const {
+  std::size_t came = 0;
+  arv_buffer_get_data(buffer, &came);
+  return came <= buffer_bytes_;
+}
+
 /// The library does not say how a damaged image lies in its buffer: as the last whole one did.
 SentPicture AravisBufferReader::damaged_picture_in(ArvBuffer* buffer) const {
   SentPicture sent = last_whole_;
@@ -84,29 +118,26 @@ SentPicture AravisBufferReader::picture_in(ArvBuffer* buffer, std::string& probl
     problem = fmt::format("it holds no image but payload type {}", static_cast<int>(payload));
     return {};
   }
-  SentPicture sent;
-  sent.width = arv_buffer_get_image_width(buffer);
-  sent.height = arv_buffer_get_image_height(buffer);
-  const AravisFormat* format = find_aravis_format(arv_buffer_get_image_pixel_format(buffer));
-  if (format == nullptr || !is_valid_size(format->format, sent.width, sent.height)) {
-    problem = fmt::format("{}x{} pixels of format 0x{:08x} are not supported", sent.width, sent.height,
-                          arv_buffer_get_image_pixel_format(buffer));
+  // Of several parts it is the first.
+  if (arv_buffer_get_n_parts(buffer) == 0 ||
+      arv_buffer_get_part_data_type(buffer, 0) != ARV_BUFFER_PART_DATA_TYPE_2D_IMAGE) {
+    problem = "its first part is no image";
     return {};
   }
-  gint x_padding = 0, y_padding = 0;
-  arv_buffer_get_image_padding(buffer, &x_padding, &y_padding);
-  sent.padding_bytes = static_cast<std::size_t>(x_padding);
-  std::size_t size = 0;
-  sent.data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(buffer, &size));
-  const std::size_t needed = bytes_of(*format, sent);
-  if (size < needed) {
-    problem = fmt::format("{} bytes came; {}x{} of format 0x{:08x} needs {}", size, sent.width, sent.height,
-                          format->arv, needed);
-    return {};
-  }
-  sent.format = format;
+  ClaimedPicture claimed;
+  claimed.format = arv_buffer_get_image_pixel_format(buffer);
+  claimed.width = arv_buffer_get_image_width(buffer);
+  claimed.height = arv_buffer_get_image_height(buffer);
+  gint y_padding = 0;
+  arv_buffer_get_image_padding(buffer, &claimed.padding_bytes, &y_padding);
+  const auto* begin = static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &claimed.came));
+  const void* data = arv_buffer_get_image_data(buffer, &claimed.bytes);
+  claimed.offset = reinterpret_cast<std::uintptr_t>(data) - reinterpret_cast<std::uintptr_t>(begin);
+  claimed.allocated = buffer_bytes_;
+  const SentPicture sent = sound_picture(claimed, begin, problem);
+  if (sent.format == nullptr) return {};
   last_whole_ = sent;
-  last_whole_offset_ = sent.data - static_cast<const std::uint8_t*>(arv_buffer_get_data(buffer, &size));
+  last_whole_offset_ = sent.data - begin;
   return sent;
 }
 

@@ -25,11 +25,30 @@ struct SentPicture {
 /// The view of an image that needs no unpacking.
 ImageView view_of(const SentPicture& sent);
 
+/// What a camera, or whoever sends in its name, says of an image in a buffer.
+struct ClaimedPicture {
+  ArvPixelFormat format = 0;
+  int width = 0, height = 0;
+  int padding_bytes = 0;                // at the end of each row
+  std::uintptr_t offset = 0;            // of the image in the buffer
+  std::size_t bytes = 0;                // of the image
+  std::size_t came = 0, allocated = 0;  // of the whole buffer: what came in packets, and what there is
+};
+
+/// The image, its data beginning at `begin` of the buffer, if all of it came and lies in the buffer. Else no
+/// format, with the reason.
+SentPicture sound_picture(const ClaimedPicture& claimed, const std::uint8_t* begin, std::string& problem);
+
 /// Finds the image in a buffer.
 class AravisBufferReader {
  public:
   /// `use_incomplete`: also images that lack packets.
   explicit AravisBufferReader(bool use_incomplete) : use_incomplete_(use_incomplete) {}
+
+  /// Of all that it is given.
+  void set_buffer_bytes(std::size_t bytes) { buffer_bytes_ = bytes; }
+  /// Whether no more came than there is room for, as the library counts.
+  bool is_within(ArvBuffer* buffer) const;
 
   /// Asks the camera which part of its sensor is read. One that does not tell is taken for whole.
   void read_region(ArvCamera* camera);
@@ -42,6 +61,7 @@ class AravisBufferReader {
   SentPicture damaged_picture_in(ArvBuffer* buffer) const;
 
   const bool use_incomplete_;
+  std::size_t buffer_bytes_ = 0;
   WholePicture whole_;
   SentPicture last_whole_;                // its data is not used
   std::ptrdiff_t last_whole_offset_ = 0;  // of the image in its buffer

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "capture/aravis/aravis_images.h"
 #include "capture/camera_thread.h"
 #include "capture/control_memory.h"
 #include "image/shared_memory.h"
@@ -10,6 +11,7 @@
 #include "support/allocation_count.h"
 #include "support/becomes.h"
 #include "support/gige_server.h"
+#include "support/gvsp_packets.h"
 #include "vision/disc_fit.h"
 
 #include <algorithm>
@@ -161,6 +163,99 @@ void expect_low_bits(const ImageView& view, std::size_t bits) {
   const std::size_t low_bits = bits - 8;
   for (std::size_t i = 0; i < 320 * 240; ++i)
     ASSERT_EQ(low[i], (i & ((1U << low_bits) - 1)) << (8 - low_bits)) << "byte " << i;
+}
+
+TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
+  using namespace test;
+  const auto source = open({{"chunks", true}});
+  next_picture(*source);
+  const UdpForger forger;
+  const std::uint16_t port = forger.stream_port_of(kAddress);
+  constexpr std::uint32_t kBytes = 320 * 240;
+  // Far from the camera's own numbers, which would be late behind them.
+  std::uint64_t frame = 0x4000;
+  bool was_refused = false;
+  const auto expect_our_own = [&] {
+    for (int own = 0; own < 3;) {
+      CapturedImage image;
+      std::string problem;
+      const CaptureStatus status = next(*source, image, problem);
+      ASSERT_NE(status, CaptureStatus::kLost) << problem;
+      was_refused |= problem.starts_with("0 bytes came");
+      if (status != CaptureStatus::kImage) continue;
+      ++own;
+      EXPECT_EQ(image.image.view().width, 320);
+      expect_our_pixels(image.image.view());
+    }
+  };
+  const auto send = [&](const std::vector<std::string>& packets) {
+    for (const std::string& packet : packets) forger.send(port, packet);
+    ++frame;
+    expect_our_own();
+  };
+  const auto leader = [&](const std::string& data, std::uint8_t parts = 0) {
+    return gvsp_extended_packet(GvspKind::kLeader, frame, 0, data, parts);
+  };
+  const auto trailer = [&](std::uint32_t id) { return gvsp_extended_packet(GvspKind::kTrailer, frame, id); };
+
+  // As large as the buffer and larger, and nothing of it comes.
+  send({leader(gvsp_multipart_leader({{320, 240, kBytes}}), 1), trailer(1)});
+  EXPECT_TRUE(was_refused);
+  send({leader(gvsp_multipart_leader({{700, 700, 490'000}}), 1), trailer(1)});
+  send({leader(gvsp_multipart_leader({{16384, 16384, 1U << 28}}), 1), trailer(1)});
+  send({leader(gvsp_multipart_leader({{2, 2, kBytes}}), 1), trailer(1)});
+  send({leader(gvsp_multipart_leader({{320, 240, kBytes, kGvspMono8, 10}}), 1), trailer(1)});
+  send({leader(gvsp_image_leader(320, 240)), trailer(1)});
+  send({leader(gvsp_image_leader(320, 240, kGvspMono8, kGvspImage, 65535)), trailer(1)});
+  // Chunks of what never came.
+  send({leader(gvsp_image_leader(320, 240, kGvspMono8, kGvspImage | kGvspWithChunks)), trailer(1)});
+  send({leader(gvsp_multipart_leader({{320, 240, kBytes}}, kGvspMultipartImage | kGvspWithChunks), 1),
+        trailer(1)});
+  // Numbers that the library takes memory for, or copies to.
+  send({trailer(0xfffffffe)});
+  send(
+      {trailer(0xffffff), gvsp_extended_packet(GvspKind::kPayload, frame, 0xfffff0, std::string(1000, 'x'))});
+  send({leader(gvsp_multipart_leader({{1, 1, std::uint64_t{1} << 40}}), 1)});
+  send({leader(gvsp_multipart_leader({{1, 1, 1}}), 255), trailer(1)});
+  send({gvsp_extended_packet(GvspKind::kAllIn, frame, 0, gvsp_image_leader(320, 240)),
+        gvsp_extended_packet(GvspKind::kPayload, frame, 1'000'000, std::string(1000, 'x'))});
+  send({leader(gvsp_image_leader(320, 240)), gvsp_extended_packet(GvspKind::kPayload, frame, 1)});
+  send({"", "x", leader("").substr(0, 19)});
+}
+
+TEST(AravisPictures, AreWhatCameAndLiesInTheBuffer) {
+  constexpr std::size_t kBytes = 320 * 240;
+  const std::vector<std::uint8_t> buffer(kBytes + 100);
+  const ClaimedPicture good{ARV_PIXEL_FORMAT_MONO_8, 320, 240, 0, 0, kBytes, kBytes, kBytes + 100};
+  std::string problem;
+  const auto is_sound = [&](const auto& change) {
+    ClaimedPicture claimed = good;
+    change(claimed);
+    const SentPicture sent = sound_picture(claimed, buffer.data(), problem);
+    return sent.format != nullptr;
+  };
+  using Claimed = ClaimedPicture&;
+  EXPECT_TRUE(is_sound([](Claimed) {}));
+  EXPECT_TRUE(is_sound([](Claimed it) { it.offset = 100, it.came += 100; }));
+  EXPECT_TRUE(is_sound([](Claimed it) { it.height = 120, it.padding_bytes = 320; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.came = 0; }));
+  EXPECT_EQ(problem, "0 bytes came; 320x240 of format 0x01080001 needs 76800");
+  EXPECT_FALSE(is_sound([](Claimed it) { --it.came; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { --it.bytes; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.offset = 1; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.offset = 101, it.came += 1000; }));
+  EXPECT_FALSE(
+      is_sound([](Claimed it) { it.offset = -std::uintptr_t{1}, it.came = it.bytes = ~std::size_t{0}; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.allocated = kBytes - 1; }));
+  EXPECT_FALSE(
+      is_sound([](Claimed it) { it.width = 16384, it.height = 16384, it.bytes = it.came = 1U << 28; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.padding_bytes = 1; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.padding_bytes = -1; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.width = -2; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.format = 7; }));
+  EXPECT_EQ(problem, "320x240 pixels of format 0x00000007 are not supported");
+  EXPECT_TRUE(is_sound([](Claimed it) { it.format = ARV_PIXEL_FORMAT_YUV_411_PACKED, it.width = 4; }));
+  EXPECT_FALSE(is_sound([](Claimed it) { it.format = ARV_PIXEL_FORMAT_YUV_411_PACKED, it.width = 6; }));
 }
 
 TEST_F(Gige, DeeperPixelsKeepAllTheirBits) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/picture_times.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 namespace sslv {
@@ -72,6 +74,14 @@ TEST(PictureTimes, ACameraThatLeavesItsMasterIsFollowedByHowItRuns) {
   EXPECT_FALSE(camera.now.is_by_ptp);
   // Its arrival is what is known then: the end of the exposure and 1 ms on the way.
   EXPECT_NEAR(camera.error_s(3000), 0.005 - 0.004, 1e-4);
+}
+
+TEST(PictureTimes, AnExposureThatIsNoneIsNotKnown) {
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  for (const double exposure_s : {kNoNumber, -1.0, 1e9, std::numeric_limits<double>::infinity()}) {
+    PictureTimes times;
+    EXPECT_EQ(times.of({kNowS, {}, exposure_s, false}, kNowS, kSteadyS).t_capture_s, kNowS) << exposure_s;
+  }
 }
 
 TEST(PictureTimes, FromItsArrivalAtTheBeginning) {
