@@ -135,8 +135,11 @@ is_active() { is "$(state)" active && is "$(property SubState)" running && answe
 apt() { inside apt-get -q -y "$@"; }
 ctl() { inside ssl-visionctl "$@"; }
 
+limit() { inside cat /proc/sys/net/core/rmem_max 2>/dev/null || echo 0; }
+limit_before=$(limit)
 check "apt-get install ./${service##*/}" apt install "/root/${service##*/}"
 check "it is active and answers" eventually 5 is_active
+check "the system's limit of receive buffers is no lower than it was" test "$(limit)" -ge "$limit_before"
 check "it is enabled" inside systemctl --quiet is-enabled "$unit"
 has_user() {
   is "$(inside ps -o user= -p "$(pid)" 2>/dev/null || inside stat -c %U "/proc/$(pid)")" ssl-visiond &&

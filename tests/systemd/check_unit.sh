@@ -14,7 +14,9 @@ copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 cp "$folder"/*.service "$folder"/*.slice "$copy"
 ln -s "$program" "$copy/program"  # its path may have spaces
-sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$copy/program |" "$copy"/*.service
+ln -s "$(realpath "$folder/raise_limits.sh")" "$copy/raise-limits"
+sed -i "s|^ExecStart=/usr/bin/ssl-visiond |ExecStart=$copy/program |
+  s|/usr/lib/ssl-visiond/raise-limits|$copy/raise-limits|" "$copy"/*.service
 mkdir "$copy/ssl-visiond.service.d"
 
 # check WHAT
