@@ -25,7 +25,7 @@ struct SentPicture {
 /// The view of an image that needs no unpacking.
 ImageView view_of(const SentPicture& sent);
 
-/// What a camera, or whoever sends in its name, says of an image in a buffer.
+/// What a camera, or a stranger in its name, says of an image in a buffer.
 struct ClaimedPicture {
   ArvPixelFormat format = 0;
   int width = 0, height = 0;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What comes over the network as a GigE camera's images, before the library sees it. Aravis 0.8 believes what
-// a packet says of itself: of one with a large number it takes memory for that many, and copies bytes beyond
-// the end of a buffer. So the kernel is given a filter for the stream's socket that lets pass only packets of
-// GigE Vision's streaming protocol (GVSP, GigE Vision 2.2, chapter 24) whose numbers fit into the buffers.
+// Validates a GigE camera's packets before the library sees them. Aravis 0.8 believes their numbers: it
+// allocates memory for as many packets as one says there are, and copies bytes beyond the end of a buffer. So
+// the kernel gets a filter for the stream's socket that passes only packets of GigE Vision's streaming
+// protocol (GVSP) whose numbers fit into the buffers.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,15 +24,15 @@ struct GvspBounds {
 
 using GvspFilter = std::vector<sock_filter>;
 
-/// For a UDP socket: packets of the camera's address that fit. The port's are those of the socket.
+/// For a UDP socket: packets from the camera's address that fit.
 GvspFilter gvsp_udp_filter(const GvspBounds& bounds);
 
-/// For a packet socket (AF_PACKET, SOCK_RAW), which sees all that comes: also only those to our address and
+/// For a packet socket (AF_PACKET, SOCK_RAW), which sees everything: also only packets to our address and
 /// port, without IP options or fragments.
 GvspFilter gvsp_packet_filter(const GvspBounds& bounds);
 
-/// Gives the filters to the sockets of this process that receive the stream: those of its port. Returns how
-/// many there are; 0 where none can be found. May be called again.
+/// Attaches the filters to the sockets of this process that receive the stream, found by its port. Returns
+/// how many there are; 0: none was found. May be called again.
 int guard_gvsp_sockets(const GvspBounds& bounds);
 
 }  // namespace sslv
