@@ -2,6 +2,8 @@
 // The daemon with a GigE Vision camera, over the camera's network protocol on loopback.
 #include "e2e/gige.h"
 
+#include "support/gvsp_packets.h"
+
 #include <algorithm>
 #include <csignal>
 
@@ -31,6 +33,35 @@ TEST_F(Gige, RobotsAreFoundInBayerPicturesFromTheNetwork) {
   // A frame is counted after its packet has left.
   const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] >= 60; });
   EXPECT_EQ(status["cameras"][0]["pixel_format"], "bayer_rg8");
+}
+
+TEST_F(Gige, ForgedPacketsShowNothingOfTheServiceAndDoNotEndIt) {
+  const auto camera = start_camera();
+  RunningDaemon daemon(settings_file(), state_);
+  const Json before =
+      daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; })["cameras"][0];
+
+  // Of the camera's own address, from whatever port: leaders of several parts of which nothing comes.
+  const UdpForger forger;
+  const std::uint16_t port = forger.stream_port_of("127.0.0.1");
+  std::uint64_t frame = 0x4000;
+  for (int round = 0; round < 20; ++round) {
+    for (const std::uint32_t side : {2U, 700U, 1000U, 16384U}) {
+      const std::string leader = gvsp_multipart_leader({{side, side, std::uint64_t{side} * side}});
+      forger.send(port, gvsp_extended_packet(GvspKind::kLeader, ++frame, 0, leader, 1));
+      forger.send(port, gvsp_extended_packet(GvspKind::kTrailer, frame, 1));
+    }
+    forger.send(port, gvsp_extended_packet(GvspKind::kTrailer, ++frame, 0xfffffffe));
+  }
+  FrameCheck seen;
+  for (int i = 0; i < 30; ++i) seen += scene_->check(next_frame(0));
+  EXPECT_GT(seen.robots, 90);
+  EXPECT_EQ(seen.missed, 0);
+  EXPECT_EQ(seen.wrong, 0);
+  const Json after = daemon.get("/api/status")["cameras"][0];
+  EXPECT_EQ(after["state"], "running");
+  EXPECT_EQ(after["reconnects"], before["reconnects"]);
+  EXPECT_EQ(after["width"], kWidth);
 }
 
 TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
