@@ -3,8 +3,10 @@
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { after, before, describe, it } from 'node:test';
+import { FORGED } from '../strangers/attacks/backups.mjs';
+import { Random } from '../strangers/random.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const service = await createService('239.255.77.121');
@@ -118,6 +120,39 @@ describe('settings', () => {
       sent += tries.reduce((sum, patch) => sum + JSON.stringify(patch).length, 0);
     }
     await becomes(rss_MB, (now_MB) => now_MB < before_MB + 25, (now_MB) => `${before_MB} MB, now ${now_MB} MB`);
+  });
+});
+
+describe('a body', () => {
+  before(() => service.restore());
+
+  const MOST_MB = 64;
+  const skip = process.env.SSLV_SANITIZE ? 'the sanitizer has its own allocator' : false;
+  const memory_MB = (what) => Number(new RegExp(`${what}:\\s+(\\d+)`).exec(readFileSync(`/proc/${service.pid()}/status`, 'utf8'))[1]) / 1024;
+  /** How much more memory the service has at its most while it answers. */
+  async function grows_MB(path, body, wanted) {
+    writeFileSync(`/proc/${service.pid()}/clear_refs`, '5'); // the most is what there is now
+    const before_MB = memory_MB('VmRSS');
+    const answer = await fetch(service.address(path), { method: 'POST', body });
+    assert.equal(answer.status, wanted, (await answer.text()).slice(0, 300));
+    return memory_MB('VmHWM') - before_MB;
+  }
+  const isSmall = (grown_MB, what) => assert.ok(grown_MB <= MOST_MB, `${what}: ${grown_MB.toFixed(0)} MB`);
+
+  it('of a forged backup takes little memory, whatever is in it', { skip }, async () => {
+    const random = new Random(1);
+    for (const [what, make] of Object.entries(FORGED)) isSmall(await grows_MB('api/backup/check', make(random), 422), what);
+  });
+
+  it('of JSON takes little memory, whatever is in it', { skip }, async () => {
+    const filled = (part, more = '') => `[${part.repeat(Math.floor(1_000_000 / part.length))}0]${more}`;
+    for (const part of ['0,', '[],', '{},', '"",', '{"":0},', '[[[]]],']) {
+      isSmall(await grows_MB('api/settings/check', filled(part), 422), `a list of ${part}`);
+      isSmall(await grows_MB('api/settings/check', `[{"op":"add","path":"/site","value":${filled(part)}}]`, 422), `a value of ${part}`);
+      isSmall(await grows_MB('api/cameras/0/colors/edits', `{"commands":${filled(part)}}`, 422), `commands of ${part}`);
+    }
+    const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 0, 0, 0, 0x80, 0x80, 0x80, 0x08])]);
+    isSmall(await grows_MB('api/cameras/0/colors/import?try=true&name=large.lut', table, 200), 'a colour table of few bytes');
   });
 });
 

@@ -33,19 +33,24 @@ const backup = (files) => {
 const repeated = (text, size) => text.repeat(Math.ceil(size / text.length));
 const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 0, 0, 0, 0x80, 0x80, 0x80, 0x08])]);
 
-const FILES = [
-  () => gzipSync(Buffer.concat([record('sparse', 0, 'S', octal(750 * MIB) + octal(0) + '\0'.repeat(73) + octal(750 * MIB).trim()), END])),
-  () => gzipSync(tar([['settings.json', Buffer.alloc(200 * MIB, 0x20)]])),
-  () => gzipSync(tar(Array.from({ length: 9 }, (_, i) => [`${i}`, Buffer.alloc(6 * MIB)]))),
-  () => gzipSync(tar(Array.from({ length: 20_000 }, (_, i) => [`${i}`, Buffer.alloc(0)]))),
-  () => backup([['settings.json', `[${repeated('[],', 8 * MIB)}0]`]]),
-  () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('"",', 8 * MIB)}""]}}`]]),
-  () => backup([['settings.json', '{"version":2,"revision":1,"history":[],"settings":{}}'], ['profiles.json', `{"profiles":[${repeated('{},', 8 * MIB)}{}]}`]]),
-  () => backup([['settings.json', '{"version":2,"revision":1,"history":[],"settings":{}}'], ['calibrations.json', `[${repeated('0,', 8 * MIB)}0]`]]),
-  () => backup(Array.from({ length: 2000 }, (_, i) => Buffer.concat([table, Buffer.from([i & 255, i >> 8])])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])),
-  (random) => gzipSync(random.bytes(MIB)),
-  (random) => random.bytes(MIB),
-];
+const settings = ['settings.json', '{"version":2,"revision":1,"history":[],"settings":{"site":7}}']; // refused after all else was read
+/** What a file may be that is none of ours, by what it is. */
+export const FORGED = {
+  'a file with a hole of 750 MiB': () => gzipSync(Buffer.concat([record('sparse', 0, 'S', octal(750 * MIB) + octal(0) + '\0'.repeat(73) + octal(750 * MIB).trim()), END])),
+  '200 MiB of spaces': () => gzipSync(tar([['settings.json', Buffer.alloc(200 * MIB, 0x20)]])),
+  'many large files': () => gzipSync(tar(Array.from({ length: 9 }, (_, i) => [`${i}`, Buffer.alloc(6 * MIB)]))),
+  'many small files': () => gzipSync(tar(Array.from({ length: 20_000 }, (_, i) => [`${i}`, Buffer.alloc(0)]))),
+  'settings of lists': () => backup([['settings.json', `[${repeated('[],', 8 * MIB)}0]`]]),
+  'settings of empty texts': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('"",', 8 * MIB)}""]}}`]]),
+  'settings that just fit': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('[],', 1_000_000)}0]}}`]]),
+  'profiles of nothing': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 8 * MIB)}{}]}`]]),
+  'profiles that just fit': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 1_000_000)}{}]}`]]),
+  'calibrations of numbers': () => backup([settings, ['calibrations.json', `[${repeated('0,', 8 * MIB)}0]`]]),
+  '2000 tables': () => backup(Array.from({ length: 2000 }, (_, i) => Buffer.concat([table, Buffer.from([i & 255, i >> 8])])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])),
+  'large tables': (random) => backup([settings, ...Array.from({ length: 3 }, () => Buffer.concat([Buffer.from('SSLVLUT1'), random.bytes(2 * MIB), Buffer.alloc(7 * MIB)])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])]),
+  'bytes that are packed': (random) => gzipSync(random.bytes(MIB)),
+  'bytes that are none': (random) => random.bytes(MIB),
+};
 
 export default {
   name: 'forged backups',
@@ -53,7 +58,7 @@ export default {
   async run({ ask, random, isOver, pause, check }) {
     const { admin } = await ask.cookies();
     while (!isOver()) {
-      const file = random.pick(FILES)(random);
+      const file = random.pick(Object.values(FORGED))(random);
       const body = random.below(4) ? file : random.mutated(file);
       const { status } = await ask('POST', 'api/backup/check', { body, cookie: admin });
       check([413, 422, 503].includes(status), `a forged backup is answered with ${status}`);
