@@ -290,8 +290,8 @@ class AravisSource final : public Source {
     return (bytes + kPage - 1) / kPage * kPage;
   }
 
-  /// Lets only packets that fit into the buffers reach the library.
-  void guard(std::size_t payload) const {
+  /// What the packets that reach the library must fit.
+  GvspBounds bounds(std::size_t payload) const {
     const auto number_of = [](GSocketAddress* address) {
       GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
       std::uint32_t number = 0;
@@ -300,18 +300,29 @@ class AravisSource final : public Source {
       return GUINT32_FROM_BE(number);
     };
     ArvGvDevice* device = ARV_GV_DEVICE(arv_camera_get_device(camera()));
-    Failure failure;
-    const guint packet_bytes = arv_camera_gv_get_packet_size(camera(), failure);
-    const GvspBounds bounds{number_of(arv_gv_device_get_device_address(device)),
-                            number_of(arv_gv_device_get_interface_address(device)),
-                            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload, packet_bytes};
-    if (failure.failed() || guard_gvsp_sockets(bounds) == 0) {
-      log::warning(
-          "camera \"{}\": its packets cannot be checked before they are read, so who can send some in its "
-          "name "
-          "can end the service: {}",
-          label_, failure.failed() ? failure.text() : "no filter for its socket");
-    }
+    return {number_of(arv_gv_device_get_device_address(device)),
+            number_of(arv_gv_device_get_interface_address(device)),
+            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload,
+            arv_camera_gv_get_packet_size(camera(), nullptr)};
+  }
+
+  /// Lets only packets that fit into the buffers reach the library. Before it has buffers, it throws away
+  /// what came sooner: also what is meant for others, which its packet socket takes in until it has a filter,
+  /// and whose numbers would make the camera's own images look late.
+  void guard(std::size_t payload) const {
+    const GvspBounds known = bounds(payload);
+    int guarded = 0, before = 0;
+    do {
+      before = guarded;
+      guarded = guard_gvsp_sockets(known);
+      std::this_thread::sleep_for(kForeignPackets);
+    } while (guarded != before);
+    if (guarded > 0) return;
+    log::warning(
+        "camera \"{}\": the system gives no filter to its socket, so who can send packets in its name can "
+        "end the "
+        "service",
+        label_);
   }
 
   /// For all buffers of the stream, where other processes are to look at images; else null.
@@ -335,10 +346,7 @@ class AravisSource final : public Source {
                    options_.socket_buffer_bytes, "packet-resend",
                    options_.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
                    nullptr);
-      // The packet socket takes in what is meant for others until its filter is set, and such packets'
-      // numbers would make the camera's own images look late. Without buffers the library throws them away.
       guard(payload);
-      std::this_thread::sleep_for(kForeignPackets);
     }
     reader_.set_buffer_bytes(payload);
     const auto memory = shared_buffers(payload);
