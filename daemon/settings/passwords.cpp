@@ -157,10 +157,20 @@ void Passwords::check_text(const std::string& text) {
   hashes_in(text);
 }
 
-void Passwords::restore(const std::string& text) {
-  Hashes next = text.empty() ? Hashes{} : hashes_in(text);
+bool Passwords::restore_if_none(const std::string& text) {
+  Hashes next = hashes_in(text);
   const std::lock_guard lock(mutex_);
+  read_if_changed();
+  if (has(Role::kAdmin)) return false;
   put(std::move(next));
+  return true;
+}
+
+void Passwords::take_back(const std::string& restored) {
+  const Hashes before = hashes_in(restored);
+  const std::lock_guard lock(mutex_);
+  read_if_changed();
+  if (*hashes_.load() == before) put({});
 }
 
 void Passwords::put(Hashes next) {
@@ -179,6 +189,10 @@ void Passwords::put(Hashes next) {
 
 void Passwords::reload_if_changed() {
   const std::lock_guard lock(mutex_);
+  read_if_changed();
+}
+
+void Passwords::read_if_changed() {
   const auto now = stamp_of(file_);
   if (!now || now == stamp_) return;
   stamp_ = now;

@@ -50,8 +50,11 @@ class Passwords {
   std::string to_text() const;
   /// Throws SettingsError, beginning with the file's name, for what is no such text.
   static void check_text(const std::string& text);
-  /// Takes over what to_text() returned. Throws likewise, and StorageError when it cannot be saved.
-  void restore(const std::string& text);
+  /// Takes over what to_text() returned, unless there is an admin's password by now: whether it did. Throws
+  /// likewise, and StorageError when it cannot be saved.
+  bool restore_if_none(const std::string& text);
+  /// There is none again, unless they were changed since restore_if_none(). Throws likewise.
+  void take_back(const std::string& restored);
 
   /// Reads the file again if it was changed. One that is gone or cannot be used changes nothing.
   void reload_if_changed();
@@ -66,7 +69,9 @@ class Passwords {
   /// `file`: its name, for the text of the error.
   static Hashes hashes_in(const Json& saved, const std::string& file);
   static Hashes hashes_in(const std::string& text);
-  void put(Hashes hashes);  // on disk first; with the mutex held
+  // With the mutex held.
+  void put(Hashes hashes);  // on disk first
+  void read_if_changed();
   static std::optional<Stamp> stamp_of(const std::filesystem::path& file);
 
   const std::filesystem::path file_;

@@ -201,7 +201,6 @@ Response BackupService::restore(const Request& request) {
   const auto if_revision = if_match_of(request);
   const std::string before = write_backup(make(false, false), request.stop);
   Read from = read(request);
-  const bool keeps_passwords = from.has_passwords && passwords_.has(Role::kAdmin);
   const std::string source = from.manifest.site.empty() ? from.manifest.computer : from.manifest.site;
   Restored parts(folder_, before, std::move(from.parts));
   SettingsStore::Version version;
@@ -214,7 +213,7 @@ Response BackupService::restore(const Request& request) {
             version.revision, source, fmt::gmtime(static_cast<std::time_t>(from.manifest.time_s)),
             request.address);
   Json answer = saved_json(version);
-  answer["passwords"] = keeps_passwords ? "kept" : from.has_passwords ? "restored" : "none";
+  answer["passwords"] = !from.has_passwords ? "none" : passwords_part_.has_restored() ? "restored" : "kept";
   return json_response(answer);
 }
 

@@ -15,10 +15,11 @@ namespace {
 class RestoredProfiles final : public SavedWith {
  public:
   RestoredProfiles(Profiles& profiles, std::optional<std::vector<Profile>> next)
-      : profiles_(profiles), next_(std::move(next)) {
-    if (profiles.to_text()) old_ = profiles.all();
+      : profiles_(profiles), next_(std::move(next)) {}
+  void save() override {
+    if (profiles_.to_text()) old_ = profiles_.all();
+    profiles_.replace(next_);
   }
-  void save() override { profiles_.replace(next_); }
   void take_back() noexcept override {
     try {
       profiles_.replace(old_);
@@ -35,14 +36,12 @@ class RestoredProfiles final : public SavedWith {
 
 class RestoredPasswords final : public SavedWith {
  public:
-  /// `text`: empty leaves all as it is.
-  RestoredPasswords(Passwords& passwords, std::string text) : passwords_(passwords), text_(std::move(text)) {}
-  void save() override {
-    if (!text_.empty()) passwords_.restore(text_);
-  }
+  RestoredPasswords(Passwords& passwords, std::optional<std::string> text, bool& is_restored)
+      : passwords_(passwords), text_(std::move(text)), is_restored_(is_restored) {}
+  void save() override { is_restored_ = text_ && passwords_.restore_if_none(*text_); }
   void take_back() noexcept override {
     try {
-      if (!text_.empty()) passwords_.restore("");
+      if (std::exchange(is_restored_, false)) passwords_.take_back(*text_);
     } catch (const std::exception& error) {
       log::error("passwords of a backup that was refused stay: {}", error.what());
     }
@@ -50,7 +49,8 @@ class RestoredPasswords final : public SavedWith {
 
  private:
   Passwords& passwords_;
-  const std::string text_;
+  const std::optional<std::string> text_;
+  bool& is_restored_;
 };
 
 std::optional<std::string> part_text_in(const BackupFiles& files, const char* name) {
@@ -79,8 +79,8 @@ BackupFiles PasswordsPart::files(const Config& /*config*/) const {
 std::unique_ptr<SavedWith> PasswordsPart::prepare(const BackupFiles& files) {
   const auto text = part_text_in(files, Passwords::kFileName);
   if (text) Passwords::check_text(*text);
-  return std::make_unique<RestoredPasswords>(passwords_,
-                                             passwords_.has(Role::kAdmin) ? "" : text.value_or(""));
+  has_restored_ = false;
+  return std::make_unique<RestoredPasswords>(passwords_, text, has_restored_);
 }
 
 }  // namespace sslv

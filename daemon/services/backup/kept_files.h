@@ -26,9 +26,12 @@ class PasswordsPart final : public BackupPart {
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override { return name == Passwords::kFileName; }
   std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+  /// Whether those of the backup that was prepared last were taken over.
+  bool has_restored() const { return has_restored_; }
 
  private:
   Passwords& passwords_;
+  bool has_restored_ = false;
 };
 
 }  // namespace sslv

@@ -135,6 +135,23 @@ TEST_F(PasswordsTest, WhatCannotBeSavedIsNotInForce) {
   EXPECT_FALSE(passwords.has(Role::kAdmin));
 }
 
+TEST_F(PasswordsTest, OfABackupAreTakenOverOnlyWhereThereIsNone) {
+  Passwords other(folder_.path() / "other.json");
+  other.set(Role::kAdmin, "battery staple");
+  const std::string text = other.to_text();
+  Passwords passwords(file_);
+  EXPECT_TRUE(passwords.restore_if_none(text));
+  EXPECT_EQ(passwords.role_of("battery staple"), Role::kAdmin);
+  passwords.take_back(text);
+  EXPECT_FALSE(passwords.has(Role::kAdmin));
+  EXPECT_FALSE(std::filesystem::exists(file_));
+  // Another program sets one meanwhile.
+  Passwords(file_).set(Role::kAdmin, "correct horse");
+  EXPECT_FALSE(passwords.restore_if_none(text));
+  passwords.take_back(text);
+  EXPECT_EQ(passwords.role_of("correct horse"), Role::kAdmin);
+}
+
 TEST(Role, HasAName) {
   for (const Role role : {Role::kViewer, Role::kAdmin}) EXPECT_EQ(role_named(name_of(role)), role);
   EXPECT_FALSE(role_named("root").has_value());
