@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <thread>
 #include <type_traits>
 
@@ -13,7 +14,7 @@ namespace sslv {
 
 /// A value that one thread writes often and any thread reads whole. The writer never waits; a reader that
 /// meets a change reads again (a sequence lock: Boehm, "Can seqlocks get along with programming language
-/// memory models?", 2012).
+/// memory models?", 2012). A reader more urgent than the writer must not wait for it: see try_load().
 template <class T>
 class Seqlock {
   static_assert(std::is_trivially_copyable_v<T>, "it is copied as bytes");
@@ -33,14 +34,19 @@ class Seqlock {
 
   T load() const noexcept {
     for (;; std::this_thread::yield()) {
-      const std::uint64_t before = sequence_.load(std::memory_order_acquire);
-      std::array<std::uint64_t, kWords> copy;
-      for (std::size_t i = 0; i < kWords; ++i) copy[i] = words_[i].load(std::memory_order_acquire);
-      if (before % 2 != 0 || sequence_.load(std::memory_order_relaxed) != before) continue;
-      T value;
-      std::memcpy(static_cast<void*>(&value), copy.data(), sizeof value);
-      return value;
+      if (const auto value = try_load()) return *value;
     }
+  }
+
+  /// Nothing while it is being written.
+  std::optional<T> try_load() const noexcept {
+    const std::uint64_t before = sequence_.load(std::memory_order_acquire);
+    std::array<std::uint64_t, kWords> copy;
+    for (std::size_t i = 0; i < kWords; ++i) copy[i] = words_[i].load(std::memory_order_acquire);
+    if (before % 2 != 0 || sequence_.load(std::memory_order_relaxed) != before) return std::nullopt;
+    T value;
+    std::memcpy(static_cast<void*>(&value), copy.data(), sizeof value);
+    return value;
   }
 
  private:

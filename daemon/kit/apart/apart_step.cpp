@@ -85,8 +85,9 @@ void ApartReport::set_own_note(StageNotes::Kind kind, std::span<const char> text
 
 void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNotes& notes) {
   const auto count = [this](Outcome outcome) { return counts_[static_cast<std::size_t>(outcome)]; };
-  const StageProcess::Losses losses = process.losses.load();
-  const Told now{counts_, losses.count, note_number_};
+  // The supervisor's thread may be less urgent than this one, and be held while it writes: told next time.
+  if (const auto newest = process.losses.try_load()) losses_ = *newest;
+  const Told now{counts_, losses_.count, note_number_};
   if (now == told_) return;
   told_ = now;
 
@@ -101,15 +102,18 @@ void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNot
     notes.warn({text.data(), std::min(size, text.size())});
   };
   if (count(Outcome::kNoProcess) > 0) {
-    if (losses.count == 0) {
+    if (losses_.count == 0) {
       warn("its process is not there");
     } else {
-      warn("its process {}; started again, {} {}", std::string_view(losses.text.data(), losses.length),
-           losses.count, losses.count == 1 ? "time" : "times");
+      warn("its process {}; started again, {} {}", std::string_view(losses_.text.data(), losses_.length),
+           losses_.count, losses_.count == 1 ? "time" : "times");
     }
   } else if (count(Outcome::kBad) > 0) {
     warn("gave results without sense for {} of the last {} images, which went on without",
          count(Outcome::kBad), kImages);
+  } else if (count(Outcome::kNoRoom) > 0) {
+    warn("was not asked for {} of the last {} images, because what it is given has no room",
+         count(Outcome::kNoRoom), kImages);
   } else if (count(Outcome::kLate) > 0) {
     warn("took longer than {} ms for {} of the last {} images, which went on without", deadline_ms,
          count(Outcome::kLate), kImages);
@@ -149,7 +153,9 @@ void ApartStep<Floor>::run(const typename Floor::Inputs& in, const void* params)
   if (outcome == Outcome::kDone) {
     process_->failures_in_a_row.store(0, std::memory_order_relaxed);
   } else {
-    if (outcome != Outcome::kNoProcess) process_->failures_in_a_row.fetch_add(1, std::memory_order_relaxed);
+    // What is not its fault does not end it.
+    if (outcome != Outcome::kNoProcess && outcome != Outcome::kNoRoom)
+      process_->failures_in_a_row.fetch_add(1, std::memory_order_relaxed);
     make_empty(in.frame, needs_.writes);
     for (const ApartOwnPart& own : own_parts_) {
       if (own.is_written) in.frame.own_parts.code_at(*own.place).clear(in.frame.own_parts.at(*own.place));
@@ -177,7 +183,7 @@ ApartReport::Outcome ApartStep<Floor>::ask(const typename Floor::Inputs& in, con
     if (from.kind == AnswerKind::kDone) take_note();  // a late answer is of no use, but what it says is
     is_busy_ = false;
   }
-  if (!write_request(in, params)) return Outcome::kBad;
+  if (!write_request(in, params)) return Outcome::kNoRoom;
 
   const auto deadline = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double, std::milli>(params.own.deadline_ms));

@@ -41,7 +41,7 @@ struct ApartParams {
 /// How it went with the last images, for the admin.
 class ApartReport {
  public:
-  enum class Outcome : std::uint8_t { kDone, kLate, kBad, kNoProcess };
+  enum class Outcome : std::uint8_t { kDone, kLate, kBad, kNoProcess, kNoRoom };
   static constexpr std::size_t kImages = 512;
 
   void add(Outcome outcome);
@@ -53,10 +53,11 @@ class ApartReport {
  private:
   std::array<Outcome, kImages> last_{};
   std::size_t next_ = 0;
-  std::array<std::uint32_t, 4> counts_{kImages};
+  std::array<std::uint32_t, 5> counts_{kImages};  // by outcome
+  StageProcess::Losses losses_;                   // as they were read last
 
   struct Told {
-    std::array<std::uint32_t, 4> counts{};
+    std::array<std::uint32_t, 5> counts{};
     std::uint32_t losses = 0;
     std::uint32_t note = 0;
     bool operator==(const Told&) const = default;

@@ -55,5 +55,10 @@ TEST(Seqlock, AReaderThatIsHeldDelaysNoWriter) {
   expect_never_waits([&] { (void)value.load(); }, [&] { value.store(Figures{}); });
 }
 
+TEST(Seqlock, AWriterThatIsHeldDelaysNoReaderThatOnlyTries) {
+  Seqlock<Figures> value;
+  expect_never_waits([&] { value.store(Figures{}); }, [&] { (void)value.try_load(); });
+}
+
 }  // namespace
 }  // namespace sslv

@@ -732,6 +732,23 @@ TEST(StageApart, ResultsWithoutSenseAreLeftOut) {
   }
 }
 
+TEST(StageApart, WhatTheServiceHasNoRoomForIsNotItsFault) {
+  Supervisor::Options options = patient();
+  options.most_failures_in_a_row = 1;
+  const Apart apart(options);
+  PacketSink sink;
+  CameraPipeline camera(0, sink, setup_of(apart.rows.camera, {"segment"}));
+  const int width = 8192, height = 4098;
+  std::vector<std::uint8_t> bytes(std::size_t{2} * width * height);
+  ASSERT_GT(bytes.size(), apart::kImageRoom);
+  const ImageView large{bytes.data(), width, height, 2 * width, PixelFormat::kUyvy};
+  for (int i = 0; i < 5; ++i) camera.process(Image(large, nullptr, nullptr, nullptr), {});
+  EXPECT_THAT(camera.setup()->pipeline->note(0).text,
+              HasSubstr("was not asked for 5 of the last 512 images, because what it is given has no room"));
+  Images images(1);
+  EXPECT_NE(bytes_of(camera.process(images.next(false), {}).regions), bytes_of(RegionList{}));
+}
+
 TEST(StageApart, GarbageInTheSharedMemoryHarmsNobody) {
   Troubled troubled(Trouble::kScribble, with_deadlines(kSoon), 2);
   for (int i = 0; i < 3000; ++i) {
