@@ -21,6 +21,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -29,6 +30,7 @@
 #include <malloc.h>
 #include <sysexits.h>
 #include <systemd/sd-daemon.h>
+#include <unistd.h>
 
 namespace {
 
@@ -136,6 +138,19 @@ class Reload {
   std::thread thread_;
 };
 
+/// A disk or a driver that hangs would keep the service from ending until its manager aborts it, which looks
+/// like a crash: before that it ends without them. A person at a terminal may wait.
+void end_in_time() {
+  constexpr unsigned kLongest_s = 4;  // systemd/ssl-visiond.service: TimeoutStopSec
+  if (std::getenv("NOTIFY_SOCKET") == nullptr) return;
+  std::signal(SIGALRM, [](int) {
+    constexpr std::string_view kText = "ssl-visiond: something hangs, a disk or a driver: ended without it\n";
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText.data(), kText.size());
+    std::_Exit(EXIT_SUCCESS);
+  });
+  ::alarm(kLongest_s);
+}
+
 /// Images and tables go back to the system when they are done with. glibc would learn to keep them, and
 /// each of its arenas, one for every thread that comes and goes with a camera, would keep its own: a third
 /// more memory after some reopenings. Frames allocate nothing, so this costs them nothing.
@@ -172,6 +187,7 @@ int run(Daemon::Options options) {
     sd_notifyf(0, "STATUS=%s", (hanging.empty() ? daemon->summary() : hanging).c_str());
   }
   sd_notify(0, "STOPPING=1");
+  end_in_time();
   log::info("stopping: {}", daemon->summary());
   daemon->ask_to_stop();
   return EXIT_SUCCESS;

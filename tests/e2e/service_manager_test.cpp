@@ -157,25 +157,44 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
   EXPECT_EQ(again.wait_for_exit(), 0);
 }
 
-TEST_F(Notifies, AHungDiskDoesNotEndTheService) {
-  const std::string hung = folder_.file("hung");
-  // By its name: LD_PRELOAD takes no path with a space.
-  const std::filesystem::path library = hung_disk_library();
-  std::vector<std::string> environment = this->environment();
-  environment.insert(environment.end(), {"LD_PRELOAD=" + library.filename().string(),
-                                         "LD_LIBRARY_PATH=" + library.parent_path().string(),
-                                         "SSLV_HUNG_FOLDER=" + state_.string(), "SSLV_HUNG_WHILE=" + hung,
-                                         "ASAN_OPTIONS=verify_asan_link_order=0"});
-  ChildProcess daemon(words(), environment);
+class HungDisk : public Notifies {
+ protected:
+  std::vector<std::string> environment() const {
+    // By its name: LD_PRELOAD takes no path with a space.
+    const std::filesystem::path library = hung_disk_library();
+    std::vector<std::string> out = Notifies::environment();
+    out.insert(out.end(),
+               {"LD_PRELOAD=" + library.filename().string(),
+                "LD_LIBRARY_PATH=" + library.parent_path().string(), "SSLV_HUNG_FOLDER=" + state_.string(),
+                "SSLV_HUNG_WHILE=" + hung_, "ASAN_OPTIONS=verify_asan_link_order=0"});
+    return out;
+  }
+  void hang() {
+    std::ofstream(hung_) << "now";
+    while (!std::filesystem::exists(hung_ + ".reached")) manager_.wait_for("");  // the folder is looked at
+    manager_.hear_the_rest();
+  }
+
+  const std::string hung_ = folder_.file("hung");
+};
+
+TEST_F(HungDisk, DoesNotKeepTheServiceFromEndingBeforeItsManagerAbortsIt) {
+  ChildProcess daemon(words(), environment());
   manager_.wait_for("READY=1");
-  std::ofstream(hung) << "now";
-  while (!std::filesystem::exists(hung + ".reached")) manager_.wait_for("");  // the folder is looked at
-  manager_.hear_the_rest();
+  hang();
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait_for_exit(), 0);
+}
+
+TEST_F(HungDisk, DoesNotEndTheService) {
+  ChildProcess daemon(words(), environment());
+  manager_.wait_for("READY=1");
+  hang();
   const double hung_s = unix_now_s();
   for (int i = 0; i < 4; ++i) manager_.wait_for("WATCHDOG=1");
   std::set<unsigned> sending;
   while (sending.size() < 2) sending.insert(receive_frame(listener_, hung_s).camera_id());
-  std::filesystem::remove(hung);
+  std::filesystem::remove(hung_);
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
