@@ -159,6 +159,12 @@ class CallGate {
     while (calling_.load() != 0) calling_.wait(1);
   }
 
+  /// No call begins from now on; says whether silence() would not wait.
+  bool try_silence() {
+    silenced_.store(true);
+    return calling_.load() == 0;
+  }
+
   /// silence() waits for a predecessor's calls, too, until these are over.
   void begin_predecessor() { calling_.store(1); }
   void end_predecessor() {
@@ -540,6 +546,20 @@ void CameraThread::stop() {
   const bool finished = shared_->lifecycle.finished;
   lock.unlock();
   finished ? thread_.join() : thread_.detach();
+}
+
+bool CameraThread::try_stop() {
+  if (!thread_.joinable()) return true;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    const bool has_ended = shared_->lifecycle.finished && shared_->lifecycle.closing == 0;
+    const auto left_behind_at = shared_->lifecycle.stop_asked_at + shared_->parts.delays.stop;
+    if (!has_ended && (!shared_->stopping() || std::chrono::steady_clock::now() < left_behind_at))
+      return false;
+  }
+  if (!shared_->calls.try_silence()) return false;
+  stop();
+  return true;
 }
 
 CameraState CameraThread::try_now() {

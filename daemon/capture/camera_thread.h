@@ -105,6 +105,9 @@ class CameraThread {
   /// left to finish by itself. Waits for a running on_image however long it takes, also for that of a
   /// predecessor.
   void stop();
+  /// stop() if that need not wait, once it was asked to stop: false while on_image is at work, or the camera
+  /// may still answer in time.
+  bool try_stop();
 
   /// A camera that is lost is tried again now, and after that with short pauses as at first; any other goes
   /// on as it is. Does not wait for what comes of it. Says what the camera was when it was asked.

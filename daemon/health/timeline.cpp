@@ -42,6 +42,11 @@ void Timeline::add(double unix_time_s, double steady_s, const std::map<int, Read
   if (times_s_.size() > kSeconds) times_s_.pop_front();
 }
 
+void Timeline::forget(int camera_id) {
+  const std::lock_guard lock(mutex_);
+  cameras_.erase(camera_id);
+}
+
 Timeline::Sum Timeline::sum(int camera_id, std::size_t seconds) const {
   Sum sum;
   const std::lock_guard lock(mutex_);

@@ -41,6 +41,9 @@ class Timeline {
   /// changes only when the computer's clock is set.
   void add(double unix_time_s, double steady_s, const std::map<int, Reading>& cameras);
 
+  /// Another camera has this id from now on.
+  void forget(int camera_id);
+
   /// Of the last seconds.
   Sum sum(int camera_id, std::size_t seconds) const;
 

@@ -27,7 +27,10 @@ void CameraWatch::look(const std::vector<std::shared_ptr<RunningCamera>>& camera
   for (const auto& camera : cameras) {
     const int id = camera->settings()->id;
     Seen before = std::move(seen_[id]);
-    if (before.camera.lock() != camera) before = {camera};
+    if (before.camera.lock() != camera) {
+      before = {camera};
+      timeline_.forget(id);
+    }
     readings[id] = read(*camera, before);
     before.stages.look(camera->pipeline().setup()->pipeline);
     stages[id] = before.stages.figures();

@@ -578,6 +578,34 @@ TEST_F(CameraThreadTest, StopWaitsForAPictureBeingProcessed) {
   stopper.join();
 }
 
+TEST_F(CameraThreadTest, StopsWithoutWaitingOnceItNeedNot) {
+  std::latch entered(1), go_on(1);
+  hook_ = [&](const CapturedImage&) {
+    entered.count_down();
+    go_on.wait();
+  };
+  const auto thread = start({milliseconds(0), milliseconds(0), milliseconds(0)});
+  EXPECT_FALSE(thread->try_stop()) << "it was not asked to";
+  camera_->play({kImage});
+  entered.wait();
+  thread->ask_to_stop();
+  EXPECT_FALSE(thread->try_stop()) << "a stage is at work, though there is no more patience for a driver";
+  go_on.count_down();
+  EXPECT_TRUE(test::becomes([&] { return thread->try_stop(); }));
+  EXPECT_TRUE(thread->try_stop());
+}
+
+TEST_F(CameraThreadTest, OneThatHangsInItsDriverIsLeftBehindWithoutWaiting) {
+  camera_->block_closing();
+  const auto thread = start(kLeftBehind);
+  camera_->wait_for_opened(1);
+  thread->ask_to_stop();
+  EXPECT_TRUE(test::becomes([&] { return thread->try_stop(); }));
+  EXPECT_EQ(camera_->closed(), 0);
+  camera_->release();
+  camera_->wait_for_closed(1);
+}
+
 TEST_F(CameraThreadTest, GoesOnWithoutWhatTheSystemRefuses) {
   ThreadSettings settings;
   settings.cpu = 1023;
