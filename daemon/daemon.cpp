@@ -27,7 +27,6 @@
 #include "services/status/heartbeat.h"
 #include "services/status/status_service.h"
 #include "services/verdict/verdict_service.h"
-#include "web/server.h"
 #include "web/websocket.h"
 
 #include <optional>
@@ -126,15 +125,10 @@ struct RecordingParts {
   ReplayService replay;
 };
 
-struct Panel {
-  std::vector<Route> routes;
-  std::optional<WebServer> web;
-  std::optional<PanelPlace> place;
-};
-
 }  // namespace
 
-/// In the order in which they are made; each may use those above it. They end in the other order.
+/// In the order in which they are made; each may use those above it. They end in the other order, also where
+/// start() throws.
 struct Daemon::Parts {
   explicit Parts(Options options)
       : kept(options.state_folder),
@@ -142,6 +136,7 @@ struct Daemon::Parts {
         profiles(kept.profiles, settings),
         network(settings),
         access(settings.config(), kept.passwords, network.match_lock, panel_reach),
+        panel(settings.config(), kept.passwords, panel_reach),
         field(kept, settings),
         cameras(settings, network, field, kept.tables),
         calibration(kept, settings, network, cameras),
@@ -152,46 +147,21 @@ struct Daemon::Parts {
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {
-    // In the order in which their checks are shown.
-    std::vector<Service*> services{&verdict,
-                                   &field.service,
-                                   &cameras.service,
-                                   &cameras.stills,
-                                   &sources,
-                                   &calibration.service,
-                                   &calibration.joint,
-                                   &colors.service,
-                                   &colors.learning,
-                                   &network.service,
-                                   &recording.service,
-                                   &recording.clips,
-                                   &recording.replay,
-                                   &status,
-                                   &settings,
-                                   &profiles,
-                                   &backup,
-                                   &access};
     status.set_services(services);
     for (Service* service : services) {
-      for (Route& route : service->routes()) panel.routes.push_back(std::move(route));
+      for (Route& route : service->routes()) routes.push_back(std::move(route));
     }
-    for (Route& route : websocket_routes()) panel.routes.push_back(std::move(route));
+    for (Route& route : websocket_routes()) routes.push_back(std::move(route));
     network.service.on_new_team_names([this] { cameras.running.update_robot_heights(); });
     network.service.on_other_vision([this](const SSL_WrapperPacket& packet, const std::string& address,
                                            double now_s) { field.service.hear(packet, address, now_s); });
+  }
 
-    // Cameras come last: preparing them may already set controls of theirs.
-    settings.start({&network.service, &field.service, &colors.service, &cameras.service});
-    const PanelSettings& wanted = settings.config().load()->panel;
-    const std::string address = listening_address(wanted, kept.passwords.has(Role::kAdmin));
-    panel.web.emplace(WebParts{access, cameras.running, {&status, &field.service}, panel.routes},
-                      WebOptions{address, wanted.port, options.panel_folder}, web_counters);
-    panel.place.emplace(settings.config(), kept.passwords, *panel.web, panel_reach);
-    settings.use({&*panel.place, &network.service, &field.service, &colors.service, &cameras.service});
-
-    services.push_back(&*panel.place);
-    all = services;
-    heartbeat.emplace(std::move(services),
+  void start(const std::filesystem::path& panel_folder) {
+    settings.start(services);
+    panel.listen(WebParts{access, cameras.running, {&status, &field.service}, routes}, panel_folder,
+                 web_counters);
+    heartbeat.emplace(services,
                       [this] { return cameras.service.summary() + " -> " + network.service.summary(); });
   }
 
@@ -199,15 +169,14 @@ struct Daemon::Parts {
   void ask_to_stop() {
     stop_yielding();
     ask_stages_to_stop();
-    heartbeat->ask_to_stop();
-    for (Service* service : all) service->ask_to_stop();
-    panel.web->ask_to_stop();
+    if (heartbeat) heartbeat->ask_to_stop();
+    for (Service* service : services) service->ask_to_stop();
   }
 
   ~Parts() {
     ask_to_stop();
     heartbeat.reset();
-    panel.web->stop();                 // from here on nobody asks for a change
+    panel.stop();                      // from here on nobody asks for a change
     network.service.stop_listening();  // nor gives cameras other heights
   }
 
@@ -217,6 +186,7 @@ struct Daemon::Parts {
   NetworkParts network;
   Snapshot<PanelReach> panel_reach{PanelReach{}};
   AccessService access;
+  PanelPlace panel;
   FieldParts field;
   CameraParts cameras;
   CalibrationParts calibration;
@@ -227,17 +197,41 @@ struct Daemon::Parts {
   BackupService backup;
   WebCounters web_counters;
   StatusService status;
-  Panel panel;
-  std::vector<Service*> all;
+  /// All there are: each plans changes of settings, has routes, is asked each second and told to stop because
+  /// it is here. In the order in which their checks are shown, which is also that in which they are asked.
+  const std::vector<Service*> services{&verdict,
+                                       &field.service,
+                                       &cameras.service,
+                                       &cameras.stills,
+                                       &sources,
+                                       &calibration.service,
+                                       &calibration.joint,
+                                       &colors.service,
+                                       &colors.learning,
+                                       &network.service,
+                                       &recording.service,
+                                       &recording.clips,
+                                       &recording.replay,
+                                       &status,
+                                       &settings,
+                                       &profiles,
+                                       &backup,
+                                       &access,
+                                       &panel};
+  std::vector<Route> routes;
   std::optional<Heartbeat> heartbeat;
 };
 
-Daemon::Daemon(Options options) : parts_(std::make_unique<Parts>(std::move(options))) {}
+Daemon::Daemon(Options options) {
+  const std::filesystem::path panel_folder = options.panel_folder;
+  parts_ = std::make_unique<Parts>(std::move(options));
+  parts_->start(panel_folder);
+}
 
 Daemon::~Daemon() = default;
 
 int Daemon::panel_port() const {
-  return parts_->panel.web->port();
+  return parts_->panel.port();
 }
 
 std::string Daemon::summary() const {
@@ -257,7 +251,7 @@ std::string Daemon::hanging() const {
 }
 
 const std::vector<Route>& Daemon::routes() const {
-  return parts_->panel.routes;
+  return parts_->routes;
 }
 
 }  // namespace sslv

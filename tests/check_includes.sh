@@ -40,7 +40,7 @@ rules='
   services/calibration  engines config web services services/access/match_lock.h services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/settings/settings_editor.h
   services/colors       engines config web services services/cameras/cameras.h services/cameras/camera_routes.h services/cameras/fresh_frames.h services/cameras/pictures.h services/cameras/stills.h services/settings/settings_editor.h
   services/field        engines config web services services/settings/settings_editor.h
-  services/sources      engines config web services services/cameras/cameras.h services/cameras/driver_calls.h services/settings/settings_editor.h
+  services/sources      engines config web services services/cameras/cameras.h services/settings/settings_editor.h
   services/status       engines config web services services/cameras/cameras.h
   services/verdict      engines config web services services/cameras/cameras.h
   top                   anything

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/controls.h"
 
-#include "base/error.h"
-#include "capture/control_memory.h"
-#include "capture/source.h"
+#include "capture/control_queue.h"
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <utility>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -118,35 +115,17 @@ bool is_same_value(const Control& control, const Json& a, const Json& b) {
   return std::abs(have - wanted) <= std::max(control.step.value_or(0) * 0.99, std::abs(wanted) * 1e-4);
 }
 
-Controls::Controls() : memory_(std::make_unique<ControlMemory>(*this)) {}
+Controls::Controls() : queue_(std::make_unique<ControlQueue>(*this)) {}
 
 Controls::~Controls() = default;
 
-ControlEffect Controls::set(const std::string& name, const Json& value) {
-  const Control control = get(name);
+void Controls::set(const Control& control, const Json& value) {
   check_control_value(control, value);
-  memory_->note_first(control);
-  return write(control, value);
-}
-
-std::vector<std::string> apply_controls(Controls& controls, const Json& wanted) {
-  std::vector<std::pair<std::string, Json>> left;
-  for (const auto& [name, value] : wanted.items()) left.emplace_back(name, value);
-  std::vector<std::string> problems;
-  for (std::size_t before = left.size() + 1; !left.empty() && left.size() < before;) {
-    before = left.size();
-    problems.clear();
-    std::erase_if(left, [&](const auto& one) {
-      try {
-        controls.set(one.first, one.second);
-        return true;
-      } catch (const std::exception& error) {
-        problems.emplace_back(error.what());
-        return false;
-      }
-    });
+  if (control.reopens) {
+    throw NeedsReopening(
+        fmt::format("{}: changing this reopens the camera. Save it to apply it.", control.name));
   }
-  return problems;
+  write(control, value);
 }
 
 }  // namespace sslv

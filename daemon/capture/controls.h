@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/error.h"
 #include "base/json.h"
 
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace sslv {
@@ -31,6 +31,7 @@ struct Control {
   bool writable = true;                     // now
   bool moves = false;                       // it goes on changing once it is set: a recording's position
   bool depends = false;                     // on what another control selects, or selects itself
+  bool reopens = false;                     // now the camera must be closed and opened again to set it
 };
 
 /// As docs/openapi.json has it.
@@ -43,17 +44,11 @@ void check_control_value(const Control& control, const Json& value);
 /// The camera has `b` when it says `a`: it rounds numbers, by less than a step or a ten-thousandth.
 bool is_same_value(const Control& control, const Json& a, const Json& b);
 
-enum class ControlEffect : std::uint8_t {
-  kAtOnce,
-  kWhenOpened,  // the camera must be closed and opened again for it
-};
+class ControlQueue;
 
-class ControlMemory;
-
-/// The controls of an open camera. May be used from any thread, also beside the one that takes images, and
-/// may block for as long as the camera takes to answer. Lives on when the camera is closed; then all throws
-/// CaptureError.
-class Controls {
+/// The driver of an open camera's controls. It may block for as long as the camera takes to answer: of an
+/// open camera queue() alone calls it. Lives on when the camera is closed; then all throws CaptureError.
+class Controls : public std::enable_shared_from_this<Controls> {
  public:
   Controls();
   virtual ~Controls();
@@ -62,22 +57,25 @@ class Controls {
   virtual std::vector<Control> list() = 0;
   /// Throws SettingsError when there is no such control.
   virtual Control get(const std::string& name) = 0;
-  /// Sets a control, or does an action (whose value does not matter). Throws SettingsError for what the
-  /// camera refuses, and CaptureError when it does not answer.
-  ControlEffect set(const std::string& name, const Json& value);
+  /// Sets a control that was just read, or does an action (whose value does not matter). Throws
+  /// SettingsError for what the camera refuses (NeedsReopening: now), and CaptureError when it does not
+  /// answer.
+  void set(const Control& control, const Json& value);
+  void set(const std::string& name, const Json& value) { set(get(name), value); }
 
-  ControlMemory& memory() { return *memory_; }
+  ControlQueue& queue() { return *queue_; }
 
  protected:
   /// `value` is one that the control takes.
-  virtual ControlEffect write(const Control& control, const Json& value) = 0;
+  virtual void write(const Control& control, const Json& value) = 0;
 
  private:
-  const std::unique_ptr<ControlMemory> memory_;
+  const std::unique_ptr<ControlQueue> queue_;
 };
 
-/// Sets all of `wanted` (name -> value), in whatever order works: a gain can often be set only once its
-/// automatic is off. What stays refused is returned, a line for each.
-std::vector<std::string> apply_controls(Controls& controls, const Json& wanted);
+/// It takes effect only when the camera is reopened, so it cannot be set without saving it.
+struct NeedsReopening : SettingsError {
+  using SettingsError::SettingsError;
+};
 
 }  // namespace sslv

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/params_json.h"
+#include "capture/control_queue.h"
 #include "capture/shared_camera.h"
 
 #include <utility>
@@ -37,7 +38,7 @@ class TileSource final : public Source {
     warnings_ = taker_.camera().warnings();
     const auto controls = taker_.camera().controls();
     if (!controls) return;
-    for (std::string& warning : apply_controls(*controls, options_.controls))
+    for (std::string& warning : controls->queue().share_with(options_.controls))
       warnings_.push_back(std::move(warning));
   }
 

@@ -70,10 +70,12 @@ Json set_control(const Client& daemon, int camera_id, const std::string& assignm
   if (!save) return daemon.post(path + '/' + name, {{"value", value}});
   const Json settings = daemon.get_json("/api/settings").at("settings");
   const std::size_t place = place_of(settings.at("cameras"), camera_id);
-  daemon.patch("/api/settings",
-               {{{"op", "add"},
-                 {"path", fmt::format("/cameras/{}/source/controls/{}", place, escaped(name))},
-                 {"value", value}}});
+  const Json saved = daemon.patch(
+      "/api/settings", {{{"op", "add"},
+                         {"path", fmt::format("/cameras/{}/source/controls/{}", place, escaped(name))},
+                         {"value", value}}});
+  for (const Json& refusal : saved.value("refused", Json::array()))
+    throw ClientError("saved, but not taken by the camera: " + refusal.get<std::string>());
   const Json now = daemon.get_json(path);
   for (const Json& control : now.at("controls")) {
     if (control.at("name") == name) return control;

@@ -4,7 +4,7 @@
 #include "base/json.h"
 #include "services/event.h"
 #include "services/health_report.h"
-#include "settings/commit.h"
+#include "settings/plan.h"
 #include "web/route.h"
 
 #include <filesystem>
@@ -58,9 +58,9 @@ class Service {
   /// Rows of the route table, whose handlers live as long as this.
   virtual std::vector<Route> routes() { return {}; }
 
-  /// Makes ready what changed settings need, without any effect outside; throws SettingsError when that
-  /// fails. One change at a time.
-  virtual Commit prepare(const SettingsChange&) { return {}; }
+  /// What it will do about changed settings. Has no effect and asks no device anything; at most it reads the
+  /// files that the settings name. Throws SettingsError for what cannot be done.
+  virtual Plan plan(const SettingsChange&) const { return {}; }
 
   /// Adds alerts and checks, and its keys of docs/openapi.json's Status where they are asked for. What an
   /// alert is about and a key says too comes from one reading, so that they agree.
@@ -85,6 +85,12 @@ class Service {
   Service() = default;
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
+
+  /// For what a plan does once it is carried out: making it is const.
+  template <class S>
+  static S& later(const S& service) {
+    return const_cast<S&>(service);
+  }
 };
 
 /// A number of the path or the query may not be larger.

@@ -146,7 +146,7 @@ Json SettingsStore::history() const {
 }
 
 SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
-                                            const Prepare& prepare) {
+                                            const GetReady& get_ready) {
   // A patch may have much to do; nobody waits for that unless another edit comes in between.
   const Version before = current();
   std::optional<Json> patched;
@@ -155,14 +155,13 @@ SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdi
   const std::lock_guard lock(edits_);
   check_revision(edit);
   if (version_.revision != before.revision || !patched) patched = apply_patch(version_.settings, patch);
-  return apply(std::move(*patched), edit, prepare);
+  return change(std::move(*patched), edit, get_ready);
 }
 
-Json SettingsStore::check(const Json& patch,
-                          const std::function<void(const CheckedSettings&)>& try_out) const {
+Json SettingsStore::check(const Json& patch, const std::function<void(const CheckedSettings&)>& plan) const {
   const Json before = current().settings;
   const CheckedSettings after = checked(apply_patch(before, patch));
-  try_out(after);
+  plan(after);
   return changes_between(before, after.tree);
 }
 
@@ -187,7 +186,7 @@ bool SettingsStore::are_same_cameras(const SettingsStep& step) const {
 }
 
 SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const SettingsEdit& edit,
-                                           const Prepare& prepare) {
+                                           const GetReady& get_ready) {
   const std::lock_guard lock(edits_);
   const SettingsStep* step = history_.find(revision);
   if (step == nullptr)
@@ -211,7 +210,7 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
   SettingsEdit named = edit;
   named.what = fmt::format("undo of revision {}", revision);
   check_revision(named);
-  return apply(apply_patch(version_.settings, backward_patch(changes)), named, prepare);
+  return change(apply_patch(version_.settings, backward_patch(changes)), named, get_ready);
 }
 
 void SettingsStore::check_revision(const SettingsEdit& edit) const {
@@ -222,15 +221,15 @@ void SettingsStore::check_revision(const SettingsEdit& edit) const {
   }
 }
 
-SettingsStore::Version SettingsStore::apply(Json tree, const SettingsEdit& edit, const Prepare& prepare) {
-  return apply(std::move(tree), history_, version_.revision, edit, prepare);
+SettingsStore::Version SettingsStore::change(Json tree, const SettingsEdit& edit, const GetReady& get_ready) {
+  return change(std::move(tree), history_, version_.revision, edit, get_ready);
 }
 
-SettingsStore::Version SettingsStore::apply(Json tree, SettingsHistory history, std::uint64_t revision,
-                                            const SettingsEdit& edit, const Prepare& prepare) {
+SettingsStore::Version SettingsStore::change(Json tree, SettingsHistory history, std::uint64_t revision,
+                                             const SettingsEdit& edit, const GetReady& get_ready) {
   const CheckedSettings result = checked(std::move(tree));
   Version next{revision + 1, result.tree, result.config};
-  Commit commit = prepare(result);
+  const Apply apply = get_ready(result);
 
   SettingsStep step{{"revision", next.revision},
                     {"time", unix_time_s()},
@@ -240,21 +239,21 @@ SettingsStore::Version SettingsStore::apply(Json tree, SettingsHistory history, 
   edit.joins ? history.join(std::move(step)) : history.add(std::move(step));
   save(next, admin_settings_, history);
   Version answer = next;
-  commit();  // from here on nothing fails
+  apply();  // from here on nothing fails
   take(std::move(next), std::move(history));
   return answer;
 }
 
 SettingsStore::Version SettingsStore::restore(const Json& tree, std::uint64_t revision, const Json& history,
-                                              const SettingsEdit& edit, const Prepare& prepare) {
+                                              const SettingsEdit& edit, const GetReady& get_ready) {
   check_steps(history, revision);
   Json steps = Json::array();  // oldest first
   for (auto step = history.rbegin(); step != history.rend(); ++step) steps.push_back(*step);
   const Json patch{{{"op", "replace"}, {"path", ""}, {"value", tree}}};
   const std::lock_guard lock(edits_);
   check_revision(edit);
-  return apply(apply_patch(version_.settings, patch), SettingsHistory(steps),
-               std::max(revision, version_.revision), edit, prepare);
+  return change(apply_patch(version_.settings, patch), SettingsHistory(steps),
+                std::max(revision, version_.revision), edit, get_ready);
 }
 
 void SettingsStore::take(Version version, SettingsHistory history) noexcept {
@@ -265,10 +264,10 @@ void SettingsStore::take(Version version, SettingsHistory history) noexcept {
   std::swap(history_, history);
 }
 
-SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
+SettingsStore::Version SettingsStore::reload(const GetReady& get_ready) {
   const std::lock_guard lock(edits_);
   try {
-    Version version = reload_now(prepare);
+    Version version = reload_now(get_ready);
     reload_problem_.store("");
     return version;
   } catch (const std::exception& error) {
@@ -277,13 +276,13 @@ SettingsStore::Version SettingsStore::reload(const Prepare& prepare) {
   }
 }
 
-SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
+SettingsStore::Version SettingsStore::reload_now(const GetReady& get_ready) {
   Json admin = read_admin_file().tree;
   if (Json::diff(admin, admin_settings_).empty()) return version_;
   const Json changes = Json::diff(admin_settings_, version_.settings);
   Version next = version_;
   SettingsHistory history = history_;
-  Commit commit;
+  Apply apply;
   try {
     check_same_ids(changes, admin_settings_, admin);
     const CheckedSettings result = check_(apply_patch(admin, changes));
@@ -291,7 +290,7 @@ SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
     if (!Json::diff(next.settings, version_.settings).empty()) {
       ++next.revision;
       next.config = result.config;
-      commit = prepare(result);
+      apply = get_ready(result);
       history.add({{"revision", next.revision},
                    {"time", unix_time_s()},
                    {"who", ""},
@@ -305,7 +304,7 @@ SettingsStore::Version SettingsStore::reload_now(const Prepare& prepare) {
   }
   save(next, admin, history);
   Version answer = next;
-  commit();  // from here on nothing fails
+  apply();  // from here on nothing fails
   admin_settings_ = std::move(admin);
   take(std::move(next), std::move(history));
   return answer;

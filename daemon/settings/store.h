@@ -4,9 +4,9 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/snapshot.h"
-#include "settings/commit.h"
 #include "settings/history.h"
 #include "settings/migrations.h"
+#include "settings/plan.h"
 #include "settings/state_folder.h"
 
 #include <atomic>
@@ -19,6 +19,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace sslv {
 
@@ -56,11 +57,14 @@ class SettingsStore {
     std::uint64_t revision;
     Json settings;                           // complete: defaults filled in
     std::shared_ptr<const Config> config{};  // read from them
+    /// Of the answer to a change: what devices did not take of it, a line for each.
+    std::vector<std::string> refused{};
   };
   /// Checks a tree and fills in its defaults; throws SettingsError.
   using Check = std::function<CheckedSettings(const Json&)>;
-  /// Makes ready what new settings need, without any effect; throws SettingsError when that fails.
-  using Prepare = std::function<Commit(const CheckedSettings&)>;
+  /// Gets ready what new settings need, without any effect; what it returns carries them out, and does not
+  /// throw. Throws SettingsError.
+  using GetReady = std::function<Apply(const CheckedSettings&)>;
 
   /// Throws SettingsError, beginning with the file's name, when the admin's file is not usable. Saved changes
   /// that cannot be used are set aside (renamed *.rejected) and the last good ones, then none, are taken:
@@ -72,30 +76,30 @@ class SettingsStore {
   /// Without waiting for a change that is being saved.
   std::uint64_t revision() const { return revision_; }
 
-  /// Applies a JSON Patch: checked, prepared, saved with its place in the history, then committed.
+  /// Makes a change by a JSON Patch: checked, got ready, saved with its place in the history, then applied.
   /// Throws StaleRevision when `if_revision` is given and is not the newest, SettingsError when the result is
   /// not allowed, StorageError when it cannot be saved; in each case nothing has changed.
-  Version patch(const Json& patch, const SettingsEdit& edit, const Prepare& prepare);
+  Version patch(const Json& patch, const SettingsEdit& edit, const GetReady& get_ready);
 
-  /// What patch() would change. `try_out` throws SettingsError when the result would be refused.
-  Json check(const Json& patch, const std::function<void(const CheckedSettings&)>& try_out) const;
+  /// What patch() would change. `plan` throws SettingsError when the result would be refused.
+  Json check(const Json& patch, const std::function<void(const CheckedSettings&)>& plan) const;
 
   /// Takes one step of the history back, whatever came after it, and leaves what came after as it is. Throws
   /// SettingsError when there is no such step, StaleRevision when what it changed was changed again, and what
   /// patch() throws.
-  Version undo(std::uint64_t revision, const SettingsEdit& edit, const Prepare& prepare);
+  Version undo(std::uint64_t revision, const SettingsEdit& edit, const GetReady& get_ready);
 
   /// Takes this tree for all settings, with a history (newest first) in the place of this one; `revision`:
   /// that they were at. Is one step on top of that history. Throws what patch() throws, and SettingsError for
   /// what is no history.
   Version restore(const Json& tree, std::uint64_t revision, const Json& history, const SettingsEdit& edit,
-                  const Prepare& prepare);
+                  const GetReady& get_ready);
 
   /// Reads the admin's file again; what the panel changed stays on top. A step of the history, unless the
   /// result is in effect already. Throws SettingsError, beginning with the file's name, when it cannot
   /// be used or those changes do not fit it any more, StorageError when it cannot be saved; in each case
   /// nothing has changed but `reload_problem()`.
-  Version reload(const Prepare& prepare);
+  Version reload(const GetReady& get_ready);
 
   /// Steps, newest first: see SettingsStep.
   Json history() const;
@@ -111,16 +115,16 @@ class SettingsStore {
   CheckedSettings checked(Json tree) const;
   CheckedSettings read_admin_file(Json* as_written = nullptr) const;
   std::optional<Version> load_changes(const std::filesystem::path& file, const Json& admin_as_written);
-  Version reload_now(const Prepare& prepare);
+  Version reload_now(const GetReady& get_ready);
   /// Throws StaleRevision.
   void check_revision(const SettingsEdit& edit) const;
   /// What a step changed of cameras it changed of these that stand there now: the list is another one once
   /// one of them is added or removed.
   bool are_same_cameras(const SettingsStep& step) const;
-  Version apply(Json tree, const SettingsEdit& edit, const Prepare& prepare);
+  Version change(Json tree, const SettingsEdit& edit, const GetReady& get_ready);
   /// On top of this history, as a revision after `revision`.
-  Version apply(Json tree, SettingsHistory history, std::uint64_t revision, const SettingsEdit& edit,
-                const Prepare& prepare);
+  Version change(Json tree, SettingsHistory history, std::uint64_t revision, const SettingsEdit& edit,
+                 const GetReady& get_ready);
   void take(Version version, SettingsHistory history) noexcept;
   /// As changes of this admin's tree.
   void save(const Version& version, const Json& admin_settings, const SettingsHistory& history);

@@ -322,6 +322,21 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual([(await speed()).value, (await speed()).unsaved], [1, false]);
     await service.statusBecomes((now) => !isTold(now));
 
+    // A dry run sets nothing and does no action, also one of many beside changes that are made.
+    const ofCamera = (wanted) => [{ op: 'replace', path: '/cameras/1/source/controls', value: wanted }];
+    const tryOut = () => ask('post', '/api/settings/check', { body: ofCamera({ speed: 3, step: true, paused: true }) });
+    await Promise.all([...Array(8)].map(tryOut));
+    const player = async () => Object.fromEntries((await ask('get', '/api/cameras/{camera}/controls', { parameters })).controls.map(({ name, value }) => [name, value]));
+    assert.deepEqual([(await player()).speed, (await player()).paused], [1, false]);
+    for (const wanted of [{ speed: 4 }, { speed: 5, loop: true }, {}]) {
+      const [{ refused }] = await Promise.all([ask('patch', '/api/settings', { body: ofCamera(wanted) }), tryOut(), tryOut()]);
+      assert.deepEqual(refused, []);
+      assert.deepEqual([(await player()).speed, (await player()).paused], [wanted.speed ?? 1, false]);
+    }
+    const { error } = await ask('post', '/api/settings/check', { body: ofCamera({ speed: -2 }), expect: 422 });
+    assert.equal(error, '/cameras/1/source/controls/speed: -2 is not allowed; expected a number from 0.01 to 100');
+    assert.equal((await ask('patch', '/api/settings', { body: ofCamera({ speed: -2 }), expect: 422 })).error, error);
+
     const reopen = '/api/cameras/{camera}/reopen';
     await ask('post', reopen, { parameters, expect: 409 });
     await ask('post', reopen, { parameters: { camera: 9 }, expect: 404 });

@@ -107,7 +107,15 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   const Json after = daemon.get("/api/status");
   EXPECT_EQ(after["cameras"][0]["reconnects"], before["cameras"][0]["reconnects"]);
 
-  // Refused with what is allowed: neither saved nor set, and what went with it is set back.
+  // A dry run asks the camera nothing.
+  daemon.post("/api/settings/check",
+              {{{"op", "replace"},
+                {"path", "/cameras/0/source/controls"},
+                {"value", {{"ExposureTimeAbs", 7000.0}, {"TriggerMode", "On"}, {"TriggerSoftware", true}}}}});
+  EXPECT_EQ(exposure_us(daemon), 4000);
+  EXPECT_EQ(control(daemon, "TriggerMode")["value"], "Off");
+
+  // Refused with what is allowed: neither saved nor set, nor is what went with it.
   const Json refused = daemon.patch(
       {{{"op", "replace"}, {"path", "/cameras/0/source/controls/ExposureTimeAbs"}, {"value", 5000.0}},
        {{"op", "add"}, {"path", "/cameras/0/source/controls/PixelFormat"}, {"value", "Sepia"}}},

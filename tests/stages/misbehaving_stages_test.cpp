@@ -8,6 +8,7 @@
 #include "net/multicast_receiver.h"
 #include "ssl_vision_wrapper.pb.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
+#include "support/becomes.h"
 #include "support/patience.h"
 #include "support/temporary_folder.h"
 
@@ -272,6 +273,28 @@ TEST_F(MisbehavingStages, OneThatHangsIsNamedAndSinceWhen) {
   EXPECT_THAT(ask("/healthz"), HasSubstr("in the stage 'hang'"));
   camera_gate.open();
   while (!daemon_->hanging().empty()) std::this_thread::yield();
+}
+
+TEST_F(MisbehavingStages, OneOfARemovedCameraIsStillNoticedAndKeepsNobodyWaiting) {
+  start({{"stack", stack_with("hang")}});
+  camera_gate.shut();
+  wait_for_alert("camera_hangs");
+  httplib::Client client("127.0.0.1", daemon_->panel_port());
+  client.set_read_timeout(test::kPatience);
+  const auto removed =
+      client.Patch("/api/settings", R"([{"op": "remove", "path": "/cameras/0"}])", "application/json");
+  ASSERT_TRUE(removed);
+  ASSERT_EQ(removed->status, 200) << removed->body;
+  EXPECT_THAT(daemon_->hanging(), StartsWith("camera 4 has hung for ")) << "the watchdog must not be fed";
+  // The heartbeat goes on.
+  const auto newest_s = [this] {
+    return Json::parse(ask("/api/timeline?seconds=1"))["time_s"].back().get<double>();
+  };
+  const double before_s = newest_s();
+  EXPECT_TRUE(test::becomes([&] { return newest_s() > before_s + 2; }));
+  EXPECT_THAT(daemon_->hanging(), HasSubstr(" s in the stage 'hang'"));
+  camera_gate.open();
+  EXPECT_TRUE(test::becomes([&] { return daemon_->hanging().empty(); }));
 }
 
 TEST_F(MisbehavingStages, OneOfTheFieldThatHangsEndsNoService) {

@@ -12,6 +12,7 @@
 #include "capture/aravis/aravis_options.h"
 #include "capture/aravis/aravis_setup.h"
 #include "capture/aravis/gvsp_door.h"
+#include "capture/control_queue.h"
 #include "capture/picture_times.h"
 #include "image/shared_memory.h"
 
@@ -178,7 +179,7 @@ class AravisSource final : public Source {
     if (!shared_->camera)
       throw CaptureError(fmt::format("camera \"{}\": cannot be opened: {}", label_, failure.text()));
     check_aravis_serial(camera(), handle);
-    warnings_ = apply_controls(*controls_, options_.controls);
+    warnings_ = controls_->queue().open_with(options_.controls);
     {
       const std::lock_guard lock(shared_->mutex);
       set_up_aravis(camera(), options_, label_, warnings_);

@@ -175,8 +175,8 @@ class AravisControls final : public Controls {
     return out;
   }
 
-  static Control selected_control_of(ArvGcFeatureNode* node, const std::string& category,
-                                     const std::string& choice) {
+  Control selected_control_of(ArvGcFeatureNode* node, const std::string& category,
+                              const std::string& choice) const {
     Control out = control_of(node, category);
     out.name += fmt::format("[{}]", choice);
     if (!out.title.empty()) out.title += fmt::format(" ({})", choice);
@@ -237,7 +237,7 @@ class AravisControls final : public Controls {
     }
   }
 
-  static Control control_of(ArvGcFeatureNode* node, const std::string& category) {
+  Control control_of(ArvGcFeatureNode* node, const std::string& category) const {
     Control out;
     out.name = text_or_empty(arv_gc_feature_node_get_name(node));
     out.title = text_or_empty(arv_gc_feature_node_get_display_name(node));
@@ -251,6 +251,8 @@ class AravisControls final : public Controls {
     const bool is_available = arv_gc_feature_node_is_available(node, nullptr);
     out.writable = is_available && arv_gc_feature_node_get_actual_access_mode(node) != ARV_GC_ACCESS_MODE_RO;
     fill_kind(node, is_available, out);
+    out.reopens = camera_->is_streaming &&
+                  (is_one_of(kLayout, out.name) || arv_gc_feature_node_is_locked(node, nullptr) != FALSE);
     return out;
   }
 
@@ -304,14 +306,12 @@ class AravisControls final : public Controls {
     }
   }
 
-  ControlEffect write(const Control& control, const Json& value) override {
+  void write(const Control& control, const Json& value) override {
     const std::lock_guard lock(camera_->mutex);
     const Place place = place_of(control.name);
     ArvGcFeatureNode* node = place.node;
     std::optional<Selected> selected;
     if (place.selector != nullptr) selected.emplace(place.selector, place.choice);
-    const bool waits = is_one_of(kLayout, control.name) || arv_gc_feature_node_is_locked(node, nullptr);
-    if (camera_->is_streaming && waits) return ControlEffect::kWhenOpened;
     if (!control.writable)
       throw SettingsError(fmt::format("{}: cannot be set now: the camera only shows it", control.name));
     Failure failure;
@@ -337,7 +337,6 @@ class AravisControls final : public Controls {
     if (failure.failed())
       throw SettingsError(fmt::format("{}: {} refused: {}", control.name, value.dump(), failure.text()));
     read_exposure(*camera_);
-    return ControlEffect::kAtOnce;
   }
 
   const std::shared_ptr<AravisCamera> camera_;

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/params_json.h"
 #include "capture/buffer_pool.h"
+#include "capture/control_queue.h"
 #include "capture/dc1394/dc1394_camera.h"
 #include "capture/dc1394/dc1394_controls.h"
 #include "capture/dc1394/dc1394_options.h"
@@ -58,7 +59,7 @@ class Dc1394Source final : public Source {
     link_->camera = camera;
     link_->label = label_;
     controls_ = make_controls(link_);
-    warnings_ = apply_controls(*controls_, options.controls);
+    warnings_ = controls_->queue().open_with(options.controls);
     link_->exposure_s = exposure_s_of(camera).value_or(0);
 
     const auto frames = static_cast<std::size_t>(options.ring_frames);

@@ -123,7 +123,7 @@ class IidcControls final : public Controls {
   }
 
  protected:
-  ControlEffect write(const Control& control, const Json& value) override {
+  void write(const Control& control, const Json& value) override {
     const std::lock_guard lock(link_->mutex);
     if (!control.writable) {
       throw SettingsError(fmt::format("{}: {} refused: {}", control.name, value.dump(),
@@ -141,7 +141,6 @@ class IidcControls final : public Controls {
          control.name);
     if (row->id == DC1394_FEATURE_SHUTTER || row->id == DC1394_FEATURE_TRIGGER)
       link_->exposure_s = exposure_s_of(camera()).value_or(0);
-    return ControlEffect::kAtOnce;
   }
 
  private:
@@ -329,11 +328,10 @@ class IidcControls final : public Controls {
   }
 
   /// Loading can change the mode too, behind the back of the capture.
-  ControlEffect use_memory(const Control& control) const {
+  void use_memory(const Control& control) const {
     const bool load = control.name.starts_with(kLoad);
     const auto channel = static_cast<std::uint32_t>(std::stoul(control.name.substr(kLoad.size())));
     must(load ? dc1394_memory_load(camera(), channel) : dc1394_memory_save(camera(), channel), control.name);
-    return load ? ControlEffect::kWhenOpened : ControlEffect::kAtOnce;
   }
 
   const std::shared_ptr<Link> link_;

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/params_json.h"
+#include "capture/control_queue.h"
 #include "capture/files/file_clip.h"
 #include "capture/files/file_media.h"
 #include "capture/files/file_playback.h"
@@ -322,7 +323,7 @@ class FileSource final : public Source {
     } else {
       playback_ = std::make_shared<Playback>(std::move(distances_s), options_.loop);
     }
-    warnings_ = apply_controls(*playback_, options_.controls);
+    warnings_ = playback_->queue().open_with(options_.controls);
   }
 
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {

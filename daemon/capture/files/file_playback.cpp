@@ -144,7 +144,7 @@ Control Playback::get(const std::string& name) {
   throw SettingsError(fmt::format("{}: a recording has no such control", name));
 }
 
-ControlEffect Playback::write(const Control& control, const Json& value) {
+void Playback::write(const Control& control, const Json& value) {
   if (!control.writable)
     throw SettingsError("speed: cannot be set: these images are shown as fast as they are taken");
   if (control.name == "speed") speed_ = value.get<double>();
@@ -168,7 +168,6 @@ ControlEffect Playback::write(const Control& control, const Json& value) {
   });
   is_due_at_once_ = true;
   changed_.ring();
-  return ControlEffect::kAtOnce;
 }
 
 }  // namespace sslv

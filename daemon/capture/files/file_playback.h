@@ -33,7 +33,7 @@ class Playback final : public Controls {
 
  private:
   using Clock = std::chrono::steady_clock;
-  ControlEffect write(const Control& control, const Json& value) override;
+  void write(const Control& control, const Json& value) override;
 
   /// What both sides change, in one word.
   struct State {

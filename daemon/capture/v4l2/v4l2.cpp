@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/params_json.h"
 #include "capture/buffer_pool.h"
+#include "capture/control_queue.h"
 #include "capture/unpack.h"
 #include "capture/v4l2/v4l2_controls.h"
 #include "capture/v4l2/v4l2_format.h"
@@ -74,7 +75,7 @@ class V4l2Source final : public Source {
     stamps_first_bytes_ = stamps_first_bytes(node.driver);
     controls_ = std::make_shared<V4l2Controls>(device_);
     // First: some change what sizes and rates there are, and some can no longer be set once it delivers.
-    warnings_ = apply_controls(*controls_, options_.controls);
+    warnings_ = controls_->queue().open_with(options_.controls);
     format_ = set_v4l2_format(
         *device_, node.buffers,
         {options_.pixel_format, options_.width, options_.height, options_.frame_rate_hz}, label_);

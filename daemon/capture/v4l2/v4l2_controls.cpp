@@ -209,7 +209,7 @@ Json V4l2Controls::read(const v4l2_query_ext_ctrl& asked) const {
   }
 }
 
-ControlEffect V4l2Controls::write(const Control& control, const Json& value) {
+void V4l2Controls::write(const Control& control, const Json& value) {
   const std::lock_guard lock(mutex_);
   const v4l2_query_ext_ctrl asked = query(entry_of(control.name).id);
   if (!is_writable(asked)) {
@@ -250,7 +250,6 @@ ControlEffect V4l2Controls::write(const Control& control, const Json& value) {
   const int error = call_with(device(), VIDIOC_S_EXT_CTRLS, one);
   if (error == ENODEV) throw CaptureError("the camera does not answer: " + errno_text(error));
   if (error != 0) refuse(control, value, errno_text(error));
-  return ControlEffect::kAtOnce;
 }
 
 }  // namespace sslv

@@ -26,7 +26,7 @@ class V4l2Controls final : public Controls {
   Control get(const std::string& name) override;
 
  protected:
-  ControlEffect write(const Control& control, const Json& value) override;
+  void write(const Control& control, const Json& value) override;
 
  private:
   /// What does not change while the device is open.

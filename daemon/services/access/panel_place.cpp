@@ -5,6 +5,8 @@
 #include "base/log.h"
 
 #include <exception>
+#include <functional>
+#include <memory>
 
 #include <boost/asio/ip/address.hpp>
 #include <fmt/format.h>
@@ -31,31 +33,47 @@ std::string listening_address(const PanelSettings& panel, bool has_password) {
   return panel.address;
 }
 
-PanelPlace::PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, WebServer& server,
-                       Snapshot<PanelReach>& reach)
-    : config_(config),
-      passwords_(passwords),
-      server_(server),
-      reach_(reach),
-      place_(place_of(config.load()->panel, passwords)) {
+void PanelPlace::listen(const WebParts& parts, const std::filesystem::path& panel_folder,
+                        WebCounters& counters) {
+  {
+    const std::lock_guard lock(mutex_);  // requests come before it returns
+    place_ = place_of(config_.load()->panel, passwords_);
+    server_.emplace(parts, WebOptions{place_.first, place_.second, panel_folder}, counters);
+  }
   look_for_addresses();
 }
 
-Commit PanelPlace::prepare(const SettingsChange& change) {
-  return prepare(change.next.panel);
+void PanelPlace::stop() {
+  if (server_) server_->stop();
 }
 
-Commit PanelPlace::prepare(const PanelSettings& panel) {
-  auto place = place_of(panel, passwords_);
+void PanelPlace::ask_to_stop() {
+  if (server_) server_->ask_to_stop();
+}
+
+Plan PanelPlace::plan(const SettingsChange& change) const {
+  return plan_move(change.next.panel);
+}
+
+Plan PanelPlace::plan_move(const PanelSettings& panel) const {
+  const auto place = place_of(panel, passwords_);
   const std::lock_guard lock(mutex_);
-  if (place == place_) return {};
-  const int port = place.second == place_.second ? server_.port() : place.second;  // 0 stays what was found
-  return [this, place, move = server_.move_to(place.first, port)]() mutable noexcept {
-    const std::lock_guard moving(mutex_);
-    move();
-    std::swap(place_, place);
-    log::info("panel on {} port {}", place_.first, server_.port());
-  };
+  if (!server_ || place == place_) return {};
+  const int port = place.second == place_.second ? server_->port() : place.second;  // 0 stays what was found
+  const auto move = std::make_shared<std::function<void()>>();
+  auto& self = later(*this);
+  return {.get_ready =
+              [&self, place, port, move] {
+                const std::lock_guard moving(self.mutex_);
+                *move = self.server_->move_to(place.first, port);
+              },
+          .apply =
+              [&self, place, move]() noexcept {
+                const std::lock_guard moving(self.mutex_);
+                (*move)();
+                self.place_ = place;
+                log::info("panel on {} port {}", place.first, self.server_->port());
+              }};
 }
 
 void PanelPlace::each_second() {
@@ -67,7 +85,9 @@ void PanelPlace::follow_settings() {
   const auto config = config_.load();
   if (!config->panel.address.empty()) return;
   try {
-    prepare(config->panel)();
+    const Plan plan = plan_move(config->panel);
+    plan.get_ready();
+    plan.apply();
     problem_.clear();
   } catch (const std::exception& error) {
     if (problem_ != error.what()) log::error("the panel stays where it is: {}", error.what());
@@ -82,7 +102,7 @@ void PanelPlace::look_for_addresses() {
     const std::lock_guard lock(mutex_);
     listens_on = place_.first;
   }
-  PanelReach reach = panel_reach(listens_on, server_.port(), network_cards());
+  PanelReach reach = panel_reach(listens_on, server_->port(), network_cards());
   if (*reach_.load() != reach) reach_.store(std::move(reach));
 }
 

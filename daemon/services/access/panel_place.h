@@ -8,7 +8,9 @@
 #include "settings/passwords.h"
 #include "web/server.h"
 
+#include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -18,27 +20,36 @@ namespace sslv {
 /// other computers while there is no password.
 std::string listening_address(const PanelSettings& panel, bool has_password);
 
-/// Moves the panel to where the settings say, and to the network once there is a password.
+/// The panel's server: where the settings say, and on the network once there is a password.
 class PanelPlace final : public Service {
  public:
-  /// `server` listens where listening_address() says for these settings. `reach` says where browsers find it,
-  /// at most a second late. All must outlive this.
-  PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, WebServer& server,
-             Snapshot<PanelReach>& reach);
+  /// Nobody listens before listen(). `reach` says where browsers find it, at most a second late. All must
+  /// outlive this.
+  PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, Snapshot<PanelReach>& reach)
+      : config_(config), passwords_(passwords), reach_(reach) {}
 
-  Commit prepare(const SettingsChange& change) override;
+  /// Once, where the settings say. Throws SettingsError.
+  void listen(const WebParts& parts, const std::filesystem::path& panel_folder, WebCounters& counters);
+  /// Once it listens.
+  int port() const { return server_->port(); }
+  /// From here on nobody asks for anything.
+  void stop();
+
+  // Service
+  void ask_to_stop() override;
+  Plan plan(const SettingsChange& change) const override;
   void each_second() override;
 
  private:
-  Commit prepare(const PanelSettings& panel);
+  Plan plan_move(const PanelSettings& panel) const;
   void follow_settings();
   void look_for_addresses();
 
   const Snapshot<Config>& config_;
   const Passwords& passwords_;
-  WebServer& server_;
+  std::optional<WebServer> server_;
   Snapshot<PanelReach>& reach_;
-  std::mutex mutex_;                   // guards the next; held while the panel moves
+  mutable std::mutex mutex_;           // guards the next; held while the panel moves
   std::pair<std::string, int> place_;  // address and port that it listens on, as settings say
   std::string problem_;                // why it could not move; of the thread that calls each_second()
 };

@@ -2,7 +2,7 @@
 #include "services/cameras/camera_routes.h"
 
 #include "base/log.h"
-#include "capture/control_memory.h"
+#include "capture/control_queue.h"
 #include "capture/source.h"
 #include "image/jpeg.h"
 #include "services/cameras/camera_json.h"
@@ -71,9 +71,9 @@ Response get_stream(const CameraRoutes& of, const Request& request) {
   return response;
 }
 
-/// What an open camera's driver answers. Throws HttpError: 409 not open or without controls, 503 it does not
-/// answer.
-Json ask_driver(const RunningCamera& camera, std::function<Json(Controls&)> ask) {
+/// What an open camera answers. Throws HttpError: 409 not open or without controls, 503 it does not answer.
+template <class Ask>
+auto ask_camera(const RunningCamera& camera, const Ask& ask) {
   const auto controls = camera.controls();
   if (!controls) {
     const bool is_open = camera.health().state == CameraState::kRunning;
@@ -81,27 +81,26 @@ Json ask_driver(const RunningCamera& camera, std::function<Json(Controls&)> ask)
         409, fmt::format("camera {} {}", camera.settings()->id, is_open ? "has no controls" : "is not open"));
   }
   try {
-    return camera.driver_calls().run([controls, ask = std::move(ask)] { return ask(*controls); });
+    return ask(controls->queue());
   } catch (const CaptureError& error) {
     throw HttpError(503, error.what());
+  } catch (const NeedsReopening& error) {
+    throw HttpError(409, error.what());
   }
 }
 
 /// With what is saved of each, and whether it is set otherwise.
-Json list_controls(Controls& controls, const Json& saved) {
-  const std::vector<Control> all = controls.list();
-  controls.memory().update(all);
-  const std::vector<UnsavedControl> unsaved = controls.memory().unsaved(saved);
+Response list_response(const RunningCamera& camera, const std::vector<Control>& all) {
+  const Json saved = camera.saved_controls();
+  const std::vector<UnsavedControl> unsaved = camera.unsaved_controls();
   Json out = Json::array();
   for (const Control& control : all) out.push_back(control_json(control, saved, unsaved));
-  return {{"controls", std::move(out)}};
+  return json_response({{"controls", std::move(out)}});
 }
 
 Response get_controls(const CameraRoutes& of, const Request& request) {
   const auto camera = camera_of(of, request);
-  return json_response(ask_driver(*camera, [saved = camera->saved_controls()](Controls& controls) {
-    return list_controls(controls, saved);
-  }));
+  return list_response(*camera, ask_camera(*camera, [](ControlQueue& queue) { return queue.list(); }));
 }
 
 Response set_control(const CameraRoutes& of, const Request& request) {
@@ -112,21 +111,14 @@ Response set_control(const CameraRoutes& of, const Request& request) {
   const Json value = body.empty() ? Json(nullptr) : body.at("value");
   const std::string name = request.matches[2];
   const std::size_t before = camera->unsaved_controls().size();
-  Json control = ask_driver(*camera, [name, value, saved = camera->saved_controls()](Controls& controls) {
-    try {
-      const Control now = controls.memory().set_unsaved(name, value);
-      return control_json(now, saved, controls.memory().unsaved(saved));
-    } catch (const NeedsReopening& error) {
-      throw HttpError(409, error.what());
-    }
-  });
+  const Control now = ask_camera(*camera, [&](ControlQueue& queue) { return queue.set(name, value); });
   const int id = camera->settings()->id;
   log::info("camera {}: {} set to {} by {}, not saved", id, Json(name).dump(), value.dump(), request.address);
   // Once for each, not for each step of a slider.
   if (camera->unsaved_controls().size() > before)
     of.events.add(
         {"controls_set", fmt::format("Camera {}: {} was set and not saved", id, name), request.address, id});
-  return json_response(control);
+  return json_response(control_json(now, camera->saved_controls(), camera->unsaved_controls()));
 }
 
 /// The answer does not wait for the camera: what comes of it is in the status.
@@ -164,11 +156,9 @@ std::set<std::string> names_in(const Request& request) {
 Response revert_controls(const CameraRoutes& of, const Request& request) {
   const auto camera = camera_of(of, request);
   const std::size_t before = camera->unsaved_controls().size();
-  Json list =
-      ask_driver(*camera, [names = names_in(request), saved = camera->saved_controls()](Controls& controls) {
-        controls.memory().revert(names);
-        return list_controls(controls, saved);
-      });
+  const std::set<std::string> names = names_in(request);
+  const Json saved = camera->saved_controls();
+  const auto list = ask_camera(*camera, [&](ControlQueue& queue) { return queue.revert(names, saved); });
   const int id = camera->settings()->id;
   const std::size_t after = camera->unsaved_controls().size();
   if (after < before) {
@@ -178,7 +168,7 @@ Response revert_controls(const CameraRoutes& of, const Request& request) {
          fmt::format("Camera {}: {} unsaved control{} reverted", id, count, count == 1 ? " was" : "s were"),
          request.address, id});
   }
-  return json_response(list);
+  return list_response(*camera, list);
 }
 
 Response get_field_view(const CameraRoutes& of, const Request& request) {

@@ -35,7 +35,7 @@ std::vector<StageFigures> stages_of(const RunningCamera& camera, std::vector<Sta
 }  // namespace
 
 void CameraService::each_second() {
-  cameras_.take_gone();  // and waits for those that do not answer
+  cameras_.drop_stopped();
   const List cameras = cameras_.list();
   watch_.look(cameras);
   tell_what_became(cameras);

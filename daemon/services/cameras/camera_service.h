@@ -24,7 +24,7 @@ class CameraService final : public Service {
   // Service
   void ask_to_stop() override { cameras_.ask_to_stop(); }
   std::vector<Route> routes() override;
-  Commit prepare(const SettingsChange& change) override { return cameras_.prepare(change); }
+  Plan plan(const SettingsChange& change) const override { return cameras_.plan(change); }
   void report(HealthReport& report) const override;
   void add_diagnostics(Json& diagnostics) const override;
   void write_metrics(MetricsText& out) const override;

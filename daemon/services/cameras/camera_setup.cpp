@@ -4,7 +4,6 @@
 #include "base/params_json.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace sslv {
@@ -34,7 +33,7 @@ bool same_setup(const Config& config, const CameraSettings& camera, const Camera
 
 }  // namespace
 
-std::optional<NewSetup> make_setup(const Config& config, std::size_t i,
+std::optional<NewSetup> plan_setup(const Config& config, std::size_t i,
                                    const std::optional<CameraInUse>& previous, const LoadTable& load_table) {
   const CameraSettings& camera = config.cameras[i];
   if (previous && same_setup(config, camera, *previous)) return std::nullopt;
@@ -42,16 +41,20 @@ std::optional<NewSetup> make_setup(const Config& config, std::size_t i,
   CameraSetup& setup = out.setup;
   if (previous && previous->settings.running.stages == camera.running.stages) {
     setup.pipeline = previous->setup.pipeline;
-  } else {
-    setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.running.stages,
-                                                "/cameras/" + std::to_string(i) + "/stack");
+    setup.parameters = setup.pipeline->parameters_of(camera.stage_params);
   }
-  setup.parameters = setup.pipeline->parameters_of(camera.stage_params);
   out.keeps_colors =
       previous && same(previous->settings.colors, camera.colors) && same_labels(config, previous->config);
   setup.context =
       make_context(config, i, out.keeps_colors ? previous->setup.context.accepted_lut : nullptr, load_table);
   return out;
+}
+
+void NewSetup::make_stages(const CameraSettings& camera) {
+  if (setup.pipeline) return;
+  // The stack was checked when it was read.
+  setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.running.stages, "/cameras");
+  setup.parameters = setup.pipeline->parameters_of(camera.stage_params);
 }
 
 CameraSetup with_robot_heights(CameraSetup setup, const std::array<double, 2>& robot_height_mm) {

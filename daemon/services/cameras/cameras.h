@@ -35,7 +35,7 @@ class CameraObserver {
  public:
   virtual ~CameraObserver() = default;
   /// These show something else from now on, or are gone: what is known of their images is void. Called while
-  /// a change is committed: no long work.
+  /// a change is applied: no long work.
   virtual void cameras_changed(const std::set<int>& camera_ids) noexcept = 0;
 };
 

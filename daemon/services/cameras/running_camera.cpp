@@ -4,10 +4,10 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
-#include "capture/control_memory.h"
 #include "config/backends.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 namespace sslv {
@@ -37,22 +37,26 @@ CameraSetup noted(RecordedCamera& recorded, CameraSetup setup, std::shared_ptr<c
 
 }  // namespace
 
-void RunningCamera::LastOpened::hand_over(const Json& source, const std::shared_ptr<Controls>& opened) {
+void RunningCamera::LastOpened::hand_over(const Json& source, const Json& settings_of_controls,
+                                          const std::shared_ptr<Controls>& opened) {
+  const std::lock_guard lock(mutex);
+  const bool is_same = std::exchange(camera, camera_of(source)) == camera_of(source);
+  auto before = std::exchange(controls, opened);
+  settings = settings_of_controls;
   if (!opened) return;
-  const Json now = camera_of(source);
-  std::shared_ptr<Controls> before;
-  {
-    const std::lock_guard lock(mutex);
-    if (camera == now) before = controls;
-  }
   try {
-    if (before) opened->memory().inherit(before->memory());
-  } catch (const CaptureError& error) {
+    opened->queue().begin(is_same ? std::move(before) : nullptr);
+  } catch (const std::exception& error) {
     log::warning("camera controls: what was not saved is forgotten: {}", error.what());
   }
+}
+
+std::function<ControlQueue::Refusals()> RunningCamera::LastOpened::follow(
+    const Snapshot<CameraSettings>& newest) {
   const std::lock_guard lock(mutex);
-  camera = now;
-  controls = opened;
+  const Json wanted = controls_in(newest.load()->source);
+  if (!controls || settings == wanted) return {};
+  return controls->queue().apply(std::exchange(settings, wanted), wanted);
 }
 
 RunningCamera::RunningCamera(const CameraSettings& settings, CameraSetup setup,
@@ -77,21 +81,26 @@ void RunningCamera::start() noexcept {
 }
 
 void RunningCamera::ask_to_stop() {
-  driver_calls_.ask_to_stop();
   const std::lock_guard lock(thread_mutex_);
   thread_->ask_to_stop();
 }
 
+bool RunningCamera::has_stopped() {
+  const std::lock_guard lock(thread_mutex_);
+  return thread_->try_stop();
+}
+
 std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene,
-                                                         const Json& controls) {
+                                                         const ControlValues& controls) {
   auto open = [newest = settings_, last = last_opened_, scene, controls] {
     const auto now = newest->load();
     Json source = now->source;
-    for (const auto& [name, value] : controls.items()) {
+    for (const auto& [name, value] : controls) {
       if (!source["controls"].contains(name)) source["controls"][name] = value;
     }
     auto camera = open_source(source, {static_cast<std::uint32_t>(now->id), scene});
-    last->hand_over(source, camera->controls());
+    last->hand_over(source, controls_in(now->source), camera->controls());
+    last->follow(*newest);  // what was changed while it was being opened
     return camera;
   };
   auto on_image = [this](CapturedImage&& captured) {
@@ -104,42 +113,44 @@ std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& s
                                         [this] { return pipeline_.give_back(); });
 }
 
-RunningCamera::Change RunningCamera::prepare(const CameraSettings& settings,
-                                             std::shared_ptr<const Config> config,
-                                             std::optional<NewSetup> setup, const std::string& path) {
+RunningCamera::Change RunningCamera::plan(const CameraSettings& settings,
+                                          std::shared_ptr<const Config> config, std::optional<NewSetup> setup,
+                                          std::string path) const {
   const auto old = settings_->load();
-  const Scene& scene = setup ? *setup->setup.context.scene : *pipeline_.setup()->context.scene;
-  const bool same_source = without_controls(old->source) == without_controls(settings.source);
-  const bool same_thread = params_to_json(old->thread) == params_to_json(settings.thread);
-  auto new_settings = std::make_shared<const CameraSettings>(settings);
-  if (!same_source || !same_thread)
-    return {std::move(new_settings), std::move(config), std::move(setup), make_thread(settings, scene), {}};
-  const auto open = controls();
-  if (!open) return {std::move(new_settings), std::move(config), std::move(setup), nullptr, {}};
-  Change change{std::move(new_settings),
-                std::move(config),
-                std::move(setup),
-                nullptr,
-                {open, driver_calls_, controls_in(old->source), controls_in(settings.source), path}};
-  if (change.controls.needs_opening())
-    change.thread = make_thread(settings, scene, change.controls.at_opening());
-  return change;
+  Change out{std::make_shared<const CameraSettings>(settings), std::move(config), std::move(setup),
+             std::move(path)};
+  out.reopens = without_controls(old->source) != without_controls(settings.source) ||
+                params_to_json(old->thread) != params_to_json(settings.thread);
+  if (const auto open = controls(); open && !out.reopens) {
+    out.controls = open->queue().plan(controls_in(old->source), controls_in(settings.source), out.path);
+    out.reopens = out.controls.reopens;
+  }
+  return out;
 }
 
-bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_height_mm) noexcept {
+void RunningCamera::get_ready(Change& change) {
+  if (change.setup) change.setup->make_stages(*change.settings);
+  const CameraSetup& setup = change.setup ? change.setup->setup : *pipeline_.setup();
+  if (!change.reopens) return;
+  change.thread = make_thread(*change.settings, *setup.context.scene, change.controls.unsaid);
+}
+
+bool RunningCamera::apply(Change& change, const std::array<double, 2>& robot_height_mm) noexcept {
   settings_->store(std::move(change.settings));
   if (change.setup) {
     CameraSetup& setup = change.setup->setup;
     if (change.setup->keeps_colors) {
-      // What followed the light while the change was prepared and saved is not lost.
+      // What followed the light while the change was planned and saved is not lost.
       const auto before = pipeline_.setup();
       setup.context.adapted_lut = before->context.adapted_lut;
       setup.context.accepted_lut = before->context.accepted_lut;
     }
     use(with_robot_heights(std::move(setup), robot_height_mm), std::move(change.config));
   }
-  change.controls.keep();
-  if (!change.thread) return false;
+  if (!change.thread) {
+    change.control_outcome = last_opened_->follow(*settings_);
+    return false;
+  }
   ++reopenings_;
   reopened_s_ = steady_s();
   const std::lock_guard lock(thread_mutex_);
@@ -147,6 +158,17 @@ bool RunningCamera::commit(Change& change, const std::array<double, 2>& robot_he
   change.thread->start(std::move(thread_));
   thread_ = std::move(change.thread);
   return true;
+}
+
+std::vector<std::string> RunningCamera::outcome(const Change& change) const {
+  std::vector<std::string> out;
+  if (!change.control_outcome) return out;
+  try {
+    for (const std::string& refusal : change.control_outcome()) out.push_back(change.path + '/' + refusal);
+  } catch (const std::exception& error) {
+    if (controls()) out.push_back(change.path + ": not set yet: " + error.what());
+  }
+  return out;
 }
 
 void RunningCamera::use(CameraSetup setup, std::shared_ptr<const Config> config) {
@@ -182,6 +204,9 @@ CameraHealth RunningCamera::health() const {
   health.incomplete = totals_->capture.incomplete.load(std::memory_order_relaxed);
   health.dropped = totals_->capture.dropped.load(std::memory_order_relaxed);
   health.reconnects = totals_->capture.reconnects.load(std::memory_order_relaxed);
+  if (const auto open = controls()) {
+    for (std::string& refusal : open->queue().refused()) health.warnings.push_back(std::move(refusal));
+  }
   return health;
 }
 
@@ -198,7 +223,7 @@ std::shared_ptr<Controls> RunningCamera::controls() const {
 
 std::vector<UnsavedControl> RunningCamera::unsaved_controls() const {
   const auto open = controls();
-  return open ? open->memory().unsaved(saved_controls()) : std::vector<UnsavedControl>{};
+  return open ? open->queue().unsaved(saved_controls()) : std::vector<UnsavedControl>{};
 }
 
 Json RunningCamera::saved_controls() const {

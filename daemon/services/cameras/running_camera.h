@@ -4,7 +4,7 @@
 #include "base/recent.h"
 #include "base/snapshot.h"
 #include "capture/camera_thread.h"
-#include "capture/control_memory.h"
+#include "capture/control_queue.h"
 #include "config/config.h"
 #include "net/vision_sender.h"
 #include "pipeline/camera_pipeline.h"
@@ -13,12 +13,12 @@
 #include "services/cameras/camera_report.h"
 #include "services/cameras/camera_setup.h"
 #include "services/cameras/camera_totals.h"
-#include "services/cameras/control_change.h"
 #include "services/cameras/recorded_camera.h"
 
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -42,29 +42,38 @@ class RunningCamera {
   void start() noexcept;
   /// Begins what the destructor does and does not wait for it.
   void ask_to_stop();
+  /// Whether the destructor would not wait: its thread has ended, or hangs in the driver and is left behind
+  /// there. One that hangs in a stage has not. Once it was asked to stop.
+  bool has_stopped();
 
-  /// What a change of its settings needs, made ready.
+  /// What a change of its settings will do.
   struct Change {
     std::shared_ptr<const CameraSettings> settings;
-    std::shared_ptr<const Config> config;  // that they are of
-    std::optional<NewSetup> setup;         // none: as it is
-    std::unique_ptr<CameraThread> thread;  // null: the camera stays open
-    ControlChange controls;
+    std::shared_ptr<const Config> config;    // that they are of
+    std::optional<NewSetup> setup;           // none: as it is
+    std::string path;                        // of its controls in the settings
+    bool reopens = false;                    // for another source, a thread, or a control that needs it
+    ControlPlan controls{};                  // otherwise, of an open camera
+    std::unique_ptr<CameraThread> thread{};  // of get_ready(), when it is reopened
+    std::function<ControlQueue::Refusals()> control_outcome{};  // of apply(), when controls are set
   };
-  /// Sets what changed among the camera's own controls, which a change that is dropped sets back; so it comes
-  /// last of all that may be refused. Throws SettingsError, beginning with `path`, for what an open camera
-  /// refuses; one that is not open is not asked. Throws std::system_error without a thread.
-  Change prepare(const CameraSettings& settings, std::shared_ptr<const Config> config,
-                 std::optional<NewSetup> setup, const std::string& path);
+  /// Asks the camera nothing. Throws SettingsError, beginning with `path`, for controls that an open camera
+  /// is known not to have or take.
+  Change plan(const CameraSettings& settings, std::shared_ptr<const Config> config,
+              std::optional<NewSetup> setup, std::string path) const;
+  /// Makes the stages and the thread that it needs. Throws std::system_error without a thread.
+  void get_ready(Change& change);
+  /// The next frame uses the new setup, with robots of these heights. Says whether the camera is reopened;
+  /// its controls are set when it comes to that.
+  bool apply(Change& change, const std::array<double, 2>& robot_height_mm) noexcept;
+  /// Waits for that: a line for each control that was not taken, beginning with its path. One that is not
+  /// open any more will be opened with them.
+  std::vector<std::string> outcome(const Change& change) const;
 
-  /// The next frame uses the new setup, with robots of these heights. Says whether the camera is reopened,
-  /// which it is only for another source (other than in `controls`) or thread.
-  bool commit(Change& change, const std::array<double, 2>& robot_height_mm) noexcept;
-
-  /// The next frame has robots of these heights. Not while another thread is in commit().
+  /// The next frame has robots of these heights. Not while another thread is in apply().
   void change_robot_heights(const std::array<double, 2>& robot_height_mm);
 
-  /// See Cameras::change_light. Not while another thread is in commit().
+  /// See Cameras::change_light. Not while another thread is in apply().
   bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> adapted);
 
   /// See CameraThread::try_now().
@@ -73,9 +82,8 @@ class RunningCamera {
   std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
   /// Its counts come from the totals.
   CameraHealth health() const;
-  /// Those of the open camera; none while it is not open, or has none. To be called through `driver_calls`.
+  /// Those of the open camera; none while it is not open, or has none. To be asked through their queue.
   std::shared_ptr<Controls> controls() const;
-  const DriverCalls& driver_calls() const { return driver_calls_; }
   /// As they were when they were last read; none while the camera is not open.
   std::vector<UnsavedControl> unsaved_controls() const;
   /// What the settings say of its own controls: name -> value.
@@ -89,7 +97,7 @@ class RunningCamera {
   const RecentDurations& age() const { return sink_.age; }
   /// Whether its thread goes on.
   CameraProgress progress() const;
-  /// Times that commit() reopened it.
+  /// Times that apply() reopened it.
   std::uint64_t reopenings() const { return reopenings_; }
   /// When that was last, on the steady clock; 0: never.
   double reopened_s() const { return reopened_s_; }
@@ -118,26 +126,28 @@ class RunningCamera {
   };
   /// The next frame uses it; `config`: null: as before.
   void use(CameraSetup setup, std::shared_ptr<const Config> config = nullptr);
-  /// `controls` (name -> value): what the camera is opened with besides the settings, unless they say
-  /// otherwise.
+  /// `controls`: what the camera is opened with besides the settings, unless they say otherwise.
   std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
-                                            const Json& controls = Json::object());
+                                            const ControlValues& controls = {});
 
   /// The camera that was opened last, and its controls: what they remember goes on when it is reopened.
   struct LastOpened {
-    std::mutex mutex;  // never held while the camera is asked: a thread that hangs there is left behind
+    std::mutex mutex;
     Json camera;
     std::shared_ptr<Controls> controls;
+    Json settings;  // name -> value that these have, or are being set to
 
     /// `opened`: none: it has no controls.
-    void hand_over(const Json& source, const std::shared_ptr<Controls>& opened);
+    void hand_over(const Json& source, const Json& settings_of_controls,
+                   const std::shared_ptr<Controls>& opened);
+    /// Sets what these say otherwise; nothing when that is nothing.
+    std::function<ControlQueue::Refusals()> follow(const Snapshot<CameraSettings>& newest);
   };
 
   /// Shared with the thread, which opens the camera by the newest settings and may be left behind.
   const std::shared_ptr<Snapshot<CameraSettings>> settings_;
   const std::shared_ptr<LastOpened> last_opened_;
   const std::shared_ptr<CameraTotals> totals_;
-  const DriverCalls driver_calls_;
   std::atomic<double> reopened_s_{0};
   std::atomic<std::uint64_t> reopenings_{0};
   Sink sink_;

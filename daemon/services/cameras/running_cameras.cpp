@@ -9,6 +9,8 @@
 #include "vision/label_picture.h"
 
 #include <algorithm>
+#include <array>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -47,16 +49,21 @@ CameraNow now_of(const RunningCamera& camera) {
 
 }  // namespace
 
-/// A change of the list of cameras, made ready.
-struct RunningCameras::Prepared {
+/// What a change does to the list of cameras.
+struct RunningCameras::Planned {
   struct Changed {
     std::shared_ptr<RunningCamera> camera;
     RunningCamera::Change change;
   };
-  std::vector<Changed> changed;                       // that go on, whatever changes about them
-  std::vector<std::shared_ptr<RunningCamera>> added;  // not started yet
-  std::list<std::shared_ptr<RunningCamera>> removed;
-  std::shared_ptr<const Running> running;  // all that are to run
+  struct Added {
+    CameraSettings settings;
+    NewSetup setup;
+  };
+  std::shared_ptr<const Config> config;
+  std::vector<Changed> changed;  // that go on, whatever changes about them
+  std::vector<Added> added;
+  List removed, started{};                   // of get_ready(): those that were added
+  std::shared_ptr<const Running> running{};  // likewise: all that are to run
 };
 
 RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
@@ -68,7 +75,10 @@ RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& 
       load_table_(std::move(load_table)) {}
 
 void RunningCameras::ask_to_stop() {
-  for (const auto& camera : list()) camera->ask_to_stop();
+  for (const auto& camera : list()) {
+    camera->ask_to_stop();
+    if (const auto open = camera->controls()) open->queue().ask_to_stop();
+  }
 }
 
 std::shared_ptr<RunningCamera> RunningCameras::find(int camera_id) const {
@@ -77,8 +87,8 @@ std::shared_ptr<RunningCamera> RunningCameras::find(int camera_id) const {
   return found == running->end() ? nullptr : found->second;
 }
 
-std::vector<std::shared_ptr<RunningCamera>> RunningCameras::list() const {
-  std::vector<std::shared_ptr<RunningCamera>> out;
+RunningCameras::List RunningCameras::list() const {
+  List out;
   const auto running = running_.load();
   for (const auto& [id, camera] : *running) out.push_back(camera);
   return out;
@@ -160,82 +170,93 @@ std::optional<View> RunningCameras::wait_view(std::uint32_t camera_id, std::uint
   return view;
 }
 
-Commit RunningCameras::prepare(const SettingsChange& change) {
-  Prepared prepared;
+Plan RunningCameras::plan(const SettingsChange& change) {
+  const auto planned = std::make_shared<Planned>();
+  planned->config = std::make_shared<const Config>(change.next);
   const auto old = running_.load();
-  auto running = std::make_shared<Running>();
-  const auto config = std::make_shared<const Config>(change.next);
-  std::vector<std::optional<NewSetup>> setups;
+  std::set<int> ids;
   for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
-    const CameraSettings& camera = change.next.cameras[i];
-    const auto found = old->find(camera.id);
+    const CameraSettings& settings = change.next.cameras[i];
+    ids.insert(settings.id);
+    const auto found = old->find(settings.id);
     if (found == old->end()) {
-      setups.push_back(make_setup(change.next, i, std::nullopt, load_table_));
+      planned->added.push_back({settings, *plan_setup(change.next, i, std::nullopt, load_table_)});
       continue;
     }
-    const auto settings = found->second->settings();
-    const auto setup = found->second->pipeline().setup();
-    setups.push_back(make_setup(change.next, i, CameraInUse{change.now, *settings, *setup}, load_table_));
+    const auto& camera = found->second;
+    const auto before = camera->settings();
+    const auto setup = camera->pipeline().setup();
+    auto next = plan_setup(change.next, i, CameraInUse{change.now, *before, *setup}, load_table_);
+    planned->changed.push_back({camera, camera->plan(settings, planned->config, std::move(next),
+                                                     fmt::format("/cameras/{}/source/controls", i))});
   }
-  for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
-    const CameraSettings& camera = change.next.cameras[i];
-    if (old->contains(camera.id)) continue;
+  for (const auto& [id, camera] : *old) {
+    if (!ids.contains(id)) planned->removed.push_back(camera);
+  }
+  return {.get_ready = [this, planned] { get_ready(*planned); },
+          .apply = [this, planned]() noexcept { apply(*planned); },
+          .outcome =
+              [planned] {
+                std::vector<std::string> out;
+                for (const auto& [camera, of_camera] : planned->changed)
+                  for (std::string& line : camera->outcome(of_camera)) out.push_back(std::move(line));
+                return out;
+              }};
+}
+
+void RunningCameras::get_ready(Planned& planned) {
+  auto running = std::make_shared<Running>();
+  for (auto& [settings, setup] : planned.added) {
     std::shared_ptr<CameraTotals> totals;
     {
       const std::lock_guard lock(mutex_);
-      auto& known = totals_[camera.id];
+      auto& known = totals_[settings.id];
       if (!known) known = std::make_shared<CameraTotals>();
       totals = known;
     }
-    prepared.added.push_back(std::make_shared<RunningCamera>(camera, std::move(setups[i]->setup), config,
-                                                             multicast_, field_.add(), totals));
-    running->emplace(camera.id, prepared.added.back());
+    setup.make_stages(settings);
+    planned.started.push_back(std::make_shared<RunningCamera>(
+        settings, std::move(setup.setup), planned.config, multicast_, field_.add(), totals));
+    running->emplace(settings.id, planned.started.back());
   }
-  // Last, when all the rest is known to be allowed: this may set controls of cameras.
-  for (std::size_t i = 0; i < change.next.cameras.size(); ++i) {
-    const CameraSettings& camera = change.next.cameras[i];
-    const auto found = old->find(camera.id);
-    if (found == old->end()) continue;
-    prepared.changed.push_back(
-        {found->second, found->second->prepare(camera, config, std::move(setups[i]),
-                                               fmt::format("/cameras/{}/source/controls", i))});
-    running->emplace(camera.id, found->second);
+  for (auto& [camera, change] : planned.changed) {
+    camera->get_ready(change);
+    running->emplace(change.settings->id, camera);
   }
-  for (const auto& [id, camera] : *old) {
-    if (!running->contains(id)) prepared.removed.push_back(camera);
-  }
-  prepared.running = std::move(running);
-  return [this, held = std::move(prepared)]() mutable noexcept { commit(held); };
+  planned.running = std::move(running);
 }
 
-void RunningCameras::commit(Prepared& prepared) noexcept {
+void RunningCameras::apply(Planned& planned) noexcept {
   std::set<int> changed;  // ids of the cameras that do not go on showing what they showed
   {
     const std::lock_guard lock(mutex_);
     const auto heights_mm = robot_heights_mm(*config_.load(), referee_);
-    for (auto& [camera, change] : prepared.changed) {
+    for (auto& [camera, change] : planned.changed) {
       const int id = change.settings->id;
-      if (camera->commit(change, heights_mm)) changed.insert(id);
+      if (camera->apply(change, heights_mm)) changed.insert(id);
     }
-    for (const auto& camera : prepared.added) camera->change_robot_heights(heights_mm);
-    for (const auto& camera : prepared.removed) {
+    for (const auto& camera : planned.started) camera->change_robot_heights(heights_mm);
+    List gone = *gone_.load();
+    for (const auto& camera : planned.removed) {
       changed.insert(camera->settings()->id);
       camera->ask_to_stop();
+      gone.push_back(camera);
     }
-    running_.store(std::move(prepared.running));
-    gone_.splice(gone_.end(), prepared.removed);
+    running_.store(std::move(planned.running));
+    gone_.store(std::move(gone));
   }
   for (CameraObserver* observer : observers_) observer->cameras_changed(changed);
-  for (const auto& camera : prepared.added) camera->start();
+  for (const auto& camera : planned.started) camera->start();
+  planned.removed.clear();  // the plan holds them no longer
 }
 
-std::vector<std::shared_ptr<RunningCamera>> RunningCameras::take_gone() {
-  std::list<std::shared_ptr<RunningCamera>> gone;
-  {
-    const std::lock_guard lock(mutex_);
-    gone.swap(gone_);
-  }
-  return {gone.begin(), gone.end()};
+void RunningCameras::drop_stopped() {
+  const auto before = gone_.load();  // those that go end with it, after the lock
+  if (before->empty()) return;
+  const std::lock_guard lock(mutex_);
+  List gone = *gone_.load();
+  std::erase_if(gone, [](const auto& camera) { return camera->has_stopped(); });
+  gone_.store(std::move(gone));
 }
 
 void RunningCameras::update_robot_heights() {
@@ -251,6 +272,10 @@ void RunningCameras::update_robot_heights() {
 std::string RunningCameras::hanging() const {
   std::vector<CameraProgress> progress;
   for (const auto& camera : list()) progress.push_back(camera->progress());
+  for (const auto& camera : *gone_.load()) {
+    // One that hangs in its driver is left behind there.
+    if (auto gone = camera->progress(); gone.stage) progress.push_back(std::move(gone));
+  }
   return find_hanging(progress, steady_ns());
 }
 

@@ -8,10 +8,10 @@
 #include "services/service.h"
 #include "web/view.h"
 
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,7 +21,7 @@ namespace sslv {
 class RunningCameras final : public Cameras, public ViewSource {
  public:
   /// All must outlive this. `config`: in effect. `load_table`: see make_context(). No camera runs before the
-  /// first change is committed.
+  /// first change is applied.
   RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
                  const RefereeListener& referee, LoadTable load_table);
   /// Stops all cameras at once.
@@ -46,24 +46,25 @@ class RunningCameras final : public Cameras, public ViewSource {
   std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than_version,
                                 std::chrono::milliseconds timeout) override;
 
+  using List = std::vector<std::shared_ptr<RunningCamera>>;
   /// In the order of their ids.
-  std::vector<std::shared_ptr<RunningCamera>> list() const;
+  List list() const;
   /// Null when there is none with this id.
   std::shared_ptr<RunningCamera> find(int camera_id) const;
 
-  /// See Service::prepare().
-  Commit prepare(const SettingsChange& change);
-  /// Those that were taken out of the settings since the last call. To let go of one waits until its thread
-  /// has ended.
-  std::vector<std::shared_ptr<RunningCamera>> take_gone();
+  /// What a change of settings does to them.
+  Plan plan(const SettingsChange& change);
+  /// Lets go of cameras that were taken out of the settings and have stopped. Waits for none: one that hangs
+  /// in a stage stays, and is hanging().
+  void drop_stopped();
   /// Gives every camera the heights of the teams that play now. For the referee's thread.
   void update_robot_heights();
 
  private:
   using Running = std::map<int, std::shared_ptr<RunningCamera>>;  // by id
-  struct Prepared;
-
-  void commit(Prepared& prepared) noexcept;
+  struct Planned;
+  void get_ready(Planned& planned);
+  void apply(Planned& planned) noexcept;
 
   const Snapshot<Config>& config_;
   MulticastSender& multicast_;
@@ -71,10 +72,10 @@ class RunningCameras final : public Cameras, public ViewSource {
   const RefereeListener& referee_;
   const LoadTable load_table_;
   std::vector<CameraObserver*> observers_;
-  std::mutex mutex_;  // held while cameras get new setups; guards the next two
+  std::mutex mutex_;                                     // held while cameras get new setups; guards the next
   std::map<int, std::shared_ptr<CameraTotals>> totals_;  // by id
-  std::list<std::shared_ptr<RunningCamera>> gone_;       // that still have to end
   Snapshot<Running> running_{Running{}};
+  Snapshot<List> gone_{List{}};  // that still have to end; written with the mutex held
 };
 
 }  // namespace sslv

@@ -80,9 +80,9 @@ void ColorService::cameras_changed(const std::set<int>& camera_ids) noexcept {
   margins_.forget(camera_ids);
 }
 
-Commit ColorService::prepare(const SettingsChange& change) {
+Plan ColorService::plan(const SettingsChange& change) const {
   if (change.origin != SettingsChange::Origin::kStart) return {};
-  return [this]() noexcept { saved_.end_start(); };
+  return {.apply = [this]() noexcept { saved_.end_start(); }};
 }
 
 Json ColorService::state_json(int camera_id) {

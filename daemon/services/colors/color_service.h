@@ -36,7 +36,7 @@ class ColorService final : public Service, public CameraObserver {
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
   std::vector<Route> routes() override;
   std::vector<SupportFile> support_files() const override;
-  Commit prepare(const SettingsChange& change) override;
+  Plan plan(const SettingsChange& change) const override;
   void report(HealthReport& report) const override;
   void each_second() override;
 

@@ -79,10 +79,13 @@ FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, 
       heard_queue_(intake.add()),
       running_(intake, sender_, ball_, make_setup(*config.load())) {}
 
-FieldSetup FieldService::make_setup(const Config& config) const {
+FieldSetup FieldService::make_setup(const Config& config, std::shared_ptr<FieldPipeline> before) const {
   FieldSetup setup;
-  setup.pipeline =
-      std::make_shared<FieldPipeline>(field_stage_table(), config.field.running.stages, "/field/stack");
+  setup.pipeline = std::move(before);
+  if (!setup.pipeline || setup.pipeline->stack() != config.field.running.stages) {
+    setup.pipeline =
+        std::make_shared<FieldPipeline>(field_stage_table(), config.field.running.stages, "/field/stack");
+  }
   setup.parameters = setup.pipeline->parameters_of(config.field.stage_params);
   setup.field = config.field;
   setup.ball = ball_model_of(config);
@@ -91,21 +94,24 @@ FieldSetup FieldService::make_setup(const Config& config) const {
   return setup;
 }
 
-Commit FieldService::prepare(const SettingsChange& change) {
-  auto setup = std::make_shared<FieldSetup>(make_setup(change.next));
-  // What stages have learnt goes on as long as they do.
-  const auto before = running_.setup();
-  if (before->pipeline->stack() == change.next.field.running.stages) setup->pipeline = before->pipeline;
-  return [this, setup, ids = ids_of(change.next), others = change.next.field.other_computers,
-          multicast = multicast_of(change.next.network)]() mutable noexcept {
-    sender_.configure(multicast, "/network/tracker");
-    {
-      const std::lock_guard lock(heard_mutex_);
-      heard_cameras_.set_own(std::move(ids));
-      takes_other_computers_ = others;
-    }
-    running_.change(std::move(*setup));
-  };
+Plan FieldService::plan(const SettingsChange& change) const {
+  const auto setup = std::make_shared<FieldSetup>();
+  const auto config = std::make_shared<const Config>(change.next);
+  return {.get_ready =
+              [this, setup, config] {
+                // What stages have learnt goes on as long as they do.
+                *setup = make_setup(*config, running_.setup()->pipeline);
+              },
+          .apply =
+              [&self = later(*this), setup, config]() noexcept {
+                self.sender_.configure(multicast_of(config->network), "/network/tracker");
+                {
+                  const std::lock_guard lock(self.heard_mutex_);
+                  self.heard_cameras_.set_own(ids_of(*config));
+                  self.takes_other_computers_ = config->field.other_computers;
+                }
+                self.running_.change(std::move(*setup));
+              }};
 }
 
 void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s) {

@@ -45,14 +45,15 @@ class FieldService final : public Service, public Topic {
   // Service
   void ask_to_stop() override { running_.ask_to_stop(); }
   std::vector<Route> routes() override;
-  Commit prepare(const SettingsChange& change) override;
+  Plan plan(const SettingsChange& change) const override;
   void report(HealthReport& report) const override;
   void add_diagnostics(Json& diagnostics) const override;
   void write_metrics(MetricsText& out) const override;
   void each_second() override;
 
  private:
-  FieldSetup make_setup(const Config& config) const;
+  /// `before`: goes on where its stack is the same.
+  FieldSetup make_setup(const Config& config, std::shared_ptr<FieldPipeline> before = nullptr) const;
   Json field_json();
   Json kicks_json();
   Json agreement_json() const;

@@ -112,18 +112,19 @@ void NetworkService::stop_listening() {
   other_visions_.stop();
 }
 
-Commit NetworkService::prepare(const SettingsChange& change) {
-  auto geometry = std::make_shared<const Geometry>(make_geometry(change.next));
-  return [this, geometry, vision = change.next.network.vision, interval = geometry_interval(change.next),
-          heard = vision_address(change.next), referee = referee_address(change.next)]() mutable noexcept {
-    multicast_.configure(vision, "/network/vision");
-    geometry_.store(std::move(geometry));
-    geometry_sender_.restart(interval);
-    other_visions_.listen(heard);
-    if (heard != heard_at_) heard_packets_.clear();  // they came from elsewhere
-    heard_at_ = heard;
-    referee_.listen(referee);
-  };
+Plan NetworkService::plan(const SettingsChange& change) const {
+  return {.apply = [&self = later(*this),
+                    geometry = std::make_shared<const Geometry>(make_geometry(change.next)),
+                    vision = change.next.network.vision, interval = geometry_interval(change.next),
+                    heard = vision_address(change.next), referee = referee_address(change.next)]() noexcept {
+    self.multicast_.configure(vision, "/network/vision");
+    self.geometry_.store(geometry);
+    self.geometry_sender_.restart(interval);
+    self.other_visions_.listen(heard);
+    if (heard != self.heard_at_) self.heard_packets_.clear();  // they came from elsewhere
+    self.heard_at_ = heard;
+    self.referee_.listen(referee);
+  }};
 }
 
 std::vector<Route> NetworkService::routes() {

@@ -27,14 +27,14 @@ class NetworkService final : public Service {
 
   const RefereeListener& referee() const { return referee_; }
   /// Called from the referee's thread whenever a team has another name. To be set before the first change of
-  /// settings is committed.
+  /// settings is applied.
   void on_new_team_names(std::function<void()> act) { on_new_names_ = std::move(act); }
   /// Likewise: `act` is called with every packet of another vision, from the thread that listens.
   void on_other_vision(OtherVisions::OnOther act) { on_other_ = std::move(act); }
   /// Nothing is heard any more, so that nobody is told of new names.
   void stop_listening();
 
-  Commit prepare(const SettingsChange& change) override;
+  Plan plan(const SettingsChange& change) const override;
   std::vector<Route> routes() override;
   void report(HealthReport& report) const override;
   void write_metrics(MetricsText& out) const override;
@@ -55,7 +55,7 @@ class NetworkService final : public Service {
   std::function<void()> on_new_names_;
   OtherVisions::OnOther on_other_ = [](const SSL_WrapperPacket&, const std::string&, double) {};
   RefereeListener referee_;
-  GroupAddress heard_at_;       // of the thread that commits settings
+  GroupAddress heard_at_;       // of the thread that applies settings
   HeardPackets heard_packets_;  // before other_visions_, whose thread fills it
   OtherVisions other_visions_;
   PacketTimeline packet_timeline_;

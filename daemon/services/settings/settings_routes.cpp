@@ -30,7 +30,8 @@ Json saved_json(const SettingsStore::Version& version) {
   return {{"revision", version.revision},
           {"version", newest_version(settings_migrations())},
           {"settings", version.settings},
-          {"saved", true}};
+          {"saved", true},
+          {"refused", version.refused}};
 }
 
 Json field_presets_json() {

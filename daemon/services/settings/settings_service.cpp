@@ -67,38 +67,70 @@ SettingsService::SettingsService(const std::filesystem::path& settings_file, Sta
       folder_problem_(folder.find_problem()) {}
 
 void SettingsService::start(std::vector<Service*> services) {
-  use(std::move(services));
+  services_ = std::move(services);
   const SettingsStore::Version version = store_.current();
-  prepare_all({version.settings, version.config}, SettingsChange::Origin::kStart)();
+  const CheckedSettings settings{version.settings, version.config};
+  get_ready(settings, SettingsChange::Origin::kStart, std::make_shared<std::vector<Plan>>())();
 }
 
-void SettingsService::use(std::vector<Service*> services) {
-  services_.store(std::move(services));
-}
-
-Commit SettingsService::prepare_all(const CheckedSettings& next, SettingsChange::Origin origin) {
+std::vector<Plan> SettingsService::plan_all(const CheckedSettings& next,
+                                            SettingsChange::Origin origin) const {
+  const auto now = config_.load();
   if (origin == SettingsChange::Origin::kNetwork) {
     static const Json kSchema = settings_schema();
     check_named_files(kSchema, next.tree, {store_.current().settings}, file_folders_);
-    refuse_new_missing(*config_.load(), *next.config);
+    refuse_new_missing(*now, *next.config);
   }
-  const auto now = config_.load();
-  std::vector<Commit> commits;
-  const auto services = services_.load();
-  for (Service* service : *services) commits.push_back(service->prepare({*now, *next.config, origin}));
-  return [this, config = next.config, held = std::move(commits)]() mutable noexcept {
-    config_.store(std::move(config));
-    for (Commit& commit : held) commit();
+  std::vector<Plan> plans;
+  for (const Service* service : services_) plans.push_back(service->plan({*now, *next.config, origin}));
+  return plans;
+}
+
+Apply SettingsService::get_ready(const CheckedSettings& next, SettingsChange::Origin origin,
+                                 const std::shared_ptr<std::vector<Plan>>& plans) {
+  *plans = plan_all(next, origin);
+  for (const Plan& plan : *plans) plan.get_ready();
+  return [this, config = next.config, plans]() noexcept {
+    config_.store(config);
+    for (const Plan& plan : *plans) plan.apply();
     since_s_ = unix_time_s();
   };
+}
+
+SettingsStore::Version SettingsService::change(
+    SettingsChange::Origin origin, SavedWith* with,
+    const std::function<SettingsStore::Version(const SettingsStore::GetReady&)>& act) {
+  const auto plans = std::make_shared<std::vector<Plan>>();
+  bool is_saved = false;
+  SettingsStore::Version version;
+  try {
+    version = answering_stale([&] {
+      return act([&](const CheckedSettings& next) {
+        const Apply apply = get_ready(next, origin, plans);
+        if (with) with->save();
+        is_saved = with != nullptr;
+        return apply;
+      });
+    });
+  } catch (...) {
+    if (is_saved) with->take_back();
+    throw;
+  }
+  // Whatever waits for a device waits here, where it keeps nobody else from changing settings.
+  for (const Plan& plan : *plans) {
+    for (std::string& refusal : plan.outcome()) {
+      log::warning("settings revision {}: {}", version.revision, refusal);
+      version.refused.push_back(std::move(refusal));
+    }
+  }
+  return version;
 }
 
 void SettingsService::reload() {
   const std::uint64_t before = store_.revision();
   try {
-    const auto version = store_.reload([this](const CheckedSettings& next) {
-      return prepare_all(next, SettingsChange::Origin::kAdminFile);
-    });
+    const auto version = change(SettingsChange::Origin::kAdminFile, nullptr,
+                                [this](const auto& get_ready) { return store_.reload(get_ready); });
     if (version.revision == before) {
       since_s_ = unix_time_s();
       log::info("settings file reloaded: nothing has changed");
@@ -110,38 +142,21 @@ void SettingsService::reload() {
   }
 }
 
-SettingsStore::Version SettingsService::change(
-    SavedWith* with, const std::function<SettingsStore::Version(const SettingsStore::Prepare&)>& act) {
-  bool is_saved = false;
-  try {
-    return answering_stale([&] {
-      return act([&](const CheckedSettings& next) {
-        Commit commit = prepare_all(next, SettingsChange::Origin::kNetwork);
-        if (with) with->save();
-        is_saved = with != nullptr;
-        return commit;
-      });
-    });
-  } catch (...) {
-    if (is_saved) with->take_back();
-    throw;
-  }
-}
-
 SettingsStore::Version SettingsService::patch(const Json& patch, const SettingsEdit& edit, SavedWith* with) {
-  return change(with, [&](const auto& prepare) { return store_.patch(patch, edit, prepare); });
+  return change(SettingsChange::Origin::kNetwork, with,
+                [&](const auto& get_ready) { return store_.patch(patch, edit, get_ready); });
 }
 
 Json SettingsService::check(const Json& patch) {
   return store_.check(patch, [this](const CheckedSettings& next) {
-    prepare_all(next, SettingsChange::Origin::kNetwork);  // and not committed
+    plan_all(next, SettingsChange::Origin::kNetwork);  // and no more
   });
 }
 
 SettingsStore::Version SettingsService::restore(const KeptSettings& kept, const SettingsEdit& edit,
                                                 SavedWith* with) {
-  return change(with, [&](const auto& prepare) {
-    return store_.restore(kept.tree, kept.revision, kept.history, edit, prepare);
+  return change(SettingsChange::Origin::kNetwork, with, [&](const auto& get_ready) {
+    return store_.restore(kept.tree, kept.revision, kept.history, edit, get_ready);
   });
 }
 
@@ -179,10 +194,8 @@ Response SettingsService::undo_settings(const Request& request) {
   if (!body.is_object() || !body.contains("revision") || !body["revision"].is_number_unsigned())
     throw HttpError(400, "revision: expected the number of a step of the history");
   const auto revision = body["revision"].get<std::uint64_t>();
-  const auto version = answering_stale([&] {
-    return store_.undo(revision, {request.address}, [this](const CheckedSettings& next) {
-      return prepare_all(next, SettingsChange::Origin::kNetwork);
-    });
+  const auto version = change(SettingsChange::Origin::kNetwork, nullptr, [&](const auto& get_ready) {
+    return store_.undo(revision, {request.address}, get_ready);
   });
   log::info("settings revision {} saved, revision {} undone by {}", version.revision, revision,
             request.address);

@@ -11,12 +11,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace sslv {
 
-/// Carries out changes of settings: checked and read once, prepared by all services, saved, committed.
+/// Carries out changes of settings: checked and read once, planned by all services, saved, applied.
 class SettingsService final : public Service, public SettingsEditor {
  public:
   /// `file_folders`: where settings that come over the network may name files, besides those of the service
@@ -27,11 +28,9 @@ class SettingsService final : public Service, public SettingsEditor {
   /// Those in effect. Lives as long as this.
   const Snapshot<Config>& config() const { return config_; }
 
-  /// From now on these prepare every change, in this order; the settings in effect are their first. They must
-  /// outlive all requests. Throws SettingsError.
+  /// These plan and apply every change, in this order; the settings in effect are their first. They must
+  /// outlive all requests, which come later. Throws SettingsError.
   void start(std::vector<Service*> services);
-  /// Likewise from now on, when one more is there that the settings in effect suit already.
-  void use(std::vector<Service*> services);
 
   /// Reads the admin's file again and applies it; logs what came of it.
   void reload();
@@ -54,11 +53,14 @@ class SettingsService final : public Service, public SettingsEditor {
   std::vector<Event> take_events() override;
 
  private:
-  Commit prepare_all(const CheckedSettings& next, SettingsChange::Origin origin);
-  /// A change that comes over the network, and files that belong to it: `act` makes it, given what prepares
-  /// it.
+  std::vector<Plan> plan_all(const CheckedSettings& next, SettingsChange::Origin origin) const;
+  /// See SettingsStore::GetReady. `plans`: what came of plan_all().
+  Apply get_ready(const CheckedSettings& next, SettingsChange::Origin origin,
+                  const std::shared_ptr<std::vector<Plan>>& plans);
+  /// Files that belong to it are saved with it. `act` makes it, given what gets it ready.
   SettingsStore::Version change(
-      SavedWith* with, const std::function<SettingsStore::Version(const SettingsStore::Prepare&)>& act);
+      SettingsChange::Origin origin, SavedWith* with,
+      const std::function<SettingsStore::Version(const SettingsStore::GetReady&)>& act);
   Response patch_settings(const Request& request);
   Response check_settings(const Request& request);
   Response undo_settings(const Request& request);
@@ -67,7 +69,7 @@ class SettingsService final : public Service, public SettingsEditor {
   const std::vector<std::filesystem::path> file_folders_;
   SettingsStore store_;
   Snapshot<Config> config_;
-  Snapshot<std::vector<Service*>> services_{std::vector<Service*>{}};
+  std::vector<Service*> services_;
   std::uint64_t told_revision_;           // of the newest step that was an event
   std::atomic<double> since_s_{0};        // Unix time when the newest settings took effect
   Snapshot<std::string> folder_problem_;  // as it was seen last: looking may take as long as the disk does

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/json.h"
+#include "capture/driver_calls.h"
 #include "geometry/scene.h"
-#include "services/cameras/driver_calls.h"
 
 #include <cstdint>
 #include <map>

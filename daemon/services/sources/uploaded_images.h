@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/json.h"
-#include "services/cameras/driver_calls.h"
+#include "capture/driver_calls.h"
 
 #include <chrono>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "capture/aravis/aravis_images.h"
 #include "capture/camera_thread.h"
-#include "capture/control_memory.h"
+#include "capture/control_queue.h"
 #include "image/shared_memory.h"
 #include "net/network_cards.h"
 #include "support/allocation_count.h"
@@ -517,12 +517,14 @@ TEST_F(Gige, ControlsAreThoseOfTheCamera) {
 TEST_F(Gige, ControlsAreSetWhileItRuns) {
   const auto source = open();
   const auto controls = source->controls();
-  EXPECT_EQ(controls->set("GainRaw", 7), ControlEffect::kAtOnce);
+  controls->set("GainRaw", 7);
   EXPECT_EQ(controls->get("GainRaw").value, 7);
   controls->set("ExposureTimeAbs", 2500.0);
   EXPECT_EQ(controls->get("ExposureTimeAbs").value, 2500.0);
   // What changes the size of pictures cannot be changed under a running stream.
-  EXPECT_EQ(controls->set("Width", 100), ControlEffect::kWhenOpened);
+  EXPECT_TRUE(controls->get("Width").reopens);
+  EXPECT_FALSE(controls->get("GainRaw").reopens);
+  EXPECT_THROW(controls->set("Width", 100), NeedsReopening);
   expect_our_pixels(next_picture(*source).image.view());
 }
 
@@ -564,12 +566,12 @@ TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
   EXPECT_EQ(all["BalanceRatio[Blue]"].value, 150);
   const Json red = all["BalanceRatio[Red]"].value;
 
-  controls->memory().set_unsaved("BalanceRatio[Red]", 90);
-  controls->memory().set_unsaved("BalanceRatio[Blue]", 91);
+  controls->queue().set("BalanceRatio[Red]", 90);
+  controls->queue().set("BalanceRatio[Blue]", 91);
   EXPECT_EQ(controls->get("BalanceRatio[Red]").value, 90);
   EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 91);
-  EXPECT_EQ(controls->memory().unsaved(Json::object()).size(), 2U);
-  controls->memory().revert({});
+  EXPECT_EQ(controls->queue().unsaved(Json::object()).size(), 2U);
+  controls->queue().revert({}, Json::object());
   EXPECT_EQ(controls->get("BalanceRatio[Red]").value, red);
   EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 150);
 
@@ -583,10 +585,10 @@ TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
   EXPECT_TRUE(all["LineInverter"].depends);
   EXPECT_TRUE(all["LineSelector"].depends);
   EXPECT_FALSE(all["GainRaw"].depends);
-  controls->memory().set_unsaved("LineInverter", true);
-  controls->memory().set_unsaved("LineSelector", "Line1");
+  controls->queue().set("LineInverter", true);
+  controls->queue().set("LineSelector", "Line1");
   EXPECT_EQ(controls->get("LineInverter").value, false);
-  EXPECT_THAT(controls->memory().unsaved(Json::object()), testing::IsEmpty());
+  EXPECT_THAT(controls->queue().unsaved(Json::object()), testing::IsEmpty());
 }
 
 TEST_F(Gige, ControlsOutliveTheSource) {

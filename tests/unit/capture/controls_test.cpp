@@ -2,6 +2,7 @@
 #include "capture/controls.h"
 
 #include "base/error.h"
+#include "capture/control_queue.h"
 
 #include <map>
 
@@ -47,11 +48,10 @@ class FakeControls : public Controls {
   }
 
  private:
-  ControlEffect write(const Control& control, const Json& value) override {
+  void write(const Control& control, const Json& value) override {
     if (control.name == "A_Gain" && all_["AutoGain"].value == true)
       throw SettingsError("A_Gain: refused while it is automatic");
     all_[control.name].value = value;
-    return ControlEffect::kAtOnce;
   }
   std::map<std::string, Control> all_;
 };
@@ -67,13 +67,13 @@ std::string refusal(Controls& controls, const char* name, const Json& value) {
 
 TEST(Controls, AreSetInWhateverOrderWorks) {
   FakeControls controls;
-  EXPECT_THAT(apply_controls(controls, {{"A_Gain", 6}, {"AutoGain", false}}), ElementsAre());
+  EXPECT_THAT(controls.queue().open_with({{"A_Gain", 6}, {"AutoGain", false}}), ElementsAre());
   EXPECT_EQ(controls.get("A_Gain").value, 6);
 }
 
 TEST(Controls, WhatIsRefusedIsNamedAndTheRestIsSet) {
   FakeControls controls;
-  EXPECT_THAT(apply_controls(controls, {{"A_Gain", 6}, {"Mode", "Once"}, {"Bright", 1}}),
+  EXPECT_THAT(controls.queue().open_with({{"A_Gain", 6}, {"Mode", "Once"}, {"Bright", 1}}),
               ElementsAre("A_Gain: refused while it is automatic", "Bright: no such control"));
   EXPECT_EQ(controls.get("Mode").value, "Once");
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The routes of all services, asked over HTTP from a whole daemon with one simulated camera.
+#include "base/error.h"
 #include "base/json.h"
 #include "daemon.h"
+#include "net/multicast.h"
+#include "ssl_vision_wrapper.pb.h"
 #include "support/becomes.h"
 #include "support/group_listener.h"
 #include "support/paths.h"
@@ -16,12 +19,17 @@
 #include <optional>
 #include <regex>
 #include <set>
+#include <span>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <archive.h>
 #include <archive_entry.h>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
@@ -512,6 +520,36 @@ TEST_F(Api, WhatAnOldCameraWasIsNotWhatANewOneIs) {
   const Json patch{{{"op", "add"}, {"path", "/cameras/-"}, {"value", source}}};
   EXPECT_EQ(ask("PATCH", "/api/settings", patch.dump()).status, 200);
   wait_for_frame();
+}
+
+/// What hears the network must end before what it tells.
+TEST(AStartThatFails, LeavesNobodyWhoTellsServicesThatAreGone) {
+  const GroupListener group;
+  const test::TemporaryFolder folder;
+  boost::asio::io_context io;
+  const boost::asio::ip::tcp::acceptor taken(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
+  const MulticastSettings vision{
+      .group = GroupListener::kGroup, .port = group.port(), .interface = "127.0.0.1"};
+  const Json settings{
+      {"network",
+       {{"vision", {{"group", vision.group}, {"port", vision.port}, {"interface", vision.interface}}},
+        {"referee", {{"enabled", false}}}}},
+      {"panel", {{"port", taken.local_endpoint().port()}}}};
+  std::ofstream(folder.path() / "settings.json") << settings;
+  SSL_WrapperPacket other;
+  auto& frame = *other.mutable_detection();
+  frame.set_frame_number(1);
+  frame.set_t_capture(1);
+  frame.set_t_sent(1);
+  frame.set_camera_id(21);
+  const std::string bytes = other.SerializeAsString();
+  MulticastSender sender(vision);
+  const std::jthread sending([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) sender.send(std::as_bytes(std::span(bytes)));
+  });
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_THROW(Daemon({folder.path() / "settings.json", folder.path() / "state", "/var/empty"}), BusyError);
+  }
 }
 
 }  // namespace

@@ -50,14 +50,12 @@ class Store : public ::testing::Test {
   static SettingsStore::Version set(SettingsStore& store, const char* key, const Json& value,
                                     std::optional<std::uint64_t> if_revision = {}) {
     return store.patch(Json::array({{{"op", "replace"}, {"path", std::string("/") + key}, {"value", value}}}),
-                       {"Mia", if_revision}, kNothingToPrepare);
+                       {"Mia", if_revision}, kNothingToDo);
   }
   static SettingsStore::Version undo(SettingsStore& store, std::uint64_t revision) {
-    return store.undo(revision, {"Tom"}, kNothingToPrepare);
+    return store.undo(revision, {"Tom"}, kNothingToDo);
   }
-  static inline const SettingsStore::Prepare kNothingToPrepare = [](const CheckedSettings&) {
-    return Commit();
-  };
+  static inline const SettingsStore::GetReady kNothingToDo = [](const CheckedSettings&) { return Apply(); };
   template <class Error, class Act>
   static std::string error_of(Act act) {
     try {
@@ -106,7 +104,7 @@ TEST_F(Store, ARefusedChangeLeavesEverythingAsItWas) {
   EXPECT_THAT(error_of<SettingsError>([&] { set(store, "a", 10); }), HasSubstr("/a: 10"));
   EXPECT_THAT(error_of<SettingsError>([&] { set(store, "no_such_key", 10); }), HasSubstr("no_such_key"));
   EXPECT_THAT(error_of<SettingsError>([&] {
-                store.patch(Json{{"a", 3}}, {}, kNothingToPrepare);
+                store.patch(Json{{"a", 3}}, {}, kNothingToDo);
               }),
               HasSubstr("JSON Patch"));
   EXPECT_EQ(store.current().settings["a"], 5);
@@ -126,13 +124,13 @@ TEST_F(Store, ChangesComeIntoForceOnlyAfterTheyAreSaved) {
   std::vector<std::string> order;
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
   store.patch(patch, {}, [&](const CheckedSettings& next) {
-    order.push_back("prepared " + next.tree["a"].dump() +
+    order.push_back("ready for " + next.tree["a"].dump() +
                     (std::filesystem::exists(saved_) ? " after saving" : ""));
     return [&]() noexcept {
       order.push_back(std::filesystem::exists(saved_) ? "in force after saving" : "in force unsaved");
     };
   });
-  EXPECT_EQ(order, (std::vector<std::string>{"prepared 3", "in force after saving"}));
+  EXPECT_EQ(order, (std::vector<std::string>{"ready for 3", "in force after saving"}));
 }
 
 TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
@@ -140,7 +138,7 @@ TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
   EXPECT_EQ(error_of<SettingsError>([&] {
               store.patch(patch, {},
-                          [](const CheckedSettings&) -> Commit { throw SettingsError("no such file"); });
+                          [](const CheckedSettings&) -> Apply { throw SettingsError("no such file"); });
             }),
             "no such file");
   std::filesystem::remove(state_);
@@ -230,7 +228,7 @@ TEST_F(Store, AStepIsTakenBackAndLaterOnesStay) {
 TEST_F(Store, AnOptionalKeyIsTakenBack) {
   auto store = open();
   const Json patch = Json::array({{{"op", "add"}, {"path", "/b"}, {"value", 4}}});
-  store.patch(patch, {}, kNothingToPrepare);
+  store.patch(patch, {}, kNothingToDo);
   EXPECT_EQ(undo(store, 2).settings, (Json{{"a", 1}, {"b", 2}}));
 }
 
@@ -305,8 +303,7 @@ TEST_F(Store, ManySmallChangesMayBeOneStep) {
   const auto paint = [&](const char* who, const char* what, int a) {
     SettingsEdit edit{who, {}, what};
     edit.joins = true;
-    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", a}}}), edit,
-                       kNothingToPrepare);
+    return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", a}}}), edit, kNothingToDo);
   };
   for (int a = 3; a <= 6; ++a) paint("Mia", "colours", a);
   ASSERT_EQ(store.history().size(), 1u);
@@ -330,7 +327,7 @@ TEST_F(Store, ReadsDoNotWaitForAnEdit) {
         read = std::async(std::launch::async,
                           [&] { return store.current().settings.at("a") == 1 && store.history().empty(); });
         was_read = read.wait_for(test::kPatience) == std::future_status::ready;
-        return Commit();
+        return Apply();
       });
   EXPECT_TRUE(was_read);
   EXPECT_TRUE(read.get());
@@ -444,14 +441,14 @@ TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
   auto store = open();
   set(store, "a", 5);
   write(admin_file_, R"({"a": 1, "b": 7})");
-  Json prepared;
+  Json next_tree;
   const auto version = store.reload([&](const CheckedSettings& next) {
-    prepared = next.tree;
-    return Commit();
+    next_tree = next.tree;
+    return Apply();
   });
   EXPECT_EQ(version.revision, 3u);
   EXPECT_EQ(version.settings, (Json{{"a", 5}, {"b", 7}}));
-  EXPECT_EQ(prepared, version.settings);
+  EXPECT_EQ(next_tree, version.settings);
   EXPECT_EQ(store.history()[0]["what"], "reload of " + admin_file_.string());
   EXPECT_EQ(store.history()[0]["changes"][0]["path"], "/b");
   EXPECT_EQ(open().current().revision, 3u);
@@ -463,7 +460,7 @@ TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
 
 TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
   auto store = open();
-  const auto must_not = [](const CheckedSettings&) -> Commit { throw SettingsError("prepared"); };
+  const auto must_not = [](const CheckedSettings&) -> Apply { throw SettingsError("got ready"); };
   EXPECT_EQ(store.reload(must_not).revision, 1u);
   EXPECT_FALSE(std::filesystem::exists(saved_));
   set(store, "a", 5);
@@ -471,13 +468,13 @@ TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
   EXPECT_EQ(store.reload(must_not).revision, 2u);
   EXPECT_EQ(store.history().size(), 1u);
   write(admin_file_, R"({"a": 6})");
-  EXPECT_EQ(store.reload(kNothingToPrepare).settings["a"], 6) << "it is the panel's change no more";
+  EXPECT_EQ(store.reload(kNothingToDo).settings["a"], 6) << "it is the panel's change no more";
 }
 
 TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
   auto store = open();
   set(store, "b", 7);
-  const auto reload = [&] { return error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }); };
+  const auto reload = [&] { return error_of<SettingsError>([&] { store.reload(kNothingToDo); }); };
   for (const auto& [text, why] : {std::pair{"{\"a\": ", "line 1"}, {R"({"a": 50})", "/a: 50"}}) {
     write(admin_file_, text);
     EXPECT_THAT(reload(), AllOf(HasSubstr(admin_file_.string()), HasSubstr(why)));
@@ -487,11 +484,11 @@ TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
   }
   write(admin_file_, R"({"a": 2})");
   EXPECT_THAT(error_of<SettingsError>([&] {
-                store.reload([](const CheckedSettings&) -> Commit { throw SettingsError("no such file"); });
+                store.reload([](const CheckedSettings&) -> Apply { throw SettingsError("no such file"); });
               }),
               HasSubstr("no such file"));
   EXPECT_EQ(store.current().settings["a"], 1);
-  EXPECT_EQ(store.reload(kNothingToPrepare).settings, (Json{{"a", 2}, {"b", 7}}));
+  EXPECT_EQ(store.reload(kNothingToDo).settings, (Json{{"a", 2}, {"b", 7}}));
   EXPECT_THAT(store.reload_problem(), IsEmpty());
 }
 
@@ -507,10 +504,10 @@ TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
     auto store = with_cameras();
     set(store, "cameras/1/x", 5);
     write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
-    EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }),
+    EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToDo); }),
                 AllOf(HasSubstr("/cameras/1/x"), HasSubstr("/cameras/1/id was 1, which is now 0")));
     write(admin_file_, R"({"cameras": [{"id": 0, "x": 1}]})");
-    EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToPrepare); }),
+    EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToDo); }),
                 HasSubstr("together with what was changed in the panel"));
   }
   write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
@@ -603,7 +600,7 @@ TEST_F(Store, AWholeFileMayBeImported) {
   auto store = open(kTwoMigrations);  // the admin's file is of version 1: "a" is 0
   const auto import = [&](const char* text) {
     return store.patch(Json::array({{{"op", "replace"}, {"path", ""}, {"value", Json::parse(text)}}}), {},
-                       kNothingToPrepare);
+                       kNothingToDo);
   };
   EXPECT_EQ(import(R"({"a": 5})").settings["a"], 5) << "a current one";
   EXPECT_EQ(import(R"({"old_a": 5})").settings["a"], 4) << "an export from before exports said their version";
@@ -633,10 +630,10 @@ TEST(ChangesBelow, AreThoseAtOrBelowAPath) {
 TEST_F(Store, IsReadWhileAnEditIsUnderWay) {
   std::promise<void> reached, go_on;
   SettingsStore store = open();
-  const SettingsStore::Prepare slow = [&](const CheckedSettings&) {
+  const SettingsStore::GetReady slow = [&](const CheckedSettings&) {
     reached.set_value();
     go_on.get_future().wait();
-    return Commit();
+    return Apply();
   };
   auto edit = std::async(std::launch::async, [&] {
     return store.patch(Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, slow);
@@ -662,7 +659,7 @@ TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
                        [&](const CheckedSettings&) {
                          reached.set_value();
                          go_on.get_future().wait();
-                         return Commit();
+                         return Apply();
                        });
   });
   reached.get_future().wait();
@@ -683,7 +680,7 @@ TEST_F(Store, OtherSettingsComeWithTheirHistoryAndCanBeTakenBack) {
   folder_of_state_.write(folder_of_state_.path() / "settings.json", R"({"revision": 9, "changes": []})");
   SettingsStore spare = open();
   const auto restored =
-      spare.restore(kept.settings, kept.revision, history, {"Mia", {}, "backup"}, kNothingToPrepare);
+      spare.restore(kept.settings, kept.revision, history, {"Mia", {}, "backup"}, kNothingToDo);
   EXPECT_EQ(restored.revision, 10U) << "after all that either has had";
   EXPECT_EQ(restored.settings.dump(), kept.settings.dump());
   Json steps = spare.history();
@@ -702,7 +699,7 @@ TEST_F(Store, OtherSettingsThatAreRefusedChangeNothing) {
   const auto refusal = [&](const Json& tree, const Json& steps,
                            std::optional<std::uint64_t> if_revision = {}) {
     return error_of<std::exception>([&] {
-      store.restore(tree, 5, steps, {"Mia", if_revision, "backup"}, kNothingToPrepare);
+      store.restore(tree, 5, steps, {"Mia", if_revision, "backup"}, kNothingToDo);
     });
   };
   const Json good{{"a", 5}};

@@ -25,8 +25,8 @@ export type SaveState =
 export const saveState = ref<SaveState>({ kind: 'idle' });
 
 export type Outcome =
-  /** `revision`: of the step that it made, if it made one. */
-  | { kind: 'saved'; revision?: number }
+  /** `revision`: of the step that it made, if it made one. `refused`: what cameras did not take of it, if anything. */
+  | { kind: 'saved'; revision?: number; refused?: readonly string[] }
   /** Not allowed; `text` says why. The old settings stay. */
   | { kind: 'refused'; text: string }
   /** Somebody else changed the same meanwhile: the newest such step. */
@@ -140,7 +140,7 @@ function takeOwn(answer: SettingsRevision, paths: string[], joins = false): Outc
     ownSteps.value.push({ revision: answer.revision, paths });
   }
   take(answer);
-  return isNew ? { kind: 'saved', revision: answer.revision } : { kind: 'saved' };
+  return { kind: 'saved', ...(isNew && { revision: answer.revision }), ...(answer.refused?.length && { refused: answer.refused }) };
 }
 
 /**

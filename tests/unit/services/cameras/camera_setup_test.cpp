@@ -20,11 +20,17 @@ class CameraSetups : public testing::Test {
     return config_with({{"cameras", {camera}}});
   }
   std::optional<NewSetup> after(const Config& next) const {
-    return make_setup(next, 0, CameraInUse{now_, now_.cameras[0], setup_}, {});
+    return plan_setup(next, 0, CameraInUse{now_, now_.cameras[0], setup_}, {});
+  }
+  static CameraSetup first(const Config& config) {
+    NewSetup out = *plan_setup(config, 0, std::nullopt, {});
+    EXPECT_EQ(out.setup.pipeline, nullptr) << "only planned";
+    out.make_stages(config.cameras[0]);
+    return std::move(out.setup);
   }
 
   const Config now_ = config_with(Json::object());
-  const CameraSetup setup_ = make_setup(now_, 0, std::nullopt, {})->setup;
+  const CameraSetup setup_ = first(now_);
 };
 
 TEST_F(CameraSetups, HaveTheParametersThatWereReadWithTheSettings) {

@@ -19,12 +19,20 @@ using testing::IsEmpty;
 class Recorder : public Service {
  public:
   Recorder(std::string name, std::vector<std::string>& log) : name_(std::move(name)), log_(log) {}
-  Commit prepare(const SettingsChange& change) override {
+  Plan plan(const SettingsChange& change) const override {
     if (change.next.site == refused) throw SettingsError("/site: refused by " + name_);
-    log_.push_back(name_ + " prepares " + change.now.site + " -> " + change.next.site);
-    return [this, site = change.next.site]() noexcept { log_.push_back(name_ + " commits " + site); };
+    log_.push_back(name_ + " plans " + change.now.site + " -> " + change.next.site);
+    return {
+        .get_ready =
+            [this, site = change.next.site] {
+              if (site == lacks) throw SettingsError("/site: " + name_ + " has no room");
+              log_.push_back(name_ + " is ready");
+            },
+        .apply = [this, site = change.next.site]() noexcept { log_.push_back(name_ + " applies " + site); },
+        .outcome = [this] { return not_taken; }};
   }
-  std::string refused;
+  std::string refused, lacks;
+  std::vector<std::string> not_taken;
 
  private:
   const std::string name_;
@@ -62,11 +70,11 @@ class Transaction : public testing::Test {
   Recorder first_{"first", log_}, second_{"second", log_};
 };
 
-TEST_F(Transaction, PreparesAllThenCommitsAllInOrder) {
+TEST_F(Transaction, AllPlanThenAllAreReadyThenAllApplyInOrder) {
   log_.clear();
   service_.patch(site("b"), {});
-  EXPECT_THAT(log_, ElementsAre("first prepares a -> b", "second prepares a -> b", "first commits b",
-                                "second commits b"));
+  EXPECT_THAT(log_, ElementsAre("first plans a -> b", "second plans a -> b", "first is ready",
+                                "second is ready", "first applies b", "second applies b"));
   EXPECT_EQ(service_.config().load()->site, "b");
   EXPECT_EQ(service_.current().settings["site"], "b");
 }
@@ -75,9 +83,33 @@ TEST_F(Transaction, WhatOneRefusesTakesEffectNowhere) {
   log_.clear();
   second_.refused = "b";
   EXPECT_THROW(service_.patch(site("b"), {}), SettingsError);
-  EXPECT_THAT(log_, ElementsAre("first prepares a -> b"));
+  EXPECT_THAT(log_, ElementsAre("first plans a -> b"));
   EXPECT_EQ(service_.config().load()->site, "a");
   EXPECT_EQ(service_.current().revision, 1u);
+}
+
+TEST_F(Transaction, WhatCannotBeHadTakesEffectNowhere) {
+  second_.lacks = "b";
+  log_.clear();
+  EXPECT_THROW(service_.patch(site("b"), {}), SettingsError);
+  EXPECT_THAT(log_, testing::Not(testing::Contains(testing::HasSubstr("applies"))));
+  EXPECT_EQ(service_.current().revision, 1u);
+}
+
+TEST_F(Transaction, ADryRunOnlyPlans) {
+  log_.clear();
+  EXPECT_EQ(service_.check(site("b")).size(), 1u);
+  EXPECT_THAT(log_, ElementsAre("first plans a -> b", "second plans a -> b"));
+  second_.refused = "c";
+  EXPECT_THROW(service_.check(site("c")), SettingsError);
+  EXPECT_EQ(service_.current().revision, 1u);
+}
+
+TEST_F(Transaction, WhatADeviceDoesNotTakeIsSaidAndSavedAllTheSame) {
+  second_.not_taken = {"/cameras/0/source/controls/Gain: locked"};
+  EXPECT_THAT(service_.patch(site("b"), {}).refused, ElementsAre("/cameras/0/source/controls/Gain: locked"));
+  EXPECT_EQ(service_.current().settings["site"], "b");
+  EXPECT_THAT(service_.current().refused, IsEmpty()) << "of that change alone";
 }
 
 TEST_F(Transaction, AnEditOfAnOlderRevisionIsTheClientsMistake) {
@@ -104,7 +136,7 @@ TEST_F(Transaction, AFileThatBelongsToItIsSavedWithItOrNotAtAll) {
   log_.clear();
   EXPECT_THROW(service_.patch(site("d"), {}, &file), StorageError);
   EXPECT_FALSE(file.saved) << "taken back";
-  EXPECT_THAT(log_, testing::Each(testing::HasSubstr("prepares"))) << "nothing is committed";
+  EXPECT_THAT(log_, testing::Not(testing::Contains(testing::HasSubstr("applies"))));
   EXPECT_EQ(service_.config().load()->site, "c");
 }
 

@@ -25,6 +25,7 @@ export function refusal(outcome: Outcome): string {
 export function sayOutcome(outcome: Outcome, done: string, undo?: () => Promise<void>): void {
   const text = refusal(outcome);
   if (text) sayBad(text);
+  else if (outcome.kind === 'saved' && outcome.refused) sayBad(`${done}, but not taken by the camera: ${outcome.refused.join('; ')}`);
   else say(done, undo);
 }
 

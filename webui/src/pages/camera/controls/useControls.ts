@@ -103,6 +103,7 @@ export function useControls(camera: () => CameraStatus) {
       return setOperations(tree, folder.value, all);
     });
     problem.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text
+      : outcome.kind === 'saved' ? outcome.refused?.map((line) => `Saved, but not taken: ${line}`).join('; ') ?? ''
       : outcome.kind === 'stale' ? `${outcome.step.who} has changed the camera's controls. Check them and save again.` : '';
     if (outcome.kind === 'saved') forget(Object.keys(values));
     await load();
