@@ -41,11 +41,12 @@ void DetectionGuard::publish(const FrameInfo& info, const Scene& scene, const Ro
                              const BallList& balls) noexcept {
   if (!makes_sense(info, info_)) {
     left_out_ += {robots.robots.size(), balls.balls.size(), 1};
-  } else if (all_make_sense(robots.robots, kMostRobots) && all_make_sense(balls.balls, kMostBalls)) {
+  } else if (all_make_sense(robots.robots, limits::kMaxRobots) &&
+             all_make_sense(balls.balls, limits::kMaxBalls)) {
     out_->publish(info, scene, robots, balls);
   } else {
-    left_out_.robots += copy_sense(robots.robots, kMostRobots, robots_.robots);
-    left_out_.balls += copy_sense(balls.balls, kMostBalls, balls_.balls);
+    left_out_.robots += copy_sense(robots.robots, limits::kMaxRobots, robots_.robots);
+    left_out_.balls += copy_sense(balls.balls, limits::kMaxBalls, balls_.balls);
     out_->publish(info, scene, robots_, balls_);
   }
 }
@@ -54,14 +55,14 @@ void FieldGuard::publish(const TrackedField& tracked) noexcept {
   const bool has_sound_kick = !tracked.kick || makes_sense(*tracked.kick);
   if (!(tracked.t_s > 0) || !std::isfinite(tracked.t_s)) {
     left_out_ += {tracked.robots.size(), tracked.balls.size(), 1};
-  } else if (has_sound_kick && all_make_sense(tracked.robots, kMostRobots) &&
-             all_make_sense(tracked.balls, kMostTrackedBalls)) {
+  } else if (has_sound_kick && all_make_sense(tracked.robots, limits::kMaxRobots) &&
+             all_make_sense(tracked.balls, limits::kMaxFieldBalls)) {
     out_->publish(tracked);
   } else {
     tracked_.number = tracked.number;
     tracked_.t_s = tracked.t_s;
-    left_out_.robots += copy_sense(tracked.robots, kMostRobots, tracked_.robots);
-    left_out_.balls += copy_sense(tracked.balls, kMostTrackedBalls, tracked_.balls);
+    left_out_.robots += copy_sense(tracked.robots, limits::kMaxRobots, tracked_.robots);
+    left_out_.balls += copy_sense(tracked.balls, limits::kMaxFieldBalls, tracked_.balls);
     left_out_.others += has_sound_kick ? 0 : 1;
     tracked_.kick = has_sound_kick ? tracked.kick : std::nullopt;
     out_->publish(tracked_);
@@ -81,6 +82,8 @@ Senseless CameraFloor::drop_senseless(const Inputs& in, const PartSet& changed, 
 
 Senseless FieldFloor::drop_senseless(const Inputs& in, const PartSet& changed, const Guard&) noexcept {
   Senseless out;
+  if (changed[part_index<FieldFloor, ArrivedSightings>()])
+    out += sslv::drop_senseless(in.frame.arrived.image);
   drop_from<FieldFloor>(in.frame, &FieldFrame::sightings, changed, out);
   drop_from<FieldFloor>(in.frame, &FieldFrame::time, changed, out);
   drop_from<FieldFloor>(in.frame, &FieldFrame::observations, changed, out);

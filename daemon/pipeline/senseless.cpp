@@ -11,14 +11,12 @@
 namespace sslv {
 namespace {
 
-constexpr int kHighestId = 255;
-/// Of a place in mm or px, and of a speed in mm/s: a kilometre.
-constexpr double kFarthest = 1e6;
+using namespace limits;
 
 // All of them are false for what is no number.
 
 bool is_near(double value) {
-  return std::abs(value) <= kFarthest;
+  return std::abs(value) <= kMaxPlaceMm;
 }
 
 template <int kRows>
@@ -34,7 +32,7 @@ bool is_share(double value) {
 }
 
 bool is_name(Team team, int id) {
-  return (team == Team::kYellow || team == Team::kBlue) && id >= 0 && id <= kHighestId;
+  return (team == Team::kYellow || team == Team::kBlue) && id >= 0 && id <= kMaxId;
 }
 
 /// A height that is not known has an endless sigma.
@@ -42,16 +40,18 @@ bool is_height(double height_mm, double sigma_mm) {
   return sigma_mm >= 0 && (std::isinf(sigma_mm) || is_near(height_mm));
 }
 
-bool is_sighting(const RobotSighting& robot) {
+bool is_sighting(const RobotSighting& robot, double camera_height_mm) {
   return is_name(robot.team, robot.id) && is_near(robot.place_mm) && is_near(robot.orientation_rad) &&
-         is_near(robot.height_mm);
+         robot.height_mm >= 0 &&
+         robot.height_mm <= std::min(kMaxRobotHeightMm, camera_height_mm - kMinAboveRobotMm);
 }
 
 bool is_sighting(const BallSighting& ball) {
-  return is_near(ball.place_mm) && is_height(ball.height_mm, ball.height_sigma_mm);
+  return is_near(ball.place_mm) && std::isfinite(ball.confidence) &&
+         is_height(ball.height_mm, ball.height_sigma_mm);
 }
 
-// What makes tracks has no second look at how sure observations are.
+// What makes tracks does not check again how certain observations are.
 
 bool is_observation(const RobotObservation& robot) {
   return is_name(robot.name.team, robot.name.id) && std::isfinite(robot.t_s) &&
@@ -94,6 +94,10 @@ bool makes_sense(const FrameInfo& info, const FrameInfo& of_camera) noexcept {
          info.times.t_capture_sigma_s.value_or(0) >= 0;
 }
 
+bool is_camera_place(const Eigen::Vector3d& place_mm) noexcept {
+  return place_mm.z() >= kMinCameraMm && place_mm.norm() <= kMaxCameraMm;
+}
+
 bool makes_sense(const Robot& robot) noexcept {
   return is_name(robot.team, robot.id) && is_near(robot.x_mm) && is_near(robot.y_mm) &&
          is_near(robot.orientation_rad) && is_near(robot.height_mm) && is_near(robot.pixel_x) &&
@@ -123,18 +127,20 @@ bool makes_sense(const TrackedKick& kick) noexcept {
 
 Senseless drop_senseless(RobotList& list) noexcept {
   const auto good = [](const Robot& robot) { return makes_sense(robot); };
-  return {.robots = keep(list.robots, kMostRobots, good) + keep(list.second_robots, kMostRobots, good)};
+  return {.robots = keep(list.robots, kMaxRobots, good) + keep(list.second_robots, kMaxRobots, good)};
 }
 
 Senseless drop_senseless(BallList& list) noexcept {
-  return {.balls = keep(list.balls, kMostBalls, [](const Ball& ball) { return makes_sense(ball); })};
+  return {.balls = keep(list.balls, kMaxBalls, [](const Ball& ball) { return makes_sense(ball); })};
 }
 
 Senseless drop_senseless(CameraSightings& image) noexcept {
-  const auto good = [](const auto& one) { return is_sighting(one); };
-  Senseless out{.robots = keep(image.robots, kMostRobots, good),
-                .balls = keep(image.balls, kMostBalls, good)};
-  if (image.is_taken && !(std::isfinite(image.t_capture_s) && is_near(image.camera_mm))) {
+  const auto robot = [&](const RobotSighting& one) { return is_sighting(one, image.camera_mm.z()); };
+  const auto ball = [](const BallSighting& one) { return is_sighting(one); };
+  Senseless out{.robots = keep(image.robots, kMaxRobots, robot),
+                .balls = keep(image.balls, kMaxFieldBalls, ball)};
+  if (image.is_taken && !(std::isfinite(image.t_capture_s) && is_camera_place(image.camera_mm) &&
+                          image.camera >= 0 && image.camera <= kMaxId)) {
     image.is_taken = false;
     image.robots.clear();
     image.balls.clear();
@@ -145,8 +151,8 @@ Senseless drop_senseless(CameraSightings& image) noexcept {
 
 Senseless drop_senseless(Observations& observations) noexcept {
   const auto good = [](const auto& one) { return is_observation(one); };
-  return {.robots = keep(observations.robots, kMostRobots, good),
-          .balls = keep(observations.balls, kMostBalls, good)};
+  return {.robots = keep(observations.robots, kMaxRobots, good),
+          .balls = keep(observations.balls, kMaxFieldBalls, good)};
 }
 
 Senseless drop_senseless(ImageTime& time) noexcept {
@@ -166,8 +172,8 @@ Senseless drop_senseless(TrackedField& tracked) noexcept {
     return out;
   }
   const auto good = [](const auto& one) { return makes_sense(one); };
-  out = {.robots = keep(tracked.robots, kMostRobots, good),
-         .balls = keep(tracked.balls, kMostTrackedBalls, good)};
+  out = {.robots = keep(tracked.robots, kMaxRobots, good),
+         .balls = keep(tracked.balls, kMaxFieldBalls, good)};
   if (tracked.kick && !makes_sense(*tracked.kick)) {
     tracked.kick.reset();
     ++out.others;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What no receiver can use, whatever stage made it: a number that is none or infinite, a place farther away
-// than any hall is long, an id that no pattern has, a confidence outside 0 .. 1, a list longer than any field
-// needs. The stack drops it after each stage, so that it reaches neither a packet nor a viewer nor the stages
-// behind. How sure a place is does not count: who uses that looks at it himself.
+// The one validator of what stages of libraries make, in whatever process they run, and of what packets of
+// other visions say (net/vision_message.h). It drops and counts what is not finite or outside
+// geometry/limits.h. The stack runs it after each stage, so packets, viewers and later stages check nothing
+// again. It does not judge how certain a place is: Gather does.
 
+#include "geometry/limits.h"
 #include "image/frame_info.h"
 #include "tracking/sightings.h"
 #include "tracking/tracks.h"
@@ -14,6 +15,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 namespace sslv {
 
@@ -48,15 +51,12 @@ class SenselessTotals {
   std::atomic<std::uint64_t> robots_{0}, balls_{0}, others_{0};
 };
 
-/// In one image. Together they fit into a packet.
-inline constexpr std::size_t kMostRobots = 256, kMostBalls = 1024;
-/// Of tracks, whose messages are larger.
-inline constexpr std::size_t kMostTrackedBalls = 256;
-
 bool makes_sense(const CaptureTimes& times) noexcept;
 /// What a stage made of what the camera said of its image: it is still about that image. Its time may be
 /// corrected, by a few seconds.
 bool makes_sense(const FrameInfo& info, const FrameInfo& of_camera) noexcept;
+/// False for (0, 0, 0), of a camera that is not calibrated.
+bool is_camera_place(const Eigen::Vector3d& place_mm) noexcept;
 bool makes_sense(const Robot& robot) noexcept;
 bool makes_sense(const Ball& ball) noexcept;
 bool makes_sense(const TrackedRobot& robot) noexcept;
@@ -66,6 +66,7 @@ bool makes_sense(const TrackedKick& kick) noexcept;
 // They keep the order of the rest, and its memory. Of a list that is too long, the first stay.
 Senseless drop_senseless(RobotList& list) noexcept;
 Senseless drop_senseless(BallList& list) noexcept;
+/// An image without a time, a camera's id or its place is left out.
 Senseless drop_senseless(CameraSightings& image) noexcept;
 Senseless drop_senseless(Observations& observations) noexcept;
 Senseless drop_senseless(ImageTime& time) noexcept;

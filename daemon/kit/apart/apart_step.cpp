@@ -51,12 +51,12 @@ void swap_parts(typename Floor::Frame& a, typename Floor::Frame& b, PartSet part
 }
 
 template <class Floor>
-bool are_sound(const typename Floor::Frame& now, const typename Floor::Frame& before, PartSet parts) {
+bool are_sound(const typename Floor::Frame& now, PartSet parts) {
   std::size_t i = 0;
   const auto is_good = [&]<class T>(const Part<typename Floor::Frame, T>& part) {
     const bool is_one = parts[i++];
     if constexpr (kIsEncodable<T>) {
-      return !is_one || is_sound(now.*part.member, now, before);
+      return !is_one || is_sound(now.*part.member, now);
     } else {
       return true;
     }
@@ -112,7 +112,7 @@ void ApartReport::tell(const StageProcess& process, double deadline_ms, StageNot
     warn("gave results without sense for {} of the last {} images, which went on without",
          count(Outcome::kBad), kImages);
   } else if (count(Outcome::kNoRoom) > 0) {
-    warn("was not asked for {} of the last {} images, because what it is given has no room",
+    warn("was not given {} of the last {} images: the service had no room for what it reads of them",
          count(Outcome::kNoRoom), kImages);
   } else if (count(Outcome::kLate) > 0) {
     warn("took longer than {} ms for {} of the last {} images, which went on without", deadline_ms,
@@ -145,16 +145,16 @@ ApartStep<Floor>::~ApartStep() {
 template <class Floor>
 void ApartStep<Floor>::run(const typename Floor::Inputs& in, const void* params) noexcept {
   const auto& given = *static_cast<const ApartParams*>(params);
-  Outcome outcome = Outcome::kBad;
+  Outcome outcome = Outcome::kNoRoom;
   try {
     outcome = ask(in, given);
-  } catch (const std::exception&) {  // it sent more than there is memory for
+  } catch (const std::exception&) {  // there is no memory for what it may send
   }
   if (outcome == Outcome::kDone) {
     process_->failures_in_a_row.store(0, std::memory_order_relaxed);
   } else {
-    // What is not its fault does not end it.
-    if (outcome != Outcome::kNoProcess && outcome != Outcome::kNoRoom)
+    // What the service lacks is not the stage's fault: its process goes on.
+    if (outcome == Outcome::kBad || outcome == Outcome::kLate)
       process_->failures_in_a_row.fetch_add(1, std::memory_order_relaxed);
     make_empty(in.frame, needs_.writes);
     for (const ApartOwnPart& own : own_parts_) {
@@ -416,7 +416,7 @@ bool ApartStep<Floor>::take_answer(typename Floor::Frame& frame) {
   bytes = bytes.first(count);
   if (!decode_limited_parts<Floor>(bytes, scratch_, needs_.answered())) return false;
   swap_parts<Floor>(frame, scratch_, needs_.answered());
-  if (are_sound<Floor>(frame, scratch_, needs_.answered()) && take_own_parts(frame, bytes)) return true;
+  if (are_sound<Floor>(frame, needs_.answered()) && take_own_parts(frame, bytes)) return true;
   swap_parts<Floor>(frame, scratch_, needs_.answered());
   return false;
 }

@@ -41,7 +41,8 @@ struct ApartParams {
 /// How it went with the last images, for the admin.
 class ApartReport {
  public:
-  enum class Outcome : std::uint8_t { kDone, kLate, kBad, kNoProcess, kNoRoom };
+  /// kNoRoom: the service had no room for the request or the answer.
+  enum class Outcome : std::uint8_t { kDone, kLate, kBad, kNoRoom, kNoProcess };
   static constexpr std::size_t kImages = 512;
 
   void add(Outcome outcome);
@@ -53,16 +54,17 @@ class ApartReport {
  private:
   std::array<Outcome, kImages> last_{};
   std::size_t next_ = 0;
-  std::array<std::uint32_t, 5> counts_{kImages};  // by outcome
-  StageProcess::Losses losses_;                   // as they were read last
+  using Counts = std::array<std::uint32_t, static_cast<std::size_t>(Outcome::kNoProcess) + 1>;
+  Counts counts_{kImages};
 
   struct Told {
-    std::array<std::uint32_t, 5> counts{};
+    Counts counts{};
     std::uint32_t losses = 0;
     std::uint32_t note = 0;
     bool operator==(const Told&) const = default;
   };
   Told told_;
+  StageProcess::Losses losses_;  // as far as they could be read
   StageNotes::Kind note_kind_{};
   std::size_t note_length_ = 0;
   std::array<char, StageNotes::kMaxText> note_{};

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Whether what a stage's process sent is what later stages of the service may rely on: they index by labels,
-// ids and counts, which a stage that runs inside is trusted with. Numbers that are none were refused when the
-// bytes were read. `now` is the frame with all that was sent, `before` what was in its place.
+// Whether later stages may rely on what a stage's process sent of an image: they index by labels, places and
+// counts, which a stage inside is trusted with. Robots, balls, times and tracks are validated as those of
+// stages inside (pipeline/senseless.h). Numbers that are not finite were refused when the bytes were decoded.
+// `now` is the frame with all that was sent.
 
+#include "geometry/limits.h"
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
 
@@ -14,8 +16,7 @@
 namespace sslv::apart {
 
 /// More than these are no frame's.
-inline constexpr std::size_t kMaxRobots = 4096, kMaxBalls = 4096, kMaxRuns = 1'000'000,
-                             kMaxRegions = 1'000'000;
+inline constexpr std::size_t kMaxRuns = 1'000'000, kMaxRegions = 1'000'000;
 
 /// Of a library's own part, as bytes.
 inline constexpr std::size_t kMaxOwnPartBytes = std::size_t{8} << 20;
@@ -39,37 +40,33 @@ constexpr std::size_t most_bytes(std::type_identity<RegionList>) {
   return with_lists(kMaxRegions * sizeof(Region));
 }
 constexpr std::size_t most_bytes(std::type_identity<RobotList>) {
-  return with_lists(kMaxRobots * sizeof(Robot));
+  return with_lists(2 * limits::kMaxRobots * sizeof(Robot));
 }
 constexpr std::size_t most_bytes(std::type_identity<BallList>) {
-  return with_lists(kMaxBalls * sizeof(Ball));
+  return with_lists(limits::kMaxBalls * sizeof(Ball));
 }
 constexpr std::size_t most_bytes(std::type_identity<CameraSightings>) {
-  return with_lists(kMaxRobots * sizeof(RobotSighting) + kMaxBalls * sizeof(BallSighting));
+  return with_lists(limits::kMaxRobots * sizeof(RobotSighting) +
+                    limits::kMaxFieldBalls * sizeof(BallSighting));
 }
 constexpr std::size_t most_bytes(std::type_identity<ArrivedSightings>) {
   return most_bytes(std::type_identity<CameraSightings>{});
 }
 constexpr std::size_t most_bytes(std::type_identity<Observations>) {
-  return with_lists(kMaxRobots * sizeof(RobotObservation) + kMaxBalls * sizeof(BallObservation));
+  return with_lists(limits::kMaxRobots * sizeof(RobotObservation) +
+                    limits::kMaxFieldBalls * sizeof(BallObservation));
 }
 constexpr std::size_t most_bytes(std::type_identity<TrackedField>) {
-  return with_lists(kMaxRobots * sizeof(TrackedRobot) + kMaxBalls * sizeof(TrackedBall));
+  return with_lists(limits::kMaxRobots * sizeof(TrackedRobot) + limits::kMaxFieldBalls * sizeof(TrackedBall));
 }
 
-bool is_sound(const FrameInfo& part, const Frame& now, const Frame& before);
-bool is_sound(const LabelImage& part, const Frame& now, const Frame& before);
-bool is_sound(const RunList& part, const Frame& now, const Frame& before);
-bool is_sound(const RegionList& part, const Frame& now, const Frame& before);
-bool is_sound(const RobotList& part, const Frame& now, const Frame& before);
-bool is_sound(const BallList& part, const Frame& now, const Frame& before);
-
-bool is_sound(const ArrivedSightings& part, const FieldFrame& now, const FieldFrame& before);
-bool is_sound(const CameraSightings& part, const FieldFrame& now, const FieldFrame& before);
-bool is_sound(const LeftOut& part, const FieldFrame& now, const FieldFrame& before);
-bool is_sound(const ImageTime& part, const FieldFrame& now, const FieldFrame& before);
-bool is_sound(const Observations& part, const FieldFrame& now, const FieldFrame& before);
-bool is_sound(const TrackedField& part, const FieldFrame& now, const FieldFrame& before);
+template <class T, class Frame>
+bool is_sound(const T&, const Frame&) {
+  return true;
+}
+bool is_sound(const LabelImage& part, const Frame& now);
+bool is_sound(const RunList& part, const Frame& now);
+bool is_sound(const RegionList& part, const Frame& now);
 
 /// For a frame that goes on without what a stage should have written. What counts on stays.
 void make_empty(Frame& frame, PartSet written);

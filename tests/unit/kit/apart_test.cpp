@@ -16,6 +16,7 @@
 #include "support/allocation_count.h"
 #include "support/becomes.h"
 #include "support/child_process.h"
+#include "support/held_thread.h"
 #include "support/temporary_folder.h"
 #include "tracking/gather.h"
 #include "tracking/track.h"
@@ -572,6 +573,7 @@ TEST(FieldStageApart, DoesTheSameAsInTheService) {
       CameraSightings& image = frame_a.arrived.image;
       image.frame_number = i;
       image.t_capture_s = clock.time_s - 0.01;
+      image.camera_mm = {0, 0, 4000};
       image.robots.resize(i % 7);
       for (RobotSighting& robot : image.robots) {
         robot.team = random() % 2 == 0 ? Team::kBlue : Team::kYellow;
@@ -724,7 +726,7 @@ TEST(StageApart, WhatItSaysIsToldBesideWhatWentWrong) {
 }
 
 TEST(StageApart, ResultsWithoutSenseAreLeftOut) {
-  for (const Trouble trouble : {Trouble::kNan, Trouble::kOverlong, Trouble::kBadId, Trouble::kBadRegions}) {
+  for (const Trouble trouble : {Trouble::kNan, Trouble::kOverlong, Trouble::kBadRegions}) {
     Troubled troubled(trouble);
     for (int i = 0; i < 10; ++i) troubled.frame();
     EXPECT_EQ(troubled.sink.with_robots, 0u) << static_cast<int>(trouble);
@@ -732,21 +734,50 @@ TEST(StageApart, ResultsWithoutSenseAreLeftOut) {
   }
 }
 
-TEST(StageApart, WhatTheServiceHasNoRoomForIsNotItsFault) {
+/// As of a stage inside: the rest of the image is of use.
+TEST(StageApart, ARobotWithoutSenseIsLeftOutAlone) {
+  Troubled troubled(Trouble::kBadId);
+  for (int i = 0; i < 10; ++i) troubled.frame();
+  EXPECT_EQ(troubled.sink.with_robots, 0u);
+  EXPECT_EQ(troubled.setup.pipeline->left_out(1).robots, 10u);
+  EXPECT_EQ(troubled.note().kind, StageNotes::Kind::kNone) << troubled.note().text;
+}
+
+TEST(StageApart, ItsProcessIsNotEndedForWhatTheServiceHasNoRoomFor) {
   Supervisor::Options options = patient();
-  options.most_failures_in_a_row = 1;
+  options.most_failures_in_a_row = 3;
   const Apart apart(options);
   PacketSink sink;
-  CameraPipeline camera(0, sink, setup_of(apart.rows.camera, {"segment"}));
-  const int width = 8192, height = 4098;
-  std::vector<std::uint8_t> bytes(std::size_t{2} * width * height);
-  ASSERT_GT(bytes.size(), apart::kImageRoom);
-  const ImageView large{bytes.data(), width, height, 2 * width, PixelFormat::kUyvy};
-  for (int i = 0; i < 5; ++i) camera.process(Image(large, nullptr, nullptr, nullptr), {});
-  EXPECT_THAT(camera.setup()->pipeline->note(0).text,
-              HasSubstr("was not asked for 5 of the last 512 images, because what it is given has no room"));
+  const CameraSetup setup = setup_of(apart.rows.camera, {"threshold"});
+  CameraPipeline camera(0, sink, setup);
   Images images(1);
-  EXPECT_NE(bytes_of(camera.process(images.next(false), {}).regions), bytes_of(RegionList{}));
+  const std::vector<pid_t> before = stage_processes();
+  ASSERT_EQ(before.size(), 1u);
+  // More than the memory between the two holds, and not in memory that can be shared.
+  const std::vector<std::uint8_t> pixels(std::size_t{16'384} * 4100);
+  const Image large({pixels.data(), 16'384, 4100, 16'384, PixelFormat::kMono8, 0}, nullptr, nullptr, nullptr);
+  for (int i = 0; i < 10; ++i) camera.process(Image(large.view(), nullptr, nullptr, nullptr), {});
+  EXPECT_EQ(setup.pipeline->note(0).text,
+            "was not given 10 of the last 512 images: the service had no room for what it reads of them");
+  // The same process goes on with images for which there is room.
+  EXPECT_TRUE(becomes([&] { return camera.process(images.next(false), {}).labels.width > 0; }));
+  EXPECT_EQ(stage_processes(), before);
+}
+
+TEST(StageApart, ASupervisorThatIsHeldWhileItSpeaksDelaysNoImage) {
+  apart::StageProcess process("stage", "library", "camera", "");
+  apart::ApartReport report;
+  StageNotes notes;
+  apart::StageProcess::Losses losses;
+  expect_never_waits(
+      [&] {
+        ++losses.count;
+        process.losses.store(losses);
+      },
+      [&] {
+        report.add(apart::ApartReport::Outcome::kNoProcess);
+        report.tell(process, 10, notes);
+      });
 }
 
 TEST(StageApart, GarbageInTheSharedMemoryHarmsNobody) {
@@ -756,8 +787,8 @@ TEST(StageApart, GarbageInTheSharedMemoryHarmsNobody) {
     ++troubled.frames;
     EXPECT_EQ(troubled.sink.packets, troubled.frames);
     EXPECT_EQ(frame.balls.balls.size(), 1u);
-    EXPECT_TRUE(apart::is_sound(frame.robots, frame, frame));
-    EXPECT_TRUE(apart::is_sound(frame.regions, frame, frame));
+    for (const Robot& robot : frame.robots.robots) EXPECT_TRUE(makes_sense(robot));
+    EXPECT_TRUE(apart::is_sound(frame.regions, frame));
     (void)troubled.note();
   }
 }

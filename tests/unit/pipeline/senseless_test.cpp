@@ -88,14 +88,14 @@ TEST(Senseless, IsABallLikewise) {
 
 TEST(Senseless, IsWhatIsBeyondTheEndOfAnyList) {
   RobotList robots;
-  robots.robots.assign(kMostRobots + 7, robot_of(3));
-  robots.second_robots.assign(kMostRobots + 2, robot_of(4));
+  robots.robots.assign(limits::kMaxRobots + 7, robot_of(3));
+  robots.second_robots.assign(limits::kMaxRobots + 2, robot_of(4));
   robots.robots.front().id = 1;
   EXPECT_EQ(drop_senseless(robots).robots, 9U);
-  EXPECT_THAT(robots.robots, SizeIs(kMostRobots));
+  EXPECT_THAT(robots.robots, SizeIs(limits::kMaxRobots));
   EXPECT_EQ(robots.robots.front().id, 1);
   BallList balls{std::vector<Ball>(5000, ball_at(1))};
-  EXPECT_EQ(drop_senseless(balls).balls, 5000 - kMostBalls);
+  EXPECT_EQ(drop_senseless(balls).balls, 5000 - limits::kMaxBalls);
 }
 
 TEST(Senseless, IsATrackOrATimeThatIsNone) {
@@ -122,6 +122,62 @@ TEST(Senseless, IsATrackOrATimeThatIsNone) {
   EXPECT_EQ(drop_senseless(time).others, 1U);
   EXPECT_FALSE(time.t_s);
   EXPECT_FALSE(drop_senseless(time).any()) << "an image that is left out has none";
+}
+
+CameraSightings image_of(std::size_t robots) {
+  CameraSightings image;
+  image.t_capture_s = 100;
+  image.camera_mm = {0, 0, 4000};
+  for (std::size_t i = 0; i < robots; ++i) {
+    image.robots.push_back(
+        {Team::kBlue, static_cast<int>(i), {100, 200}, 0.5, 140, Eigen::Matrix2d::Identity(), 1e-3});
+  }
+  image.balls.push_back({{1, 2}, Eigen::Matrix2d::Identity(), 0.9});
+  return image;
+}
+
+TEST(Senseless, IsASightingWithANumberThatIsNone) {
+  const auto dropped = [](const std::function<void(CameraSightings&)>& spoil) {
+    CameraSightings image = image_of(3);
+    spoil(image);
+    const Senseless out = drop_senseless(image);
+    return out.robots + out.balls + out.others;
+  };
+  EXPECT_EQ(dropped([](auto&) {}), 0U);
+  EXPECT_EQ(dropped([](auto& image) { image.robots[1].place_mm.x() = kNan; }), 1U);
+  EXPECT_EQ(dropped([](auto& image) { image.robots[1].orientation_rad = kInfinite; }), 1U);
+  EXPECT_EQ(dropped([](auto& image) { image.robots[1].id = 256; }), 1U);
+  EXPECT_EQ(dropped([](auto& image) { image.balls[0].place_mm.y() = 2e6; }), 1U);
+  EXPECT_EQ(dropped([](auto& image) { image.balls[0].confidence = kNan; }), 1U);
+  for (const double height_mm : {-1.0, 1001.0, kNan})
+    EXPECT_EQ(dropped([&](auto& image) { image.robots[1].height_mm = height_mm; }), 1U) << height_mm;
+  EXPECT_EQ(dropped([](auto& image) {
+              image.camera_mm.z() = 500;
+              image.robots[1].height_mm = 400;
+            }),
+            1U)
+      << "no camera sees the top of what is as high as itself";
+}
+
+TEST(Senseless, IsAnImageOfNowhereOrOfNoTime) {
+  for (const auto& spoil : std::vector<std::function<void(CameraSightings&)>>{
+           [](auto& image) { image.t_capture_s = kNan; }, [](auto& image) { image.camera = -1; },
+           [](auto& image) { image.camera = 256; }, [](auto& image) { image.camera_mm.z() = 0; },
+           [](auto& image) { image.camera_mm.x() = kNan; }, [](auto& image) { image.camera_mm.z() = 1e6; }}) {
+    CameraSightings image = image_of(3);
+    spoil(image);
+    EXPECT_EQ(drop_senseless(image).others, 1U);
+    EXPECT_FALSE(image.is_taken);
+    EXPECT_THAT(image.robots, SizeIs(0));
+  }
+}
+
+TEST(Senseless, IsMoreThanOneImageHasForTheField) {
+  CameraSightings image = image_of(200);
+  image.balls.resize(200, image.balls[0]);
+  const Senseless dropped = drop_senseless(image);
+  EXPECT_EQ(dropped.robots, 200 - limits::kMaxRobots);
+  EXPECT_EQ(dropped.balls, 200 - limits::kMaxFieldBalls);
 }
 
 TEST(Senseless, IsNotABallWhoseHeightIsNotKnown) {
@@ -276,9 +332,9 @@ TEST_F(SenselessStack, DoesNotLeaveByAStagesOwnList) {
   Pipeline pipeline(kTable, {"publish_own"}, "");
   run(pipeline);
   EXPECT_EQ(sink_.packets, 1U) << "none without a time";
-  EXPECT_EQ(sink_.robots, kMostRobots);
+  EXPECT_EQ(sink_.robots, limits::kMaxRobots);
   EXPECT_EQ(sink_.balls, 0U);
-  EXPECT_EQ(pipeline.left_out(0).robots, 300 - kMostRobots + 300);
+  EXPECT_EQ(pipeline.left_out(0).robots, 300 - limits::kMaxRobots + 300);
   EXPECT_EQ(pipeline.left_out(0).balls, 4U);
   EXPECT_EQ(pipeline.left_out(0).others, 1U);
 }
