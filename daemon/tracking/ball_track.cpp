@@ -171,6 +171,16 @@ bool BallTrack::is_too_fast() const {
   return phase_ == Phase::kFree && flat_.velocity().norm() > kFastest_mm_s;
 }
 
+bool BallTrack::is_finite() const {
+  // One that is not finite makes the sum not finite.
+  double all = seen_s_ + seen_mm_.sum() + flat_.t_s + flat_.state.sum() + flat_.cov.sum() + held_mm_.sum() +
+               held_var_mm2_;
+  if (phase_ == Phase::kFlying)
+    all += chip_.t_s + chip_.place_mm.sum() + chip_.velocity_mm_s.sum() + flight_.state.sum() +
+           flight_.cov.sum();
+  return std::isfinite(all);
+}
+
 void BallTrack::correct(const BallObservation& sighting) {
   flat_.predict(sighting.t_s, model_);
   const Vector2d velocity = flat_.velocity();

@@ -51,6 +51,8 @@ class BallTrack {
   bool is_gone(double t_s) const;
   /// Of no ball of the league.
   bool is_too_fast() const;
+  /// False: its filters are of no use.
+  bool is_finite() const;
 
  private:
   static constexpr double kApart_s = 0.003;  // between sightings that tell a velocity

@@ -6,6 +6,7 @@
 #include "tracking/sightings.h"
 #include "tracking/tracks.h"
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -29,6 +30,8 @@ class BallTracks {
   void at(double t_s, const RobotTracks& robots, std::vector<TrackedBall>& out) const;
   /// The newest.
   const std::optional<TrackedKick>& kick() const { return kick_; }
+  /// Balls that were dropped because their filters were not finite.
+  std::uint64_t repaired() const { return repaired_; }
 
  private:
   struct Ball {
@@ -56,6 +59,7 @@ class BallTracks {
   std::vector<BallObservation> own_;          // what one of them may be
   std::optional<TrackedKick> kick_;
   int numbers_ = 0, kicks_ = 0;
+  std::uint64_t repaired_ = 0;
   std::pair<int, int> kick_of_ball_{0, 0};  // the ball's number, its kick's
 };
 

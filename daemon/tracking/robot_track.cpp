@@ -104,6 +104,12 @@ void RobotTrack::begin(const RobotObservation& first) {
   differences_.start(first.camera, first.t_s);
 }
 
+bool RobotTrack::is_finite() const {
+  // One that is not finite makes the sum not finite.
+  return std::isfinite(state_.sum() + cov_.sum() + angle_.sum() + angle_cov_.sum() + stands_mm_.sum() +
+                       stands_var_mm2_ + stands_share_ + noise_factor_ + t_s_ + seen_s_ + stood_s_);
+}
+
 bool RobotTrack::is_sure() const {
   // Two in images that follow each other, or three.
   constexpr double kNext_s = 0.03;

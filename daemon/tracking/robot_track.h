@@ -49,6 +49,8 @@ class RobotTrack {
   /// Not seen for so long, a robot is no longer on the field.
   static constexpr double kGone_s = 0.5;
   int sightings() const { return sightings_; }
+  /// False: the filter is of no use and has to be reset.
+  bool is_finite() const;
   /// Whether it is more than a pattern misread, or something that looks like one.
   bool is_sure() const;
   double height_mm() const { return height_mm_; }

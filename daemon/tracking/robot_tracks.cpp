@@ -25,6 +25,16 @@ void RobotTracks::look(int camera, double t_s) {
   looks.taken_s[looks.newest] = t_s;
 }
 
+bool RobotTracks::add_to(RobotTrack& track, const RobotObservation& seen,
+                         const RobotTrack::Circumstances& now, RobotTrack::Step* step) {
+  const bool is_taken = track.add(seen, now, step);
+  if (track.is_finite()) return is_taken;
+  track = RobotTrack(seen);
+  ++repaired_;
+  if (step) *step = track.last_step();
+  return true;
+}
+
 bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   if (seen.is_of_other_computer && !hears_others_) {
     hears_others_ = true;
@@ -33,6 +43,7 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   if (!seen.is_of_other_computer) note_sight(seen);
   const auto known = tracks.find(seen.name);
   if (known == tracks.end()) {
+    forget(seen.t_s);
     const RobotTrack& made = tracks.emplace(seen.name, RobotTrack(seen)).first->second;
     if (step) *step = made.last_step();
     return true;
@@ -49,9 +60,9 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
       if (off_mm > kDraggedMm + own->unforeseen_mm(looked_s)) return false;
       now.stays_here = true;
     }
-    return track.add(seen, now, step);
+    return add_to(track, seen, now, step);
   }
-  const bool is_taken = track.add(seen, now, step);
+  const bool is_taken = add_to(track, seen, now, step);
   if (!hears_others_) return is_taken;
   add_own(seen, now, is_taken);
   const RobotTrack* const own = seen_by_own(seen.name, seen.t_s);
@@ -59,6 +70,14 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   track = *own;
   if (step) *step = track.last_step();
   return true;
+}
+
+void RobotTracks::forget(double t_s) {
+  constexpr double kForgotten_s = 60;
+  const auto is_old = [&](const auto& one) { return std::abs(t_s - one.second.seen_s()) > kForgotten_s; };
+  std::erase_if(tracks, is_old);
+  std::erase_if(own_, is_old);
+  std::erase_if(sights_, [&](const auto& one) { return std::abs(t_s - one.second.seen_s) > kForgotten_s; });
 }
 
 void RobotTracks::note_sight(const RobotObservation& seen) {
@@ -96,7 +115,7 @@ const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) co
 void RobotTracks::add_own(const RobotObservation& seen, const RobotTrack::Circumstances& now, bool is_taken) {
   const auto known = own_.find(seen.name);
   if (known != own_.end() && std::abs(seen.t_s - known->second.seen_s()) < RobotTrack::kGone_s) {
-    known->second.add(seen, now);
+    add_to(known->second, seen, now);
   } else if (is_taken) {
     own_.insert_or_assign(seen.name, RobotTrack(seen));
   }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 
@@ -35,11 +36,17 @@ class RobotTracks {
   /// To a place where a ball is.
   std::optional<Nearest> nearest(const Eigen::Vector2d& place_mm, double t_s) const;
 
+  /// Filters that were not finite and were reset by the next sighting.
+  std::uint64_t repaired() const { return repaired_; }
+
   std::map<RobotName, RobotTrack> tracks;
 
  private:
   /// The same robot as this computer's cameras alone see it; null: not steadily.
   const RobotTrack* seen_by_own(const RobotName& name, double t_s) const;
+  /// As RobotTrack::add(); resets a filter that is not finite.
+  bool add_to(RobotTrack& track, const RobotObservation& seen, const RobotTrack::Circumstances& now,
+              RobotTrack::Step* step = nullptr);
   void add_own(const RobotObservation& seen, const RobotTrack::Circumstances& now, bool is_taken);
   bool touches_another(const RobotObservation& seen) const;
   bool is_misread(const RobotName& name, const RobotTrack& track, double t_s) const;
@@ -58,11 +65,13 @@ class RobotTracks {
   };
 
   void note_sight(const RobotObservation& seen);
+  void forget(double t_s);
 
   bool hears_others_ = false;  // until then, `tracks` are what own cameras see
   std::map<RobotName, RobotTrack> own_;
   std::map<RobotName, Sight> sights_;
   std::map<int, Looks> looks_;  // by camera
+  std::uint64_t repaired_ = 0;
 };
 
 }  // namespace sslv

@@ -16,6 +16,7 @@ void Tracker::at(double t_s, TrackedField& out) const {
   }
   balls_.at(t_s, robots_, out.balls);
   out.kick = balls_.kick();
+  out.repaired = repaired();
 }
 
 }  // namespace sslv

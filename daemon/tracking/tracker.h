@@ -6,6 +6,7 @@
 #include "tracking/sightings.h"
 #include "tracking/tracks.h"
 
+#include <cstdint>
 #include <optional>
 
 namespace sslv {
@@ -26,6 +27,8 @@ class Tracker {
   std::optional<TrackedBall> ball(double t_s) const { return balls_.played_at(t_s, robots_); }
   /// The newest.
   const std::optional<TrackedKick>& kick() const { return balls_.kick(); }
+  /// Filters that were not finite and were reset.
+  std::uint64_t repaired() const { return robots_.repaired() + balls_.repaired(); }
   /// Makes `out` all of it at that moment; its number stays.
   void at(double t_s, TrackedField& out) const;
 

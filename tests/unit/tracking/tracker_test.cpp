@@ -6,6 +6,9 @@
 #include "worlds/score.h"
 
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -431,6 +434,54 @@ TEST(Track, GoesOnWhenTheClockIsSetBack) {
   EXPECT_NEAR(tracked.robots[0].place_mm.x(), 2000, 5) << "it is not where it was in the future";
   ASSERT_EQ(tracked.balls.size(), 1U);
   EXPECT_NEAR(tracked.balls[0].place_mm.x(), 2000, 5);
+}
+
+/// A filter that is no number stays none, whatever comes: so it is not kept.
+TEST_F(OneRobot, IsSeenAgainAfterWhatNoFilterStands) {
+  const double nan = std::nan(""), huge = 1e308;
+  const std::vector<std::function<void(RobotObservation&)>> spoils{
+      [&](RobotObservation& one) { one.place_mm.x() = nan; },
+      [&](RobotObservation& one) { one.orientation_rad = nan; },
+      [&](RobotObservation& one) { one.place_cov_mm2 *= nan; },
+      [&](RobotObservation& one) { one.place_cov_mm2 *= huge * huge; },
+      [&](RobotObservation& one) { one.t_s = nan; },
+      [&](RobotObservation& one) { one.t_sigma_s = nan; },
+      [&](RobotObservation& one) { one.orientation_sigma_rad = nan; },
+  };
+  for (std::size_t i = 0; i < spoils.size(); ++i) {
+    tracker_ = {};
+    for (int image = 0; image < 40; ++image) see(1000);
+    Observations seen;
+    seen.robots.push_back({kName, 0, t_s_, 2e-5, {1000, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    spoils[i](seen.robots[0]);
+    tracker_.add(seen);
+    t_s_ += 0.0125;
+    for (int image = 0; image < 4; ++image) see(1000);
+    ASSERT_TRUE(now()) << i;
+    EXPECT_NEAR(now()->place_mm.x(), 1000, 1) << i;
+    EXPECT_TRUE(std::isfinite(now()->turn_rad_s) && std::isfinite(now()->place_sigma_mm)) << i;
+  }
+}
+
+TEST(Tracker, ABallIsSeenAgainAfterWhatNoFilterStands) {
+  const double nan = std::nan("");
+  for (const bool is_infinite : {false, true}) {
+    Tracker tracker;
+    double t_s = 1e9;
+    const auto see = [&](double sigma_mm) {
+      Observations seen;
+      seen.balls.push_back({t_s, {0, 0, 4000}, {500, 100}, sigma_mm, 21.5, 1e9});
+      tracker.add(seen);
+      t_s += 0.0125;
+    };
+    for (int image = 0; image < 40; ++image) see(0.3);
+    ASSERT_TRUE(tracker.ball(t_s));
+    see(is_infinite ? std::numeric_limits<double>::infinity() : nan);
+    EXPECT_EQ(tracker.repaired(), 1U);
+    for (int image = 0; image < 20; ++image) see(0.3);
+    ASSERT_TRUE(tracker.ball(t_s));
+    EXPECT_NEAR(tracker.ball(t_s)->place_mm.x(), 500, 1);
+  }
 }
 
 TEST_F(OneRobot, IsShownOnceItWasSeenTwice) {
