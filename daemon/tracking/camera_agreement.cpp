@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/camera_agreement.h"
 
+#include "geometry/limits.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sslv {
@@ -38,20 +41,43 @@ void CameraAgreement::forget(const Camera& camera, double error_mm) {
   cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
 }
 
-void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm) {
-  const auto known = cameras_.find(camera);
-  if (known != cameras_.end() && known->second.center_mm == center_mm) return;
-  // Of more cameras nothing is learnt: the work grows as the square of their number.
-  constexpr std::size_t kMaxCameras = 32;
-  if (known == cameras_.end() && cameras_.size() >= kMaxCameras) return;
-  const int at = known != cameras_.end() ? known->second.at : add_states(kPerCamera);
-  const Camera made{center_mm, at};
-  cameras_[camera] = made;
-  forget(made, kErrorMm);
+/// The first state of a new camera; nothing where there is no room. The work grows as the square of the
+/// cameras' number, so a new one takes the place of another computer's that was silent for longest.
+std::optional<int> CameraAgreement::place_for_camera() {
+  if (cameras_.size() < limits::kMaxCameras) return add_states(kPerCamera);
+  auto silent = cameras_.end();
+  for (auto one = cameras_.begin(); one != cameras_.end(); ++one) {
+    if (!one->second.is_of_other_computer) continue;
+    if (silent == cameras_.end() || one->second.seen_s < silent->second.seen_s) silent = one;
+  }
+  if (silent == cameras_.end()) return {};
+  const int at = silent->second.at;
+  taken_off_.segment(at, kPerCamera).setZero();
+  forget_sightings(silent->first);
+  cameras_.erase(silent);
+  return at;
+}
+
+/// Its earlier sightings must not be compared with later ones.
+void CameraAgreement::forget_sightings(int camera) {
   std::erase_if(differences_,
                 [&](const auto& one) { return one.first.camera == camera || one.first.other == camera; });
-  // What was seen before must not be compared with what it sees now.
+  std::erase_if(surprises_,
+                [&](const auto& one) { return one.first.first == camera || one.first.second == camera; });
   for (auto& [name, track] : tracks_) track.by_camera.erase(camera);
+}
+
+void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer) {
+  const auto known = cameras_.find(camera);
+  if (known != cameras_.end() && known->second.center_mm == center_mm &&
+      known->second.is_of_other_computer == is_of_other_computer)
+    return;
+  const auto at = known != cameras_.end() ? std::optional(known->second.at) : place_for_camera();
+  if (!at) return;
+  const Camera made{center_mm, *at, is_of_other_computer};
+  cameras_.insert_or_assign(camera, made);
+  forget(made, kErrorMm);
+  forget_sightings(camera);
 }
 
 Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const Camera& camera,
@@ -65,19 +91,23 @@ Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const C
 
 /// How far a robot that is one millimetre higher is seen farther out (mm).
 Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_mm, double height_mm) const {
-  return (place_mm - camera.center_mm.head<2>()) / (camera.center_mm.z() - height_mm);
+  const double above_mm = std::max(limits::kMinAboveRobotMm, camera.center_mm.z() - height_mm);
+  return (place_mm - camera.center_mm.head<2>()) / above_mm;
 }
 
-CameraAgreement::Track& CameraAgreement::track_of(const RobotName& robot) {
+/// Null where there is no room. Other computers' robots leave half of it to ours and push none out.
+CameraAgreement::Track* CameraAgreement::track_of(const RobotName& robot, double t_s, bool is_of_other) {
   const auto known = tracks_.find(robot);
-  if (known != tracks_.end()) return known->second;
+  if (known != tracks_.end()) return &known->second;
   int at = 0;
-  if (tracks_.size() < kMaxRobots) {
+  if (tracks_.size() < (is_of_other ? limits::kMaxRobots / 2 : limits::kMaxRobots)) {
     at = add_states(1);
   } else {
     const auto oldest = std::min_element(tracks_.begin(), tracks_.end(), [](const auto& a, const auto& b) {
       return a.second.seen_s < b.second.seen_s;
     });
+    const double gone_s = is_of_other ? 60 : 0.5;
+    if (std::abs(t_s - oldest->second.seen_s) < gone_s) return nullptr;
     at = oldest->second.at;
     tracks_.erase(oldest);
     states_[at] = taken_off_[at] = 0;
@@ -85,46 +115,59 @@ CameraAgreement::Track& CameraAgreement::track_of(const RobotName& robot) {
     cov_.col(at).setZero();
   }
   cov_(at, at) = kHeightMm * kHeightMm;
-  return tracks_.emplace(robot, Track{.at = at, .by_camera = {}}).first->second;
+  return &tracks_.emplace(robot, Track{.at = at, .by_camera = {}}).first->second;
 }
 
 void CameraAgreement::see(int camera, const Seen& seen) {
   const auto here = cameras_.find(camera);
   if (here == cameras_.end()) return;
-  Track& track = track_of(seen.robot);
-  track.seen_s = seen.t_s;
+  const bool is_of_other = here->second.is_of_other_computer;
+  Track* const known = track_of(seen.robot, seen.t_s, is_of_other);
+  if (!known) return;
+  Track& track = *known;
+  here->second.seen_s = track.seen_s = seen.t_s;
   auto& [before, now] = track.by_camera[camera];
   before = now;
   now = {seen.place_mm, seen.t_s};
   const double passed_s = now.t_s - before.t_s;
   constexpr double kNext_s = 0.12;
   if (passed_s <= 0 || passed_s > kNext_s) return;
-  // What is learnt changes slowly: once it is known, not every image is needed.
-  constexpr int kAtFirst = 300;
-  constexpr double kEvery_s = 0.05;
-  if (track.compared > kAtFirst && seen.t_s >= track.compared_s && seen.t_s - track.compared_s < kEvery_s)
-    return;
+  // What is learnt changes slowly: once it is known, not every image is needed. Other computers' cameras take
+  // no turn from ours.
+  const auto is_due = [&](const Compared& last) {
+    constexpr int kAtFirst = 300;
+    constexpr double kEvery_s = 0.05;
+    return last.count <= kAtFirst || seen.t_s < last.t_s || seen.t_s - last.t_s >= kEvery_s;
+  };
+  const std::array is_due_now{is_due(track.compared[0]), is_due(track.compared[1])};
+  if (!is_due_now[0] && !is_due_now[1]) return;
   const Vector2d velocity = (now.place_mm - before.place_mm) / passed_s;
   for (const auto& [other_camera, lasts] : track.by_camera) {
     const Last& other = lasts.second;
     if (other_camera == camera || other.t_s <= before.t_s || other.t_s >= now.t_s) continue;
+    const std::size_t which = is_of_other || cameras_.at(other_camera).is_of_other_computer ? 1 : 0;
+    if (!is_due_now[which]) continue;
     const Vector2d place = before.place_mm + velocity * (other.t_s - before.t_s);
-    compare({camera, other_camera, place, other.place_mm, velocity, passed_s, seen.height_mm, other.t_s},
-            track);
-    track.compared_s = seen.t_s;
-    ++track.compared;
+    if (!compare({camera, other_camera, place, other.place_mm, velocity, passed_s, seen.height_mm, other.t_s},
+                 track))
+      return;
+    track.compared[which].t_s = seen.t_s;
+    ++track.compared[which].count;
   }
 }
 
-void CameraAgreement::compare(const Pair& pair, const Track& track) {
+/// False: the filter was not finite and was reset.
+bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   const Camera &a = cameras_.at(pair.a), &b = cameras_.at(pair.b);
+  // No camera sees the top of what is as high as itself.
+  if (std::min(a.center_mm.z(), b.center_mm.z()) < pair.height_mm + limits::kMinAboveRobotMm) return true;
   const auto terms_a = terms(a, pair.place_a_mm), terms_b = terms(b, pair.place_b_mm);
   const Vector2d higher =
       outwards(a, pair.place_a_mm, pair.height_mm) - outwards(b, pair.place_b_mm, pair.height_mm);
   const Vector2d apart = pair.place_a_mm - pair.place_b_mm;
   /// Farther apart are two robots, of which one was misread.
   constexpr double kSameRobotMm = 150;
-  if (apart.norm() > kSameRobotMm) return;
+  if (!(apart.norm() <= kSameRobotMm)) return true;
   const double ahead_s = states_[a.at + 2 * kTerms] - states_[b.at + 2 * kTerms];
   // Robots differ in height; what all of them have in common may as well be the cameras'.
   double common_mm = 0;
@@ -152,10 +195,16 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
     }
     for (const auto& [at, weight] : row_) variance += weight * gain_[at];
     const double off = apart[axis] - expected;
+    if (!std::isfinite(off) || !std::isfinite(variance) || variance <= 0) {
+      begin_again();
+      return false;
+    }
     if (off * off > kSurprise * variance) {
       is_surprise = true;
       continue;
     }
+    // Own cameras' uncertainty adds to the variance, but they are not corrected by other computers' cameras.
+    if (a.is_of_other_computer || b.is_of_other_computer) keep_own();
     states_ += gain_ * (off / variance);
     cov_.noalias() -= gain_ * gain_.transpose() / variance;
   }
@@ -164,14 +213,31 @@ void CameraAgreement::compare(const Pair& pair, const Track& track) {
   constexpr int kBumped = 60;
   int& surprises = surprises_[std::minmax(pair.a, pair.b)];
   surprises = is_surprise ? surprises + 1 : std::max(0, surprises - 3);
-  if (surprises < kBumped) return;
+  if (surprises < kBumped) return true;
   surprises = 0;
+  // Of two cameras, one of another computer, that one was.
   const double error_mm = std::max(kErrorMm, apart.norm());
-  forget(a, error_mm);
-  forget(b, error_mm);
+  if (a.is_of_other_computer || !b.is_of_other_computer) forget(a, error_mm);
+  if (b.is_of_other_computer || !a.is_of_other_computer) forget(b, error_mm);
   std::erase_if(differences_, [&](const auto& one) {
     return one.first.camera == std::min(pair.a, pair.b) && one.first.other == std::max(pair.a, pair.b);
   });
+  return true;
+}
+
+/// Own cameras and robots' heights have no gain; so they never correlate with other computers' cameras
+/// either.
+void CameraAgreement::keep_own() {
+  for (const auto& [id, camera] : cameras_) {
+    if (!camera.is_of_other_computer) gain_.segment(camera.at, kPerCamera).setZero();
+  }
+  for (const auto& [name, track] : tracks_) gain_[track.at] = 0;
+}
+
+void CameraAgreement::begin_again() {
+  const std::uint64_t repaired = repaired_ + 1;
+  *this = {};
+  repaired_ = repaired;
 }
 
 void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {

@@ -3,6 +3,8 @@
 
 #include "tracking/tracks.h"
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -16,6 +18,9 @@ namespace sslv {
 /// What is left over of the cameras' calibrations and clocks, and of the robots' heights, learnt from robots
 /// that two cameras see: each camera's error as squares of the place, its time offset, each robot's own
 /// height. Only what cameras do not agree on can be learnt; what all have in common stays.
+///
+/// Cameras of other computers are corrected by what ours see, never the other way round: what is known of our
+/// own cameras, and of robots' heights, is the same with and without them.
 class CameraAgreement {
  public:
   /// What two cameras differ by in one part of the field, without what their clocks make, and what robots of
@@ -39,7 +44,7 @@ class CameraAgreement {
 
   /// Where the camera hangs. To be called before its first sighting; another place means that it was
   /// calibrated, and forgets its errors.
-  void set_camera(int camera, const Eigen::Vector3d& center_mm);
+  void set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer = false);
 
   /// Compares with what other cameras saw just before.
   void see(int camera, const Seen& seen);
@@ -77,30 +82,38 @@ class CameraAgreement {
   }
   /// Lets go of differences that were seen last before then.
   void forget_differences(double before_s);
+  /// How often it was not finite and was reset.
+  std::uint64_t repaired() const { return repaired_; }
 
  private:
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
     Eigen::Vector3d center_mm;
     int at;  // its first state
+    bool is_of_other_computer;
+    double seen_s = 0;  // last robot
   };
   struct Last {
     Eigen::Vector2d place_mm;
     double t_s;
   };
+  struct Compared {
+    double t_s = 0;
+    int count = 0;
+  };
   struct Track {
     int at;  // its height's state
-    double seen_s = 0, compared_s = 0;
-    int compared = 0;
+    double seen_s = 0;
+    std::array<Compared, 2> compared{};              // our own cameras; with another computer's
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };
-  /// More than are on any field; another one takes the place of the one that was not seen for longest.
-  static constexpr std::size_t kMaxRobots = 64;
   using Row = std::vector<std::pair<int, double>>;
 
   int add_states(int count);
   void forget(const Camera& camera, double error_mm);
-  Track& track_of(const RobotName& robot);
+  void forget_sightings(int camera);
+  std::optional<int> place_for_camera();
+  Track* track_of(const RobotName& robot, double t_s, bool is_of_other);
   Eigen::Matrix<double, kTerms, 1> terms(const Camera& camera, const Eigen::Vector2d& place_mm) const;
   Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm, double height_mm) const;
   /// A robot that two cameras saw at the same moment.
@@ -110,7 +123,9 @@ class CameraAgreement {
     double passed_s;  // between the two images of `a` among which b's is
     double height_mm, t_s;
   };
-  void compare(const Pair& pair, const Track& track);
+  bool compare(const Pair& pair, const Track& track);
+  void keep_own();
+  void begin_again();
   void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm);
 
   std::map<int, Camera> cameras_;
@@ -125,6 +140,7 @@ class CameraAgreement {
   std::map<std::pair<int, int>, int> surprises_;  // of two cameras, one after the other
   Eigen::VectorXd states_, taken_off_;
   Eigen::MatrixXd cov_;
+  std::uint64_t repaired_ = 0;
   Row row_;
   Eigen::VectorXd gain_;
 };

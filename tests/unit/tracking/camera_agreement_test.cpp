@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/agreement.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -133,6 +135,181 @@ TEST_F(TwoCameras, NumbersOfRobotsHaveAnEnd) {
   EXPECT_LE(robots, 64);
   play(25, {2, -1});
   EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.3) << "and those that are there are still of use";
+}
+
+TEST_F(TwoCameras, ARobotAsHighAsAnotherCameraHarmsNothing) {
+  play(25, {2, -1});
+  // A camera hangs at 500 mm, and another one says that it sees a robot of that height: one that is new,
+  // because each image of those is compared.
+  const RobotName high{Team::kBlue, 9};
+  agreement_.set_camera(21, {0, 0, 500}, true);
+  for (int i = 0; i < 4; ++i, t_s_ += 0.01) {
+    agreement_.see(21, {high, {10, 0}, 140, t_s_});
+    agreement_.see(0, {high, {10, 0}, 500, t_s_ + 0.005});
+  }
+  agreement_.follow(1);
+  EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.5) << "what was known is still known";
+  EXPECT_TRUE(agreement_.error_of(21, {0, 0}).allFinite());
+  EXPECT_TRUE(agreement_.height_error_of(21, high, {900, 0}, 500).allFinite());
+  play(25, {2, -1});
+  EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.3);
+  EXPECT_EQ(agreement_.repaired(), 0U);
+}
+
+TEST_F(TwoCameras, WhatIsNoNumberIsNotLearnt) {
+  play(25, {2, -1});
+  const double nan = std::nan("");
+  for (int i = 0; i < 4; ++i, t_s_ += 0.01) {
+    agreement_.see(0, {kRobot, {0, nan}, 140, t_s_});
+    agreement_.see(1, {kRobot, {0, nan}, 140, t_s_ + 0.005});
+  }
+  play(1, {2, -1});
+  EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.3);
+  EXPECT_EQ(agreement_.repaired(), 0U);
+}
+
+TEST_F(TwoCameras, AFilterThatIsNoNumberBeginsAgain) {
+  play(25, {2, -1});
+  agreement_.set_camera(1, {std::nan(""), 0, 4000});
+  play(0.1, {2, -1});
+  EXPECT_GT(agreement_.repaired(), 0U);
+  // As before every image.
+  agreement_.set_camera(0, {-2000, 0, 4000});
+  agreement_.set_camera(1, {2000, 0, 4000});
+  play(25, {2, -1});
+  EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.3);
+}
+
+/// Cameras of this computer and of others, and robots that drive about where all of them see them.
+class ManyCameras : public testing::Test {
+ protected:
+  struct Camera {
+    int id;
+    bool is_of_other_computer;
+    Vector2d off_mm;
+    double late_s = 0;
+    double swings_mm = 0;  // there and back, so that it surprises again and again
+  };
+  static constexpr RobotName kRobot{Team::kYellow, 4};
+
+  static Vector2d place(int robot, double t_s) {
+    return {900 * std::sin(0.7 * t_s + robot), 1500 * std::sin(0.31 * t_s + 2 * robot)};
+  }
+  static Vector3d center(int camera) { return {camera % 2 == 0 ? -1500.0 : 1500.0, 400.0 * camera, 4000}; }
+
+  CameraAgreement played(const std::vector<Camera>& cameras, double seconds = 60) const {
+    CameraAgreement agreement;
+    play(agreement, cameras, 100, seconds);
+    return agreement;
+  }
+  static void play(CameraAgreement& agreement, const std::vector<Camera>& cameras, double from_s,
+                   double seconds) {
+    for (double t_s = from_s; t_s < from_s + seconds; t_s += 0.01) {
+      for (int id = 0; id < 6; ++id) {
+        double seen_s = t_s;
+        for (const Camera& camera : cameras) {
+          agreement.set_camera(camera.id, center(camera.id), camera.is_of_other_computer);
+          const Vector2d swings(camera.swings_mm * std::sin(9 * t_s + id), 0);
+          agreement.see(
+              camera.id,
+              {{Team::kYellow, id}, place(id, seen_s) + camera.off_mm + swings, 140, seen_s + camera.late_s});
+          seen_s += 0.002;
+        }
+      }
+      agreement.follow(0.01);
+    }
+  }
+  /// What is taken off what a camera sees of a robot there, whatever its height is taken for.
+  static Vector2d taken_off(const CameraAgreement& agreement, int camera, const Vector2d& at = {0, 0}) {
+    return agreement.error_of(camera, at) + agreement.height_error_of(camera, kRobot, at, 140);
+  }
+  /// How far others move it, over the field that the camera sees.
+  static double moved_mm(const CameraAgreement& with, const CameraAgreement& without, int camera) {
+    double out = 0;
+    for (const double x : {-900.0, 0.0, 900.0}) {
+      for (const double y : {-1500.0, 0.0, 1500.0})
+        out = std::max(out, (taken_off(with, camera, {x, y}) - taken_off(without, camera, {x, y})).norm());
+    }
+    return out;
+  }
+  /// What is left between two cameras.
+  static double apart_mm(const CameraAgreement& agreement, const Camera& a, const Camera& b) {
+    return (a.off_mm - taken_off(agreement, a.id, a.off_mm) - b.off_mm + taken_off(agreement, b.id, b.off_mm))
+        .norm();
+  }
+  static constexpr double kExact_mm = 1e-9;
+};
+
+TEST_F(ManyCameras, OneOfOursIsNotMovedByAnotherComputer) {
+  const Camera ours{0, false, {0, 0}};
+  for (const double off_mm : {1.0, 6.0, 30.0, 100.0, 140.0}) {
+    const Camera other{21, true, {off_mm, 0}};
+    const CameraAgreement agreement = played({ours, other});
+    EXPECT_LT(moved_mm(agreement, {}, 0), kExact_mm) << off_mm;
+    EXPECT_EQ(agreement.time_offset_s(0), 0) << off_mm;
+    EXPECT_LT(apart_mm(agreement, ours, other), 2) << off_mm << ": that one is corrected";
+  }
+}
+
+TEST_F(ManyCameras, TwoOfOursAreNotMovedByOtherComputers) {
+  const Camera a{0, false, {1, 0}}, b{1, false, {-1, 0.5}};
+  const CameraAgreement alone = played({a, b});
+  EXPECT_LT(apart_mm(alone, a, b), 0.3);
+  const auto expect_as_alone = [&](const std::vector<Camera>& others) {
+    std::vector<Camera> all{a, b};
+    all.insert(all.end(), others.begin(), others.end());
+    const CameraAgreement agreement = played(all);
+    for (const int camera : {0, 1}) {
+      EXPECT_LT(moved_mm(agreement, alone, camera), kExact_mm) << others[0].off_mm.x();
+      EXPECT_EQ(agreement.time_offset_s(camera), alone.time_offset_s(camera));
+    }
+  };
+  for (const double off_mm : {6.0, 30.0, 100.0, 140.0}) expect_as_alone({{21, true, {off_mm, 0}}});
+  // Without rhyme or reason.
+  expect_as_alone({{21, true, {40, -20}, 3e-3, 60}, {22, true, {-70, 30}, -3e-3, 40}});
+}
+
+TEST_F(ManyCameras, AnHonestComputerIsBroughtTogetherWithOurs) {
+  const std::vector<Vector2d> offs{{1.5, -1}, {-0.5, 2}, {-2, 0.5}, {1, -2}};
+  std::vector<Camera> cameras;
+  for (int id = 0; id < 4; ++id) cameras.push_back({id, id >= 2, offs[static_cast<std::size_t>(id)]});
+  const CameraAgreement agreement = played(cameras);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = i + 1; j < 4; ++j)
+      EXPECT_LT(apart_mm(agreement, cameras[i], cameras[j]), 0.3) << i << " " << j;
+  }
+}
+
+TEST_F(ManyCameras, ABumpedCameraOfAnotherComputerIsLearntAgain) {
+  const Camera ours{0, false, {0, 0}}, bumped{21, true, {60, 40}};
+  CameraAgreement agreement = played({ours, {21, true, {1, 0}}});
+  play(agreement, {ours, bumped}, 160, 60);
+  EXPECT_LT(moved_mm(agreement, {}, 0), kExact_mm);
+  EXPECT_LT(apart_mm(agreement, ours, bumped), 1);
+}
+
+TEST_F(ManyCameras, RobotsOfOtherComputersLeaveRoomForOurs) {
+  CameraAgreement agreement;
+  agreement.set_camera(21, center(21), true);
+  const Camera a{0, false, {2, 0}}, b{1, false, {-2, 0}};
+  for (int i = 0; i < 2500; ++i) {
+    const double t_s = 100 + 0.01 * i;
+    for (int id = 0; id < 256; ++id) agreement.see(21, {{Team::kBlue, id}, {0, 0}, 140, t_s});
+    play(agreement, {a, b}, t_s, 0.005);
+  }
+  EXPECT_LT(apart_mm(agreement, a, b), 0.3);
+}
+
+TEST_F(ManyCameras, ThatAreSilentMakeRoom) {
+  CameraAgreement agreement;
+  for (int id = 20; id < 120; ++id) agreement.set_camera(id, center(id), true);
+  int cameras = 0;
+  agreement.for_cameras([&](int) { ++cameras; });
+  EXPECT_EQ(cameras, 32);
+  const Camera a{0, false, {2, 0}}, b{1, false, {-2, 0}}, other{200, true, {0, 2}};
+  play(agreement, {a, b, other}, 100, 25);
+  EXPECT_LT(apart_mm(agreement, a, b), 0.3) << "our own come late";
+  EXPECT_LT(apart_mm(agreement, a, other), 0.5) << "and so does another one that sends";
 }
 
 TEST(Agreement, KeepsWhatAnotherComputersCameraSawApart) {
