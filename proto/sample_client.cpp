@@ -37,7 +37,7 @@ static unsigned parse_number(const std::string& text, unsigned long max) {
 }
 
 /// A socket that receives what is sent to the group through the network card that has the address
-/// `interface`.
+/// `interface`; or to a broadcast address, through whichever card.
 static int join(in_addr group, unsigned port, in_addr interface) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
   const int yes = 1;  // so that several programs on one computer can listen
@@ -52,7 +52,8 @@ static int join(in_addr group, unsigned port, in_addr interface) {
     fail(std::string("cannot listen to the group: ") + std::strerror(errno));
   }
   const ip_mreq membership{group, interface};
-  if (setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0) {
+  if (IN_MULTICAST(ntohl(group.s_addr)) &&
+      setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0) {
     fail(std::string("cannot join the group: ") + std::strerror(errno) +
          "; give --interface the address of this computer's network card on the field's network");
   }

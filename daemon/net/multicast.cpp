@@ -47,11 +47,27 @@ udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings)
   socket.non_blocking(true);
   socket.set_option(multicast::hops(settings.ttl));
   socket.set_option(multicast::enable_loopback(settings.loopback));
+  socket.set_option(udp::socket::broadcast(true));
+  // Broadcasts leave by the card that the socket is bound to.
+  address_v4 card;
   if (!settings.interface.empty()) {
-    socket.set_option(multicast::outbound_interface(find_card(settings.interface)));
+    card = find_card(settings.interface);
+    socket.set_option(multicast::outbound_interface(card));
   }
-  socket.bind(udp::endpoint(udp::v4(), 0));  // now, so that its port is known before its first packet leaves
+  socket.bind(udp::endpoint(card, 0));  // now, so that its port is known before its first packet leaves
   return socket;
+}
+
+/// Why nothing may be sent there; empty when it may. Packets to a broadcast address of no subnet would go to
+/// some computer.
+std::string why_not_sent_to(const address_v4& destination, const std::string& interface) {
+  if (destination.is_multicast()) return {};
+  const std::vector<address_v4> there = broadcast_addresses(interface);
+  if (std::ranges::find(there, destination) != there.end()) return {};
+  std::string known;
+  for (const address_v4& one : there) known += (known.empty() ? "" : ", ") + one.to_string();
+  return "no subnet of " + (interface.empty() ? std::string("this computer") : "network card " + interface) +
+         " has the broadcast address " + destination.to_string() + "; there are " + known;
 }
 
 bool is_routing_error(int error) {
@@ -82,13 +98,22 @@ struct Way {
 void check_group(const std::string& group, const std::string& path) {
   boost::system::error_code error;
   const address_v4 address = asio::ip::make_address_v4(group, error);
-  if (error || !address.is_multicast()) {
-    refuse(path, group, "an IPv4 multicast address, 224.0.0.0 .. 239.255.255.255");
+  if (error || !(address.is_multicast() || may_be_broadcast(address))) {
+    refuse(path, group,
+           "an IPv4 multicast address, 224.0.0.0 .. 239.255.255.255, or a broadcast address, such as "
+           "255.255.255.255 or 10.0.0.255");
   }
 }
 
 void check_multicast(const MulticastSettings& settings, const std::string& path) {
   check_group(settings.group, path + "/group");
+  if (settings.broadcast.empty()) return;
+  boost::system::error_code error;
+  const address_v4 address = asio::ip::make_address_v4(settings.broadcast, error);
+  if (error || !may_be_broadcast(address) || settings.broadcast == settings.group) {
+    refuse(path + "/broadcast", settings.broadcast,
+           "a broadcast address besides the group, such as 255.255.255.255 or 10.0.0.255, or nothing");
+  }
 }
 
 MulticastSender::MulticastSender(const MulticastSettings& settings, const std::string& path) {
@@ -108,24 +133,34 @@ void MulticastSender::configure(const MulticastSettings& settings, const std::st
   const std::lock_guard control(control_mutex_);
   settings_ = settings;
   open();
-  send_error_ = 0;
+  for (auto& error : send_errors_) error = 0;
 }
 
 void MulticastSender::open() {
-  Words words{settings_.group + ":" + std::to_string(settings_.port), {}, advice()};
+  Words words{{}, {}, advice()};
+  std::array<std::uint32_t, kWays> addresses{};  // 0: nothing goes there
   try {
     udp::socket socket = open_socket(io_, settings_);
     own_ports_ = own_ports_ << 16 | socket.local_endpoint().port();
-    publish(socket.native_handle());
+    const std::array<const std::string*, kWays> to{&settings_.group, &settings_.broadcast};
+    for (std::size_t way = 0; way < kWays; ++way) {
+      if (to[way]->empty()) continue;
+      words.to[way] = *to[way] + ":" + std::to_string(settings_.port);
+      const address_v4 address = asio::ip::make_address_v4(*to[way]);
+      std::string why = why_not_sent_to(address, settings_.interface);
+      if (why.empty()) addresses[way] = address.to_uint();
+      if (!why.empty()) words.open_error = std::move(why);
+    }
+    publish(socket.native_handle(), addresses);
   } catch (const std::exception& caught) {
-    way_ = 0;
+    for (auto& way : ways_) way = 0;
     words.open_error = caught.what();
   }
   words_.store(std::move(words));
 }
 
 /// Puts a copy of the socket into the older of the two places and lets senders go there.
-void MulticastSender::publish(int socket) {
+void MulticastSender::publish(int socket, const std::array<std::uint32_t, kWays>& addresses) {
   const std::size_t place = 1 - newest_place_;
   const int number =
       sockets_[place] < 0 ? ::fcntl(socket, F_DUPFD_CLOEXEC, 0) : ::dup3(socket, sockets_[place], O_CLOEXEC);
@@ -133,37 +168,50 @@ void MulticastSender::publish(int socket) {
   // Written before a sender is told of the place, and not again: one may be reading it.
   if (sockets_[place] < 0) sockets_[place] = number;
   newest_place_ = place;
-  way_ = Way{asio::ip::make_address_v4(settings_.group).to_uint(), static_cast<std::uint16_t>(settings_.port),
-             place}
-             .word();
+  for (std::size_t way = 0; way < kWays; ++way) {
+    ways_[way] = addresses[way] == 0
+                     ? 0
+                     : Way{addresses[way], static_cast<std::uint16_t>(settings_.port), place}.word();
+  }
 }
 
 bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
-  const std::uint64_t word = way_.load(std::memory_order_acquire);
-  if (word == 0) {
-    counts_.send_errors.fetch_add(1, std::memory_order_relaxed);
-    return false;
+  bool is_sent = false, is_lost = false;
+  for (std::size_t way = 0; way < kWays; ++way) {
+    const std::uint64_t word = ways_[way].load(std::memory_order_acquire);
+    if (word != 0) (send_to(way, word, packet) ? is_sent : is_lost) = true;
   }
-  const Way way(word);
+  is_sent = is_sent && !is_lost;
+  (is_sent ? counts_.packets_sent : counts_.send_errors).fetch_add(1, std::memory_order_relaxed);
+  return is_sent;
+}
+
+bool MulticastSender::send_to(std::size_t way, std::uint64_t word,
+                              std::span<const std::byte> packet) noexcept {
+  const Way where(word);
   sockaddr_in to{};
   to.sin_family = AF_INET;
-  to.sin_addr.s_addr = htonl(way.address);
-  to.sin_port = htons(way.port);
+  to.sin_addr.s_addr = htonl(where.address);
+  to.sin_port = htons(where.port);
   ssize_t sent = 0;
   do {
-    sent = ::sendto(sockets_[way.place], packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+    sent = ::sendto(sockets_[where.place], packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
                     reinterpret_cast<const sockaddr*>(&to), sizeof to);
   } while (sent < 0 && errno == EINTR);
-  send_error_.store(sent < 0 ? errno : 0, std::memory_order_relaxed);
-  (sent < 0 ? counts_.send_errors : counts_.packets_sent).fetch_add(1, std::memory_order_relaxed);
+  send_errors_[way].store(sent < 0 ? errno : 0, std::memory_order_relaxed);
   return sent >= 0;
 }
 
-std::string MulticastSender::error_text(const Words& words, int send_error) {
+std::string MulticastSender::error_text(const Words& words) const {
   if (!words.open_error.empty()) return words.open_error;
-  if (send_error == 0) return {};
-  std::string text = "cannot send to " + words.to + ": " + std::generic_category().message(send_error);
-  if (is_routing_error(send_error)) text += "; " + words.advice;
+  std::string text;
+  for (std::size_t way = 0; way < kWays; ++way) {
+    const int error = send_errors_[way];
+    if (error == 0) continue;
+    text += (text.empty() ? "" : "; ") + ("cannot send to " + words.to[way]) + ": " +
+            std::generic_category().message(error);
+    if (is_routing_error(error)) text += "; " + words.advice;
+  }
   return text;
 }
 
@@ -177,8 +225,11 @@ bool MulticastSender::is_own(const udp::endpoint& sender) const {
 }
 
 MulticastStatus MulticastSender::status() const {
-  return {counts_.packets_sent, counts_.send_errors, counts_.packets_per_s,
-          error_text(*words_.load(), send_error_)};
+  bool leaves = false;
+  for (std::size_t way = 0; way < kWays; ++way)
+    leaves = leaves || (ways_[way] != 0 && send_errors_[way] == 0);
+  return {counts_.packets_sent, counts_.send_errors, counts_.packets_per_s, error_text(*words_.load()),
+          leaves};
 }
 
 void MulticastSender::watch(const std::stop_token& stop) {
@@ -199,12 +250,14 @@ void MulticastSender::watch(const std::stop_token& stop) {
 
     const std::lock_guard control(control_mutex_);
     const auto words = words_.load();
-    const int send_error = send_error_;
-    const bool failing = !words->open_error.empty() || (send_error != 0 && send_error != EWOULDBLOCK);
-    std::string error = error_text(*words, send_error);
+    const bool failing =
+        !words->open_error.empty() || std::ranges::any_of(send_errors_, [](const auto& error) {
+          return error != 0 && error != EWOULDBLOCK;
+        });
+    std::string error = error_text(*words);
     if (error != logged) {
       if (error.empty()) {
-        log::info("multicast: sending to {} again", words->to);
+        log::info("multicast: sending to {} again", words->to[0]);
       } else {
         log::warning("multicast: {}", error);
       }

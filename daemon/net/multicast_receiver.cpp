@@ -2,13 +2,20 @@
 #include "net/multicast_receiver.h"
 
 #include "base/background.h"
+#include "base/clock.h"
 #include "base/log.h"
+#include "geometry/limits.h"
 #include "net/network_cards.h"
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <future>
+#include <string_view>
+#include <system_error>
 #include <thread>
 
 #include <boost/asio/buffer.hpp>
@@ -17,35 +24,73 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <netinet/in.h>
+#include <sys/socket.h>
 
 namespace sslv {
 namespace {
 
 namespace asio = boost::asio;
 namespace multicast = boost::asio::ip::multicast;
+using asio::ip::address_v4;
 using asio::ip::udp;
 
 constexpr int kSilentLooks = 10;  // then the group is joined again
 
-udp::socket join(asio::io_context& io, const GroupAddress& where) {
-  const auto group = asio::ip::make_address_v4(where.group);
+/// Bound to one address, so that packets of other groups, or for this computer alone, do not come. Only what
+/// comes through the card that was asked for is heard, not what others of this computer joined elsewhere.
+udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where) {
   udp::socket socket(io, udp::v4());
   socket.set_option(udp::socket::reuse_address(true));
-  // Only what comes through the card that was asked for, not what others of this computer joined elsewhere.
   const int off = 0;
   setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
-  socket.bind({group, static_cast<std::uint16_t>(where.port)});
-  if (where.interface.empty()) {
-    socket.set_option(multicast::join_group(group));
-  } else {
-    socket.set_option(multicast::join_group(group, find_network_card(where.interface)));
+  if (!address.is_multicast() && !where.interface.empty()) {
+    const std::string card = network_card_name(where.interface);
+    if (setsockopt(socket.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, card.c_str(),
+                   static_cast<socklen_t>(card.size())) != 0)
+      throw std::system_error(errno, std::generic_category(), card);
   }
+  socket.bind({address, static_cast<std::uint16_t>(where.port)});
+  if (address.is_multicast() && where.interface.empty()) {
+    socket.set_option(multicast::join_group(address));
+  } else if (address.is_multicast()) {
+    socket.set_option(multicast::join_group(address, find_network_card(where.interface)));
+  }
+  socket.non_blocking(true);
   return socket;
 }
 
+/// Tells the second copy of a datagram that was sent to the group and as a broadcast.
+class Copies {
+ public:
+  bool is_copy(std::span<const std::byte> datagram, const udp::endpoint& sender, bool is_broadcast,
+               double now_s) {
+    const std::string_view text(reinterpret_cast<const char*>(datagram.data()), datagram.size());
+    const std::size_t hash = std::hash<std::string_view>()(text) ^ sender.address().to_v4().to_uint();
+    constexpr double kLater_s = 1;
+    for (Seen& one : seen_) {
+      if (one.hash != hash || one.is_broadcast == is_broadcast || now_s - one.heard_s > kLater_s) continue;
+      one = {};
+      return true;
+    }
+    seen_[next_] = {hash, now_s, is_broadcast};
+    next_ = (next_ + 1) % seen_.size();
+    return false;
+  }
+
+ private:
+  struct Seen {
+    std::size_t hash = 0;
+    double heard_s = -1e9;
+    bool is_broadcast = false;
+  };
+  // A socket's buffer has fewer, and one is read after the other.
+  std::array<Seen, 512> seen_{};
+  std::size_t next_ = 0;
+};
+
 }  // namespace
 
-/// What the receiver's thread works on: one group at one card, or none.
+/// What the receiver's thread works on: one group at one card, and broadcasts to its port; or nothing.
 class MulticastReceiver::Listener {
  public:
   explicit Listener(MulticastReceiver& owner) : owner_(owner) {
@@ -60,12 +105,12 @@ class MulticastReceiver::Listener {
   void listen(const std::optional<GroupAddress>& where) {
     std::promise<void> done;
     asio::post(io_, [&] {
-      socket_ = udp::socket(io_);
-      ++opened_;
+      close_ears([](const Ear&) { return true; });
       where_ = where;
       {
         const std::lock_guard lock(owner_.mutex_);
         owner_.error_.clear();
+        owner_.heard_.clear();
       }
       if (where_) open();
       done.set_value();
@@ -74,18 +119,53 @@ class MulticastReceiver::Listener {
   }
 
  private:
+  /// A socket at one address, kept by what waits for its next datagram.
+  struct Ear {
+    udp::socket socket;
+    address_v4 address;
+  };
+
+  bool has_ear(const address_v4& address) const {
+    return std::ranges::any_of(
+        ears_, [&](const auto& ear) { return ear->address == address && ear->socket.is_open(); });
+  }
+
+  template <class Which>
+  void close_ears(Which which) {
+    std::erase_if(ears_, [&](const auto& ear) {
+      if (!which(*ear)) return false;
+      boost::system::error_code ignored;
+      ear->socket.close(ignored);  // what waits for it lets it go
+      return true;
+    });
+  }
+
+  void open_ear(const address_v4& address) {
+    close_ears([&](const Ear& one) { return one.address == address; });
+    ears_.push_back(std::make_shared<Ear>(Ear{open_at(io_, address, *where_), address}));
+    receive(ears_.back());
+  }
+
+  /// The group, and where broadcasts go at present; each that is not open.
   void open() {
+    const address_v4 group = asio::ip::make_address_v4(where_->group);
     std::string error;
     try {
-      socket_ = join(io_, *where_);
+      if (!has_ear(group)) open_ear(group);
     } catch (const std::exception& caught) {
-      socket_ = udp::socket(io_);
       error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " +
               caught.what() + "; " + network_cards_text();
     }
-    silent_looks_ = 0;
-    ++opened_;
-    if (socket_.is_open()) receive();
+    const std::vector<address_v4> broadcasts = broadcast_addresses(where_->interface);
+    close_ears([&](const Ear& ear) {
+      return ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end();
+    });
+    for (const address_v4& address : broadcasts) {
+      try {
+        if (!has_ear(address)) open_ear(address);
+      } catch (const std::exception&) {  // a subnet that is just going
+      }
+    }
     const std::lock_guard lock(owner_.mutex_);
     if (error != owner_.error_) {
       if (error.empty()) {
@@ -97,25 +177,58 @@ class MulticastReceiver::Listener {
     }
   }
 
-  void receive() {
-    socket_.async_receive_from(
-        asio::buffer(datagram_), sender_,
-        [this, opened = opened_](const boost::system::error_code& error, std::size_t size) {
-          if (opened != opened_) return;  // of a socket that is no more
-          if (error) {
-            socket_.close();  // look() reopens it
-            return;
-          }
-          silent_looks_ = 0;
-          owner_.handler_(std::span<const std::byte>(datagram_.data(), size), sender_);
-          receive();
-        });
+  void receive(const std::shared_ptr<Ear>& ear) {
+    ear->socket.async_wait(udp::socket::wait_read, [this, ear](const boost::system::error_code& error) {
+      if (error || std::ranges::find(ears_, ear) == ears_.end()) return;  // it is no more
+      if (read(*ear)) receive(ear);
+    });
+  }
+
+  /// What has come; some of it, so that the other sockets have their turn. False when the socket is of no use
+  /// any more: look() opens it again.
+  bool read(Ear& ear) {
+    constexpr int kMost = 64;
+    for (int i = 0; i < kMost; ++i) {
+      boost::system::error_code error;
+      udp::endpoint sender;
+      const std::size_t size = ear.socket.receive_from(asio::buffer(datagram_), sender, 0, error);
+      if (error == asio::error::would_block) return true;
+      if (error) {
+        ear.socket.close(error);
+        return false;
+      }
+      hear(std::span<const std::byte>(datagram_.data(), size), sender, !ear.address.is_multicast());
+    }
+    return true;
+  }
+
+  void hear(std::span<const std::byte> datagram, const udp::endpoint& sender, bool is_broadcast) {
+    const double now_s = steady_s();
+    if (!is_broadcast) silent_looks_ = 0;
+    note(sender.address().to_string(), is_broadcast, now_s);
+    if (!copies_.is_copy(datagram, sender, is_broadcast, now_s)) owner_.handler_(datagram, sender);
+  }
+
+  void note(const std::string& address, bool is_broadcast, double now_s) {
+    const std::lock_guard lock(owner_.mutex_);
+    auto& heard = owner_.heard_;
+    std::erase_if(heard, [&](const auto& one) {
+      return now_s - std::max(one.second.multicast_s, one.second.broadcast_s) > kForgottenAfter_s;
+    });
+    if (heard.size() >= limits::kMaxComputers && !heard.contains(address)) return;
+    (is_broadcast ? heard[address].broadcast_s : heard[address].multicast_s) = now_s;
   }
 
   void look() {
     timer_.expires_after(owner_.look_interval_);
     timer_.async_wait([this](const boost::system::error_code&) {
-      if (where_ && (!socket_.is_open() || ++silent_looks_ >= kSilentLooks)) open();
+      if (where_) {
+        if (++silent_looks_ >= kSilentLooks) {
+          silent_looks_ = 0;
+          close_ears([](const Ear& ear) { return ear.address.is_multicast(); });
+        }
+        open();
+      }
       look();
     });
   }
@@ -124,12 +237,11 @@ class MulticastReceiver::Listener {
   // All below is the thread's, once there is one.
   std::optional<GroupAddress> where_;
   asio::io_context io_{1};
-  udp::socket socket_{io_};
-  udp::endpoint sender_;
+  std::vector<std::shared_ptr<Ear>> ears_;
   std::array<std::byte, 65'536> datagram_;
+  Copies copies_;
   asio::steady_timer timer_{io_};
   int silent_looks_ = 0;
-  std::uint64_t opened_ = 0;
   std::jthread thread_;  // last, so that it ends before what it uses
 };
 
@@ -149,6 +261,17 @@ void MulticastReceiver::listen(const std::optional<GroupAddress>& where) {
 std::string MulticastReceiver::error() const {
   const std::lock_guard lock(mutex_);
   return error_;
+}
+
+std::vector<Arrival> MulticastReceiver::arrivals(double now_s) const {
+  std::vector<Arrival> out;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [address, heard] : heard_) {
+    const Arrival one{address, now_s - heard.multicast_s <= kForgottenAfter_s,
+                      now_s - heard.broadcast_s <= kForgottenAfter_s};
+    if (one.by_multicast || one.by_broadcast) out.push_back(one);
+  }
+  return out;
 }
 
 }  // namespace sslv

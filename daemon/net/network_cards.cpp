@@ -2,6 +2,7 @@
 #include "net/network_cards.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 
@@ -32,8 +33,15 @@ std::vector<NetworkCard> network_cards() {
                                         .has_multicast = (entry->ifa_flags & IFF_MULTICAST) != 0});
     }
     if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
-    const auto* address = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
-    card->addresses.emplace_back(ntohl(address->sin_addr.s_addr));
+    const auto number_of = [](const sockaddr* one) {
+      return ntohl(reinterpret_cast<const sockaddr_in*>(one)->sin_addr.s_addr);
+    };
+    const std::uint32_t address = number_of(entry->ifa_addr);
+    card->addresses.emplace_back(address);
+    const std::uint32_t hosts = entry->ifa_netmask == nullptr ? 0 : ~number_of(entry->ifa_netmask);
+    const address_v4 broadcast(address | hosts);
+    if (broadcast != card->addresses.back() && may_be_broadcast(broadcast))
+      card->broadcasts.push_back(broadcast);
   }
   return cards;
 }
@@ -54,18 +62,52 @@ address_v4 address_towards(const address_v4& destination) {
   udp::socket socket(io);
   boost::system::error_code error;
   socket.open(udp::v4(), error);
+  socket.set_option(udp::socket::broadcast(true), error);
   socket.connect({destination, kAnyPort}, error);  // sends nothing
   const udp::endpoint from = socket.local_endpoint(error);
   return from.address().is_v4() ? from.address().to_v4() : address_v4();
 }
 
-address_v4 find_network_card(const std::string& name_or_address) {
+namespace {
+
+/// Throws std::runtime_error when there is none.
+std::pair<NetworkCard, address_v4> card_and_address(const std::string& name_or_address) {
   for (const NetworkCard& card : network_cards()) {
     for (const address_v4& address : card.addresses) {
-      if (card.name == name_or_address || address.to_string() == name_or_address) return address;
+      if (card.name == name_or_address || address.to_string() == name_or_address) return {card, address};
     }
   }
   throw std::runtime_error("no network card has the name or IPv4 address '" + name_or_address + "'");
+}
+
+}  // namespace
+
+address_v4 find_network_card(const std::string& name_or_address) {
+  return card_and_address(name_or_address).second;
+}
+
+std::string network_card_name(const std::string& name_or_address) {
+  return card_and_address(name_or_address).first.name;
+}
+
+std::vector<address_v4> broadcast_addresses(const std::string& name_or_address) {
+  std::vector<address_v4> out{address_v4::broadcast()};
+  const std::vector<NetworkCard> cards = network_cards();
+  for (const NetworkCard& card : cards) {
+    const bool is_asked_for = name_or_address.empty() || card.name == name_or_address ||
+                              std::ranges::any_of(card.addresses, [&](const address_v4& one) {
+                                return one.to_string() == name_or_address;
+                              });
+    if (is_asked_for) out.insert(out.end(), card.broadcasts.begin(), card.broadcasts.end());
+  }
+  return out;
+}
+
+bool may_be_broadcast(const address_v4& address) {
+  constexpr std::uint32_t kFirstClassA = 0x01000000, kSmallestSubnet = 3;  // four addresses
+  return address == address_v4::broadcast() ||
+         (address.to_uint() >= kFirstClassA && !address.is_multicast() && address.to_uint() < 0xE0000000 &&
+          (address.to_uint() & kSmallestSubnet) == kSmallestSubnet);
 }
 
 }  // namespace sslv

@@ -15,7 +15,8 @@ struct NetworkCard {
   bool is_up = false;
   bool has_link = false;  // up, and its cable or access point is there
   bool is_loopback = false;
-  bool has_multicast = false;  // as the system says; lo says no and still takes it
+  bool has_multicast = false;                             // as the system says; lo says no and still takes it
+  std::vector<boost::asio::ip::address_v4> broadcasts{};  // of its subnets
 };
 
 /// The network cards of this computer, in the system's order.
@@ -29,5 +30,15 @@ boost::asio::ip::address_v4 address_towards(const boost::asio::ip::address_v4& d
 
 /// The address of the card with this name or IPv4 address. Throws std::runtime_error when there is none.
 boost::asio::ip::address_v4 find_network_card(const std::string& name_or_address);
+/// Likewise its name.
+std::string network_card_name(const std::string& name_or_address);
+
+/// Where broadcasts to a card go, or to all of them when `name_or_address` is empty: 255.255.255.255 and
+/// those of its subnets.
+std::vector<boost::asio::ip::address_v4> broadcast_addresses(const std::string& name_or_address);
+
+/// Whether this may be a broadcast address, as far as it says itself: which those of subnets are, only their
+/// computers know.
+bool may_be_broadcast(const boost::asio::ip::address_v4& address);
 
 }  // namespace sslv

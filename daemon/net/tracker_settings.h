@@ -20,7 +20,9 @@ struct TrackerSettings {
     using T = TrackerSettings;
     return std::tuple{
         flag("enabled", &T::enabled, "send tracks of robots and balls, as TrackerWrapperPacket"),
-        text("group", &T::group, "IPv4 multicast address that teams listen to for tracks"),
+        text("group", &T::group,
+             "IPv4 multicast or broadcast address that teams listen to for tracks; they go to "
+             "network/vision/broadcast as well"),
         number("port", &T::port, 1, 65535, "", "UDP port that teams listen to for tracks"),
         text("source_name", &T::source_name, "by which programs tell our tracks from those of others", 60),
     };

@@ -91,10 +91,12 @@ void add_file_commands(CommandLine& line, CLI::App* group) {
   });
 }
 
-/// Teams and referees listen there.
+/// Teams and referees listen there, or to broadcasts.
 bool is_the_leagues(const std::string& group) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address_v4(group, error);
   return group == MulticastSettings{}.group || group == RefereeSettings{}.group ||
-         group == TrackerSettings{}.group;
+         group == TrackerSettings{}.group || (!error && !address.is_multicast());
 }
 
 /// Ranges of CLI11 let through what is no number.
@@ -126,7 +128,8 @@ void add_play(CommandLine& line, CLI::App* group) {
   CLI::Option* until = play->add_option("--until", o->until_s, "s since the log's beginning")->check(kFinite);
   play->add_option("--longest-gap", o->play.longest_gap_s, "s; longer gaps, such as breaks, are cut to that")
       ->check(kFinite);
-  play->add_option("--group", o->play.group, "multicast group to send to")->capture_default_str();
+  play->add_option("--group", o->play.group, "multicast group or broadcast address to send to")
+      ->capture_default_str();
   play->add_option("--vision-port", o->play.vision_port, "instead of the league's")
       ->check(CLI::Range(1, 65535))
       ->capture_default_str();

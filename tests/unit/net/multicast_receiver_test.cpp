@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/multicast_receiver.h"
 
+#include "base/clock.h"
 #include "support/becomes.h"
 #include "support/group_listener.h"
 
@@ -8,6 +9,8 @@
 #include <condition_variable>
 #include <deque>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -111,6 +114,81 @@ TEST(MulticastReceiver, JoinsASilentGroupAnew) {
     return heard.next(std::chrono::milliseconds(10)) == "again";
   }));
   EXPECT_EQ(receiver.error(), "");
+}
+
+/// What a switch that loses multicast lets through.
+MulticastSettings broadcasting(const GroupListener& listener, const char* address) {
+  MulticastSettings settings = settings_for(listener);
+  settings.group = address;
+  return settings;
+}
+
+TEST(MulticastReceiver, HearsBroadcastsToThePort) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.listen(at(group));
+  for (const char* address : {"127.255.255.255", "255.255.255.255"}) {
+    MulticastSender sender(broadcasting(group, address));
+    EXPECT_TRUE(send(sender, address));
+    EXPECT_EQ(heard.next(), address);
+  }
+  const auto arrivals = receiver.arrivals(steady_s());
+  ASSERT_EQ(arrivals.size(), 1U);
+  EXPECT_EQ(arrivals[0].address, "127.0.0.1");
+  EXPECT_FALSE(arrivals[0].by_multicast);
+  EXPECT_TRUE(arrivals[0].by_broadcast);
+  EXPECT_TRUE(receiver.arrivals(steady_s() + 10).empty());
+}
+
+TEST(MulticastReceiver, MayHearBroadcastsAlone) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.listen(GroupAddress{"127.255.255.255", group.port(), "lo"});
+  EXPECT_EQ(receiver.error(), "");
+  send(group, "not heard");
+  MulticastSender sender(broadcasting(group, "127.255.255.255"));
+  EXPECT_TRUE(send(sender, "heard"));
+  EXPECT_EQ(heard.next(), "heard");
+}
+
+TEST(MulticastReceiver, HandsOnOnceWhatComesBothWays) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.listen(at(group));
+  MulticastSettings both = settings_for(group);
+  both.broadcast = "127.255.255.255";
+  MulticastSender sender(both);
+  std::vector<std::string> sent;
+  for (int i = 0; i < 50; ++i) {
+    sent.push_back(std::to_string(i));
+    EXPECT_TRUE(send(sender, sent.back()));
+  }
+  std::vector<std::string> came;
+  for (int i = 0; i < 50; ++i) came.push_back(heard.next());
+  EXPECT_THAT(came, testing::UnorderedElementsAreArray(sent));
+  EXPECT_TRUE(test::becomes([&] {
+    const auto arrivals = receiver.arrivals(steady_s());
+    return arrivals.size() == 1 && arrivals[0].by_multicast && arrivals[0].by_broadcast;
+  }));
+  // Each way alone is heard, too: what follows is no copy of what was before.
+  MulticastSender alone(settings_for(group));
+  send(alone, "the last");
+  EXPECT_EQ(heard.next(), "the last") << "a copy came first";
+}
+
+TEST(MulticastReceiver, LosesNoBroadcastWhileItJoinsTheGroupAnew) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(1));
+  receiver.listen(at(group));
+  MulticastSender sender(broadcasting(group, "127.255.255.255"));
+  for (int i = 0; i < 300; ++i) {
+    EXPECT_TRUE(send(sender, std::to_string(i)));
+    EXPECT_EQ(heard.next(), std::to_string(i));
+  }
 }
 
 TEST(MulticastReceiver, SaysWhichCardIsNotThere) {

@@ -85,7 +85,7 @@ TEST(Multicast, NewSettingsApplyToTheNextPacket) {
   EXPECT_THAT(after.receive(), Optional(std::string("2")));
 }
 
-TEST(Multicast, RefusesWhatIsNoMulticastGroupAndGoesOn) {
+TEST(Multicast, RefusesWhatIsNoGroupAndGoesOn) {
   GroupListener listener;
   MulticastSender sender(settings_for(listener));
   for (const char* group : {"192.168.1.20", "240.0.0.1", "field.local", "", "ff02::1", "224.5.23.2 "}) {
@@ -98,11 +98,55 @@ TEST(Multicast, RefusesWhatIsNoMulticastGroupAndGoesOn) {
       EXPECT_EQ(std::string(error.what()),
                 "/network/group: \"" + std::string(group) +
                     "\" is not allowed; expected an IPv4 multicast address, 224.0.0.0 .. "
-                    "239.255.255.255");
+                    "239.255.255.255, or a broadcast address, such as 255.255.255.255 or 10.0.0.255");
     }
   }
   EXPECT_TRUE(send(sender, "still"));
   EXPECT_THAT(listener.receive(), Optional(std::string("still")));
+}
+
+TEST(Multicast, RefusesWhatIsNoBroadcastAddress) {
+  GroupListener listener;
+  MulticastSettings settings = settings_for(listener);
+  for (const char* good : {"", "255.255.255.255", "127.255.255.255", "10.0.0.3"}) {
+    settings.broadcast = good;
+    EXPECT_NO_THROW(check_multicast(settings, "/network/vision")) << good;
+  }
+  for (const char* bad :
+       {"10.0.0.20", "0.0.0.0", "239.255.77.79", "243.0.0.3", "field.local", "ff02::1", " "}) {
+    settings.broadcast = bad;
+    EXPECT_THAT([&] { check_multicast(settings, "/network/vision"); },
+                testing::ThrowsMessage<SettingsError>(AllOf(
+                    StartsWith("/network/vision/broadcast: \"" + std::string(bad) + "\" is not allowed"),
+                    HasSubstr("255.255.255.255 or 10.0.0.255, or nothing"))))
+        << bad;
+  }
+  settings.group = settings.broadcast = "10.0.0.255";
+  EXPECT_THROW(check_multicast(settings, ""), SettingsError) << "twice to the same";
+}
+
+TEST(Multicast, ABroadcastAddressOfNoSubnetIsSaidAndKeepsNoPacketFromTheGroup) {
+  GroupListener listener;
+  MulticastSettings settings = settings_for(listener);
+  settings.broadcast = "203.0.113.255";
+  MulticastSender sender(settings);
+  EXPECT_TRUE(send(sender, "to the group"));
+  EXPECT_THAT(listener.receive(), Optional(std::string("to the group")));
+  EXPECT_EQ(sender.status().error,
+            "no subnet of network card 127.0.0.1 has the broadcast address 203.0.113.255; there are "
+            "255.255.255.255, 127.255.255.255");
+  EXPECT_TRUE(sender.status().some_leave);
+  settings.broadcast = "127.255.255.255";
+  sender.configure(settings);
+  EXPECT_EQ(sender.status().error, "");
+  EXPECT_TRUE(send(sender, "both ways"));
+  EXPECT_THAT(listener.receive(), Optional(std::string("both ways")));
+  EXPECT_EQ(sender.status().packets_sent, 2U) << "one packet counts once, whichever ways it goes";
+  settings.group = "203.0.113.255";
+  settings.broadcast = "";
+  sender.configure(settings);
+  EXPECT_FALSE(send(sender, "nowhere"));
+  EXPECT_FALSE(sender.status().some_leave);
 }
 
 TEST(Multicast, AnAbsentInterfaceIsSaidAndCountedUntilItIsSetRight) {
