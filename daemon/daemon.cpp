@@ -153,8 +153,10 @@ struct Daemon::Parts {
     }
     for (Route& route : websocket_routes()) routes.push_back(std::move(route));
     network.service.on_new_team_names([this] { cameras.running.update_robot_heights(); });
-    network.service.on_other_vision([this](const SSL_WrapperPacket& packet, const std::string& address,
-                                           double now_s) { field.service.hear(packet, address, now_s); });
+    network.service.on_other_vision(
+        [this](const VisionMessage& message, const std::string& address, bool is_named, double now_s) {
+          field.service.hear(message, address, is_named, now_s);
+        });
   }
 
   void start(const std::filesystem::path& panel_folder) {

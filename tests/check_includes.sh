@@ -22,7 +22,7 @@ rules='
   pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h pipeline/own_parts.h
   pipeline              base image geometry vision tracking
   kit                   base image geometry vision tracking pipeline
-  net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h proto
+  net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h pipeline/senseless.h proto
   recording             base net settings/state_folder.h proto
   settings              base
   health                base image vision/mask.h

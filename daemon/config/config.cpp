@@ -16,6 +16,7 @@
 #include <set>
 #include <utility>
 
+#include <boost/asio/ip/address_v4.hpp>
 #include <fmt/format.h>
 
 namespace sslv {
@@ -66,6 +67,25 @@ void rename_light_limits(Json& tree) {
   }
 }
 
+/// From version 2 to 3: other computers are used for tracks only if they are named. Whether they all were
+/// before is no name of any.
+void name_other_computers(Json& tree) {
+  if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
+  Json& field = tree["field"];
+  if (field.contains("other_computers") && field["other_computers"].is_boolean())
+    field["other_computers"] = Json::array();
+}
+
+/// Throws SettingsError, beginning with `path`, for a text that is no IPv4 address of a computer.
+void check_computers(const std::vector<std::string>& addresses, const std::string& path) {
+  for (std::size_t i = 0; i < addresses.size(); ++i) {
+    boost::system::error_code error;
+    const auto address = boost::asio::ip::make_address_v4(addresses[i], error);
+    if (error || address.is_multicast() || address.to_uint() == 0 || address.to_string() != addresses[i])
+      refuse(fmt::format("{}/{}", path, i), addresses[i], "the IPv4 address of a computer, such as 10.0.0.2");
+  }
+}
+
 /// Of a camera or the field: what of its stack runs, and with which parameters.
 template <class Floor, class Part>
 void read_stack(Part& part, std::span<const BasicStageType<Floor>> table, const std::string& path,
@@ -81,6 +101,7 @@ void read_stack(Part& part, std::span<const BasicStageType<Floor>> table, const 
 Config read_config(const Json& settings) {
   auto config = params_from_json<Config>(settings, "");
   check_field(config.field, "/field");
+  check_computers(config.field.other_computers, "/field/other_computers");
   check_multicast(config.network.vision, "/network/vision");
   check_group(config.network.referee.group, "/network/referee/group");
   static_cast<void>(LabelSet(config.own_labels, "/own_labels"));  // refuses bad names
@@ -106,7 +127,7 @@ Config read_config(const Json& settings) {
 }
 
 const Migrations& settings_migrations() {
-  static const Migrations kMigrations{rename_light_limits};
+  static const Migrations kMigrations{rename_light_limits, name_other_computers};
   return kMigrations;
 }
 

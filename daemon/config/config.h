@@ -11,6 +11,7 @@
 #include "geometry/ball_models.h"
 #include "geometry/camera_model.h"
 #include "geometry/field.h"
+#include "geometry/limits.h"
 #include "net/multicast.h"
 #include "net/referee_listener.h"
 #include "net/tracker_settings.h"
@@ -65,7 +66,7 @@ struct FieldSettings : FieldSize {
   // runs.
   std::vector<StageParams> stage_params{};
   RunningStack running{};
-  bool other_computers = true;
+  std::vector<std::string> other_computers{};
   static constexpr auto fields() {
     using F = FieldSettings;
     return std::tuple_cat(
@@ -74,8 +75,10 @@ struct FieldSettings : FieldSize {
             names("stack", &F::stack,
                   "the stages that what the cameras see passes, in order; none: no tracks", 64),
             object("stages", &F::stages, "parameters of the field's stages"),
-            flag("other_computers", &F::other_computers,
-                 "cameras of other computers that send to the vision group are tracked too"),
+            names("other_computers", &F::other_computers,
+                  "IPv4 addresses of this field's other computers with cameras: what they see is used for "
+                  "tracks. The cameras of all others that send to the vision group are only shown",
+                  limits::kMaxComputers),
         });
   }
 };
@@ -170,7 +173,7 @@ struct Config {
         group("network", &Config::network, "where packets are sent to and received from"),
         group("recording", &Config::recording, "which matches are recorded, and how much room that may take"),
         group("panel", &Config::panel, "where the web panel listens"),
-        list("cameras", &Config::cameras, "the cameras of this daemon", 32),
+        list("cameras", &Config::cameras, "the cameras of this daemon", limits::kMaxCameras),
     };
   }
 };

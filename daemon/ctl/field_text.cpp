@@ -69,9 +69,12 @@ std::string field_text(const Json& field) {
                        note.is_null() ? "" : "  " + note.at("text").get<std::string>());
   }
   for (const Json& camera : field.at("other_cameras"))
-    out += fmt::format("camera {} comes from {}, whose clock is {:.1f} ms behind\n",
+    out += fmt::format("camera {} comes from {}, whose clock is {:.1f} ms behind{}\n",
                        camera.at("camera").get<int>(), camera.at("address").get<std::string>(),
-                       camera.at("clock_correction_ms").get<double>());
+                       camera.at("clock_correction_ms").get<double>(),
+                       camera.at("is_used") == true
+                           ? ""
+                           : "; it is not used for tracks (field/other_computers does not name it)");
   out += field.at("sends") == true ? fmt::format("{} packets of tracks sent as \"{}\"\n",
                                                  field.at("packets_sent").get<std::uint64_t>(),
                                                  field.at("source").at("name").get<std::string>())

@@ -87,6 +87,19 @@ std::string geometry_text(const Json& heard) {
   return out;
 }
 
+std::string arrivals_text(const Json& arrivals) {
+  std::string out;
+  for (const Json& one : arrivals) {
+    const bool multicast = one.at("multicast").get<bool>(), broadcast = one.at("broadcast").get<bool>();
+    out += fmt::format("heard {} at {} by {}\n", one.at("what").get<std::string>(),
+                       one.at("address").get<std::string>(),
+                       multicast && broadcast ? "multicast and broadcast"
+                       : multicast            ? "multicast"
+                                              : "broadcast");
+  }
+  return out;
+}
+
 std::string listeners_text(const Json& listeners) {
   std::string out = "programs on the daemon's computer that packets are given to:\n";
   for (const Json& program : listeners.at("programs")) {
@@ -106,6 +119,7 @@ std::string packets_text(const Json& packets) {
                                 packets.at("port").get<int>());
   const auto why = packets.at("not_heard_because").get<std::string>();
   if (!why.empty()) out += "not heard: " + why + "\n";
+  out += arrivals_text(packets.at("arrivals"));
   for (const Json& heard : packets.at("detections")) out += detection_text(heard);
   const Json& geometry = packets.at("geometry");
   out += geometry.is_null() ? "geometry: none heard\n" : geometry_text(geometry);

@@ -5,10 +5,8 @@
 #include "config/stages.h"
 #include "ctl/table.h"
 #include "net/heard_cameras.h"
-#include "net/parse.h"
 #include "pipeline/pipeline.h"
 #include "recording/match_log_reader.h"
-#include "ssl_vision_wrapper.pb.h"
 #include "tracking/smoother.h"
 #include "tracking/tracks_json.h"
 
@@ -100,12 +98,14 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
   std::set<int> ids;
   std::optional<double> first_s;
   LoggedMessage message;
-  SSL_WrapperPacket packet;
   while (reader.next(message)) {
-    if (message.type != LoggedMessage::kVision2014 || !parse(packet, message.bytes)) continue;
+    if (message.type != LoggedMessage::kVision2014) continue;
+    const auto vision = VisionMessage::read(message.bytes);
+    if (!vision) continue;
     ++out.packets;
     const double now_s = static_cast<double>(message.time_ns) * 1e-9;
-    if (!cameras.read(packet, "log", now_s, now_s, frame.arrived.image)) continue;
+    if (!cameras.hear(*vision, "log", true, now_s, now_s, frame.arrived)) continue;
+    frame.arrived.image.is_of_other_computer = false;  // no camera of a log is ours, so all are alike
     const CameraSightings& image = frame.arrived.image;
     ids.insert(image.camera);
     clock.t_s = now_s;

@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/heard_cameras.h"
 
-#include "ssl_vision_wrapper.pb.h"
+#include "geometry/limits.h"
+#include "pipeline/senseless.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace sslv {
-namespace {
-
-/// More can only be an attack.
-constexpr std::size_t kMaxCameras = 64, kMaxOfAKind = 64;
-constexpr std::uint32_t kMaxId = 255;   // as in our own settings
-constexpr double kRobotHeightMm = 140;  // where a packet does not say it
-
-void add_robots(const google::protobuf::RepeatedPtrField<SSL_DetectionRobot>& robots, Team team,
-                CameraSightings& out) {
-  for (const SSL_DetectionRobot& robot : robots) {
-    if (out.robots.size() >= 2 * kMaxOfAKind) return;
-    if (!robot.has_robot_id() || !robot.has_orientation() || robot.robot_id() > 255) continue;
-    out.robots.push_back({team,
-                          static_cast<int>(robot.robot_id()),
-                          {robot.x(), robot.y()},
-                          robot.orientation(),
-                          robot.has_height() ? static_cast<double>(robot.height()) : kRobotHeightMm,
-                          Eigen::Matrix2d::Zero(),
-                          0});
-  }
-}
-
-}  // namespace
 
 void OtherClock::heard(double t_sent_s, double t_heard_s) {
   constexpr double kStretch_s = 5;
@@ -54,47 +31,59 @@ double OtherClock::correction_s() const {
   return std::abs(least_s) < kRight_s ? 0 : least_s - kWay_s;
 }
 
-bool HeardCameras::read(const SSL_WrapperPacket& packet, const std::string& address, double now_s,
-                        double unix_s, CameraSightings& out) {
-  for (const SSL_GeometryCameraCalibration& camera : packet.geometry().calib()) {
-    const Key key{address, static_cast<int>(camera.camera_id())};
-    if (places_mm_.size() >= kMaxCameras && !places_mm_.contains(key)) continue;
-    if (!camera.has_derived_camera_world_tz() || camera.camera_id() > kMaxId) continue;
-    places_mm_[key] = {camera.derived_camera_world_tx(), camera.derived_camera_world_ty(),
-                       camera.derived_camera_world_tz()};
-  }
-  if (!packet.has_detection()) return false;
-  const SSL_DetectionFrame& frame = packet.detection();
-  const Key key{address, static_cast<int>(frame.camera_id())};
-  const auto place = places_mm_.find(key);
-  if (place == places_mm_.end()) return false;  // not calibrated, or its geometry has not come yet
+void HeardCameras::forget(double now_s) {
+  std::erase_if(places_,
+                [&](const auto& one) { return now_s - one.second.heard_s > kPlaceForgottenAfter_s; });
   std::erase_if(holders_, [&](const auto& one) { return now_s - one.second.heard_s > kForgottenAfter_s; });
-  const auto holder = holders_.find(key.second);
-  const bool is_own = own_.contains(key.second);
-  if (is_own || (holder != holders_.end() && holder->second.address != address)) {
-    if (conflicts_.size() < kMaxCameras || conflicts_.contains(key))
-      conflicts_[key] = {now_s, {key.second, address, is_own ? "" : holder->second.address}};
+  std::erase_if(conflicts_, [&](const auto& one) { return now_s - one.second.first > kForgottenAfter_s; });
+}
+
+void HeardCameras::note_places(const VisionMessage& message, const std::string& address, bool is_named,
+                               double now_s) {
+  // Strangers take no place from computers that are named, whose cameras are limited by their ids.
+  auto unnamed = static_cast<std::size_t>(
+      std::ranges::count_if(places_, [](const auto& one) { return !one.second.is_named; }));
+  for (const VisionMessage::Camera& camera : message.cameras) {
+    const Key key{address, camera.id};
+    const bool is_new = !places_.contains(key);
+    if (is_new && !is_named && unnamed++ >= limits::kMaxUnnamedCameras) continue;
+    places_[key] = {camera.place_mm, now_s, is_named};
+  }
+}
+
+bool HeardCameras::hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s,
+                        double unix_s, ArrivedSightings& out) {
+  forget(now_s);
+  note_places(message, address, is_named, now_s);
+  if (!message.detection) return false;
+  const CameraSightings& image = message.detection->arrived.image;
+  const Key key{address, image.camera};
+  const auto place = places_.find(key);
+  if (place == places_.end()) return false;  // not calibrated, or its geometry has not come yet
+  place->second.heard_s = now_s;
+  place->second.is_named = is_named;
+  if (own_.contains(image.camera)) {
+    holders_.erase(image.camera);
     return false;
   }
-  if (holder == holders_.end() && holders_.size() >= kMaxCameras) return false;
-  Holder& from = holders_[key.second];
-  from.address = address;
-  from.heard_s = now_s;
-  if (std::isfinite(frame.t_sent())) from.clock.heard(frame.t_sent(), unix_s);
-
-  out.camera = key.second;
-  out.frame_number = frame.frame_number();
-  out.t_capture_s = frame.t_capture() + from.clock.correction_s();
-  out.camera_mm = place->second;
-  out.is_of_other_computer = true;
-  out.robots.clear();
-  add_robots(frame.robots_yellow(), Team::kYellow, out);
-  add_robots(frame.robots_blue(), Team::kBlue, out);
-  out.balls.clear();
-  for (const SSL_DetectionBall& ball : frame.balls()) {
-    if (out.balls.size() >= kMaxOfAKind) break;
-    out.balls.push_back({{ball.x(), ball.y()}, Eigen::Matrix2d::Zero(), ball.confidence()});
+  Holder& holder = holders_[image.camera];
+  const Heard& newest = holder.newest;
+  if (!newest.address.empty() && newest.address != address && (newest.is_used || !is_named)) {
+    const bool has_room = conflicts_.size() < limits::kMaxUnnamedCameras || conflicts_.contains(key);
+    if (newest.is_used && has_room) conflicts_[key] = {now_s, {image.camera, address, newest.address}};
+    return false;
   }
+  if (newest.address != address) holder = {};
+  holder.heard_s = now_s;
+  holder.clock.heard(message.detection->t_sent_s, unix_s);
+  holder.newest = {address, is_named, holder.clock.correction_s(), image.robots.size(), image.balls.size()};
+  if (!is_named) return false;
+
+  out = message.detection->arrived;
+  out.image.t_capture_s += newest.clock_correction_s;
+  out.image.camera_mm = place->second.mm;
+  const Senseless dropped = drop_senseless(out.image);  // now that the camera's height is known
+  out.left_out += dropped.robots + dropped.balls;
   return true;
 }
 
@@ -109,7 +98,7 @@ std::vector<HeardCameras::Conflict> HeardCameras::conflicts(double now_s) const 
 std::map<int, HeardCameras::Heard> HeardCameras::cameras(double now_s) const {
   std::map<int, Heard> out;
   for (const auto& [id, holder] : holders_) {
-    if (now_s - holder.heard_s <= kForgottenAfter_s) out[id] = {holder.address, holder.clock.correction_s()};
+    if (now_s - holder.heard_s <= kForgottenAfter_s) out[id] = holder.newest;
   }
   return out;
 }

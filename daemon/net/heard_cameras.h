@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "net/vision_message.h"
 #include "tracking/sightings.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -11,8 +13,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-
-class SSL_WrapperPacket;
 
 namespace sslv {
 
@@ -32,47 +32,61 @@ class OtherClock {
   bool has_before_ = false, has_now_ = false;
 };
 
-/// Makes sightings of what other visions send of their cameras. Not for several threads at once.
+/// The cameras of other computers that send to the vision group. All are listed; only those whose computer
+/// the settings name are used. Every table forgets what is silent. Not for several threads at once.
 class HeardCameras {
  public:
-  /// Whose packets are left out, and why.
+  /// Two visions send a camera with the same id, and tracks could use one of them.
   struct Conflict {
     int camera = 0;
     std::string address;     // of the vision that is not listened to
-    std::string instead_of;  // whose camera of that id is; empty: it is our own
+    std::string instead_of;  // of the one that is
     bool operator==(const Conflict&) const = default;
   };
 
   /// Ids of this computer's own cameras: others with such an id are left out.
   void set_own(std::set<int> camera_ids) { own_ = std::move(camera_ids); }
 
-  /// Takes a packet at a monotonic time, and by this computer's clock. True when `out` is what a camera saw.
-  bool read(const SSL_WrapperPacket& packet, const std::string& address, double now_s, double unix_s,
-            CameraSightings& out);
+  /// A message at a monotonic time and at this computer's Unix time. `is_named`: the settings name its
+  /// computer. True if `out` is an image to be used.
+  bool hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s,
+            double unix_s, ArrivedSightings& out);
 
   /// Of the last seconds.
   std::vector<Conflict> conflicts(double now_s) const;
   struct Heard {
     std::string address;
-    double clock_correction_s;
+    bool is_used = false;  // for the tracks
+    double clock_correction_s = 0;
+    std::size_t robots = 0, balls = 0;  // in its newest image
   };
   /// Other computers' cameras that are heard now, by their ids.
   std::map<int, Heard> cameras(double now_s) const;
 
   /// So long after its last packet, another vision may have the camera's id.
   static constexpr double kForgottenAfter_s = 2;
+  /// Geometry comes every minute at the longest.
+  static constexpr double kPlaceForgottenAfter_s = 61;
 
  private:
   using Key = std::pair<std::string, int>;  // address and camera id
-  struct Holder {
-    std::string address;
-    double heard_s;
+  struct Place {                            // where a camera hangs
+    Eigen::Vector3d mm;
+    double heard_s;  // the camera's last detection or geometry
+    bool is_named;
+  };
+  struct Holder {  // the camera that has an id
+    Heard newest;
+    double heard_s = 0;
     OtherClock clock;
   };
 
+  void forget(double now_s);
+  void note_places(const VisionMessage& message, const std::string& address, bool is_named, double now_s);
+
   std::set<int> own_;
-  std::map<Key, Eigen::Vector3d> places_mm_;  // where cameras hang
-  std::map<int, Holder> holders_;             // by camera id
+  std::map<Key, Place> places_;
+  std::map<int, Holder> holders_;  // by camera id
   std::map<Key, std::pair<double, Conflict>> conflicts_;
 };
 

@@ -2,70 +2,15 @@
 #include "net/other_visions.h"
 
 #include "base/clock.h"
-#include "net/parse.h"
-#include "ssl_vision_wrapper.pb.h"
+#include "geometry/limits.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace sslv {
-namespace {
 
 using boost::asio::ip::udp;
 using google::protobuf::FieldDescriptor;
-using google::protobuf::Message;
-
-// More can only be an attack; these are enough to say that something is wrong.
-constexpr std::size_t kMaxSenders = 16, kMaxCameras = 64;
-
-/// A number that is set; nothing for an absent field or one of another kind.
-std::optional<double> number(const Message& message, const FieldDescriptor& field) {
-  const auto* reflection = message.GetReflection();
-  if (field.is_repeated() || !reflection->HasField(message, &field)) return std::nullopt;
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_INT32: return reflection->GetInt32(message, &field);
-    case FieldDescriptor::CPPTYPE_FLOAT: return reflection->GetFloat(message, &field);
-    case FieldDescriptor::CPPTYPE_DOUBLE: return reflection->GetDouble(message, &field);
-    default: return std::nullopt;
-  }
-}
-
-template <class Things>
-bool are_somewhere(const Things& things) {
-  return std::all_of(things.begin(), things.end(),
-                     [](const auto& one) { return std::isfinite(one.x()) && std::isfinite(one.y()); });
-}
-
-bool makes_sense(const SSL_DetectionFrame& frame) {
-  return std::isfinite(frame.t_capture()) && std::isfinite(frame.t_sent()) && are_somewhere(frame.balls()) &&
-         are_somewhere(frame.robots_yellow()) && are_somewhere(frame.robots_blue());
-}
-
-bool makes_sense(const SSL_GeometryFieldSize& field) {
-  constexpr double kLargest = 1e6;
-  for (int i = 0; i < field.GetDescriptor()->field_count(); ++i) {
-    const auto size = number(field, *field.GetDescriptor()->field(i));
-    if (size && !(*size >= 0 && *size <= kLargest)) return false;  // NaN neither
-  }
-  return field.field_length() > 0 && field.field_width() > 0;
-}
-
-/// It says something, and nothing absurd.
-bool makes_sense(const SSL_WrapperPacket& packet) {
-  return (packet.has_detection() || packet.has_geometry()) &&
-         (!packet.has_detection() || makes_sense(packet.detection())) &&
-         (!packet.has_geometry() || makes_sense(packet.geometry().field()));
-}
-
-SSL_GeometryFieldSize sizes_of(const SSL_GeometryFieldSize& field) {
-  SSL_GeometryFieldSize sizes = field;
-  sizes.clear_field_lines();
-  sizes.clear_field_arcs();
-  sizes.DiscardUnknownFields();
-  return sizes;
-}
-
-}  // namespace
 
 std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
                                          const SSL_GeometryFieldSize& theirs) {
@@ -73,7 +18,7 @@ std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
   std::vector<SizeConflict> conflicts;
   for (int i = 0; i < ours.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor& field = *ours.GetDescriptor()->field(i);
-    const auto our_size = number(ours, field), their_size = number(theirs, field);
+    const auto our_size = number_of(ours, field), their_size = number_of(theirs, field);
     if (our_size && their_size && std::abs(*our_size - *their_size) > kSame_mm) {
       conflicts.push_back({field.name(), *our_size, *their_size});
     }
@@ -106,29 +51,41 @@ void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpo
     on_own_(datagram, now_s);
     return;
   }
-  SSL_WrapperPacket packet;
-  const bool good = parse(packet, datagram) && makes_sense(packet);
-  std::optional<SSL_GeometryFieldSize> field;
-  if (good && packet.has_geometry()) field = sizes_of(packet.geometry().field());
+  const auto message = VisionMessage::read(datagram);
   const std::string address = sender.address().to_string();
-  if (good) on_other_(packet, address, now_s);
-
-  const std::lock_guard lock(mutex_);
-  if (!good) {
-    ++refused_;
-    return;
+  bool is_named = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!message) {
+      ++refused_;
+      return;
+    }
+    is_named = named_.contains(address);
+    note(*message, address, is_named, now_s);
   }
+  on_other_(*message, address, is_named, now_s);
+}
+
+void OtherVisions::note(const VisionMessage& message, const std::string& address, bool is_named,
+                        double now_s) {
   std::erase_if(senders_, [&](const auto& one) { return now_s - one.second.heard_s > kForgottenAfter_s; });
-  if (senders_.size() >= kMaxSenders && !senders_.contains(address)) return;
+  const auto unnamed =
+      std::ranges::count_if(senders_, [&](const auto& one) { return !named_.contains(one.first); });
+  if (!is_named && !senders_.contains(address) && static_cast<std::size_t>(unnamed) >= limits::kMaxComputers)
+    return;
   Sender& from = senders_[address];
   from.heard_s = now_s;
-  if (field) from.field = std::move(field);
-  if (packet.has_detection()) {
-    auto& heard_s = from.camera_heard_s;
-    std::erase_if(heard_s, [&](const auto& one) { return now_s - one.second > kForgottenAfter_s; });
-    const std::uint32_t id = packet.detection().camera_id();
-    if (heard_s.size() < kMaxCameras || heard_s.contains(id)) heard_s[id] = now_s;
-  }
+  if (message.field) from.field = message.field;
+  if (!message.detection) return;
+  auto& heard_s = from.camera_heard_s;
+  std::erase_if(heard_s, [&](const auto& one) { return now_s - one.second > kForgottenAfter_s; });
+  const int id = message.detection->arrived.image.camera;
+  if (heard_s.size() < limits::kMaxCameras || heard_s.contains(id)) heard_s[id] = now_s;
+}
+
+void OtherVisions::set_named(std::set<std::string> addresses) {
+  const std::lock_guard lock(mutex_);
+  named_ = std::move(addresses);
 }
 
 std::vector<OtherVision> OtherVisions::seen(double now_s) const {
@@ -138,6 +95,7 @@ std::vector<OtherVision> OtherVisions::seen(double now_s) const {
     if (now_s - sender.heard_s > kForgottenAfter_s) continue;
     OtherVision& other = seen.emplace_back();
     other.address = address;
+    other.is_named = named_.contains(address);
     other.silent_s = std::max(0.0, now_s - sender.heard_s);
     other.field = sender.field;
     for (const auto& [id, heard_s] : sender.camera_heard_s) {

@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -27,7 +28,8 @@ struct RefereeSettings {
     using R = RefereeSettings;
     return std::tuple{
         flag("enabled", &R::enabled, "listen to the game controller"),
-        text("group", &R::group, "IPv4 multicast address that the game controller sends to"),
+        text("group", &R::group,
+             "IPv4 multicast address that the game controller sends to; its broadcasts are heard as well"),
         number("port", &R::port, 1, 65535, "", "UDP port that the game controller sends to"),
         text("interface", &R::interface,
              "name or IPv4 address of the network card on the game controller's network; empty: the "
@@ -98,6 +100,8 @@ class RefereeListener {
   /// the kick-off, in breaks and after the match it is not running.
   bool game_is_running() const;
   RefereeStatus status(double now_s) const;
+  /// Who sends there, and which way it comes.
+  std::vector<Arrival> arrivals(double now_s) const { return receiver_.arrivals(now_s); }
 
  private:
   const std::function<void()> on_new_names_;

@@ -2,6 +2,7 @@
 #include "pipeline/field_intake.h"
 
 #include "base/clock.h"
+#include "pipeline/senseless.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +14,6 @@ namespace {
 /// them for.
 constexpr double kRadiusSigmaShare = 0.02;
 
-/// `out` keeps its memory.
-template <class T>
-void copy_first(const std::vector<T>& from, std::size_t most, std::vector<T>& out) {
-  out.assign(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(std::min(from.size(), most)));
-}
-
 Eigen::Matrix2d matrix_of(const PlaceCov& cov) {
   Eigen::Matrix2d out;
   out << cov.xx_mm2, cov.xy_mm2, cov.xy_mm2, cov.yy_mm2;
@@ -29,14 +24,15 @@ BallSighting sighting_of(const Ball& ball, double ball_radius_mm, double camera_
   BallSighting out{{ball.x_mm, ball.y_mm}, matrix_of(ball.place_cov), ball.confidence};
   if (!(ball.radius_sigma_mm > 0) || !(ball.radius_mm > 0)) return out;
   const double up_mm = camera_height_mm - ball_radius_mm;
-  out.height_mm = ball_radius_mm + up_mm * (1 - ball_radius_mm / ball.radius_mm);
+  const double height_mm = ball_radius_mm + up_mm * (1 - ball_radius_mm / ball.radius_mm);
+  if (!(std::abs(height_mm) < limits::kMaxPlaceMm)) return out;
+  out.height_mm = height_mm;
   out.height_sigma_mm =
       up_mm * std::hypot(ball.radius_sigma_mm, kRadiusSigmaShare * ball_radius_mm) / ball_radius_mm;
   return out;
 }
 
-}  // namespace
-
+/// The lists keep their memory.
 void write_sightings(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                      const BallList& balls, CameraSightings& out) noexcept {
   out.camera = static_cast<int>(info.camera_id);
@@ -45,7 +41,7 @@ void write_sightings(const FrameInfo& info, const Scene& scene, const RobotList&
   out.camera_mm = scene.camera ? scene.camera->position_mm() : Eigen::Vector3d(0, 0, 0);
   out.robots.clear();
   for (const Robot& robot : robots.robots) {
-    if (out.robots.size() == SightingsQueue::kMaxRobots) break;
+    if (out.robots.size() == limits::kMaxRobots) break;
     out.robots.push_back({robot.team,
                           robot.id,
                           {robot.x_mm, robot.y_mm},
@@ -56,15 +52,19 @@ void write_sightings(const FrameInfo& info, const Scene& scene, const RobotList&
   }
   out.balls.clear();
   for (const Ball& ball : balls.balls) {
-    if (out.balls.size() == SightingsQueue::kMaxBalls) break;
+    if (out.balls.size() == limits::kMaxFieldBalls) break;
     out.balls.push_back(sighting_of(ball, scene.field.ball_radius, out.camera_mm.z()));
   }
+  out.is_taken = true;
+  out.is_of_other_computer = false;
 }
+
+}  // namespace
 
 SightingsQueue::SightingsQueue(std::shared_ptr<Bell> bell) : bell_(std::move(bell)) {
   queue_.prepare([](ArrivedSightings& slot) {
-    slot.image.robots.reserve(kMaxRobots);
-    slot.image.balls.reserve(kMaxBalls);
+    slot.image.robots.reserve(limits::kMaxRobots);
+    slot.image.balls.reserve(limits::kMaxFieldBalls);
   });
 }
 
@@ -86,21 +86,15 @@ void SightingsQueue::hand_over(const FrameInfo& info, const Scene& scene, const 
   ArrivedSightings* const slot = begin();
   if (!slot) return;
   write_sightings(info, scene, robots, balls, slot->image);
-  slot->image.is_of_other_computer = false;
+  const Senseless dropped = drop_senseless(slot->image);
+  slot->left_out = dropped.robots + dropped.balls;
   end(*slot);
 }
 
-void SightingsQueue::hand_over(const CameraSightings& heard) noexcept {
+void SightingsQueue::hand_over(const ArrivedSightings& heard) noexcept {
   ArrivedSightings* const slot = begin();
   if (!slot) return;
-  CameraSightings& image = slot->image;
-  image.camera = heard.camera;
-  image.frame_number = heard.frame_number;
-  image.t_capture_s = heard.t_capture_s;
-  image.camera_mm = heard.camera_mm;
-  image.is_of_other_computer = heard.is_of_other_computer;
-  copy_first(heard.robots, kMaxRobots, image.robots);
-  copy_first(heard.balls, kMaxBalls, image.balls);
+  *slot = heard;  // the lists keep their memory
   end(*slot);
 }
 

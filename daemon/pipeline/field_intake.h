@@ -29,17 +29,14 @@ class SightingsQueue {
   /// camera's thread: takes no lock and no memory.
   void hand_over(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                  const BallList& balls) noexcept;
-  /// What was heard of another computer's camera. For the thread that listens.
-  void hand_over(const CameraSightings& heard) noexcept;
+  /// An image of another computer's camera, validated. For the thread that listens.
+  void hand_over(const ArrivedSightings& heard) noexcept;
 
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
   // For the field's thread.
   const ArrivedSightings* to_read() const noexcept { return queue_.to_read(); }
   void read() noexcept { queue_.read(); }
-
-  /// So many a list has at most; more are left out.
-  static constexpr std::size_t kMaxRobots = 64, kMaxBalls = 64;
 
  private:
   ArrivedSightings* begin() noexcept;
@@ -93,9 +90,5 @@ class FieldIntake {
   std::uint64_t lost_before_ = 0;  // by those that are gone
   Handover<Queues> queues_{Queues{}};
 };
-
-/// What makes no difference to the field's stack whether it comes from a camera's detectors or its packet.
-void write_sightings(const FrameInfo& info, const Scene& scene, const RobotList& robots,
-                     const BallList& balls, CameraSightings& out) noexcept;
 
 }  // namespace sslv

@@ -28,6 +28,14 @@ const char* name_of(CheckState state) {
 
 }  // namespace
 
+void HealthReport::add_as_one(std::vector<Alert> same_kind) {
+  if (same_kind.empty()) return;
+  Alert& first = same_kind.front();
+  first.about.clear();  // so that it stays the same alert while strangers come and go
+  if (same_kind.size() > 1) first.title += fmt::format(" (and {} more)", same_kind.size() - 1);
+  alerts.push_back(std::move(first));
+}
+
 void HealthReport::finish() {
   std::stable_sort(alerts.begin(), alerts.end(),
                    [](const Alert& a, const Alert& b) { return a.severity < b.severity; });

@@ -46,7 +46,10 @@ struct HealthReport {
   std::vector<Alert> alerts;
   std::vector<Check> checks;
   Json* status = nullptr;           // takes keys of docs/openapi.json's Status; null: nobody asks for them
-  bool another_host_sends = false;  // another computer sends detections too, with times of its own clock
+  bool another_host_sends = false;  // a named computer sends detections too, with times of its own clock
+
+  /// Alerts of one kind, as many of which strangers can cause: the first stands for all of them.
+  void add_as_one(std::vector<Alert> same_kind);
 
   /// Sorts alerts, the worst first. Each check becomes as bad as its alerts, and the worst stands in the
   /// place of its text, unless it only informs.

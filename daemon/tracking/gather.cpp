@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/gather.h"
 
+#include "geometry/limits.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/LU>
@@ -13,10 +14,7 @@ namespace {
 
 using Eigen::Matrix2d, Eigen::Vector2d;
 
-constexpr int kMaxId = 255;
-/// A camera hangs above all that it sees.
-constexpr double kLowestCameraMm = 300, kHighestCameraMm = 100'000, kLowestRobotMm = 0,
-                 kHighestRobotMm = 1000;
+constexpr double kMaxAngleSigma_rad = 100;
 
 /// Neither nothing nor more than any field is long.
 bool is_sensible(const Matrix2d& cov_mm2) {
@@ -40,15 +38,11 @@ bool Gather::is_taken(const Params& params, const ArrivedSightings& arrived, dou
   if (!(std::abs(image.t_capture_s - now_s) <= params.max_time_off_s))
     return leave_out(LeftOut::Why::kTime, left_out.images_off_time);
   constexpr double kForgotten_s = 10;
-  std::erase_if(heard_s_, [&](const auto& one) { return now_s - one.second > kForgotten_s; });
+  std::erase_if(heard_s_, [&](const auto& one) { return std::abs(now_s - one.second) > kForgotten_s; });
   const auto known = heard_s_.find(image.camera);
-  // A stranger's cameras take no place from our own.
-  if (image.is_of_other_computer && known == heard_s_.end() && heard_s_.size() >= kMaxCameras)
+  // Other computers' cameras take no place from our own.
+  if (image.is_of_other_computer && known == heard_s_.end() && heard_s_.size() >= limits::kMaxCameras)
     return leave_out(LeftOut::Why::kTooMany, left_out.images_of_too_many);
-  const bool hangs = image.camera_mm.allFinite() && image.camera_mm.z() > kLowestCameraMm &&
-                     image.camera_mm.norm() < kHighestCameraMm;
-  // Without a place of its own, a camera has not been calibrated: it sees nothing on the field.
-  if (!hangs) return false;
   heard_s_[image.camera] = now_s;
   return true;
 }
@@ -64,43 +58,38 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
   out.is_of_other_computer = image.is_of_other_computer;
   out.robots.clear();
   out.balls.clear();
-  out.is_taken = is_taken(params, arrived, now_s, left_out);
-  if (out.is_taken) {
-    const auto is_near = [&](const Vector2d& place_mm) {
-      return place_mm.allFinite() && std::abs(place_mm.x()) <= field.field_length / 2.0 + params.reach_mm &&
-             std::abs(place_mm.y()) <= field.field_width / 2.0 + params.reach_mm;
-    };
-    for (const RobotSighting& seen : image.robots) {
-      const bool is_known = std::any_of(out.robots.begin(), out.robots.end(), [&](const auto& one) {
-        return one.team == seen.team && one.id == seen.id;
-      });
-      const bool makes_sense = seen.id >= 0 && seen.id <= kMaxId && is_near(seen.place_mm) &&
-                               std::isfinite(seen.orientation_rad) && seen.height_mm >= kLowestRobotMm &&
-                               seen.height_mm <= kHighestRobotMm &&
-                               seen.height_mm < image.camera_mm.z() - kLowestCameraMm / 2;
-      if (is_known || !makes_sense || out.robots.size() >= kMaxRobots) {
-        ++left_out.sightings;
-        continue;
-      }
-      RobotSighting robot = seen;
-      if (image.is_of_other_computer || !is_sensible(robot.place_cov_mm2) ||
-          !(robot.orientation_sigma_rad > 0)) {
-        robot.place_cov_mm2 = params.robot_sigma_mm * params.robot_sigma_mm * Matrix2d::Identity();
-        robot.orientation_sigma_rad = params.orientation_sigma_deg * std::numbers::pi / 180;
-      }
-      out.robots.push_back(robot);
+  out.is_taken = image.is_taken && is_taken(params, arrived, now_s, left_out);
+  if (!out.is_taken) return;
+  left_out.sightings += arrived.left_out;
+  const auto is_near = [&](const Vector2d& place_mm) {
+    return std::abs(place_mm.x()) <= field.field_length / 2.0 + params.reach_mm &&
+           std::abs(place_mm.y()) <= field.field_width / 2.0 + params.reach_mm;
+  };
+  for (const RobotSighting& seen : image.robots) {
+    const bool is_known = std::any_of(out.robots.begin(), out.robots.end(), [&](const auto& one) {
+      return one.team == seen.team && one.id == seen.id;
+    });
+    if (is_known || !is_near(seen.place_mm)) {
+      ++left_out.sightings;
+      continue;
     }
-    for (const BallSighting& seen : image.balls) {
-      if (!is_near(seen.place_mm) || out.balls.size() >= kMaxBalls) {
-        ++left_out.sightings;
-        continue;
-      }
-      BallSighting ball = seen;
-      if (image.is_of_other_computer || !is_sensible(ball.place_cov_mm2))
-        ball.place_cov_mm2 = params.ball_sigma_mm * params.ball_sigma_mm * Matrix2d::Identity();
-      if (!std::isfinite(ball.height_mm)) ball.height_sigma_mm = std::numeric_limits<double>::infinity();
-      out.balls.push_back(ball);
+    RobotSighting robot = seen;
+    if (image.is_of_other_computer || !is_sensible(robot.place_cov_mm2) ||
+        !(robot.orientation_sigma_rad > 0 && robot.orientation_sigma_rad < kMaxAngleSigma_rad)) {
+      robot.place_cov_mm2 = params.robot_sigma_mm * params.robot_sigma_mm * Matrix2d::Identity();
+      robot.orientation_sigma_rad = params.orientation_sigma_deg * std::numbers::pi / 180;
     }
+    out.robots.push_back(robot);
+  }
+  for (const BallSighting& seen : image.balls) {
+    if (!is_near(seen.place_mm)) {
+      ++left_out.sightings;
+      continue;
+    }
+    BallSighting ball = seen;
+    if (image.is_of_other_computer || !is_sensible(ball.place_cov_mm2))
+      ball.place_cov_mm2 = params.ball_sigma_mm * params.ball_sigma_mm * Matrix2d::Identity();
+    out.balls.push_back(ball);
   }
 }
 

@@ -17,7 +17,7 @@ namespace sslv {
 struct LeftOut {
   std::uint64_t images_off_time = 0;     // whose time is far from this computer's
   std::uint64_t images_of_too_many = 0;  // cameras
-  std::uint64_t sightings = 0;  // without sense: no numbers, far off the field, more than anyone plays with
+  std::uint64_t sightings = 0;  // without sense, far off the field, or of an id that was seen already
   // The last image that was left out.
   enum class Why : std::uint8_t { kNothing, kTime, kTooMany };
   friend constexpr Why largest(Why) { return Why::kTooMany; }
@@ -26,8 +26,8 @@ struct LeftOut {
   double t_s = 0;
 };
 
-/// Takes what a camera saw into the field, once it makes sense: a stranger's packets and a clock that was set
-/// wrongly must not harm what others see.
+/// Takes what a camera saw into the field where it fits the field and this computer's clock, and says how
+/// certain it is where the camera does not.
 class Gather {
  public:
   struct Params {
@@ -52,9 +52,6 @@ class Gather {
   };
   void process(const Params& params, const FieldSize& field, const FieldClock& clock,
                const ArrivedSightings& arrived, CameraSightings& out, LeftOut& left_out) noexcept;
-
-  /// More are no field of the league.
-  static constexpr std::size_t kMaxCameras = 16, kMaxRobots = 64, kMaxBalls = 64;
 
  private:
   bool is_taken(const Params& params, const ArrivedSightings& arrived, double now_s, LeftOut& left_out);

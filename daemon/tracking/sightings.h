@@ -45,10 +45,11 @@ struct CameraSightings {
   std::vector<BallSighting> balls;
 };
 
-/// What came in from a camera, before anything is checked.
+/// What came in from a camera, validated (pipeline/senseless.h): finite and in range.
 struct ArrivedSightings {
   CameraSightings image;
   std::int64_t handed_over_ns = 0;  // steady_ns(); 0: of no live camera
+  std::uint64_t left_out = 0;       // robots and balls that were dropped
 };
 
 /// When an image was taken, as its camera's even rate has it. Nothing for an image that is left out.

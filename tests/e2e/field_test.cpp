@@ -107,7 +107,7 @@ TEST_F(Field, TracksAreWhereTheRobotsAreAlthoughCamerasDiffer) {
   EXPECT_EQ(field.at("sends"), true);
 }
 
-TEST_F(Field, ACameraOfAnotherComputerIsTrackedToo) {
+TEST_F(Field, ACameraOfAnotherComputerIsShownAndTrackedOnceItIsNamed) {
   Json other = settings_;
   other["cameras"].erase(0);
   other["network"]["tracker"]["enabled"] = false;
@@ -121,10 +121,27 @@ TEST_F(Field, ACameraOfAnotherComputerIsTrackedToo) {
   RunningDaemon daemon(settings_file(), state_);
   wait_for_tracks([&](const TrackedFrame& frame) { return robots(frame) > 0; });
   std::optional<RunningDaemon> second(std::in_place, other_file, folder_.path() / "other state");
-  wait_for_tracks([&](const TrackedFrame& frame) { return robots(frame) == 12; });
-  const Json field = daemon.wait_for(
-      "/api/field", [](const Json& answer) { return answer.at("other_cameras").size() == 1; });
+  Json field = daemon.wait_for("/api/field", [](const Json& answer) {
+    return answer.at("other_cameras").size() == 1 && answer["other_cameras"][0].at("robots") > 0;
+  });
   EXPECT_EQ(field.at("other_cameras")[0].at("camera"), 1);
+  EXPECT_EQ(field.at("other_cameras")[0].at("is_used"), false);
+  Json status = daemon.wait_for_status([](const Json& s) { return has_alert(s, "vision_other"); });
+  EXPECT_EQ(status["network"]["other_visions"].at(0).at("is_named"), false);
+  // Until here nothing of it was used: this computer's camera does not see all robots.
+  const double shown_s = unix_now_s();
+  wait_for_tracks([&](const TrackedFrame& frame) {
+    EXPECT_LT(robots(frame), 12U);
+    return frame.timestamp() > shown_s;
+  });
+
+  daemon.set("/field/other_computers", Json::array({"127.0.0.1"}));
+  wait_for_tracks([&](const TrackedFrame& frame) { return robots(frame) == 12; });
+  field = daemon.wait_for("/api/field", [](const Json& answer) {
+    return answer.at("other_cameras").size() == 1 && answer["other_cameras"][0].at("is_used") == true;
+  });
+  status = daemon.wait_for_status([](const Json& s) { return !has_alert(s, "vision_other"); });
+  EXPECT_EQ(status["network"]["other_visions"].at(0).at("is_named"), true);
 
   // It vanishes: its robots go, and those that this computer sees stay.
   second.reset();
@@ -134,11 +151,42 @@ TEST_F(Field, ACameraOfAnotherComputerIsTrackedToo) {
     return frame.timestamp() > vanished_s && robots(frame) > 0 && robots(frame) < 12;
   });
 
-  daemon.set("/field/other_computers", false);
+  daemon.set("/field/other_computers", Json::array());
   RunningDaemon again(other_file, folder_.path() / "other state");
-  daemon.wait_for_status(
-      [](const Json& status) { return !status.at("network").at("other_visions").empty(); });
-  EXPECT_TRUE(daemon.get("/api/field").at("other_cameras").empty());
+  field =
+      daemon.wait_for("/api/field", [](const Json& answer) { return !answer.at("other_cameras").empty(); });
+  EXPECT_EQ(field.at("other_cameras")[0].at("is_used"), false);
+}
+
+/// As a switch without IGMP leaves it: multicast is lost, broadcasts come.
+TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
+  Json other = settings_;
+  other["cameras"].erase(0);
+  other["network"]["tracker"]["enabled"] = false;
+  other["network"]["vision"]["group"] = "127.255.255.255";
+  const std::string other_file = folder_.write("other.json", other.dump(2));
+  settings_["cameras"].erase(1);
+  settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});
+  settings_["network"]["vision"]["broadcast"] = "127.255.255.255";
+  RunningDaemon daemon(settings_file(), state_);
+  RunningDaemon second(other_file, folder_.path() / "other state");
+  daemon.wait_for("/api/field", [](const Json& answer) {
+    return answer.at("other_cameras").size() == 1 && answer.at("robots").size() == 12;
+  });
+  // What goes both ways counts once.
+  const Json packets = daemon.wait_for("/api/network/packets", [](const Json& answer) {
+    return !answer.at("detections").empty() && answer.at("arrivals").size() == 1 &&
+           answer["arrivals"][0].at("multicast") == true;
+  });
+  EXPECT_EQ(packets.at("broadcast"), "127.255.255.255");
+  EXPECT_EQ(packets["arrivals"][0],
+            (Json{{"what", "vision"}, {"address", "127.0.0.1"}, {"multicast", true}, {"broadcast", true}}));
+  const Json& heard = packets["detections"][0];
+  EXPECT_LE(heard.at("packets").get<std::uint64_t>(),
+            heard.at("packet").at("detection").at("frame_number").get<std::uint64_t>() + 1);
+  // Teams hear it both ways.
+  while (!receive(listener_).has_detection()) {
+  }
 }
 
 TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
@@ -177,6 +225,7 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
 /// often our cameras see them is the computer's affair: they see the whole field, and robots so slow that
 /// they can be foretold.
 TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
+  settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});  // by an admin who is wrong
   for (Json& camera : settings_["cameras"]) {
     camera["source"].update(Json{{"speed", 0.3}, {"frame_rate_hz", 20}});
     camera["calibration"]["focal_length"] = camera["calibration"]["focal_length"].get<double>() / 2;

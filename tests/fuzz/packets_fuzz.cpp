@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever comes by multicast costs nothing but itself. An input is datagrams one after the other,
-// each behind a byte that tells who sends it and two that tell how long it is. ./run test-long
+// libFuzzer: whatever comes by multicast costs nothing but itself, also of a computer that the settings name.
+// An input is datagrams one after the other, each behind a byte that tells who sends it and two that tell how
+// long it is. ./run test-long
 #include "fuzz/expect.h"
+#include "net/heard_cameras.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
+#include "pipeline/senseless.h"
+#include "tracking/agreement.h"
+#include "tracking/clocks.h"
+#include "tracking/gather.h"
+#include "tracking/track.h"
 
 #include <cmath>
 #include <cstddef>
@@ -17,8 +24,48 @@ namespace {
 // seen from outside.
 constexpr std::size_t kMaxCameras = 4096;
 
+/// The field's stack, but for what it sends.
+class Field final : private FieldClock {
+ public:
+  void take(const ArrivedSightings& arrived, double now_s) {
+    now_s_ = now_s;
+    gather_.process({}, {}, *this, arrived, sightings_, left_out_);
+    clocks_.process({}, sightings_, time_);
+    agreement_.process({}, sightings_, time_, observations_, learnt_);
+    track_.process({}, *this, {}, arrived, observations_, tracked_);
+    expect(!drop_senseless(sightings_).any() && !drop_senseless(time_).any(),
+           "what passed the door has none");
+    expect(!drop_senseless(observations_).any() && !drop_senseless(tracked_).any(), "tracks without sense");
+    expect(learnt_.repaired() + tracked_.repaired == 0, "a filter that is no number");
+  }
+
+ private:
+  double now_s() const noexcept override { return now_s_; }
+
+  double now_s_ = 0;
+  Gather gather_;
+  Clocks clocks_;
+  Agreement agreement_;
+  Track track_;
+  CameraSightings sightings_;
+  LeftOut left_out_;
+  ImageTime time_;
+  Observations observations_;
+  CameraAgreement learnt_;
+  TrackedField tracked_;
+};
+
 struct Listeners {
-  OtherVisions visions{[](const auto&) { return false; }};
+  Listeners() { visions.set_named({"192.0.2.0", "192.0.2.1"}); }
+  void hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s) {
+    if (cameras.hear(message, address, is_named, now_s, now_s, arrived)) field.take(arrived, now_s);
+  }
+  HeardCameras cameras;
+  ArrivedSightings arrived;
+  Field field;
+  OtherVisions visions{[](const auto&) { return false; }, [](auto, double) {},
+                       [this](const VisionMessage& message, const std::string& address, bool is_named,
+                              double now_s) { hear(message, address, is_named, now_s); }};
   RefereeListener referee{[] {}};
 };
 
@@ -30,6 +77,8 @@ void check(const Listeners& listeners, double now_s) {
     for (const SizeConflict& conflict : size_conflicts(*other.field, *other.field))
       expect(std::isfinite(conflict.ours), "a size that is no number");
   }
+  expect(listeners.cameras.cameras(now_s).size() <= 256 && listeners.cameras.conflicts(now_s).size() <= 64,
+         "tables of cameras without bounds");
   const RefereeStatus status = listeners.referee.status(now_s);
   for (const std::string& name : status.team_names) expect(name.size() <= 65'535, "a name that is too long");
 }

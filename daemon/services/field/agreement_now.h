@@ -3,6 +3,7 @@
 
 #include "base/json.h"
 #include "geometry/field.h"
+#include "geometry/limits.h"
 #include "tracking/camera_agreement.h"
 
 #include <array>
@@ -31,7 +32,8 @@ struct AgreementNow {
     float x_mm, y_mm, off_x_mm, off_y_mm, samples;
     double t_s;
   };
-  static constexpr std::size_t kMaxCameras = 16, kMaxRobots = 64, kMaxDifferences = 1024;
+  static constexpr std::size_t kMaxCameras = limits::kMaxCameras, kMaxRobots = limits::kMaxRobots,
+                               kMaxDifferences = 1024;
 
   double t_s = 0;
   std::uint32_t camera_count = 0, height_count = 0, difference_count = 0;

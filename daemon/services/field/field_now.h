@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "geometry/limits.h"
 #include "tracking/tracks.h"
 
 #include <array>
@@ -25,7 +26,7 @@ struct FieldNow {
     int team, id;  // of the robot; id -1: not known
     bool is_chip;
   };
-  static constexpr std::size_t kMaxRobots = 64, kMaxBalls = 8, kKicks = 8;
+  static constexpr std::size_t kMaxRobots = limits::kMaxRobots, kMaxBalls = 8, kKicks = 8;
 
   double t_s = 0;
   std::uint32_t number = 0;  // 0: nothing was tracked yet

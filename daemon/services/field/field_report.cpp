@@ -2,6 +2,7 @@
 #include "services/field/field_report.h"
 
 #include "config/missing_stages.h"
+#include "geometry/limits.h"
 
 #include <fmt/format.h>
 
@@ -70,22 +71,20 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .page = "#/settings/field"});
   }
   report_stages(facts.stack, report);
+  std::vector<Alert> twice;
   for (const HeardCameras::Conflict& conflict : facts.conflicts) {
-    if (conflict.instead_of.empty()) continue;  // the network service says so of our own cameras
-    report.alerts.push_back(
+    twice.push_back(
         {.id = "camera_twice",
          .check = "other_visions",
          .severity = Severity::kWarn,
          .title = fmt::format("Two other visions send a camera {}: {} and {}", conflict.camera,
                               conflict.instead_of, conflict.address),
-         .fix =
-             fmt::format("Give every camera of the field an id of its own. Until then, {} is left out of the "
-                         "tracks.",
-                         conflict.address),
-         .page = "",
-         .camera = std::nullopt,
-         .about = fmt::format("{} {}", conflict.camera, conflict.address)});
+         .fix = fmt::format("Give every camera of the field an id of its own. Until then, {} is left "
+                            "out of the tracks.",
+                            conflict.address),
+         .page = ""});
   }
+  report.add_as_one(std::move(twice));
   const LeftOut& left_out = facts.left_out;
   // Of a clock that was set back, nobody knows how long ago it was.
   const double ago_s = facts.now_s - left_out.t_s;
@@ -111,9 +110,8 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .severity = Severity::kWarn,
          .title = fmt::format("Camera {} is left out of the tracks: at most {} cameras are "
                               "tracked",
-                              left_out.camera, Gather::kMaxCameras),
-         .fix = "Find out who else sends to the vision group, or set "
-                "field/other_computers to off.",
+                              left_out.camera, limits::kMaxCameras),
+         .fix = "Take computers that are not of this field out of field/other_computers.",
          .page = "#/settings/field"});
   }
 }

@@ -46,6 +46,7 @@ MulticastSettings multicast_of(const NetworkSettings& network) {
   MulticastSettings out = network.vision;
   out.group = network.tracker.group;
   out.port = network.tracker.port;
+  if (out.broadcast == out.group) out.broadcast.clear();
   return out;
 }
 
@@ -108,16 +109,16 @@ Plan FieldService::plan(const SettingsChange& change) const {
                 {
                   const std::lock_guard lock(self.heard_mutex_);
                   self.heard_cameras_.set_own(ids_of(*config));
-                  self.takes_other_computers_ = config->field.other_computers;
                 }
                 self.running_.change(std::move(*setup));
               }};
 }
 
-void FieldService::hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s) {
+void FieldService::hear(const VisionMessage& message, const std::string& address, bool is_named,
+                        double now_s) {
   const std::lock_guard lock(heard_mutex_);
-  if (!takes_other_computers_) return;
-  if (heard_cameras_.read(packet, address, now_s, unix_time_s(), heard_)) heard_queue_->hand_over(heard_);
+  if (heard_cameras_.hear(message, address, is_named, now_s, unix_time_s(), heard_))
+    heard_queue_->hand_over(heard_);
 }
 
 void FieldService::each_second() {
@@ -226,6 +227,9 @@ Json FieldService::field_json() {
     out["other_cameras"].push_back(
         {{"camera", id},
          {"address", heard.address},
+         {"is_used", heard.is_used},
+         {"robots", heard.robots},
+         {"balls", heard.balls},
          {"clock_correction_ms", std::round(heard.clock_correction_s * 1e4) / 10}});
   }
   return out;
@@ -273,7 +277,7 @@ void FieldService::report(HealthReport& report) const {
                    .now_ns = steady_ns()};
   {
     const std::lock_guard lock(heard_mutex_);
-    if (takes_other_computers_) facts.conflicts = heard_cameras_.conflicts(steady_s());
+    facts.conflicts = heard_cameras_.conflicts(steady_s());
   }
   report_field(facts, report);
   if (!report.status) return;
@@ -287,7 +291,8 @@ void FieldService::add_diagnostics(Json& diagnostics) const {
                           {"lost", intake_.lost()},
                           {"images_off_time", left_out.images_off_time},
                           {"images_of_too_many", left_out.images_of_too_many},
-                          {"sightings_left_out", left_out.sightings}};
+                          {"sightings_left_out", left_out.sightings},
+                          {"filters_repaired", running_.repaired()}};
 }
 
 void FieldService::write_metrics(MetricsText& out) const {
@@ -300,6 +305,9 @@ void FieldService::write_metrics(MetricsText& out) const {
   out.add({{"what", "image_off_time"}}, left_out.images_off_time);
   out.add({{"what", "image_of_too_many_cameras"}}, left_out.images_of_too_many);
   out.add({{"what", "sighting"}}, left_out.sightings);
+  out.begin("sslv_field_filters_repaired_total", "counter",
+            "Filters of tracks and of the cameras' agreement that were not finite and were reset.");
+  out.add({}, running_.repaired());
   out.begin("sslv_field_latency_seconds", "histogram",
             "From when a camera handed over what it saw to when tracks were sent.");
   out.add({}, running_.latency_total().read());

@@ -23,8 +23,6 @@
 #include <optional>
 #include <string>
 
-class SSL_WrapperPacket;
-
 namespace sslv {
 
 /// Makes one field of what all cameras see, this computer's and others'; sends tracks, and tells viewers.
@@ -34,8 +32,9 @@ class FieldService final : public Service, public Topic {
   FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
                StateFolder& folder);
 
-  /// A packet of another computer's vision, at a monotonic time. From the thread that listens.
-  void hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s);
+  /// What another computer's vision says, and whether the settings name that computer, at a monotonic time.
+  /// From the thread that listens.
+  void hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s);
 
   // Topic
   const char* topic_name() const override { return "field"; }
@@ -69,10 +68,9 @@ class FieldService final : public Service, public Topic {
   const std::string uuid_;
   MulticastSender sender_;
   const std::shared_ptr<SightingsQueue> heard_queue_;
-  mutable std::mutex heard_mutex_;  // guards the next three; never taken by a camera's thread or the field's
+  mutable std::mutex heard_mutex_;  // guards the next two; never taken by a camera's thread or the field's
   HeardCameras heard_cameras_;
-  CameraSightings heard_;
-  bool takes_other_computers_ = true;
+  ArrivedSightings heard_;
   mutable std::mutex history_mutex_;
   AgreementHistory history_;
   mutable std::mutex stages_mutex_;  // guards the next two

@@ -55,6 +55,8 @@ class RunningField final : private FieldSink, private FieldClock {
   LeftOut left_out() const { return left_out_.load(); }
   /// Images of all cameras.
   std::uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
+  /// Filters that were not finite and were reset; likewise.
+  std::uint64_t repaired() const { return repaired_.load(std::memory_order_relaxed); }
   /// From when a camera handed over what it saw to when tracks are on the socket.
   const RecentDurations& latency() const { return latency_; }
   const DurationTotals& latency_total() const { return latency_total_; }
@@ -84,7 +86,7 @@ class RunningField final : private FieldSink, private FieldClock {
   MulticastSender& out_;
   BallLearning& ball_;
   Handover<FieldSetup> setup_;
-  std::atomic<std::uint64_t> frames_{0};
+  std::atomic<std::uint64_t> frames_{0}, repaired_{0};
   RecentDurations latency_;
   DurationTotals latency_total_;
   std::vector<DurationTotals> stage_totals_;

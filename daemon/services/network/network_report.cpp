@@ -17,44 +17,48 @@ std::string joined(const std::vector<std::string>& texts) {
 }
 
 /// What a second vision does to the teams, which cannot tell whose packets they get.
-void add_vision_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
+void add_vision_alerts(HealthReport& report, const NetworkFacts& facts) {
+  std::vector<Alert> same_camera, other_field, unnamed;
   for (const OtherVision& other : facts.other_visions) {
-    const auto add = [&](const char* id, Severity severity, std::string title, std::string fix,
-                         std::string page) {
-      alerts.push_back({.id = id,
-                        .check = "other_visions",
-                        .severity = severity,
-                        .title = std::move(title),
-                        .fix = std::move(fix),
-                        .page = std::move(page),
-                        .about = other.address});
+    const auto add = [&](std::vector<Alert>& to, const char* id, Severity severity, std::string title,
+                         std::string fix, std::string page) {
+      to.push_back({.id = id,
+                    .check = "other_visions",
+                    .severity = severity,
+                    .title = std::move(title),
+                    .fix = std::move(fix),
+                    .page = std::move(page)});
     };
     std::vector<std::string> shared_ids, conflicts;
     for (const CameraSettings& camera : facts.config->cameras) {
-      const auto id = static_cast<std::uint32_t>(camera.id);
-      if (std::find(other.cameras.begin(), other.cameras.end(), id) != other.cameras.end()) {
-        shared_ids.push_back(std::to_string(id));
-      }
+      if (std::find(other.cameras.begin(), other.cameras.end(), camera.id) != other.cameras.end())
+        shared_ids.push_back(std::to_string(camera.id));
     }
     for (const SizeConflict& size : field_conflicts(facts, other)) {
       conflicts.push_back(fmt::format("{} is {:g} here and {:g} there", size.name, size.ours, size.theirs));
     }
     if (!shared_ids.empty()) {
-      add("vision_same_camera", Severity::kBad,
+      add(same_camera, "vision_same_camera", Severity::kBad,
           fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
           "Teams mix up what the two cameras see: give each its own id, or stop one of the vision services.",
           "#/settings/cameras");
     }
     if (!conflicts.empty()) {
-      add("vision_other_field", Severity::kBad,
+      add(other_field, "vision_other_field", Severity::kBad,
           fmt::format("{} sends another field: {}", other.address, joined(conflicts)),
           "Teams get both in turn: set the same sizes, or stop one of the vision services.", "#/field");
     }
-    if (shared_ids.empty() && conflicts.empty()) {
-      add("vision_other", Severity::kInfo, fmt::format("{} also sends to the vision group", other.address),
-          "Nothing to do if it is the vision of this field's other cameras; otherwise stop it.", "#/field");
+    if (shared_ids.empty() && conflicts.empty() && !other.is_named) {
+      add(unnamed, "vision_other", Severity::kInfo,
+          fmt::format("{} also sends to the vision group; its cameras are shown, but not used for tracks",
+                      other.address),
+          fmt::format(
+              "If it is a computer of this field, add {} to field/other_computers; otherwise stop it.",
+              other.address),
+          "#/settings/field");
     }
   }
+  for (auto* kind : {&same_camera, &other_field, &unnamed}) report.add_as_one(std::move(*kind));
 }
 
 std::string game_controller_text(const GameController& one) {
@@ -90,12 +94,13 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
 
 void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
   if (!facts.multicast.error.empty()) {
-    alerts.push_back({.id = "not_sending",
-                      .check = "network",
-                      .severity = Severity::kBad,
-                      .title = "No packets are sent",
-                      .fix = facts.multicast.error + "; the service tries again automatically.",
-                      .page = "#/settings/network/vision"});
+    alerts.push_back(
+        {.id = "not_sending",
+         .check = "network",
+         .severity = Severity::kBad,
+         .title = facts.multicast.some_leave ? "Packets do not leave both ways" : "No packets are sent",
+         .fix = facts.multicast.error + "; the service tries again automatically.",
+         .page = "#/settings/network/vision"});
     return;  // that says what to do about those below too
   }
   if (const std::string& card = facts.cards.without_link; !card.empty()) {
@@ -206,6 +211,7 @@ Json other_visions_json(const NetworkFacts& facts) {
       conflicts.push_back({{"name", size.name}, {"ours", size.ours}, {"theirs", size.theirs}});
     }
     out.push_back({{"address", other.address},
+                   {"is_named", other.is_named},
                    {"silent_s", other.silent_s},
                    {"cameras", other.cameras},
                    {"field_conflicts", std::move(conflicts)}});
@@ -268,7 +274,7 @@ std::vector<SizeConflict> field_conflicts(const NetworkFacts& facts, const Other
 void report_network(const NetworkFacts& facts, HealthReport& report) {
   report.another_host_sends = facts.another_host_sends;
   add_network_alerts(report.alerts, facts);
-  add_vision_alerts(report.alerts, facts);
+  add_vision_alerts(report, facts);
   add_referee_alerts(report.alerts, facts);
   for (const auto check : {check_network, check_other_visions, check_referee, check_teams})
     report.checks.push_back(check(facts));

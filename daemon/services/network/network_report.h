@@ -29,7 +29,7 @@ struct NetworkFacts {
   MulticastStatus multicast;
   std::shared_ptr<const Geometry> geometry;  // what is sent
   std::vector<OtherVision> other_visions;
-  bool another_host_sends = false;  // one of them is on another computer
+  bool another_host_sends = false;  // one of them is on another computer that the settings name
   CardsUsed cards{};
   std::string listening_error;        // why the vision group cannot be heard
   std::uint64_t refused_packets = 0;  // that came to the vision group

@@ -38,6 +38,10 @@ GroupAddress vision_address(const Config& config) {
   return {vision.group, vision.port, vision.interface};
 }
 
+std::set<std::string> computers_named(const Config& config) {
+  return {config.field.other_computers.begin(), config.field.other_computers.end()};
+}
+
 std::optional<GroupAddress> referee_address(const Config& config) {
   const RefereeSettings& referee = config.network.referee;
   if (!referee.enabled) return std::nullopt;
@@ -45,14 +49,15 @@ std::optional<GroupAddress> referee_address(const Config& config) {
                       referee.interface.empty() ? config.network.vision.interface : referee.interface};
 }
 
-bool is_of_another_host(const std::vector<OtherVision>& visions, const std::vector<NetworkCard>& cards) {
+bool is_of_named_host(const std::vector<OtherVision>& visions, const std::vector<NetworkCard>& cards) {
   if (visions.empty()) return false;
   std::set<std::string> ours;
   for (const NetworkCard& card : cards) {
     for (const auto& address : card.addresses) ours.insert(address.to_string());
   }
-  return std::any_of(visions.begin(), visions.end(),
-                     [&](const OtherVision& other) { return !ours.contains(other.address); });
+  return std::any_of(visions.begin(), visions.end(), [&](const OtherVision& other) {
+    return other.is_named && !ours.contains(other.address);
+  });
 }
 
 CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkCard>& cards) {
@@ -103,9 +108,8 @@ NetworkService::NetworkService(const Snapshot<Config>& config, MulticastSender& 
                      [this](std::span<const std::byte> datagram, double now_s) {
                        heard_packets_.receive(datagram, now_s);
                      },
-                     [this](const SSL_WrapperPacket& packet, const std::string& address, double now_s) {
-                       on_other_(packet, address, now_s);
-                     }) {}
+                     [this](const VisionMessage& message, const std::string& address, bool is_named,
+                            double now_s) { on_other_(message, address, is_named, now_s); }) {}
 
 void NetworkService::stop_listening() {
   referee_.listen(std::nullopt);
@@ -116,8 +120,10 @@ Plan NetworkService::plan(const SettingsChange& change) const {
   return {.apply = [&self = later(*this),
                     geometry = std::make_shared<const Geometry>(make_geometry(change.next)),
                     vision = change.next.network.vision, interval = geometry_interval(change.next),
-                    heard = vision_address(change.next), referee = referee_address(change.next)]() noexcept {
+                    heard = vision_address(change.next), referee = referee_address(change.next),
+                    named = computers_named(change.next)]() mutable noexcept {
     self.multicast_.configure(vision, "/network/vision");
+    self.other_visions_.set_named(std::move(named));
     self.geometry_.store(geometry);
     self.geometry_sender_.restart(interval);
     self.other_visions_.listen(heard);
@@ -139,7 +145,9 @@ std::vector<Route> NetworkService::routes() {
            [this](const Request&) {
              return json_response(packets_json({.sent_by = config_.load()->network.vision,
                                                 .heard = heard_packets_,
-                                                .listening_error = other_visions_.error()},
+                                                .listening_error = other_visions_.error(),
+                                                .vision = other_visions_.arrivals(steady_s()),
+                                                .referee = referee_.arrivals(steady_s())},
                                                steady_s()));
            }},
           {"GET", "/api/network/listeners",
@@ -175,13 +183,15 @@ void NetworkService::write_metrics(MetricsText& out) const {
 void NetworkService::each_second() {
   packet_timeline_.add(unix_time_s(), multicast_.status().packets_sent);
   const std::vector<NetworkCard> cards = network_cards();
-  another_host_sends_ = is_of_another_host(other_visions_.seen(steady_s()), cards);
+  another_host_sends_ = is_of_named_host(other_visions_.seen(steady_s()), cards);
   cards_used_.store(cards_used(config_.load()->network.vision, cards));
 }
 
 std::string NetworkService::summary() const {
   const auto config = config_.load();
-  return fmt::format("{}:{}{}", config->network.vision.group, config->network.vision.port,
+  const MulticastSettings& vision = config->network.vision;
+  return fmt::format("{}:{}{}{}", vision.group, vision.port,
+                     vision.broadcast.empty() ? "" : fmt::format(" and {}:{}", vision.broadcast, vision.port),
                      multicast_.status().error.empty() ? "" : " (not sending)");
 }
 

@@ -29,7 +29,7 @@ class NetworkService final : public Service {
   /// Called from the referee's thread whenever a team has another name. To be set before the first change of
   /// settings is applied.
   void on_new_team_names(std::function<void()> act) { on_new_names_ = std::move(act); }
-  /// Likewise: `act` is called with every packet of another vision, from the thread that listens.
+  /// Likewise: `act` is called with what another vision says, from the thread that listens.
   void on_other_vision(OtherVisions::OnOther act) { on_other_ = std::move(act); }
   /// Nothing is heard any more, so that nobody is told of new names.
   void stop_listening();
@@ -53,7 +53,7 @@ class NetworkService final : public Service {
   Snapshot<Geometry> geometry_;
   GeometrySender geometry_sender_;
   std::function<void()> on_new_names_;
-  OtherVisions::OnOther on_other_ = [](const SSL_WrapperPacket&, const std::string&, double) {};
+  OtherVisions::OnOther on_other_ = [](const VisionMessage&, const std::string&, bool, double) {};
   RefereeListener referee_;
   GroupAddress heard_at_;       // of the thread that applies settings
   HeardPackets heard_packets_;  // before other_visions_, whose thread fills it

@@ -20,11 +20,22 @@ Json packet_figures(const HeardPacket& packet, double now_s) {
 /// Why packets that leave may not be in the answer; empty when they are.
 std::string not_heard_because(const PacketFacts& facts) {
   if (!facts.listening_error.empty()) return facts.listening_error;
-  if (!facts.sent_by.loopback) {
+  const bool is_broadcast = !facts.sent_by.broadcast.empty() ||
+                            !boost::asio::ip::make_address_v4(facts.sent_by.group).is_multicast();
+  if (!facts.sent_by.loopback && !is_broadcast) {
     return "/network/vision/loopback is off, so no program on this computer hears the packets, this service "
            "neither; teams still get them";
   }
   return "";
+}
+
+void add_arrivals(const char* what, const std::vector<Arrival>& arrivals, Json& out) {
+  for (const Arrival& one : arrivals) {
+    out.push_back({{"what", what},
+                   {"address", one.address},
+                   {"multicast", one.by_multicast},
+                   {"broadcast", one.by_broadcast}});
+  }
 }
 
 }  // namespace
@@ -37,8 +48,13 @@ Json packets_json(const PacketFacts& facts, double now_s) {
     detections.push_back(std::move(one));
   }
   const auto geometry = facts.heard.geometry(now_s);
+  Json arrivals = Json::array();
+  add_arrivals("vision", facts.vision, arrivals);
+  add_arrivals("game controller", facts.referee, arrivals);
   return {{"group", facts.sent_by.group},
           {"port", facts.sent_by.port},
+          {"broadcast", facts.sent_by.broadcast},
+          {"arrivals", std::move(arrivals)},
           {"not_heard_because", not_heard_because(facts)},
           {"detections", std::move(detections)},
           {"geometry", geometry ? packet_figures(*geometry, now_s) : Json(nullptr)}};

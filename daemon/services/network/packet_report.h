@@ -6,8 +6,10 @@
 #include "base/json.h"
 #include "net/heard_packets.h"
 #include "net/multicast.h"
+#include "net/multicast_receiver.h"
 
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -15,6 +17,7 @@ struct PacketFacts {
   MulticastSettings sent_by;
   const HeardPackets& heard;
   std::string listening_error;
+  std::vector<Arrival> vision, referee;  // who is heard, and which way
 };
 
 /// docs/openapi.json's SentPackets, at a monotonic time.

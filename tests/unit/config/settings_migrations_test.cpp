@@ -5,6 +5,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -61,9 +62,43 @@ TEST(SettingsMigrations, OfVersion2LeaveOldKeysToTheCheck) {
   EXPECT_EQ(current(file)["cameras"][0]["follow_light"], (Json{{"least_robots", 3}}));
 }
 
+TEST(SettingsMigrations, NameNoComputerWhereAllWereUsed) {
+  for (const char* before : {"true", "false"}) {
+    for (const char* version : {"", R"("version": 2, )"}) {
+      const std::string file = "{" + std::string(version) +
+                               R"("field": {"field_length": 12000, "other_computers": )" + before + "}}";
+      const Json migrated = current(Json::parse(file));
+      EXPECT_EQ(migrated.at("field"), Json::parse(R"({"field_length": 12000, "other_computers": []})"));
+      EXPECT_NO_THROW(complete_settings(migrated));
+    }
+  }
+  const Json named = Json::parse(R"({"version": 3, "field": {"other_computers": ["10.0.0.2"]}})");
+  EXPECT_EQ(current(named)["field"]["other_computers"], Json::array({"10.0.0.2"}));
+}
+
+TEST(OtherComputers, AreNamedByTheirAddresses) {
+  const auto complete = [](const Json& computers) {
+    return complete_settings({{"field", {{"other_computers", computers}}}});
+  };
+  EXPECT_NO_THROW(complete({"10.0.0.2", "127.0.0.1"}));
+  for (const char* bad : {"", "field-pc", "fe80::1", "224.5.23.2", "0.0.0.0", "10.0.0", "10.0.0.2 "}) {
+    EXPECT_THAT(
+        [&] {
+          complete({"10.0.0.1", bad});
+        },
+        ThrowsMessage<SettingsError>(
+            testing::AllOf(testing::StartsWith("/field/other_computers/1: \"" + std::string(bad)),
+                           HasSubstr("expected the IPv4 address of a computer, such as 10.0.0.2"))))
+        << bad;
+  }
+  EXPECT_THAT([&] { complete(Json(std::vector<std::string>(17, "10.0.0.1"))); },
+              ThrowsMessage<SettingsError>(HasSubstr("/field/other_computers: 17 entries are not allowed")));
+}
+
 TEST(SettingsMigrations, LeaveWhatIsOfAnotherTypeToTheCheck) {
   for (const char* text :
-       {"[]", "7", R"({"cameras": {}})", R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",
+       {"[]", "7", R"({"field": 7})", R"({"field": {"other_computers": 7}})", R"({"cameras": {}})",
+        R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",
         R"({"cameras": [{"follow_light": []}]})"}) {
     EXPECT_EQ(current(Json::parse(text)), Json::parse(text)) << text;
   }

@@ -3,79 +3,173 @@
 
 #include "net/packets.h"
 
+#include <span>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 
 namespace sslv {
 namespace {
 
+using testing::ElementsAre;
+using testing::Field;
+using testing::IsEmpty;
+using testing::Pair;
+
 class Heard : public testing::Test {
  protected:
-  SSL_WrapperPacket geometry(std::uint32_t id) const {
+  static CameraModel camera_above(double z_mm) {
     CameraCalibration calibration;
     calibration.q0 = 1;
     calibration.q3 = 0;
-    calibration.tz = 4000;
+    calibration.tz = z_mm;
     calibration.pixel_image_width = 640;
     calibration.pixel_image_height = 480;
+    return CameraModel(calibration);
+  }
+  static SSL_WrapperPacket geometry(std::uint32_t first, std::uint32_t count = 1, double z_mm = 4000) {
+    Geometry all;
+    for (std::uint32_t id = first; id < first + count; ++id) all.cameras.push_back({id, camera_above(z_mm)});
     SSL_WrapperPacket packet;
-    write_geometry({{}, {{id, CameraModel(calibration)}}}, packet);
+    write_geometry(all, packet);
     return packet;
   }
-  SSL_WrapperPacket detection(std::uint32_t id, double x_mm = 100) const {
+  static SSL_WrapperPacket detection(std::uint32_t id, double height_mm = 150) {
     RobotList robots;
-    robots.robots.push_back({Team::kBlue, 7, x_mm, 200, 0.5, 150, 0, 0, 0.9});
+    robots.robots.push_back({Team::kBlue, 7, 100, 200, 0.5, height_mm, 0, 0, 0.9});
     BallList balls;
     balls.balls.push_back({1, 2, 0, 0, 60, 0.8});
     SSL_WrapperPacket packet;
     write_detection({id, 5, {.t_capture_s = 1000}}, robots, balls, 1000.01, packet);
     return packet;
   }
-  bool read(const SSL_WrapperPacket& packet, const char* address, double now_s) {
-    return cameras_.read(packet, address, now_s, 1000.0103, out_);
+  bool hear(const SSL_WrapperPacket& packet, const std::string& address, double now_s) {
+    const std::string bytes = packet.SerializeAsString();
+    const auto message = VisionMessage::read(std::as_bytes(std::span(bytes)));
+    if (!message) return false;
+    return cameras_.hear(*message, address, address.starts_with("named"), now_s, 1000.0103, out_);
   }
 
   HeardCameras cameras_;
-  CameraSightings out_;
+  ArrivedSightings out_;
 };
 
-TEST_F(Heard, ACameraOfAnotherComputerIsOneOfOurs) {
-  EXPECT_FALSE(read(detection(4), "a", 0)) << "where it hangs is not known yet";
-  EXPECT_FALSE(read(geometry(4), "a", 0));
-  ASSERT_TRUE(read(detection(4), "a", 0.1));
-  EXPECT_EQ(out_.camera, 4);
-  EXPECT_TRUE(out_.is_of_other_computer);
-  EXPECT_EQ(out_.t_capture_s, 1000);
-  EXPECT_NEAR(out_.camera_mm.z(), 4000, 1);
-  ASSERT_EQ(out_.robots.size(), 1U);
-  EXPECT_EQ(out_.robots[0].team, Team::kBlue);
-  EXPECT_EQ(out_.robots[0].height_mm, 150);
-  ASSERT_EQ(out_.balls.size(), 1U);
-  EXPECT_THAT(cameras_.cameras(0.2),
-              testing::ElementsAre(testing::Pair(4, testing::Field(&HeardCameras::Heard::address, "a"))));
-  EXPECT_TRUE(cameras_.cameras(60).empty());
+TEST_F(Heard, ACameraOfANamedComputerIsOneOfOurs) {
+  EXPECT_FALSE(hear(detection(4), "named", 0)) << "where it hangs is not known yet";
+  EXPECT_FALSE(hear(geometry(4), "named", 0));
+  ASSERT_TRUE(hear(detection(4), "named", 0.1));
+  const CameraSightings& image = out_.image;
+  EXPECT_EQ(image.camera, 4);
+  EXPECT_TRUE(image.is_of_other_computer);
+  EXPECT_EQ(image.t_capture_s, 1000);
+  EXPECT_NEAR(image.camera_mm.z(), 4000, 1);
+  ASSERT_EQ(image.robots.size(), 1U);
+  EXPECT_EQ(image.robots[0].team, Team::kBlue);
+  EXPECT_EQ(image.robots[0].height_mm, 150);
+  ASSERT_EQ(image.balls.size(), 1U);
+  EXPECT_THAT(cameras_.cameras(0.2), ElementsAre(Pair(4, Field(&HeardCameras::Heard::address, "named"))));
+  EXPECT_TRUE(cameras_.cameras(0.2).at(4).is_used);
+  EXPECT_THAT(cameras_.cameras(60), IsEmpty());
+}
+
+TEST_F(Heard, ACameraOfAStrangerIsShownAndNotUsed) {
+  hear(geometry(4), "stranger", 0);
+  EXPECT_FALSE(hear(detection(4), "stranger", 0.1));
+  const auto shown = cameras_.cameras(0.2);
+  ASSERT_EQ(shown.size(), 1U);
+  EXPECT_EQ(shown.at(4).address, "stranger");
+  EXPECT_FALSE(shown.at(4).is_used);
+  EXPECT_EQ(shown.at(4).robots, 1U);
+  EXPECT_EQ(shown.at(4).balls, 1U);
 }
 
 TEST_F(Heard, OurOwnCamerasAreNotThoseOfOthers) {
   cameras_.set_own({4});
-  read(geometry(4), "a", 0);
-  EXPECT_FALSE(read(detection(4), "a", 0));
-  EXPECT_THAT(cameras_.conflicts(0.1), testing::ElementsAre(HeardCameras::Conflict{4, "a", ""}));
-  EXPECT_TRUE(cameras_.conflicts(60).empty());
+  for (const char* address : {"named", "stranger"}) {
+    hear(geometry(4), address, 0);
+    EXPECT_FALSE(hear(detection(4), address, 0));
+  }
+  EXPECT_THAT(cameras_.conflicts(0.1), IsEmpty()) << "the network service says so";
+  EXPECT_THAT(cameras_.cameras(0.1), IsEmpty());
 }
 
 TEST_F(Heard, TheFirstOfTwoVisionsKeepsACameraUntilItIsSilent) {
-  read(geometry(4), "a", 0);
-  read(geometry(4), "b", 0);
-  EXPECT_TRUE(read(detection(4), "a", 0));
-  EXPECT_FALSE(read(detection(4), "b", 0.1));
-  EXPECT_THAT(cameras_.conflicts(0.2), testing::ElementsAre(HeardCameras::Conflict{4, "b", "a"}));
-  EXPECT_TRUE(read(detection(4), "b", 5)) << "the first one vanished";
+  hear(geometry(4), "named a", 0);
+  hear(geometry(4), "named b", 0);
+  EXPECT_TRUE(hear(detection(4), "named a", 0));
+  EXPECT_FALSE(hear(detection(4), "named b", 0.1));
+  EXPECT_THAT(cameras_.conflicts(0.2), ElementsAre(HeardCameras::Conflict{4, "named b", "named a"}));
+  EXPECT_TRUE(hear(detection(4), "named b", 5)) << "the first one vanished";
+}
+
+TEST_F(Heard, ANamedComputerTakesACamerasIdFromAStranger) {
+  hear(geometry(4), "stranger", 0);
+  hear(detection(4), "stranger", 0);
+  hear(geometry(4), "named", 0);
+  EXPECT_TRUE(hear(detection(4), "named", 0.1));
+  EXPECT_FALSE(hear(detection(4), "stranger", 0.2));
+  EXPECT_TRUE(hear(detection(4), "named", 0.3));
+  EXPECT_EQ(cameras_.cameras(0.3).at(4).address, "named");
+}
+
+TEST_F(Heard, GeometryOfManyCamerasShutsNobodyOut) {
+  for (const char* address : {"flood 1", "flood 2", "flood 3"}) hear(geometry(0, 64), address, 0);
+  hear(geometry(4), "named", 0.1);
+  EXPECT_TRUE(hear(detection(4), "named", 0.2));
+  // Others have their turn when the flood is over.
+  hear(geometry(9), "stranger", 0.1);
+  hear(detection(9), "stranger", 0.2);
+  EXPECT_FALSE(cameras_.cameras(0.2).contains(9));
+  hear(geometry(9), "stranger", 62);
+  hear(detection(9), "stranger", 62.1);
+  EXPECT_TRUE(cameras_.cameras(62.2).contains(9));
+}
+
+TEST_F(Heard, ACameraWhoseGeometryComesOnceAMinuteStays) {
+  for (int minute = 0; minute < 3; ++minute) {
+    hear(geometry(4), "named", 60 * minute);
+    for (int i = 0; i < 60; ++i) EXPECT_TRUE(hear(detection(4), "named", 60 * minute + i + 0.1));
+  }
+}
+
+TEST_F(Heard, ConflictsHaveAnEndAndAreForgotten) {
+  hear(geometry(4), "named", 0);
+  hear(detection(4), "named", 0);
+  for (int i = 0; i < 200; ++i) {
+    const std::string address = "named too " + std::to_string(i);
+    hear(geometry(4), address, 0.001 * i);
+    hear(detection(4), address, 0.001 * i);
+  }
+  EXPECT_EQ(cameras_.conflicts(1).size(), 64U);
+  for (const char* address : {"named", "named last"}) {
+    hear(geometry(4), address, 70);
+    hear(detection(4), address, 70);
+  }
+  EXPECT_THAT(cameras_.conflicts(70), ElementsAre(HeardCameras::Conflict{4, "named last", "named"}));
+}
+
+TEST_F(Heard, TwoStrangersWithOneIdAreNobodysConcern) {
+  for (const char* address : {"stranger a", "stranger b"}) {
+    hear(geometry(4), address, 0);
+    hear(detection(4), address, 0);
+  }
+  EXPECT_THAT(cameras_.conflicts(0), IsEmpty());
+}
+
+TEST_F(Heard, NoRobotIsAsHighAsTheCameraThatSawIt) {
+  hear(geometry(4, 1, 500), "named", 0);
+  EXPECT_TRUE(hear(detection(4, 300), "named", 0));
+  EXPECT_EQ(out_.image.robots.size(), 1U);
+  EXPECT_TRUE(hear(detection(4, 500), "named", 0));
+  EXPECT_EQ(out_.image.robots.size(), 0U);
+  EXPECT_EQ(out_.left_out, 1U);
 }
 
 TEST_F(Heard, NumbersOfCamerasHaveAnEnd) {
   for (std::uint32_t id = 0; id < 10'000; ++id) {
-    read(geometry(id), "a", 0);
-    read(detection(id), "a", 0);
+    hear(geometry(id), "stranger", 0);
+    hear(detection(id), "stranger", 0);
   }
   EXPECT_LE(cameras_.cameras(0).size(), 64U);
 }

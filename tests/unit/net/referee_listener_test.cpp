@@ -28,6 +28,7 @@ std::string message(const std::string& yellow, const std::string& blue,
   referee.mutable_blue()->set_name(blue);
   referee.mutable_yellow()->set_score(5);
   referee.mutable_yellow()->mutable_unknown_fields()->AddVarint(3, 1);  // red_cards
+  referee.mutable_blue()->mutable_unknown_fields()->AddVarint(19, 2);   // hull_color, since 2026
   referee.set_blue_team_on_positive_half(true);
   referee.set_source_identifier(source);
   referee.mutable_unknown_fields()->AddVarint(1, 1'790'000'000'000'000);  // packet_timestamp

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/field_intake.h"
 
+#include "geometry/limits.h"
+
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 namespace sslv {
@@ -87,9 +91,9 @@ TEST_F(Intake, GivesTheOldestImageOfAllCamerasFirst) {
 
 TEST_F(Intake, KnowsWhatAnotherComputersCameraSaw) {
   const auto queue = intake_.add();
-  CameraSightings heard;
-  heard.camera = 6;
-  heard.is_of_other_computer = true;
+  ArrivedSightings heard;
+  heard.image.camera = 6;
+  heard.image.is_of_other_computer = true;
   queue->hand_over(heard);
   EXPECT_TRUE(take().image.is_of_other_computer);
   // In the same slots.
@@ -117,10 +121,10 @@ TEST_F(Intake, CountsWhatAFieldThatIsTooSlowDoesNotTake) {
 
 TEST_F(Intake, StrangersTakeNoPlaceFromOurCameras) {
   const auto ours = intake_.add(), others = intake_.add();
-  CameraSightings nonsense;
-  nonsense.camera = 6;
-  nonsense.t_capture_s = -1e6;
-  nonsense.is_of_other_computer = true;
+  ArrivedSightings nonsense;
+  nonsense.image.camera = 6;
+  nonsense.image.t_capture_s = -1e6;
+  nonsense.image.is_of_other_computer = true;
   for (int i = 0; i < 10; ++i) {
     for (int packet = 0; packet < 1000; ++packet) others->hand_over(nonsense);
     ours->hand_over(info(i), scene_, robots_, balls_);
@@ -137,7 +141,29 @@ TEST_F(Intake, ListsHaveAnEnd) {
   robots_.robots.resize(1000, robots_.robots[0]);
   balls_.balls.resize(1000);
   queue->hand_over(info(1), scene_, robots_, balls_);
-  EXPECT_EQ(take().image.robots.size(), SightingsQueue::kMaxRobots);
+  const ArrivedSightings got = take();
+  EXPECT_EQ(got.image.robots.size(), limits::kMaxRobots);
+  EXPECT_EQ(got.image.balls.size(), limits::kMaxFieldBalls);
+}
+
+TEST_F(Intake, LeavesOutWhatNoCameraCanSee) {
+  const auto queue = intake_.add();
+  robots_.robots.push_back(robots_.robots[0]);
+  robots_.robots[1].height_mm = 3900;  // 100 mm below the camera
+  balls_.balls.push_back({.x_mm = 1,
+                          .y_mm = 2,
+                          .pixel_x = 0,
+                          .pixel_y = 0,
+                          .area_px = 60,
+                          .confidence = 0.8,
+                          .radius_mm = 1e-300,  // so it would be at the end of the world
+                          .radius_sigma_mm = 0.3});
+  queue->hand_over(info(1), scene_, robots_, balls_);
+  const ArrivedSightings got = take();
+  EXPECT_EQ(got.image.robots.size(), 1U);
+  EXPECT_EQ(got.left_out, 1U);
+  ASSERT_EQ(got.image.balls.size(), 1U);
+  EXPECT_TRUE(std::isinf(got.image.balls[0].height_sigma_mm)) << "nobody knows how high it is";
 }
 
 TEST_F(Intake, ForgetsCamerasThatAreGoneButNotWhatTheyLost) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tracking/gather.h"
 
+#include "geometry/limits.h"
+#include "pipeline/senseless.h"
+
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -28,7 +31,13 @@ class Gathered : public testing::Test {
     arrived_.image.robots.push_back(
         {Team::kBlue, id, place_mm, 0.5, 140, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
   }
-  void gather() { gather_.process({}, field_, clock_, arrived_, out_, left_out_); }
+  /// Behind the door, as all that arrives.
+  void gather() {
+    ArrivedSightings arrived = arrived_;
+    const Senseless dropped = drop_senseless(arrived.image);
+    arrived.left_out = dropped.robots + dropped.balls;
+    gather_.process({}, field_, clock_, arrived, out_, left_out_);
+  }
 
   Gather gather_;
   FieldSize field_;
@@ -81,7 +90,7 @@ TEST_F(Gathered, LeavesOutSightingsWithoutSense) {
 TEST_F(Gathered, TakesNoThousandRobots) {
   for (int i = 0; i < 1000; ++i) add_robot(i % 256, {0, 0});
   gather();
-  EXPECT_EQ(out_.robots.size(), Gather::kMaxRobots);
+  EXPECT_EQ(out_.robots.size(), limits::kMaxRobots);
 }
 
 TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
@@ -91,7 +100,7 @@ TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
     EXPECT_FALSE(out_.is_taken) << t_s;
     EXPECT_TRUE(out_.robots.empty());
   }
-  EXPECT_EQ(left_out_.images_off_time, 5U);
+  EXPECT_EQ(left_out_.images_off_time, 4U) << "what is no time at all stays outside";
   EXPECT_EQ(left_out_.why, LeftOut::Why::kTime);
   EXPECT_EQ(left_out_.camera, 2);
   arrived_.image.t_capture_s = 999.99;
@@ -110,7 +119,7 @@ TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
   gather();
   EXPECT_TRUE(out_.is_taken) << "our own camera, which comes late";
   arrived_.image.is_of_other_computer = true;
-  EXPECT_EQ(left_out_.images_of_too_many, 100 - Gather::kMaxCameras);
+  EXPECT_EQ(left_out_.images_of_too_many, 100 - limits::kMaxCameras);
   arrived_.image.camera = 0;
   gather();
   EXPECT_TRUE(out_.is_taken) << "those that were there first go on";
@@ -119,6 +128,16 @@ TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
   arrived_.image.camera = 99;
   gather();
   EXPECT_TRUE(out_.is_taken) << "when others are gone";
+}
+
+TEST_F(Gathered, SaysHowCertainASightingIsWhereItsCameraDoesNot) {
+  for (const double sigma_rad : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    arrived_.image.robots[0].orientation_sigma_rad = sigma_rad;
+    gather();
+    ASSERT_EQ(out_.robots.size(), 1U);
+    EXPECT_GT(out_.robots[0].orientation_sigma_rad, 0);
+    EXPECT_LT(out_.robots[0].orientation_sigma_rad, 1);
+  }
 }
 
 TEST_F(Gathered, LeavesOutACameraThatHangsNowhere) {

@@ -445,6 +445,40 @@ TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {
   EXPECT_THAT(kinds(), ElementsAre("vision_other"));
 }
 
+TEST_F(Alerts, SayWhichComputerIsHeardAndNotNamed) {
+  OtherVision named, stranger;
+  named.address = "10.0.0.2";
+  named.is_named = true;
+  stranger.address = "10.0.0.3";
+  named.cameras = stranger.cameras = {7};
+  input_.other_visions = {named};
+  EXPECT_THAT(kinds(), IsEmpty());
+  input_.other_visions = {named, stranger};
+  EXPECT_THAT(kinds(), ElementsAre("vision_other"));
+  EXPECT_EQ(only_alert().title,
+            "10.0.0.3 also sends to the vision group; its cameras are shown, but not used for tracks");
+  EXPECT_EQ(only_alert().fix,
+            "If it is a computer of this field, add 10.0.0.3 to field/other_computers; otherwise stop it.");
+}
+
+TEST_F(Alerts, SayWhetherPacketsLeaveOneOfTwoWays) {
+  input_.network.error = "no subnet of this computer has the broadcast address 10.0.0.255";
+  EXPECT_EQ(only_alert().title, "No packets are sent");
+  input_.network.some_leave = true;
+  EXPECT_EQ(only_alert().title, "Packets do not leave both ways");
+}
+
+TEST_F(Alerts, OfManyStrangersAreOneOfEachKind) {
+  for (int i = 0; i < 16; ++i) {
+    OtherVision& stranger = input_.other_visions.emplace_back();
+    stranger.address = "10.0.0." + std::to_string(i + 10);
+    stranger.cameras = {i % 2 == 0 ? 0 : 7};
+  }
+  EXPECT_THAT(kinds(), testing::UnorderedElementsAre("vision_other", "vision_same_camera"));
+  EXPECT_THAT(alerts().front().title, HasSubstr("10.0.0.10 (and 7 more)"));
+  EXPECT_EQ(alerts().front().about, "") << "the same one, whoever comes and goes";
+}
+
 TEST_F(Alerts, OfADiskBeginAtHundredMegabytesOrTwoPercent) {
   auto& disk = *input_.computer.disk;
   disk.free_bytes = 1'900'000'000;

@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import { findings } from './others';
 
-const other = { address: '10.0.0.3', silent_s: 0.1, cameras: [1, 2, 5], field_conflicts: [] };
+const other = { address: '10.0.0.3', is_named: true, silent_s: 0.1, cameras: [1, 2, 5], field_conflicts: [] };
 
 describe('another vision', () => {
   it('is told which camera ids it shares', () => {
@@ -13,6 +13,11 @@ describe('another vision', () => {
     expect(finding!.text).toBe('Sends another field: field length 12000 mm (here 9000 mm).');
   });
   it('may be no trouble', () => {
-    expect(findings(other, [0])).toMatchObject([{ kind: 'info' }]);
+    expect(findings(other, [0])).toMatchObject([{ kind: 'info', text: 'Its cameras are used for tracks.' }]);
+  });
+  it('is not used until it is named', () => {
+    const [finding] = findings({ ...other, is_named: false }, [0]);
+    expect(finding).toMatchObject({ kind: 'info', text: 'Its cameras are shown, but not used for tracks.' });
+    expect(finding!.fix).toContain('10.0.0.3');
   });
 });

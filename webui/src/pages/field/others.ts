@@ -26,6 +26,7 @@ export function findings(other: OtherVision, ours: number[]): Finding[] {
     const sizes = other.field_conflicts.map(({ name, ours: here, theirs }) => `${titleOf(name).toLowerCase()} ${theirs} mm (here ${here} mm)`);
     out.push({ kind: 'bad', text: `Sends another field: ${list(sizes)}.`, fix: 'Teams receive both in turn. Set the same sizes, or stop one of the vision services.' });
   }
-  if (!out.length) out.push({ kind: 'info', text: 'Sends nothing that contradicts this service.', fix: 'Nothing to do if it is the vision of this field\'s other cameras.' });
+  if (!other.is_named) out.push({ kind: 'info', text: 'Its cameras are shown, but not used for tracks.', fix: `If it is a computer of this field, add ${other.address} to the field's other computers.` });
+  else if (!out.length) out.push({ kind: 'info', text: 'Its cameras are used for tracks.', fix: 'The settings name it as one of this field\'s other computers.' });
   return out;
 }

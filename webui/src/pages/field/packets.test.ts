@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { latencyOf, programsText, seenRows } from './packets';
+import { arrivalsText, latencyOf, programsText, seenRows } from './packets';
 
 const detection = {
   frame_number: 7, t_capture: 100, t_sent: 100.0125, camera_id: 1,
@@ -25,4 +25,8 @@ describe('the rows of a packet', () => {
 it('the latency is the packet\'s own', () => expect(latencyOf(detection)).toBeCloseTo(12.5, 3));
 it('programs are counted by user', () => {
   expect(programsText([{ user: 'a', address: '::' }, { user: 'b', address: '::' }, { user: 'a', address: '0.0.0.0' }])).toBe('2 sockets of user a, 1 socket of user b');
+});
+it('packets come by multicast, by broadcast or by both', () => {
+  const of = (multicast: boolean, broadcast: boolean) => ({ what: 'vision' as const, address: '10.0.0.2', multicast, broadcast });
+  expect(arrivalsText([of(true, false), { ...of(false, true), what: 'game controller' }, of(true, true)])).toBe('vision of 10.0.0.2 by multicast, game controller of 10.0.0.2 by broadcast, vision of 10.0.0.2 by multicast and broadcast');
 });

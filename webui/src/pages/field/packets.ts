@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a detection packet says, ready to be shown.
-import type { HeardDetection, Listeners } from '../../api/types';
+import type { HeardDetection, Listeners, SentPackets } from '../../api/types';
 import { decimal, plural } from '../../format';
 
 export interface SeenRow {
@@ -44,4 +44,9 @@ export const latencyOf = ({ t_capture, t_sent }: HeardDetection['packet']['detec
 export function programsText(programs: Listeners['programs']): string {
   const users = [...new Set(programs.map(({ user }) => user))];
   return users.map((user) => `${plural(programs.filter((one) => one.user === user).length, 'socket')} of user ${user}`).join(', ');
+}
+
+/** "vision of 10.0.0.2 by multicast, game controller of 10.0.0.9 by broadcast" */
+export function arrivalsText(arrivals: SentPackets['arrivals']): string {
+  return arrivals.map(({ what, address, multicast, broadcast }) => `${what} of ${address} by ${[multicast && 'multicast', broadcast && 'broadcast'].filter(Boolean).join(' and ')}`).join(', ');
 }

@@ -41,6 +41,6 @@ describe('what is missing', () => {
     expect(missing(status(), now, 7, 65)?.text).toBe('Nothing new has been tracked for 1 min.');
   });
   it('cameras of other computers are cameras', () => {
-    expect(missing(status({ cameras: [] }), { stages, other_cameras: [{ camera: 4, address: '10.0.0.4', clock_correction_ms: 0 }] }, 0, null)?.text).toBe('Nothing has been tracked yet.');
+    expect(missing(status({ cameras: [] }), { stages, other_cameras: [{ camera: 4, address: '10.0.0.4', is_used: true, robots: 0, balls: 0, clock_correction_ms: 0 }] }, 0, null)?.text).toBe('Nothing has been tracked yet.');
   });
 });

@@ -58,7 +58,7 @@ export function missing(status: Status | null, now: Pick<FieldNow, 'stages' | 'o
       ? { text: 'The field’s stack has no stage “track”, so nothing is tracked.', page: 'settings', place: 'field/stack', action: 'Field’s stack' }
       : { text: 'The field’s stack is empty, so nothing is tracked.', page: 'settings', place: 'field/stack', action: 'Field’s stack' };
   }
-  const hasOthers = (now?.other_cameras.length ?? 0) > 0;
+  const hasOthers = (now?.other_cameras ?? []).some(({ is_used }) => is_used);
   if (!hasOthers) {
     const { cameras } = status;
     if (!cameras.length) return { text: 'There is no camera yet.', page: 'overview', action: 'Add a camera' };
