@@ -20,8 +20,8 @@ struct JsonExtent {
 /// Stops soon after `max_size`. Needs no stack: values may be nested deeply.
 JsonExtent extent_of(const Json& value, std::size_t max_size);
 
-/// Of a JSON from elsewhere, in memory.
-inline constexpr std::size_t kMaxJsonBytes = 24 * 1024 * 1024;
+/// Of a JSON from elsewhere, in memory. Settings are copied twice while they are checked.
+inline constexpr std::size_t kMaxJsonBytes = 16 * 1024 * 1024;
 
 /// A text from elsewhere: at most kMaxJsonBytes once it is read, 64 levels, and 1000 keys in an object, for
 /// an object that keeps the order of its keys looks all of them through for each new one. Throws

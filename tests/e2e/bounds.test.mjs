@@ -126,7 +126,7 @@ describe('settings', () => {
 describe('a body', () => {
   before(() => service.restore());
 
-  const MOST_MB = 64;
+  const MOST_MB = 64, REFUSED = [400, 422];
   const skip = process.env.SSLV_SANITIZE ? 'the sanitizer has its own allocator' : false;
   const memory_MB = (what) => Number(new RegExp(`${what}:\\s+(\\d+)`).exec(readFileSync(`/proc/${service.pid()}/status`, 'utf8'))[1]) / 1024;
   /** How much more memory the service has at its most while it answers. */
@@ -134,25 +134,25 @@ describe('a body', () => {
     writeFileSync(`/proc/${service.pid()}/clear_refs`, '5'); // the most is what there is now
     const before_MB = memory_MB('VmRSS');
     const answer = await fetch(service.address(path), { method: 'POST', body });
-    assert.equal(answer.status, wanted, (await answer.text()).slice(0, 300));
+    assert.ok(wanted.includes(answer.status), `${answer.status}: ${(await answer.text()).slice(0, 300)}`);
     return memory_MB('VmHWM') - before_MB;
   }
   const isSmall = (grown_MB, what) => assert.ok(grown_MB <= MOST_MB, `${what}: ${grown_MB.toFixed(0)} MB`);
 
   it('of a forged backup takes little memory, whatever is in it', { skip }, async () => {
     const random = new Random(1);
-    for (const [what, make] of Object.entries(FORGED)) isSmall(await grows_MB('api/backup/check', make(random), 422), what);
+    for (const [what, make] of Object.entries(FORGED)) { const g = await grows_MB('api/backup/check', make(random), [422]); console.log(what, g.toFixed(0)); isSmall(g, what); }
   });
 
   it('of JSON takes little memory, whatever is in it', { skip }, async () => {
     const filled = (part, more = '') => `[${part.repeat(Math.floor(1_000_000 / part.length))}0]${more}`;
     for (const part of ['0,', '[],', '{},', '"",', '{"":0},', '[[[]]],']) {
-      isSmall(await grows_MB('api/settings/check', filled(part), 422), `a list of ${part}`);
-      isSmall(await grows_MB('api/settings/check', `[{"op":"add","path":"/site","value":${filled(part)}}]`, 422), `a value of ${part}`);
-      isSmall(await grows_MB('api/cameras/0/colors/edits', `{"commands":${filled(part)}}`, 422), `commands of ${part}`);
+      isSmall(await grows_MB('api/settings/check', filled(part), REFUSED), `a list of ${part}`);
+      isSmall(await grows_MB('api/settings/check', `[{"op":"add","path":"/site","value":${filled(part)}}]`, REFUSED), `a value of ${part}`);
+      isSmall(await grows_MB('api/cameras/0/colors/edits', `{"commands":${filled(part)}}`, REFUSED), `commands of ${part}`);
     }
     const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 0, 0, 0, 0x80, 0x80, 0x80, 0x08])]);
-    isSmall(await grows_MB('api/cameras/0/colors/import?try=true&name=large.lut', table, 200), 'a colour table of few bytes');
+    isSmall(await grows_MB('api/cameras/0/colors/import?try=true&name=large.lut', table, [200]), 'a colour table of few bytes');
   });
 });
 
