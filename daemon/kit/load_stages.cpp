@@ -2,8 +2,9 @@
 #include "kit/load_stages.h"
 
 #include "base/log.h"
+#include "base/open_file.h"
 #include "base/plain_text.h"
-#include "kit/grace.h"
+#include "kit/child_process.h"
 #include "kit/read_stamp.h"
 
 #include <algorithm>
@@ -28,7 +29,6 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -117,55 +117,48 @@ std::string try_library(const std::filesystem::path& file) {
 class Trial {
  public:
   /// Throws StageLibraryError.
-  explicit Trial(std::filesystem::path library) : file(std::move(library)) {
+  explicit Trial(const std::filesystem::path& library) {
     std::array<int, 2> pipe{};
-    if (pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) != 0) fail();
-    answer_ = pipe[0];
+    if (pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) != 0) fail(errno);
+    answer_ = OpenFile(pipe[0]);
+    const OpenFile theirs(pipe[1]);
     const pid_t parent = getpid();
-    process_ = fork();
-    if (process_ == 0) {
+    const pid_t process = fork();
+    if (process == 0) {
       setpgid(0, 0);
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != parent) _exit(EXIT_FAILURE);
       // The end of the line tells "nothing is wrong" from an end before that could be said.
-      std::string said = try_library(file);
+      std::string said = try_library(library);
       said.resize(std::min({said.size(), said.find('\n'), std::size_t{PIPE_BUF} - 1}));
       said += '\n';
-      const ssize_t written = write(pipe[1], said.data(), said.size());
+      const ssize_t written = write(theirs.fd(), said.data(), said.size());
       _exit(written > 0 ? EXIT_SUCCESS : EXIT_FAILURE);
     }
-    close(pipe[1]);
-    if (process_ > 0) {
-      setpgid(process_, process_);
-      end_ = static_cast<int>(syscall(SYS_pidfd_open, process_, 0));
+    if (process < 0) fail(errno);
+    try {
+      process_ = ChildProcess(process);
+    } catch (const std::system_error& error) {
+      fail(error.code().value());
     }
-    if (end_ < 0) fail();
   }
-  ~Trial() {
-    wait();
-    if (answer_ >= 0) close(answer_);
-    if (end_ >= 0) close(end_);
-  }
-  Trial(const Trial&) = delete;
-  Trial& operator=(const Trial&) = delete;
 
   std::array<pollfd, 2> polled() const {
-    return {{{is_closed_ ? -1 : answer_, POLLIN, 0}, {end_, POLLIN, 0}}};
+    return {{{is_closed_ ? -1 : answer_.fd(), POLLIN, 0}, {process_.fd(), POLLIN, 0}}};
   }
 
   /// What is left of its time, which began at `begin`. While others have the processors it goes on, twice as
   /// long at most: a service's start does not wait for ever.
   std::chrono::nanoseconds left(Clock::time_point begin, std::chrono::nanoseconds within) const {
-    return begin + within + std::chrono::nanoseconds(grace_ns(process_, within.count())) - Clock::now();
+    return begin + within + std::chrono::nanoseconds(process_.grace_ns(within.count())) - Clock::now();
   }
 
   /// Whether there is no more to be known: it has said all, or has ended.
   bool has_come() {
-    pollfd ended{end_, POLLIN, 0};
-    const bool has_ended = poll(&ended, 1, 0) == 1;  // before reading: what it said is there then
+    const bool has_ended = process_.has_ended();  // before reading: what it said is there then
     std::array<char, 512> part{};
     for (ssize_t size = 0;
-         !is_closed_ && !is_said() && (size = read(answer_, part.data(), part.size())) >= 0;) {
+         !is_closed_ && !is_said() && (size = read(answer_.fd(), part.data(), part.size())) >= 0;) {
       is_closed_ = size == 0;
       said_.append(part.data(), static_cast<std::size_t>(size));
     }
@@ -174,9 +167,8 @@ class Trial {
 
   /// What is wrong with it, or nothing. Ends it, with all that is still of its group.
   std::string result(std::chrono::milliseconds had) {
-    pollfd ended{end_, POLLIN, 0};
-    const bool is_late = !is_said() && poll(&ended, 1, 0) == 0;
-    const int status = wait();
+    const bool is_late = !is_said() && !process_.has_ended();
+    const int status = process_.end();
     if (is_said()) return first_line(said_);
     if (is_late) {
       return fmt::format("is not loaded within {:.3g} seconds", std::chrono::duration<double>(had).count());
@@ -186,29 +178,14 @@ class Trial {
     return "ends the process that loads it";
   }
 
-  const std::filesystem::path file;
-
  private:
   bool is_said() const { return said_.find('\n') != std::string::npos; }
-  [[noreturn]] void fail() {
-    const int why = errno;
-    wait();
-    if (answer_ >= 0) close(answer_);
+  [[noreturn]] static void fail(int why) {
     throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(why)));
   }
-  int wait() {
-    int status = 0;
-    if (process_ <= 0) return status;
-    kill(-process_, SIGKILL);
-    kill(process_, SIGKILL);
-    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
-    process_ = -1;
-    return status;
-  }
 
-  pid_t process_ = -1;
-  int answer_ = -1, end_ = -1;
+  OpenFile answer_;
+  ChildProcess process_;
   std::string said_;
   bool is_closed_ = false;
 };

@@ -401,7 +401,7 @@ bool ApartStep<Floor>::send_file(const ImageFile& message, int file) {
     with->cmsg_len = CMSG_LEN(sizeof file);
     std::memcpy(CMSG_DATA(with), &file, sizeof file);
   }
-  if (::sendmsg(process_->control.ours.get(), &header, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return false;
+  if (::sendmsg(process_->control.ours.fd(), &header, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return false;
   ++process_->channel.to().files;
   return true;
 }

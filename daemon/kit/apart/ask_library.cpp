@@ -4,7 +4,6 @@
 #include "base/clock.h"
 #include "base/plain_text.h"
 #include "kit/apart/start_process.h"
-#include "kit/grace.h"
 
 #include <algorithm>
 #include <array>
@@ -26,14 +25,14 @@ constexpr std::size_t kLongestAnswer = std::size_t{4} << 20;
 
 /// Reads to the end of the line, or until the process has ended. Empty: it took too long, wrote too much, or
 /// nobody wants to know any more.
-std::string read_answer(int socket, int pipe, const StartedProcess& process, OutputLines& output,
+std::string read_answer(int socket, int pipe, const ChildProcess& process, OutputLines& output,
                         std::int64_t begin_ns, std::int64_t within_ns, const std::stop_token& stop) {
   constexpr std::int64_t kNsPerMs = 1'000'000, kLookMs = 50;
   std::string answer;
   for (;;) {
-    const std::int64_t left_ns = begin_ns + within_ns + grace_ns(process.pid, 3 * within_ns) - steady_ns();
+    const std::int64_t left_ns = begin_ns + within_ns + process.grace_ns(3 * within_ns) - steady_ns();
     if (left_ns <= 0 || stop.stop_requested()) return {};
-    std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {process.pidfd.get(), POLLIN, 0}}};
+    std::array<pollfd, 3> polled{{{socket, POLLIN, 0}, {pipe, POLLIN, 0}, {process.fd(), POLLIN, 0}}};
     ::poll(polled.data(), polled.size(), static_cast<int>(std::min(left_ns / kNsPerMs + 1, kLookMs)));
     if (pipe >= 0 && polled[1].revents != 0 && !output.read(pipe, steady_ns())) pipe = -1;
     std::array<char, 16384> buffer;
@@ -70,27 +69,24 @@ Json ask_library(const std::string& library, const Json& question, const std::st
   const std::int64_t begin_ns = steady_ns();
   FilePair sockets = local_sockets(SOCK_STREAM);
   FilePair pipe = output_pipe();
-  const StartedProcess process =
-      start_stage_process({"ask", library}, {sockets.theirs.get()}, pipe.theirs.get());
-  sockets.theirs.reset();
-  pipe.theirs.reset();
-  send_all(sockets.ours.get(), question.dump(-1, ' ', false, Json::error_handler_t::replace),
+  ChildProcess process = start_stage_process({"ask", library}, {sockets.theirs.fd()}, pipe.theirs.fd());
+  sockets.theirs = OpenFile();
+  pipe.theirs = OpenFile();
+  send_all(sockets.ours.fd(), question.dump(-1, ' ', false, Json::error_handler_t::replace),
            begin_ns + within_ns);
-  ::shutdown(sockets.ours.get(), SHUT_WR);
+  ::shutdown(sockets.ours.fd(), SHUT_WR);
   OutputLines output("stage library " + name);
   const std::string text =
-      read_answer(sockets.ours.get(), pipe.ours.get(), process, output, begin_ns, within_ns, stop);
+      read_answer(sockets.ours.fd(), pipe.ours.fd(), process, output, begin_ns, within_ns, stop);
   const bool is_late =
-      steady_ns() >= begin_ns + within_ns + grace_ns(process.pid, 3 * within_ns) || stop.stop_requested();
+      steady_ns() >= begin_ns + within_ns + process.grace_ns(3 * within_ns) || stop.stop_requested();
   if (text.empty() && !is_late) {
     // It ended without a word: it is told how, once that is known.
     constexpr int kEndsWithinMs = 1000;
-    pollfd ended{process.pidfd.get(), POLLIN, 0};
-    ::poll(&ended, 1, kEndsWithinMs);
+    process.has_ended(kEndsWithinMs);
   }
-  kill_stage_process(process);
-  const std::string end = wait_for_end(process);
-  output.read(pipe.ours.get(), steady_ns());
+  const std::string end = end_text(process.end());
+  output.read(pipe.ours.fd(), steady_ns());
   output.end(steady_ns());
   if (text.empty()) {
     throw std::runtime_error(fmt::format("stage library {}: its process {}", name,

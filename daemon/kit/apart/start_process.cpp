@@ -14,8 +14,6 @@
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leaves it to who uses it
@@ -29,10 +27,10 @@ namespace {
 
 /// A copy above all numbers that a stage's process is given files at, so that none is overwritten before it
 /// is copied there.
-OwnedFile copy_above(int file) {
+OpenFile copy_above(int file) {
   constexpr int kAbove = 32;
-  OwnedFile copy(::fcntl(file, F_DUPFD_CLOEXEC, kAbove));
-  if (!copy) fail_start("F_DUPFD_CLOEXEC", errno);
+  OpenFile copy(::fcntl(file, F_DUPFD_CLOEXEC, kAbove));
+  if (!copy.is_open()) fail_start("F_DUPFD_CLOEXEC", errno);
   return copy;
 }
 
@@ -53,27 +51,22 @@ struct SpawnSettings {
 
 }  // namespace
 
-void OwnedFile::reset(int file) {
-  if (file_ >= 0) ::close(file_);
-  file_ = file;
-}
-
 FilePair local_sockets(int type) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, ends.data()) != 0) fail_start("socketpair", errno);
-  return {OwnedFile(ends[0]), OwnedFile(ends[1])};
+  return {OpenFile(ends[0]), OpenFile(ends[1])};
 }
 
 FilePair output_pipe() {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail_start("pipe2", errno);
-  FilePair pair{OwnedFile(ends[0]), OwnedFile(ends[1])};
-  ::fcntl(pair.ours.get(), F_SETFL, O_NONBLOCK);
+  FilePair pair{OpenFile(ends[0]), OpenFile(ends[1])};
+  ::fcntl(pair.ours.fd(), F_SETFL, O_NONBLOCK);
   return pair;
 }
 
-StartedProcess start_stage_process(const std::vector<std::string>& arguments, const std::vector<int>& files,
-                                   int output) {
+ChildProcess start_stage_process(const std::vector<std::string>& arguments, const std::vector<int>& files,
+                                 int output) {
   std::vector<std::string> words{program_invocation_name, std::string(kStageProcessFlag),
                                  std::to_string(::getpid())};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -82,15 +75,15 @@ StartedProcess start_stage_process(const std::vector<std::string>& arguments, co
   argv.push_back(nullptr);
 
   SpawnSettings spawn;
-  std::vector<OwnedFile> copies;
+  std::vector<OpenFile> copies;
   posix_spawn_file_actions_addopen(&spawn.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   copies.push_back(copy_above(output));
-  posix_spawn_file_actions_adddup2(&spawn.actions, copies.back().get(), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&spawn.actions, copies.back().get(), STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&spawn.actions, copies.back().fd(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&spawn.actions, copies.back().fd(), STDERR_FILENO);
   int place = kControlFile;
   for (const int file : files) {
     copies.push_back(copy_above(file));
-    posix_spawn_file_actions_adddup2(&spawn.actions, copies.back().get(), place++);
+    posix_spawn_file_actions_adddup2(&spawn.actions, copies.back().fd(), place++);
   }
   posix_spawn_file_actions_addclosefrom_np(&spawn.actions, place);
 
@@ -103,32 +96,11 @@ StartedProcess start_stage_process(const std::vector<std::string>& arguments, co
   posix_spawnattr_setflags(&spawn.attributes,
                            POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
 
-  StartedProcess started;
+  pid_t pid = -1;
   const int error =
-      ::posix_spawn(&started.pid, "/proc/self/exe", &spawn.actions, &spawn.attributes, argv.data(), environ);
+      ::posix_spawn(&pid, "/proc/self/exe", &spawn.actions, &spawn.attributes, argv.data(), environ);
   if (error != 0) fail_start("posix_spawn", error);
-  // Not waited for yet, so the number is still its own.
-  started.pidfd.reset(static_cast<int>(::syscall(SYS_pidfd_open, started.pid, 0)));
-  if (!started.pidfd) {
-    const int why = errno;
-    kill_stage_process(started);
-    wait_for_end(started);
-    fail_start("pidfd_open", why);
-  }
-  return started;
-}
-
-void kill_stage_process(const StartedProcess& process) noexcept {
-  ::kill(-process.pid, SIGKILL);
-  ::kill(process.pid, SIGKILL);  // it may not have its group yet
-}
-
-std::string wait_for_end(const StartedProcess& process) {
-  int status = 0;
-  while (::waitpid(process.pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFSIGNALED(status)) return fmt::format("ended by signal {}", WTERMSIG(status));
-  return fmt::format("ended with exit code {}", WEXITSTATUS(status));
+  return ChildProcess(pid);
 }
 
 bool OutputLines::read(int file, std::int64_t now_ns) {

@@ -5,7 +5,6 @@
 #include "base/futex.h"
 #include "base/log.h"
 #include "base/plain_text.h"
-#include "kit/grace.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -81,8 +80,8 @@ struct Supervisor::Impl {
         : process(std::move(the_process)), output("stage '" + process->stage + "'") {}
     std::shared_ptr<StageProcess> process;
     State state = State::kPaused;
-    StartedProcess started;
-    OwnedFile pipe;
+    ChildProcess started;
+    OpenFile pipe;
     OutputLines output;
     std::int64_t due_ns =
         0;  // when it is to be started; when starting takes too long; since when it is ready
@@ -92,7 +91,7 @@ struct Supervisor::Impl {
 
   explicit Impl(const Options& the_options)
       : options(the_options), wake(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (!wake) throw std::system_error(errno, std::system_category(), "eventfd");
+    if (!wake.is_open()) throw std::system_error(errno, std::system_category(), "eventfd");
     thread = std::thread([this] { run(); });
   }
   ~Impl() {
@@ -105,7 +104,7 @@ struct Supervisor::Impl {
 
   void ring() const {
     const std::uint64_t one = 1;
-    (void)!::write(wake.get(), &one, sizeof one);
+    (void)!::write(wake.fd(), &one, sizeof one);
   }
 
   std::shared_ptr<StageProcess> add(std::shared_ptr<StageProcess> process) {
@@ -168,21 +167,18 @@ struct Supervisor::Impl {
         return one->state == State::kPaused && !one->process->is_wanted.load();
       });
 
-      polled.assign(1, {wake.get(), POLLIN, 0});
+      polled.assign(1, {wake.fd(), POLLIN, 0});
       for (const auto& one : all) {
-        polled.push_back({one->started.pidfd.get(), POLLIN, 0});
-        polled.push_back({one->pipe.get(), POLLIN, 0});
-        polled.push_back({one->state == State::kStarting ? one->process->control.ours.get() : -1, POLLIN, 0});
+        polled.push_back({one->started.fd(), POLLIN, 0});
+        polled.push_back({one->pipe.fd(), POLLIN, 0});
+        polled.push_back({one->state == State::kStarting ? one->process->control.ours.fd() : -1, POLLIN, 0});
       }
       ::poll(polled.data(), polled.size(), all.empty() ? -1 : next_look_ms());
       std::uint64_t rung = 0;
-      (void)!::read(wake.get(), &rung, sizeof rung);
+      (void)!::read(wake.fd(), &rung, sizeof rung);
     }
     for (auto& one : all) {
-      if (one->state != State::kPaused) {
-        kill_stage_process(one->started);
-        lose(*one);
-      }
+      if (one->state != State::kPaused) lose(*one);
     }
     const std::lock_guard lock(mutex);
     for (auto& [process, outcome] : waiting) {
@@ -212,11 +208,10 @@ struct Supervisor::Impl {
       if (one.process->is_wanted.load() && now_ns >= one.due_ns) start(one, now_ns);
       return;
     }
-    if (one.pipe && !one.output.read(one.pipe.get(), now_ns)) one.pipe.reset();
+    if (one.pipe.is_open() && !one.output.read(one.pipe.fd(), now_ns)) one.pipe = OpenFile();
     if (one.state == State::kStarting) hear(one, now_ns);
-    if (one.state != State::kPaused && should_be_killed(one, now_ns)) kill_stage_process(one.started);
-    pollfd ended{one.started.pidfd.get(), POLLIN, 0};
-    if (::poll(&ended, 1, 0) == 1) lose(one);
+    if (one.state != State::kPaused && should_be_killed(one, now_ns)) one.started.kill();
+    if (one.started.has_ended()) lose(one);
   }
 
   bool should_be_killed(Watched& one, std::int64_t now_ns) {
@@ -224,7 +219,7 @@ struct Supervisor::Impl {
     if (!process.is_wanted.load()) {
       one.killed_for = "was ended";
     } else if (one.state == State::kStarting) {
-      if (now_ns < one.due_ns + grace_ns(one.started.pid, 3 * ns(options.starts_within))) return false;
+      if (now_ns < one.due_ns + one.started.grace_ns(3 * ns(options.starts_within))) return false;
       one.killed_for = "did not start in time and was ended";
       const std::lock_guard lock(mutex);
       slow.insert(process.library);
@@ -242,8 +237,8 @@ struct Supervisor::Impl {
 
   void start(Watched& one, std::int64_t now_ns) {
     StageProcess& process = *one.process;
-    drain(process.control.theirs.get());
-    drain(process.control.ours.get());
+    drain(process.control.theirs.fd());
+    drain(process.control.ours.fd());
     // Until generation is set, the Step does not look here.
     process.failures_in_a_row.store(0);
     process.asked_ns.store(0);
@@ -253,8 +248,8 @@ struct Supervisor::Impl {
       FilePair pipe = output_pipe();
       one.started = start_stage_process(
           {"run", process.library, process.floor, process.stage, process.contract},
-          {process.control.theirs.get(), process.channel.to_file(), process.channel.from_file()},
-          pipe.theirs.get());
+          {process.control.theirs.fd(), process.channel.to_file(), process.channel.from_file()},
+          pipe.theirs.fd());
       one.pipe = std::move(pipe.ours);
     } catch (const std::exception& error) {
       log::warning("stage '{}': cannot start its process: {}", process.stage, error.what());
@@ -268,7 +263,7 @@ struct Supervisor::Impl {
   /// Whether it is ready: "+", or "-" and what the stage's constructor threw.
   void hear(Watched& one, std::int64_t now_ns) {
     std::array<char, 1000> word;
-    const ssize_t count = ::recv(one.process->control.ours.get(), word.data(), word.size(), MSG_DONTWAIT);
+    const ssize_t count = ::recv(one.process->control.ours.fd(), word.data(), word.size(), MSG_DONTWAIT);
     if (count <= 0) return;
     if (word[0] == '+') {
       one.state = State::kReady;
@@ -284,7 +279,7 @@ struct Supervisor::Impl {
     }
     const std::string problem = escaped_text({word.data() + 1, static_cast<std::size_t>(count) - 1});
     one.killed_for = "cannot start: " + problem;
-    kill_stage_process(one.started);
+    one.started.kill();
     settle(*one.process, problem);
   }
 
@@ -298,14 +293,11 @@ struct Supervisor::Impl {
     // before.
     process.channel.from().answer.fetch_xor(1U << 31U);
     futex_wake_all(process.channel.from().answer, FutexScope::kShared);
-    // What it started is not its own child any more, but still of its group.
-    kill_stage_process(one.started);
-    std::string how = wait_for_end(one.started);
+    std::string how = end_text(one.started.end());
     if (!one.killed_for.empty()) how = one.killed_for;
-    one.started = StartedProcess();
-    if (one.pipe) one.output.read(one.pipe.get(), steady_ns());
+    if (one.pipe.is_open()) one.output.read(one.pipe.fd(), steady_ns());
     one.output.end(steady_ns());
-    one.pipe.reset();
+    one.pipe = OpenFile();
     if (was_ready_long) one.lost_lately = 0;
     note_loss(one, how);
   }
@@ -331,7 +323,7 @@ struct Supervisor::Impl {
   }
 
   const Options options;
-  OwnedFile wake;
+  OpenFile wake;
   std::atomic<bool> ends{false};
   std::uint32_t newest_generation = 0;
   std::vector<std::unique_ptr<Watched>> all;  // the thread's alone
