@@ -194,7 +194,8 @@ class StillRecording final : public Recording {
     }
   }
 
-  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) override {
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem,
+                     Clock::time_point /*until*/) override {
     if (place >= count()) return CaptureStatus::kEnd;
     const Item& item = items_[static_cast<std::size_t>(place)];
     try {
@@ -255,16 +256,20 @@ class VideoRecording final : public Recording {
     if (media_->count() > 0) count_ = media_->count();
   }
 
-  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) override {
-    if (place != place_) {
-      if (place > 0) {
-        media_->seek(place);
-      } else {  // without reading through all of it
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem,
+                     Clock::time_point until) override {
+    if (place != place_ || is_lost_) {
+      is_lost_ = true;
+      if (place == 0) {  // without reading through all of it
         media_ = std::make_unique<MediaReader>(item_.path, false);
+      } else if (!media_->seek(place, until)) {
+        return CaptureStatus::kTimeout;
       }
       place_ = place;
+      is_lost_ = false;
     }
-    const MediaReader::Result result = media_->read(pool_, image.image, problem);
+    const MediaReader::Result result = media_->read(pool_, image.image, problem, until);
+    if (result == MediaReader::Result::kSearching) return CaptureStatus::kTimeout;
     if (result == MediaReader::Result::kEnd) {
       count_ = place_;
       return CaptureStatus::kEnd;
@@ -289,6 +294,7 @@ class VideoRecording final : public Recording {
   PicturePool pool_;
   std::unique_ptr<MediaReader> media_;
   std::int64_t place_ = 0;  // of the image it gives next
+  bool is_lost_ = false;    // it is not there: the search for another one was not done
   std::int64_t count_ = kEndless;
 };
 
@@ -328,15 +334,18 @@ class FileSource final : public Source {
 
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
     try {
-      const auto turn = playback_->wait_turn(timeout);
+      const auto until = Recording::Clock::now() + timeout;
+      if (searched_ && !playback_->is_next(*searched_ + 1)) searched_.reset();  // another one is wanted now
+      const auto turn = searched_ ? searched_ : playback_->wait_turn(timeout);
       if (!turn) return CaptureStatus::kTimeout;
-      CaptureStatus status = take(*turn, image, problem);
+      CaptureStatus status = take(*turn, image, problem, until);
+      searched_ = status == CaptureStatus::kTimeout ? turn : std::nullopt;
       if (status != CaptureStatus::kEnd || !playback_->begin_again(recording_->count())) return status;
       if (!std::exchange(any_good_, false)) {
         problem = fmt::format("path \"{}\": nothing in it can be read", options_.path);
         return CaptureStatus::kLost;
       }
-      return take(0, image, problem);
+      return take(0, image, problem, until);
     } catch (const std::exception& error) {
       problem = fmt::format("path \"{}\": {}", options_.path, error.what());
       return CaptureStatus::kLost;
@@ -347,8 +356,9 @@ class FileSource final : public Source {
   std::vector<std::string> warnings() const override { return warnings_; }
 
  private:
-  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) {
-    const CaptureStatus status = recording_->take(place, image, problem);
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem,
+                     Recording::Clock::time_point until) {
+    const CaptureStatus status = recording_->take(place, image, problem, until);
     any_good_ = any_good_ || status == CaptureStatus::kImage;
     image.times.t_capture_s = unix_time_s();
     return status;
@@ -358,7 +368,8 @@ class FileSource final : public Source {
   const std::unique_ptr<Recording> recording_;
   std::shared_ptr<Playback> playback_;
   std::vector<std::string> warnings_;
-  bool any_good_ = false;  // in this pass
+  bool any_good_ = false;                 // in this pass
+  std::optional<std::int64_t> searched_;  // the image whose turn it is, while it is searched for
 };
 
 }  // namespace

@@ -36,7 +36,8 @@ class ClipRecording final : public Recording {
           ids.size() > kMaxNamed ? "..." : ""));
   }
 
-  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) override {
+  CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem,
+                     Clock::time_point /*until*/) override {
     if (place >= count()) return CaptureStatus::kEnd;
     try {
       const ClipFrame& frame =

@@ -57,7 +57,8 @@ struct MediaReader::Libraries {
   AVFrame* frame = allocated(av_frame_alloc());
   SwsContext* converter = nullptr;
   int stream = 0;
-  std::vector<std::int64_t> times;            // of all images in order, once they are wanted
+  std::vector<std::int64_t> times;  // of all images in order, once they are wanted
+  bool is_reading_times = false, has_times = false;
   std::int64_t skip_before = AV_NOPTS_VALUE;  // images on the way to the one that was sought
   bool draining = false;  // the file has been read to its end; the decoder may still hold images
 
@@ -73,7 +74,7 @@ struct MediaReader::Libraries {
   }
 
   void feed();
-  void read_times();
+  bool read_times(Clock::time_point until);
   void convert(std::uint8_t* rgb);
 };
 
@@ -123,8 +124,8 @@ std::optional<double> MediaReader::time_s() const {
   return static_cast<double>(time) * av_q2d(av_->container->streams[av_->stream]->time_base);
 }
 
-void MediaReader::seek(std::int64_t picture) {
-  if (av_->times.empty()) av_->read_times();
+bool MediaReader::seek(std::int64_t picture, Clock::time_point until) {
+  if (!av_->read_times(until)) return false;
   if (picture < 0 || picture >= static_cast<std::int64_t>(av_->times.size()))
     throw std::runtime_error("it has only " + std::to_string(av_->times.size()) + " images");
   const std::int64_t time = av_->times[static_cast<std::size_t>(picture)];
@@ -132,17 +133,28 @@ void MediaReader::seek(std::int64_t picture) {
   avcodec_flush_buffers(av_->decoder);
   av_->draining = false;
   av_->skip_before = time;
+  return true;
 }
 
-/// Packets come in the order they are decoded in, images in that of their times.
-void MediaReader::Libraries::read_times() {
-  check(av_seek_frame(container, stream, 0, AVSEEK_FLAG_BACKWARD), "cannot be searched");
-  while (av_read_frame(container, packet) >= 0) {
+/// Packets come in the order they are decoded in, images in that of their times. False: not all are read yet.
+bool MediaReader::Libraries::read_times(Clock::time_point until) {
+  constexpr std::size_t kMaxPictures = 4'000'000;  // five hours at 200 Hz
+  if (has_times) return true;
+  if (!is_reading_times)
+    check(av_seek_frame(container, stream, 0, AVSEEK_FLAG_BACKWARD), "cannot be searched");
+  is_reading_times = true;
+  do {
+    if (av_read_frame(container, packet) < 0) {
+      std::sort(times.begin(), times.end());
+      has_times = true;
+      return true;
+    }
     const std::int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
     if (packet->stream_index == stream && time != AV_NOPTS_VALUE) times.push_back(time);
     av_packet_unref(packet);
-  }
-  std::sort(times.begin(), times.end());
+    if (times.size() > kMaxPictures) throw std::runtime_error("it has too many images to be searched");
+  } while (Clock::now() < until);
+  return false;
 }
 
 /// Hands the decoder the next packet, or the news that there are no more. Throws std::runtime_error for one
@@ -181,19 +193,23 @@ void MediaReader::Libraries::convert(std::uint8_t* rgb) {
         "damaged");
 }
 
-MediaReader::Result MediaReader::read(PicturePool& pool, Image& image, std::string& problem) {
+MediaReader::Result MediaReader::read(PicturePool& pool, Image& image, std::string& problem,
+                                      Clock::time_point until) {
   try {
     for (;;) {
       const int received = avcodec_receive_frame(av_->decoder, av_->frame);
       if (received == AVERROR_EOF) return Result::kEnd;
+      const bool is_late = av_->skip_before != AV_NOPTS_VALUE && Clock::now() >= until;
       if (received == AVERROR(EAGAIN)) {
         av_->feed();
+        if (is_late) return Result::kSearching;
         continue;
       }
       check(received, "damaged");
       const bool is_on_the_way = av_->skip_before != AV_NOPTS_VALUE &&
                                  av_->frame->best_effort_timestamp != AV_NOPTS_VALUE &&
                                  av_->frame->best_effort_timestamp < av_->skip_before;
+      if (is_on_the_way && is_late) return Result::kSearching;
       if (is_on_the_way) continue;
       av_->skip_before = AV_NOPTS_VALUE;
       if (av_->frame->decode_error_flags != 0 || (av_->frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {

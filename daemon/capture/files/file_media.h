@@ -3,6 +3,7 @@
 
 #include "capture/files/picture_pool.h"
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -14,7 +15,8 @@ namespace sslv {
 /// (file_media_jpeg.cpp) only JPEGs can be read.
 class MediaReader {
  public:
-  enum class Result { kPicture, kDamaged, kEnd };
+  enum class Result { kPicture, kDamaged, kEnd, kSearching };
+  using Clock = std::chrono::steady_clock;
 
   /// Throws std::runtime_error with the reason, without the path. A `still` image must be sound to its last
   /// byte; in a video decoders may do without parts of the stream.
@@ -26,14 +28,17 @@ class MediaReader {
 
   /// How many images the file says it has, or would have by its length; 0 when it does not say.
   std::int64_t count() const;
-  /// The next image will be this one, counted from 0. Reads through the whole file the first time. Throws
+  /// The next image will be this one, counted from 0. Reads through the whole file the first time. False: it
+  /// was not done at `until`, and nothing can be read before it is; the next call goes on. Throws
   /// std::runtime_error.
-  void seek(std::int64_t picture);
+  bool seek(std::int64_t picture, Clock::time_point until);
   /// Of the last image, on the file's clock.
   std::optional<double> time_s() const;
 
-  /// The next image. For kDamaged `problem` says why; the next call goes on behind the damage.
-  Result read(PicturePool& pool, Image& image, std::string& problem);
+  /// The next image. For kDamaged `problem` says why; the next call goes on behind the damage. kSearching:
+  /// the images before the one that was sought were not decoded at `until`; the next call goes on.
+  Result read(PicturePool& pool, Image& image, std::string& problem,
+              Clock::time_point until = Clock::time_point::max());
 
  private:
   struct Libraries;

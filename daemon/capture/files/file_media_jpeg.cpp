@@ -44,15 +44,17 @@ std::int64_t MediaReader::count() const {
   return 1;
 }
 
-void MediaReader::seek(std::int64_t /*image*/) {
+bool MediaReader::seek(std::int64_t /*image*/, Clock::time_point /*until*/) {
   av_->is_read = false;
+  return true;
 }
 
 std::optional<double> MediaReader::time_s() const {
   return std::nullopt;
 }
 
-MediaReader::Result MediaReader::read(PicturePool& pool, Image& image, std::string& problem) {
+MediaReader::Result MediaReader::read(PicturePool& pool, Image& image, std::string& problem,
+                                      Clock::time_point /*until*/) {
   if (std::exchange(av_->is_read, true)) return Result::kEnd;
   try {
     image = read_jpeg_file(av_->path, pool);

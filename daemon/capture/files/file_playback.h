@@ -25,6 +25,8 @@ class Playback final : public Controls {
   /// Waits until an image is due and says which one, which may be beyond the last; nothing when none is due
   /// within `timeout`.
   std::optional<std::int64_t> wait_turn(std::chrono::milliseconds timeout);
+  /// Image `place` is the one after the last turn: nobody has set another position since.
+  bool is_next(std::int64_t place) const { return State::of(state_).next == place; }
   /// The recording turned out to have so many images. True when the first one is to be shown instead.
   bool begin_again(std::int64_t count);
 

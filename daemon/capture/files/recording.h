@@ -3,6 +3,7 @@
 
 #include "capture/source.h"
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,9 +15,13 @@ class Recording {
  public:
   virtual ~Recording() = default;
 
+  using Clock = std::chrono::steady_clock;
+
   /// Fills in all but t_capture_s. kImage; kIncomplete where the image is damaged, saying why in `problem`
-  /// with the file's name; kEnd behind the last image. Throws std::exception when nothing more can be read.
-  virtual CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem) = 0;
+  /// with the file's name; kEnd behind the last image; kTimeout when it was still searched for at `until`:
+  /// the next call goes on. Throws std::exception when nothing more can be read.
+  virtual CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem,
+                             Clock::time_point until) = 0;
 
   /// Images, as far as is known; after kEnd all are.
   virtual std::int64_t count() const = 0;
