@@ -78,6 +78,7 @@ void SharedCamera::run() {
 void SharedCamera::hand_out(CaptureStatus status, CapturedImage& image, const std::string& problem) {
   {
     const std::lock_guard lock(mutex_);
+    counts_ = {source_->dropped(), source_->packets()};
     Pool::Held* held = nullptr;
     if (status == CaptureStatus::kImage && !takers_.empty()) {
       for (Pool::Held& one : pool_->held) {
@@ -129,6 +130,7 @@ CaptureStatus SharedCamera::Taker::next(CapturedImage& image, std::string& probl
   camera_->changed_.wait_for(lock, timeout, [&] {
     return status_ != CaptureStatus::kTimeout || camera_->end_ != CaptureStatus::kTimeout;
   });
+  of_camera_ = camera_->counts_;
   if (status_ == CaptureStatus::kTimeout) {
     problem = camera_->end_problem_;
     return camera_->end_;

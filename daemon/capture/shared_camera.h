@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -26,6 +27,11 @@ class SharedCamera {
   static std::shared_ptr<SharedCamera> get(const std::string& key, const Open& open);
   ~SharedCamera();
 
+  struct Counts {
+    std::uint64_t dropped = 0;
+    std::optional<PacketCounts> packets;
+  };
+
   /// Sees every image from its making on, as long as it comes to take them.
   class Taker {
    public:
@@ -36,12 +42,15 @@ class SharedCamera {
 
     /// As Source::next().
     CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout);
-    std::uint64_t dropped() const noexcept { return dropped_; }
+    // As of the last next(). The source's own counters are for the thread that uses it.
+    std::uint64_t dropped() const noexcept { return dropped_ + of_camera_.dropped; }
+    std::optional<PacketCounts> packets() const noexcept { return of_camera_.packets; }
     SharedCamera& camera() const { return *camera_; }
 
    private:
     friend class SharedCamera;
     const std::shared_ptr<SharedCamera> camera_;
+    Counts of_camera_;  // the taker's thread's
     // Guarded by the camera's mutex.
     CaptureStatus status_ = CaptureStatus::kTimeout;  // what came and was not taken; kTimeout: nothing
     CapturedImage image_;
@@ -51,8 +60,6 @@ class SharedCamera {
 
   std::shared_ptr<Controls> controls() { return source_->controls(); }
   std::vector<std::string> warnings() const { return source_->warnings(); }
-  std::uint64_t dropped() const noexcept { return source_->dropped(); }
-  std::optional<PacketCounts> packets() const noexcept { return source_->packets(); }
 
  private:
   /// Images that several takers have; the last one to let go gives an image back to the camera, which may
@@ -65,6 +72,7 @@ class SharedCamera {
 
   const std::unique_ptr<Source> source_;
   std::mutex mutex_;  // guards what follows, and what the takers were given
+  Counts counts_;     // with the newest image
   std::condition_variable changed_;
   std::set<Taker*> takers_;
   CaptureStatus end_ = CaptureStatus::kTimeout;  // kLost or kEnd: there will be no more

@@ -65,8 +65,8 @@ class TileSource final : public Source {
     return CaptureStatus::kImage;
   }
 
-  std::uint64_t dropped() const noexcept override { return taker_.dropped() + taker_.camera().dropped(); }
-  std::optional<PacketCounts> packets() const noexcept override { return taker_.camera().packets(); }
+  std::uint64_t dropped() const noexcept override { return taker_.dropped(); }
+  std::optional<PacketCounts> packets() const noexcept override { return taker_.packets(); }
   std::shared_ptr<Controls> controls() override { return taker_.camera().controls(); }
   std::vector<std::string> warnings() const override { return warnings_; }
 

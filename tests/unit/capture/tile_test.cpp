@@ -43,7 +43,10 @@ struct BigCamera {
   class View : public Source {
    public:
     explicit View(BigCamera& camera) : camera_(camera) { ++camera.opened; }
+    std::uint64_t dropped() const noexcept override { return counted(7); }
+    std::optional<PacketCounts> packets() const noexcept override { return PacketCounts{counted(8), 9}; }
     CaptureStatus next(CapturedImage& image, std::string& problem, milliseconds timeout) override {
+      user_ = std::this_thread::get_id();
       std::unique_lock lock(camera_.mutex);
       if (!camera_.changed.wait_for(lock, timeout, [&] { return camera_.coming.has_value(); }))
         return CaptureStatus::kTimeout;
@@ -66,7 +69,12 @@ struct BigCamera {
     }
 
    private:
+    /// Counters are plain: only the thread that uses the camera may read them.
+    std::uint64_t counted(std::uint64_t value) const noexcept {
+      return std::this_thread::get_id() == user_.load() ? value : 0;
+    }
     BigCamera& camera_;
+    std::atomic<std::thread::id> user_;
   };
 };
 
@@ -137,12 +145,23 @@ TEST_F(Tile, ATileThatDoesNotLookLosesPicturesAndTheOtherNone) {
     CapturedImage image;
     ASSERT_EQ(next(*quick, image), CaptureStatus::kImage);
   }
-  EXPECT_EQ(quick->dropped(), 0U);
-  EXPECT_EQ(slow->dropped(), 4U);
   CapturedImage newest;
   EXPECT_EQ(next(*slow, newest), CaptureStatus::kImage);
+  EXPECT_EQ(quick->dropped(), 7U + 0U) << "with those of the camera itself";
+  EXPECT_EQ(slow->dropped(), 7U + 4U);
   newest = {};
   EXPECT_EQ(camera_.given_back, 5);
+}
+
+TEST_F(Tile, CountersOfTheCameraAreReadByTheThreadThatUsesIt) {
+  const auto tile = open(0, 0, 32, 48);
+  camera_.send(CaptureStatus::kImage);
+  CapturedImage image;
+  ASSERT_EQ(next(*tile, image), CaptureStatus::kImage);
+  EXPECT_EQ(tile->dropped(), 7U);
+  ASSERT_TRUE(tile->packets());
+  EXPECT_EQ(tile->packets()->missing, 8U);
+  EXPECT_EQ(tile->packets()->resent, 9U);
 }
 
 TEST_F(Tile, ALostCameraIsLostForAllAndOpenedAnew) {
