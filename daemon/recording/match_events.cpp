@@ -98,7 +98,7 @@ bool MatchEventFinder::Followed::follows(const std::string& from, std::int64_t n
 }
 
 void MatchEventFinder::add(const LoggedMessage& message, std::vector<MatchEvent>& out) {
-  if (out.size() >= kMaxEvents) return;
+  if (out.size() >= kMaxEvents || message.bytes.size() > kMaxDatagramInLog) return;
   if (message.type == LoggedMessage::kReferee) add_referee(message, out);
   if (message.type == LoggedMessage::kTracker2020) add_tracked(message, out);
 }
@@ -137,17 +137,19 @@ void MatchEventFinder::add_tracked(const LoggedMessage& message, std::vector<Mat
   if (!parse(packet, message.bytes) || !tracker_.follows(packet.uuid(), message.time_ns)) return;
   if (!packet.tracked_frame().has_kicked_ball()) return;
   const KickedBall& kick = packet.tracked_frame().kicked_ball();
+  const double speed_m_s = std::hypot(kick.vel().x(), kick.vel().y(), kick.vel().z());
+  const double late_s = packet.tracked_frame().timestamp() - kick.start_timestamp();
+  if (!std::isfinite(speed_m_s) || !std::isfinite(late_s)) return;
   if (std::abs(kick.start_timestamp() - kick_s_) < kSameKick_s) return;
   kick_s_ = kick.start_timestamp();
-  const double speed_m_s = std::hypot(kick.vel().x(), kick.vel().y(), kick.vel().z());
-  if (!std::isfinite(speed_m_s)) return;
   // A tracker tells of a kick after it; the message's clock is the one of the log.
-  const double before_s = std::clamp(packet.tracked_frame().timestamp() - kick_s_, 0.0, 2.0);
+  const double before_s = std::clamp(late_s, 0.0, 2.0);
   std::string who;
   if (kick.has_robot_id())
     who =
         fmt::format(" by {} {}", kick.robot_id().team() == YELLOW ? "yellow" : "blue", kick.robot_id().id());
-  out.push_back({message.time_ns - static_cast<std::int64_t>(before_s * 1e9), MatchEvent::Kind::kKick,
+  const std::int64_t time_ns = message.time_ns - static_cast<std::int64_t>(before_s * 1e9);
+  out.push_back({std::max<std::int64_t>(0, time_ns), MatchEvent::Kind::kKick,
                  fmt::format("Kick{}, {:.1f} m/s", who, speed_m_s)});
 }
 

@@ -38,7 +38,7 @@ MatchEvent::Kind event_kind(std::string_view name);
 class MatchEventFinder {
  public:
   /// More are not kept, so that no file fills the memory.
-  static constexpr std::size_t kMaxEvents = 100'000;
+  static constexpr std::size_t kMaxEvents = 20'000;
 
   /// Adds to `out` what this message tells.
   void add(const LoggedMessage& message, std::vector<MatchEvent>& out);

@@ -27,8 +27,15 @@ inline constexpr std::string_view kLogMagic = "SSL_LOG_FILE";
 inline constexpr std::int32_t kLogVersion = 1;
 inline constexpr std::size_t kLogHeaderBytes = 16;      // of the file
 inline constexpr std::size_t kMessageHeaderBytes = 16;  // of each message
-/// No datagram is larger; an index of other programs may be.
+/// An index of other programs may be so large.
 inline constexpr std::int32_t kMaxMessageBytes = 1024 * 1024;
+
+/// No datagram is larger than this; what is, is read but not understood.
+inline constexpr std::size_t kMaxDatagramInLog = 65'507;
+/// Times of messages: from 1970 on, and sums of them stay numbers. In the year 2115 this ends.
+constexpr bool is_log_time(std::int64_t time_ns) {
+  return time_ns >= 0 && time_ns < std::int64_t{1} << 62;
+}
 
 /// What stands before a message's bytes.
 struct MessageHeader {

@@ -23,10 +23,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "ssl-visiond log index";
 constexpr int kVersion = 1;
-constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{64} << 20U;
+/// What an index beside a log may be, so that reading it takes no more than 64 MB of memory. Ours are
+/// smaller.
+constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{8} << 20U;
+constexpr std::size_t kMaxIndexValues = 200'000;  // of JSON
 
-/// Between points of a log that others packed, or did not pack.
-constexpr std::uint64_t kLeastBetweenPoints = 512 * 1024;
+constexpr std::size_t kMaxPoints = 1 << 14;
 
 /// Types of which messages are counted one by one: private ones may be many.
 constexpr std::size_t kMaxTypes = 64;
@@ -69,7 +71,9 @@ MatchLogIndex index_of(const Json& json) {
   };
   const auto time = [&](const Json& number) {
     require(number.is_number_integer());
-    return number.get<std::int64_t>();
+    const auto time_ns = number.get<std::int64_t>();
+    require(is_log_time(time_ns));
+    return time_ns;
   };
   MatchLogIndex index;
   index.file_bytes = count(json.at("file_bytes"));
@@ -103,8 +107,14 @@ void MatchLogIndexMaker::add(const LoggedMessage& message, std::uint64_t offset,
   if (messages_ == 0) index_.first_ns = index_.last_ns = message.time_ns;
   const bool may_begin_here = place.offset == offset && messages_ > 0;
   const std::uint64_t before = index_.points.empty() ? 0 : index_.points.back().place.offset;
-  if (may_begin_here && offset - before >= kLeastBetweenPoints)
+  if (may_begin_here && offset - before >= between_points_) {
     index_.points.push_back({place, messages_, index_.last_ns});
+    if (index_.points.size() == kMaxPoints) {
+      for (std::size_t i = 0; 2 * i + 1 < kMaxPoints; ++i) index_.points[i] = index_.points[2 * i + 1];
+      index_.points.resize(kMaxPoints / 2);
+      between_points_ *= 2;
+    }
+  }
   index_.last_ns = std::max(index_.last_ns, message.time_ns);
   ++messages_;
   if (index_.messages.size() < kMaxTypes || index_.messages.contains(message.type))
@@ -156,7 +166,9 @@ std::optional<MatchLogIndex> read_match_log_index(const fs::path& log) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
-    const Json json = Json::parse(text);
+    const auto values = std::ranges::count_if(text, [](char c) { return c == ',' || c == '[' || c == '{'; });
+    if (static_cast<std::size_t>(values) > kMaxIndexValues) return std::nullopt;
+    const Json json = parse_bounded_json(text);
     if (json.at("format") != kFormat || json.at("version") != kVersion) return std::nullopt;
     MatchLogIndex index = index_of(json), now;
     sign_match_log_index(log, now);

@@ -41,7 +41,8 @@ struct MatchLogIndex {
 /// More of a log is not read: it is no match, or made to fill memory and time.
 inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{64} << 30U;
 
-/// Adds a log's messages one after the other.
+/// Adds a log's messages one after the other. However long the log is, its index stays small: of very many
+/// points every other one is left out.
 class MatchLogIndexMaker {
  public:
   /// `offset`: unpacked bytes before the message; `place`: the last one before it at which reading may begin.
@@ -54,6 +55,7 @@ class MatchLogIndexMaker {
   MatchLogIndex index_;
   MatchEventFinder events_;
   std::uint64_t messages_ = 0;
+  std::uint64_t between_points_ = 512 * 1024;  // unpacked bytes, at least
 };
 
 /// Reads the whole log. Throws StorageError as MatchLogReader does, and when it was told to stop.

@@ -72,6 +72,8 @@ bool MatchLogReader::read_header() {
   }
   if (header.size < 0 || header.size > kMaxMessageBytes)
     return stop(fmt::format("message {} is larger than any packet", messages_ + 1));
+  if (!is_log_time(header.time_ns))
+    return stop(fmt::format("message {} has a time that cannot be", messages_ + 1));
   header_ = header;
   message_offset_ = offset;
   const UnpackPlace place = file_.place();
@@ -101,12 +103,12 @@ void MatchLogReader::go_to_begin() {
   problem_.clear();
   messages_ = 0;
   if (!file_.is_packed()) return file_.go_to(kFirstMessage);
-  file_.go_to({});
+  file_.go_to(UnpackPlace{});
   std::array<std::byte, kLogHeaderBytes> head{};
   file_.read(head);
 }
 
-void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index, const std::stop_token& stop) {
+void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index) {
   go_to_begin();
   // All messages before such a point came before.
   const auto behind = std::ranges::partition_point(
@@ -116,10 +118,32 @@ void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index, con
     file_.go_to(point.place);
     messages_ = point.messages;
   }
-  LoggedMessage skipped;
-  while (!stop.stop_requested() && read_header() && header_->time_ns < time_ns) {
-    if (!next(skipped)) return;
+  skip_to(time_ns, kMaxUnpackedBytes, {});
+}
+
+void MatchLogReader::go_to(const UnpackPlace& message) {
+  go_to_begin();
+  file_.go_to(message);
+}
+
+void MatchLogReader::go_to(const MemberPlace& place, std::uint64_t next_offset) {
+  go_to_begin();
+  file_.go_to(place);
+  std::array<std::byte, 4096> passed{};
+  while (file_.offset() < next_offset) {
+    const std::uint64_t left = next_offset - file_.offset();
+    if (file_.read(std::span(passed).first(std::min<std::uint64_t>(left, passed.size()))) == 0) return;
   }
+}
+
+bool MatchLogReader::skip_to(std::int64_t time_ns, std::uint64_t max_bytes, const std::stop_token& stop) {
+  const std::uint64_t begin = file_.offset();
+  LoggedMessage skipped;
+  while (read_header() && header_->time_ns < time_ns) {
+    if (stop.stop_requested() || file_.offset() - begin > max_bytes) return false;
+    if (!next(skipped)) break;
+  }
+  return true;
 }
 
 }  // namespace sslv

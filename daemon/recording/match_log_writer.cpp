@@ -2,6 +2,7 @@
 #include "recording/match_log_writer.h"
 
 #include "base/error.h"
+#include "base/log.h"
 
 #include <array>
 #include <cerrno>
@@ -122,9 +123,13 @@ class MatchLogWriter::State {
   void finish() {
     deflate_all(Z_FINISH);
     file_.sync();
-    MatchLogIndex index = maker_.take();
-    sign_match_log_index(path_, index);
-    write_match_log_index(path_, index);
+    try {
+      MatchLogIndex index = maker_.take();
+      sign_match_log_index(path_, index);
+      write_match_log_index(path_, index);
+    } catch (const StorageError& error) {
+      log::warning("the log is complete, but has no index yet: {}", error.what());
+    }
   }
 
   std::uint64_t bytes_ = 0;
@@ -212,7 +217,8 @@ class MessageEnds {
       return;
     }
     const MessageHeader header = read_message_header(head_);
-    is_good_ = header.size >= 0 && header.size <= kMaxMessageBytes && header.type >= 0;
+    is_good_ = header.size >= 0 && header.size <= kMaxMessageBytes && header.type >= 0 &&
+               is_log_time(header.time_ns);
     left_ = is_good_ ? static_cast<std::size_t>(header.size) : 0;
   }
 

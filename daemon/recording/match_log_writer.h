@@ -30,8 +30,8 @@ class MatchLogWriter {
   void add(std::int64_t time_ns, std::int32_t type, std::span<const std::byte> message);
   /// When it returns, all that was added is on the disk. Throws StorageError.
   void flush();
-  /// Likewise, and the file is complete and has its index; nothing may be added any more. Throws
-  /// StorageError.
+  /// Likewise, and the file is complete; nothing may be added any more. It has its index, unless that cannot
+  /// be written: it can be made again at any time. Throws StorageError.
   void finish();
 
   std::uint64_t bytes() const;  // that went into the file

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recording/match_moment.h"
 
+#include "base/background.h"
 #include "base/error.h"
 #include "base/plain_text.h"
 #include "net/parse.h"
@@ -11,10 +12,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <condition_variable>
 #include <map>
+#include <mutex>
+#include <ranges>
 #include <string>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace sslv {
 namespace {
@@ -22,8 +27,13 @@ namespace {
 constexpr std::int64_t kNew_ns = 200'000'000, kNewReferee_ns = 2'000'000'000;
 /// So far into a log its field must have been said; it is every few seconds.
 constexpr std::int64_t kFieldWithin_ns = 30'000'000'000;
-constexpr int kMostMessages = 100'000;
+constexpr int kMaxMessages = 100'000;
 constexpr std::size_t kMaxNameBytes = 60;
+/// More is no field: what a log holds is anybody's.
+constexpr std::size_t kMaxCameras = 64;
+constexpr int kMaxThings = 256;
+/// Of places within members.
+constexpr std::uint64_t kMaxPlaces = 256, kLeastBetweenPlaces = std::uint64_t{4} << 20U;
 
 double seconds_of(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
@@ -45,11 +55,19 @@ Json robot_json(const SSL_DetectionRobot& robot, const char* team) {
           {"pixel_y", robot.pixel_y()}};
 }
 
+/// The first ones of a list.
+template <class List>
+auto some_of(const List& list) {
+  return std::ranges::subrange(list.begin(), list.begin() + std::min(list.size(), kMaxThings));
+}
+
 Json detections_json_of(const SSL_DetectionFrame& frame) {
   Json robots = Json::array(), balls = Json::array();
-  for (const SSL_DetectionRobot& robot : frame.robots_yellow()) robots.push_back(robot_json(robot, "yellow"));
-  for (const SSL_DetectionRobot& robot : frame.robots_blue()) robots.push_back(robot_json(robot, "blue"));
-  for (const SSL_DetectionBall& ball : frame.balls()) {
+  for (const SSL_DetectionRobot& robot : some_of(frame.robots_yellow()))
+    robots.push_back(robot_json(robot, "yellow"));
+  for (const SSL_DetectionRobot& robot : some_of(frame.robots_blue()))
+    robots.push_back(robot_json(robot, "blue"));
+  for (const SSL_DetectionBall& ball : some_of(frame.balls())) {
     balls.push_back({{"x", ball.x()},
                      {"y", ball.y()},
                      {"confidence", ball.confidence()},
@@ -63,7 +81,7 @@ Json detections_json_of(const SSL_DetectionFrame& frame) {
 Json tracked_json(const TrackedFrame& frame) {
   constexpr double kMmPerM = 1000;
   Json robots = Json::array(), ball = nullptr;
-  for (const TrackedRobot& robot : frame.robots()) {
+  for (const TrackedRobot& robot : some_of(frame.robots())) {
     robots.push_back({{"team", robot.robot_id().team() == ::Team::BLUE ? "blue" : "yellow"},
                       {"id", robot.robot_id().id()},
                       {"x", robot.pos().x() * kMmPerM},
@@ -98,6 +116,16 @@ bool is_vision(const LoggedMessage& message) {
   return message.type == LoggedMessage::kVision2014 || message.type == LoggedMessage::kVision2010;
 }
 
+/// Between the places of an index at which reading may begin, and the log's end.
+std::uint64_t largest_gap_bytes(const MatchLogIndex& index) {
+  std::uint64_t largest = 0, before = 0;
+  for (const MatchLogPoint& point : index.points) {
+    largest = std::max(largest, point.place.offset - before);
+    before = point.place.offset;
+  }
+  return std::max(largest, index.unpacked_bytes - std::min(before, index.unpacked_bytes));
+}
+
 }  // namespace
 
 std::optional<Json> detections_json_of(std::span<const std::byte> packet) {
@@ -106,19 +134,110 @@ std::optional<Json> detections_json_of(std::span<const std::byte> packet) {
   return detections_json_of(wrapper.detection());
 }
 
-MatchMoments::MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index)
-    : index_(std::move(index)), reader_(log) {}
+/// Places within the members of a packed log, found by a thread that reads all of it once.
+class MatchMoments::Places {
+ public:
+  Places(const std::filesystem::path& log, std::uint64_t every_bytes)
+      : thread_([this, log, every_bytes](const std::stop_token& stop) {
+          become_background_thread("log places", 15);
+          try {
+            find(log, every_bytes, stop);
+          } catch (const StorageError&) {  // who looks at the log finds the same
+          }
+          const std::lock_guard lock(mutex_);
+          is_done_ = true;
+          done_.notify_all();
+        }) {}
+
+  struct Place {
+    MemberPlace at;
+    std::uint64_t next_offset = 0;   // of the first message behind it
+    std::int64_t all_before_ns = 0;  // the latest time of those before
+  };
+  /// The last one behind which is all that came then. None: nothing is known of that time yet.
+  std::optional<Place> before(std::int64_t time_ns) const {
+    const std::lock_guard lock(mutex_);
+    if (!is_done_ && time_ns >= read_ns_) return std::nullopt;
+    const auto behind = std::ranges::partition_point(
+        places_, [&](const Place& place) { return place.all_before_ns < time_ns; });
+    return behind == places_.begin() ? Place{} : *(behind - 1);
+  }
+  void wait() const {
+    std::unique_lock lock(mutex_);
+    done_.wait(lock, [this] { return is_done_; });
+  }
+
+ private:
+  void find(const std::filesystem::path& log, std::uint64_t every_bytes, const std::stop_token& stop) {
+    MatchLogReader reader(log);
+    reader.note_places(every_bytes);
+    std::int64_t latest_ns = 0;
+    for (LoggedMessage message; !stop.stop_requested() && reader.next(message);) {
+      // An index may lie about the log's length.
+      if (reader.message_offset() > kMaxUnpackedBytes || places_.size() > 2 * kMaxPlaces) return;
+      latest_ns = std::max(latest_ns, message.time_ns);
+      for (MemberPlace& found : reader.take_places()) {
+        const std::lock_guard lock(mutex_);
+        places_.push_back({std::move(found), reader.next_offset(), latest_ns});
+        read_ns_ = latest_ns;
+      }
+    }
+  }
+
+  mutable std::mutex mutex_;  // guards the next ones
+  mutable std::condition_variable done_;
+  std::vector<Place> places_;
+  std::int64_t read_ns_ = 0;  // so far
+  bool is_done_ = false;
+  std::jthread thread_;  // last: it uses the others
+};
+
+MatchMoments::MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index,
+                           std::uint64_t max_bytes)
+    : index_(std::move(index)), max_bytes_(max_bytes), reader_(log) {
+  if (largest_gap_bytes(*index_) <= max_bytes_ / 2) return;
+  const std::uint64_t every_bytes =
+      std::max(index_->unpacked_bytes / kMaxPlaces, std::min(kLeastBetweenPlaces, max_bytes_ / 4));
+  places_ = std::make_unique<Places>(log, every_bytes);
+}
+
+MatchMoments::~MatchMoments() = default;
+
+void MatchMoments::wait() {
+  if (places_) places_->wait();
+}
+
+/// False: nothing is known of that time yet.
+bool MatchMoments::go_to(std::int64_t time_ns, const std::stop_token& stop) {
+  const auto behind = std::ranges::partition_point(
+      index_->points, [&](const MatchLogPoint& point) { return point.all_before_ns < time_ns; });
+  const std::uint64_t offset = behind == index_->points.begin() ? 0 : (behind - 1)->place.offset;
+  const auto place = places_ ? places_->before(time_ns) : Places::Place{};
+  if (!place) return false;
+  if (place->next_offset > offset) {
+    reader_.go_to(place->at, place->next_offset);
+  } else if (offset > 0) {
+    reader_.go_to((behind - 1)->place);
+  } else {
+    reader_.go_to_begin();
+  }
+  if (reader_.skip_to(time_ns, max_bytes_, stop)) return true;
+  refuse_when_stopped(stop);
+  throw StorageError("this time is too far from all places of the log at which reading may begin");
+}
 
 Json MatchMoments::field(const std::stop_token& stop) {
   if (field_) return *field_;
   Json field = nullptr;
   reader_.go_to_begin();
   LoggedMessage message;
-  for (int i = 0; i < kMostMessages && reader_.next(message); ++i) {
+  for (int i = 0; i < kMaxMessages && reader_.next(message); ++i) {
     refuse_when_stopped(stop);
-    if (message.time_ns > index_->first_ns + kFieldWithin_ns) break;
+    if (message.time_ns > index_->first_ns + kFieldWithin_ns || reader_.next_offset() > max_bytes_) break;
     SSL_WrapperPacket wrapper;
-    if (!is_vision(message) || !parse(wrapper, message.bytes) || !wrapper.has_geometry()) continue;
+    if (!is_vision(message) || message.bytes.size() > kMaxDatagramInLog || !parse(wrapper, message.bytes) ||
+        !wrapper.has_geometry())
+      continue;
     const auto& size = wrapper.geometry().field();
     field = {{"length", size.field_length()}, {"width", size.field_width()}};
     break;
@@ -126,7 +245,7 @@ Json MatchMoments::field(const std::stop_token& stop) {
   return field_.emplace(std::move(field));
 }
 
-Json MatchMoments::at(double at_s, const std::stop_token& stop) {
+std::optional<Json> MatchMoments::at(double at_s, const std::stop_token& stop) {
   const double length_s = seconds_of(index_->last_ns - index_->first_ns);
   at_s = std::isfinite(at_s) ? std::clamp(at_s, 0.0, length_s) : 0;
   const std::int64_t now_ns = index_->first_ns + std::llround(at_s * 1e9);
@@ -135,15 +254,18 @@ Json MatchMoments::at(double at_s, const std::stop_token& stop) {
            {"tracked", nullptr},
            {"referee", nullptr},
            {"field", field(stop)}};
-  reader_.go_to(std::max(index_->first_ns, now_ns - kNewReferee_ns), *index_, stop);
+  if (!go_to(std::max(index_->first_ns, now_ns - kNewReferee_ns), stop)) return std::nullopt;
+  const std::uint64_t begin = reader_.next_offset();
   std::map<std::uint32_t, Json> cameras;
   LoggedMessage message;
   SSL_WrapperPacket vision;
   TrackerWrapperPacket tracker;
   Referee referee;
   std::string tracker_source;
-  for (int i = 0; i < kMostMessages && reader_.next(message) && message.time_ns <= now_ns; ++i) {
+  for (int i = 0; i < kMaxMessages && reader_.next(message) && message.time_ns <= now_ns; ++i) {
     refuse_when_stopped(stop);
+    if (reader_.next_offset() - begin > max_bytes_) break;
+    if (message.bytes.size() > kMaxDatagramInLog) continue;
     const double time_s = seconds_of(message.time_ns - index_->first_ns);
     if (message.type == LoggedMessage::kReferee) {
       if (parse(referee, message.bytes)) out["referee"] = referee_json(referee);
@@ -151,6 +273,7 @@ Json MatchMoments::at(double at_s, const std::stop_token& stop) {
     }
     if (message.time_ns < now_ns - kNew_ns) continue;
     if (is_vision(message) && parse(vision, message.bytes) && vision.has_detection()) {
+      if (cameras.size() >= kMaxCameras && !cameras.contains(vision.detection().camera_id())) continue;
       Json& camera = cameras[vision.detection().camera_id()];
       camera = detections_json_of(vision.detection());
       camera["id"] = vision.detection().camera_id();

@@ -7,7 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <vector>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -19,7 +19,8 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kInputBytes = 64 * 1024;
-constexpr int kGzipOnly = 16 + MAX_WBITS;
+constexpr int kGzipOnly = 16 + MAX_WBITS, kRaw = -MAX_WBITS;
+constexpr std::size_t kMemberEndBytes = 8;  // checksum and size
 
 }  // namespace
 
@@ -61,17 +62,30 @@ class PackedFile::State {
     input_place_ = place.file_offset;
     input_.clear();
     zlib_.avail_in = 0;
-    if (is_packed_) inflateReset(&zlib_);
+    if (is_packed_) inflateReset2(&zlib_, kGzipOnly);
+    is_raw_ = false;
     place_ = place;
-    offset_ = place.offset;
+    offset_ = noted_offset_ = place.offset;
     is_at_end_ = false;
     problem_.clear();
+  }
+
+  void go_to(const MemberPlace& within) {
+    go_to(within.place);
+    inflateReset2(&zlib_, kRaw);
+    is_raw_ = true;
+    unsigned char last = 0;
+    if (within.bits > 0 && ::pread(file_, &last, 1, static_cast<off_t>(within.place.file_offset) - 1) == 1)
+      inflatePrime(&zlib_, within.bits, last >> (8 - within.bits));
+    inflateSetDictionary(&zlib_, within.window.data(), static_cast<uInt>(within.window.size()));
   }
 
   bool is_packed_ = false;
   std::uint64_t offset_ = 0;
   UnpackPlace place_;
   std::string problem_;
+  std::uint64_t noted_every_ = 0;  // bytes; 0: no places are noted
+  std::vector<MemberPlace> noted_;
 
  private:
   void close() {
@@ -110,6 +124,30 @@ class PackedFile::State {
     return !input_.empty();
   }
 
+  void skip(std::size_t count) {
+    while (count > 0 && fill()) {
+      const auto some = std::min<std::size_t>(count, zlib_.avail_in);
+      zlib_.next_in += some;
+      zlib_.avail_in -= static_cast<uInt>(some);
+      count -= some;
+    }
+  }
+
+  /// If zlib stands between two blocks of a member.
+  void note_place(std::uint64_t offset) {
+    constexpr int kAfterBlock = 128, kInLastBlock = 64, kUnusedBits = 7;
+    if ((zlib_.data_type & kAfterBlock) == 0 || (zlib_.data_type & kInLastBlock) != 0 ||
+        offset - noted_offset_ < noted_every_)
+      return;
+    MemberPlace here{.place = {taken(), offset}, .bits = zlib_.data_type & kUnusedBits};
+    here.window.resize(std::size_t{1} << MAX_WBITS);
+    uInt bytes = 0;
+    inflateGetDictionary(&zlib_, here.window.data(), &bytes);
+    here.window.resize(bytes);
+    noted_.push_back(std::move(here));
+    noted_offset_ = offset;
+  }
+
   /// Where in the file the next byte is that zlib takes.
   std::uint64_t taken() const { return input_place_ - zlib_.avail_in; }
 
@@ -124,9 +162,12 @@ class PackedFile::State {
         if (problem_.empty() && taken() != place_.file_offset) problem_ = kCutOff;
         break;
       }
-      const int result = inflate(&zlib_, Z_NO_FLUSH);
+      const int result = inflate(&zlib_, noted_every_ > 0 ? Z_BLOCK : Z_NO_FLUSH);
+      if (result == Z_OK && noted_every_ > 0) note_place(offset_ + done());
       if (result == Z_STREAM_END) {
-        inflateReset(&zlib_);
+        if (is_raw_) skip(kMemberEndBytes);
+        is_raw_ = false;
+        inflateReset2(&zlib_, kGzipOnly);
         place_ = {taken(), offset_ + done()};
         // What follows the last member is no part of it (gzip pads with zeros on tapes).
         if (!fill() || *zlib_.next_in != 0x1f) is_at_end_ = true;
@@ -143,6 +184,8 @@ class PackedFile::State {
   std::vector<Bytef> input_;
   std::uint64_t input_place_ = 0;  // of the byte behind input_
   bool is_at_end_ = false;
+  bool is_raw_ = false;             // within a member whose head zlib has not seen
+  std::uint64_t noted_offset_ = 0;  // of the last place that was noted
 };
 
 PackedFile::PackedFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
@@ -167,6 +210,18 @@ UnpackPlace PackedFile::place() const {
 
 void PackedFile::go_to(const UnpackPlace& place) {
   state_->go_to(place);
+}
+
+void PackedFile::go_to(const MemberPlace& place) {
+  state_->go_to(place);
+}
+
+void PackedFile::note_places(std::uint64_t every_bytes) {
+  state_->noted_every_ = every_bytes;
+}
+
+std::vector<MemberPlace> PackedFile::take_places() {
+  return std::exchange(state_->noted_, {});
 }
 
 const std::string& PackedFile::problem() const {

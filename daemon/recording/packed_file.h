@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -16,6 +17,13 @@ struct UnpackPlace {
   std::uint64_t offset = 0;       // of the first byte that comes of it
 
   bool operator==(const UnpackPlace&) const = default;
+};
+
+/// A place within a gzip member, at which reading can go on with what deflate remembers there.
+struct MemberPlace {
+  UnpackPlace place;  // file_offset: of the first byte that is not used up
+  int bits = 0;       // of the byte before it that are not used up
+  std::vector<unsigned char> window{};
 };
 
 /// Reads a file from its beginning or from a place; unpacks it where it is gzip, all members one after the
@@ -37,6 +45,12 @@ class PackedFile {
   UnpackPlace place() const;
   /// Goes on reading there.
   void go_to(const UnpackPlace& place);
+  void go_to(const MemberPlace& place);
+
+  /// From now on reading a packed file notes places within members, so many unpacked bytes apart or more.
+  void note_places(std::uint64_t every_bytes);
+  /// Those that were noted since it was asked last. None lies behind offset().
+  std::vector<MemberPlace> take_places();
 
   /// problem() of a packed file that ends within a member.
   static constexpr const char* kCutOff = "is cut off";

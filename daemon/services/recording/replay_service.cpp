@@ -181,8 +181,11 @@ Response ReplayService::get_frame(const Request& request) {
 }
 
 Response ReplayService::get_picture(const Request& request) {
-  return with_clip(find(request, RecordingFile::Kind::kClip), request.stop,
-                   [&](ClipReader& clip) { return jpeg_response(frame_of(clip, request).image, request); });
+  return with_clip(find(request, RecordingFile::Kind::kClip), request.stop, [&](ClipReader& clip) {
+    const ImageView& image = frame_of(clip, request).image;
+    if (image.empty()) throw HttpError(422, "of this frame no image, or only parts of one, were kept");
+    return jpeg_response(image, request);
+  });
 }
 
 Response ReplayService::get_moment(const Request& request) {
@@ -198,10 +201,11 @@ Response ReplayService::get_moment(const Request& request) {
   const std::lock_guard lock(open->mutex);
   try {
     if (!open->reader) open->reader = std::make_unique<MatchMoments>(files_.path_of(file.name), file.index);
-    return json_response(open->reader->at(at_s, request.stop));
+    if (const auto moment = open->reader->at(at_s, request.stop)) return json_response(*moment);
   } catch (const StorageError& error) {
     throw HttpError(422, error.what());
   }
+  throw HttpError(409, "it is still being read up to this time; try again in a moment");
 }
 
 Response ReplayService::start_comparison(const Request& request) {

@@ -8,6 +8,8 @@
 #include "recording/match_log_writer.h"
 #include "ssl_gc_referee_message.pb.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
+#include "support/allocation_count.h"
+#include "support/little_memory.h"
 #include "support/temporary_folder.h"
 #include "support/test_data.h"
 
@@ -17,6 +19,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <random>
 #include <span>
 #include <stop_token>
@@ -404,7 +407,8 @@ TEST_F(MatchLog, DamageIsNoticedAndWhatCameBeforeIsKept) {
   write(file(), bytes);
   const WasRead was_read = read(file());
   EXPECT_THAT(was_read.problem,
-              ::testing::AnyOf(HasSubstr("is damaged"), HasSubstr("is larger than any packet")));
+              ::testing::AnyOf(HasSubstr("is damaged"), HasSubstr("is larger than any packet"),
+                               HasSubstr("has a time that cannot be")));
   EXPECT_GT(was_read.messages.size(), written.size() / 2);
   EXPECT_NE(match_log_index(file()).problem, "");
 }
@@ -447,6 +451,68 @@ TEST_F(MatchLog, WhatIsPackedTightlyTakesNoMemory) {
   const MatchLogIndex index = make_match_log_index(file());
   EXPECT_EQ(index.messages.at(0), 64U << 16U);
   EXPECT_THAT(index.points, IsEmpty());
+}
+
+TEST_F(MatchLog, ThatIsCompleteNeedsNoIndex) {
+  fs::create_directories(index_file_of(file()) / "in the way");
+  const std::vector<LoggedMessage> messages = write_match(file(), 100);
+  const WasRead log = read(file());
+  EXPECT_EQ(log.problem, "");
+  EXPECT_THAT(log.messages, SizeIs(messages.size()));
+}
+
+TEST_F(MatchLog, TimesThatCannotBeAreNotRead) {
+  for (const std::int64_t time_ns : {std::int64_t{-1}, std::numeric_limits<std::int64_t>::min(),
+                                     std::numeric_limits<std::int64_t>::max(), std::int64_t{1} << 62}) {
+    fs::remove(file());
+    {
+      MatchLogWriter out(file());
+      out.add(kBegin_ns, LoggedMessage::kVision2014, bytes_of("good"));
+      out.add(time_ns, LoggedMessage::kVision2014, bytes_of("bad"));
+      out.finish();
+    }
+    const WasRead log = read(file());
+    EXPECT_THAT(log.messages, SizeIs(1));
+    EXPECT_THAT(log.problem, HasSubstr("message 2 has a time that cannot be"));
+    const MatchLogIndex index = match_log_index(file());
+    EXPECT_EQ(index.last_ns, kBegin_ns);
+  }
+}
+
+TEST_F(MatchLog, AnIndexTakesLittleMemory) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  write_match(file(), 10);
+  const std::string good = contents(index_file_of(file()));
+  for (const char* value : {R"("")", "[]", "{}", R"({"":{}})", "[0,0,0,0]"}) {
+    for (const int count : {39'000, 1'000'000}) {
+      std::string lie = good.substr(0, good.rfind('}')) + R"(,"more":[)" + value;
+      for (int i = 1; i < count; ++i) lie.append(",").append(value);
+      write(index_file_of(file()), lie + "]}");
+      EXPECT_TRUE(test::fits_into(test::kMemoryForAFile, [&] { read_match_log_index(file()); })) << value;
+      EXPECT_EQ(read_match_log_index(file()).has_value(), count < 100'000) << value;
+    }
+  }
+  fs::resize_file(index_file_of(file()), 64 << 20);
+  EXPECT_TRUE(test::fits_into(test::kMemoryForAFile, [&] { read_match_log_index(file()); }));
+}
+
+/// However long a log is, its index can be read again.
+TEST(MatchLogIndexMaker, LeavesOutPointsOfAVeryLongLog) {
+  MatchLogIndexMaker maker;
+  LoggedMessage message{.time_ns = kBegin_ns, .type = LoggedMessage::kVision2014, .bytes = bytes_of("x")};
+  for (std::uint64_t i = 0; i < 100'000; ++i) {
+    const std::uint64_t offset = kLogHeaderBytes + (i << 20U);
+    maker.add(message, offset, {offset, offset});
+    message.time_ns += 1'000'000;
+  }
+  const std::vector<MatchLogPoint>& points = maker.index().points;
+  EXPECT_LE(points.size(), 16'384U);
+  EXPECT_GE(points.size(), 8'192U);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    ASSERT_GT(points[i].place.offset, points[i - 1].place.offset);
+    ASSERT_LE(points[i].place.offset - points[i - 1].place.offset, std::uint64_t{16} << 20U);
+    ASSERT_EQ(points[i].place.offset, kLogHeaderBytes + (points[i].messages << 20U));
+  }
 }
 
 TEST_F(MatchLog, ReadsThePacketsOfARealMatch) {
@@ -537,6 +603,16 @@ TEST(MatchEvents, TellCommandsStagesGoalsAndKicks) {
                           "stage: Match over", "command: Halt"));
   EXPECT_EQ(match.events[5].time_ns, kBegin_ns + 500'000'000 - 250'000'000)
       << "when it was kicked, not when it was told";
+}
+
+TEST(MatchEvents, AKickWithoutATimeIsNone) {
+  PlayedMatch match;
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  for (const double start_s : {kNoNumber, kEndless, -kEndless, kNoNumber}) match.kick(start_s, 6.5F);
+  EXPECT_THAT(match.texts(), IsEmpty());
+  match.kick(100, 6.5F);
+  EXPECT_THAT(match.texts(), SizeIs(1));
 }
 
 TEST(MatchEvents, FollowOneOfSeveralSources) {
