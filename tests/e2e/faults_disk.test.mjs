@@ -408,9 +408,10 @@ describe('a disk that hangs', { skip: existsSync(HUNG_DISK) ? false : `${HUNG_DI
     const sender = createSocket('udp4').bind(0, '127.0.0.1');
     await once(sender, 'listening');
     sender.setMulticastInterface('127.0.0.1');
-    const nonsense = Buffer.alloc(50_000, 0xff);
+    // A TrackerWrapperPacket: "a" as uuid, a name of 50,000 bytes, a frame with its number and time.
+    const large = Buffer.concat([Buffer.from([0x0a, 1, 0x61, 0x12, 0xd0, 0x86, 3]), Buffer.alloc(50_000, 'x'), Buffer.from([0x1a, 11, 8, 1, 0x11, ...Buffer.alloc(8)])]);
     const lost = async () => {
-      for (let i = 0; i < 40; i++) await new Promise((sent) => { sender.send(nonsense, port, group, sent); });
+      for (let i = 0; i < 40; i++) await new Promise((sent) => { sender.send(large, port, group, sent); });
       return (await service.status()).alerts.find(({ id }) => id === 'recording_lost');
     };
     const alert = await becomes(lost, (found) => found !== undefined);

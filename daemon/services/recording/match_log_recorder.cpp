@@ -21,21 +21,18 @@ std::int64_t now_ns() {
 
 MatchLogRecorder::MatchLogRecorder()
     : thread_([this](const std::stop_token& stop) { keep_writing(stop); }),
-      vision_("log vision",
-              [this](auto datagram, const auto&) { take(LoggedMessage::kVision2014, datagram); }),
-      tracker_("log tracker",
-               [this](auto datagram, const auto&) { take(LoggedMessage::kTracker2020, datagram); }),
-      referee_("log referee",
-               [this](auto datagram, const auto&) { take(LoggedMessage::kReferee, datagram); }) {}
+      vision_(*this, "log vision", LoggedMessage::kVision2014, kVisionShare_bytes_per_s),
+      tracker_(*this, "log tracker", LoggedMessage::kTracker2020, kTrackerShare_bytes_per_s),
+      referee_(*this, "log referee", LoggedMessage::kReferee, kRefereeShare_bytes_per_s) {}
 
 MatchLogRecorder::~MatchLogRecorder() {
   end();
 }
 
 void MatchLogRecorder::listen_now() {
-  vision_.listen(is_listening_ ? std::optional(groups_.vision) : std::nullopt);
-  tracker_.listen(is_listening_ ? std::optional(groups_.tracker) : std::nullopt);
-  referee_.listen(is_listening_ ? groups_.referee : std::nullopt);
+  vision_.receiver.listen(is_listening_ ? std::optional(groups_.vision) : std::nullopt);
+  tracker_.receiver.listen(is_listening_ ? std::optional(groups_.tracker) : std::nullopt);
+  referee_.receiver.listen(is_listening_ ? groups_.referee : std::nullopt);
 }
 
 void MatchLogRecorder::listen(const MatchLogGroups& groups) {
@@ -84,19 +81,26 @@ MatchLogRecorder::Status MatchLogRecorder::status() const {
   return status_;
 }
 
-void MatchLogRecorder::take(std::int32_t type, std::span<const std::byte> datagram) {
+void MatchLogRecorder::take(Group& group, std::uint32_t sender, std::span<const std::byte> datagram) {
+  // In this order: what is refused takes no share from what is the league's.
+  const bool is_good =
+      is_league_message(group.type, datagram) && group.share.take(sender, datagram.size(), steady_s());
   const std::lock_guard lock(mutex_);
   const std::int64_t time_ns = now_ns();  // with the lock, so that times stand in their order
   if (!status_.is_recording) return;
+  if (!is_good) {
+    ++status_.refused;
+    return;
+  }
   if (waiting_.bytes.size() + datagram.size() > kMaxWaitingBytes) {
     ++status_.lost;
     return;
   }
-  waiting_.messages.push_back({time_ns, type, static_cast<std::uint32_t>(datagram.size())});
+  waiting_.messages.push_back({time_ns, group.type, static_cast<std::uint32_t>(datagram.size())});
   waiting_.bytes.insert(waiting_.bytes.end(), datagram.begin(), datagram.end());
-  ++(type == LoggedMessage::kVision2014 ? status_.vision
-     : type == LoggedMessage::kReferee  ? status_.referee
-                                        : status_.tracked);
+  ++(group.type == LoggedMessage::kVision2014 ? status_.vision
+     : group.type == LoggedMessage::kReferee  ? status_.referee
+                                              : status_.tracked);
 }
 
 bool MatchLogRecorder::write(const Waiting& some) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "net/multicast_receiver.h"
+#include "recording/league_intake.h"
 #include "recording/match_log_writer.h"
 
 #include <chrono>
@@ -27,9 +28,9 @@ struct MatchLogGroups {
   bool operator==(const MatchLogGroups&) const = default;
 };
 
-/// Writes what is sent to the groups of a field into one log after the other. Threads that listen only copy;
-/// one of low priority packs and writes, twice a second onto the disk. A disk that hangs delays nobody: what
-/// finds no room then is lost and counted. May be used from any thread.
+/// Writes what the league sends to the groups of a field into one log after the other. Threads that listen
+/// check and copy; one of low priority packs and writes, twice a second onto the disk. A disk that hangs
+/// delays nobody: what finds no room then is lost and counted. May be used from any thread.
 class MatchLogRecorder {
  public:
   static constexpr std::chrono::milliseconds kFlushInterval{500};
@@ -38,8 +39,9 @@ class MatchLogRecorder {
   struct Status {
     bool is_recording = false;
     std::uint64_t bytes = 0, vision = 0, referee = 0, tracked = 0;
-    std::uint64_t lost = 0;  // found no room
-    std::string problem;     // why it ended early; empty: it did not
+    std::uint64_t lost = 0;     // found no room
+    std::uint64_t refused = 0;  // were none of the league's messages, or more than a field sends
+    std::string problem;        // why it ended early; empty: it did not
   };
 
   MatchLogRecorder();
@@ -73,7 +75,8 @@ class MatchLogRecorder {
     }
   };
 
-  void take(std::int32_t type, std::span<const std::byte> datagram);
+  struct Group;
+  void take(Group& group, std::uint32_t sender, std::span<const std::byte> datagram);
   void listen_now();  // with control_mutex_ held
   void keep_writing(const std::stop_token& stop);
   bool write(const Waiting& some);  // false: it cannot be written on
@@ -90,7 +93,18 @@ class MatchLogRecorder {
   std::unique_ptr<MatchLogWriter> writer_;  // given to the thread while it records
 
   std::jthread thread_;
-  MulticastReceiver vision_, tracker_, referee_;  // last: their threads use the others
+  struct Group {
+    Group(MatchLogRecorder& recorder, const char* thread_name, std::int32_t its_type, double bytes_per_s)
+        : type(its_type),
+          share(bytes_per_s),
+          receiver(thread_name, [this, &recorder](auto datagram, const auto& sender) {
+            recorder.take(*this, sender.address().to_v4().to_uint(), datagram);
+          }) {}
+    const std::int32_t type;
+    LeagueShare share;  // the receiver's thread's
+    MulticastReceiver receiver;
+  };
+  Group vision_, tracker_, referee_;  // last: their threads use the others
 };
 
 }  // namespace sslv

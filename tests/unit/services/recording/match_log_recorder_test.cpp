@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/recording/match_log_recorder.h"
+
+#include "recording/match_log_reader.h"
+#include "ssl_vision_wrapper_tracked.pb.h"
+#include "support/becomes.h"
+#include "support/group_listener.h"
+#include "support/temporary_folder.h"
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace sslv {
+namespace {
+
+class MatchLogRecorderTest : public ::testing::Test {
+ protected:
+  MatchLogRecorderTest() {
+    const GroupAddress here{GroupListener::kGroup, listener_.port(), "lo"}, nowhere{"239.255.77.1", 1, "lo"};
+    recorder_.listen({.vision = nowhere, .tracker = here, .referee = {}});
+  }
+  void send_tracked() {
+    TrackerWrapperPacket packet;
+    packet.set_uuid("a");
+    packet.mutable_tracked_frame()->set_frame_number(1);
+    packet.mutable_tracked_frame()->set_timestamp(1);
+    send(sender_, packet.SerializeAsString());
+  }
+
+  test::TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_.path() / "a.log.gz";
+  GroupListener listener_;  // keeps the port
+  MulticastSender sender_{settings_for(listener_)};
+  MatchLogRecorder recorder_;
+};
+
+TEST_F(MatchLogRecorderTest, LeavesOutAndCountsWhatIsNotTheLeagues) {
+  recorder_.begin(file_);
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    send(sender_, i % 2 == 0 ? std::string() : std::string(1400, 'x'));
+    // So few that the socket has room for them.
+    if (i % 20 != 0) continue;
+    ASSERT_TRUE(test::becomes([&] { return recorder_.status().refused == i; }));
+  }
+  send_tracked();
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 1; }));
+  recorder_.end();
+  EXPECT_EQ(recorder_.status().problem, "");
+  EXPECT_EQ(recorder_.status().lost, 0U);
+  MatchLogReader reader(file_);
+  LoggedMessage message;
+  EXPECT_TRUE(reader.next(message));
+  EXPECT_EQ(message.type, LoggedMessage::kTracker2020);
+  EXPECT_FALSE(reader.next(message)) << "nothing else is in the log";
+}
+
+TEST_F(MatchLogRecorderTest, ALogWhoseIndexCannotBeWrittenIsRecorded) {
+  recorder_.begin(file_);
+  std::filesystem::create_directories(index_file_of(file_) / "in the way");
+  send_tracked();
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 1; }));
+  recorder_.end();
+  EXPECT_EQ(recorder_.status().problem, "") << "the index can be made again";
+  EXPECT_EQ(make_match_log_index(file_).problem, "");
+  EXPECT_EQ(make_match_log_index(file_).messages.at(LoggedMessage::kTracker2020), 1U);
+}
+
+}  // namespace
+}  // namespace sslv
